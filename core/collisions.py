@@ -23,12 +23,10 @@ from .graph.haptic_graph import ObjectTable
 from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
 from .scene.choices import Strategy
-from .scene.functions import ModulationFunction
 from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, TriggerKind, Vector
-from .signals import Signal
 
 EXACT_FRAMES = 32
 """Frames whose number is a multiple of this are `Frame.exact`: later frames can be traced from there with bit-identical results."""
@@ -85,8 +83,6 @@ class CollisionDetector:
     """Detects the collisions of consecutive frames.
 
     ``lazy``: contacts are detected only where a signal of at least the threshold can arrive; gains and impacts are unaffected.
-    ``impact_signal``: signal of impacts without templates of their materials. ``transmission``: the function of all detected contacts, None
-    for the identity.
 
     Impacts need two consecutive frames. They are stored for at most `MOST_FRAMES` frames: a frame with ``recall``, reached by a jump or
     detected again after an edit, has the same impacts and the same sliding and rolling as before, so that modes, gains, materials and
@@ -94,11 +90,9 @@ class CollisionDetector:
     and impacts change, when a struck body has moved, and by `forget_impacts`, which is called after edits of animation and physics.
     """
 
-    def __init__(self, settings: ContactSettings, impact_signal: Signal, transmission: ModulationFunction | None, lazy: bool) -> None:
+    def __init__(self, settings: ContactSettings, lazy: bool) -> None:
         self.settings = settings
-        self.transmission = transmission
         self.lazy = lazy
-        self._impact_signal = impact_signal
         self._sources = ImpactSources()
         self._rubbing = Rubbing(EXACT_FRAMES)
         self._shots = OneShots()
@@ -295,7 +289,7 @@ class CollisionDetector:
 
     def _templates(self, frame: Frame) -> Templates:
         """Return the templates of the impacts of a frame."""
-        return Templates(self.settings, {item.name: item for item in frame.objects}, self._impact_signal)
+        return Templates(self.settings, {item.name: item for item in frame.objects})
 
     def _follow(self, bodies: tuple[Body, ...], table: ObjectTable) -> ContactTracker:
         """Return a tracker of ``bodies``: the current one if names and settings are the same."""
@@ -321,7 +315,7 @@ class CollisionDetector:
         """Return the functions of contacts by the rules of the scene, the same object while rules and objects are unchanged."""
         rows = self.settings.transmission_table
         if self._passed is None or self._passed[0] is not table or self._passed[1].table is not rows:
-            self._passed = table, TransmissionRules(rows, [(item.name, item.material) for item in table.objects], self.transmission)
+            self._passed = table, TransmissionRules(rows, [(item.name, item.material) for item in table.objects])
             self._found = None
         return self._passed[1]
 

@@ -19,9 +19,7 @@ from .render.arrival import arriving
 from .render.frame_result import FrameResult
 from .render.mixdown import Mixdown
 from .render.renderer import SAMPLE_RATE, sample_index
-from .scene.functions import ModulationFunction
 from .scene.values import HapticObject
-from .signals import DEFAULT_IMPACT, Signal
 
 __all__ = ["Frame", "Tracer"]
 
@@ -32,17 +30,15 @@ class Tracer:
     def __init__(
         self,
         contact_settings: ContactSettings | None = None,
-        impact_signal: Signal = DEFAULT_IMPACT,
-        transmission: ModulationFunction | None = None,
         sample_rate: float = SAMPLE_RATE,
         lazy: bool = False,
     ) -> None:
         self.sample_rate = sample_rate
-        self.collisions = CollisionDetector(contact_settings or ContactSettings(), impact_signal, transmission, lazy)
+        self.collisions = CollisionDetector(contact_settings or ContactSettings(), lazy)
         self._objects: tuple[HapticObject, ...] = ()
         self._table = ObjectTable.of((), 0.0)
         self._propagated: Propagated | None = None
-        self._mixdown = Mixdown(impact_signal, sample_rate)
+        self._mixdown = Mixdown(sample_rate)
         self._time: float | None = None
         self._start = 0.0  # of the last frame
 

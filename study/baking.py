@@ -20,9 +20,7 @@ from ..core.propagation import propagate
 from ..core.render.arrival import arriving
 from ..core.render.frame_result import FrameResult
 from ..core.render.mixdown import Mixdown
-from ..core.render.renderer import SAMPLE_RATE
 from ..core.scene.values import Mode, Settings, Source
-from ..core.signals import DEFAULT_IMPACT, Signal
 from ..pictures.picture import viewport_picture
 from ..pictures.png import write_png
 from ..sample_scenes.mine_ride import SECTIONS
@@ -40,9 +38,9 @@ class ModeRendering:
     Contacts, impacts and sources are the same in all modes, so they are found only once.
     """
 
-    def __init__(self, mode: Mode, impact_signal: Signal = DEFAULT_IMPACT, sample_rate: float = SAMPLE_RATE) -> None:
+    def __init__(self, mode: Mode) -> None:
         self.mode = mode
-        self._mixdown = Mixdown(impact_signal, sample_rate)
+        self._mixdown = Mixdown()
         self._time: float | None = None
 
     def of(self, result: FrameResult, settings: Settings) -> FrameResult:

@@ -13,7 +13,6 @@ from ...core.contacts.impact_sources import FrameImpacts, Sounding
 from ...core.contacts.impacts import Impact
 from ...core.contacts.one_shots import Shot
 from ...core.scene.values import TriggerKind
-from ...core.signals import DEFAULT_IMPACT
 from .imported import stored
 
 _MOST_CHARACTERS = 2**16
@@ -73,4 +72,4 @@ def _sounding(item: dict[str, Any], row: dict[str, int]) -> Sounding:
         amplitude=float(item["amplitude"]),
     )
     on_first, on_second = (np.array(place, dtype=np.float64) for place in item["local"])
-    return Sounding.of(impact, (first, second), (on_first, on_second), DEFAULT_IMPACT)
+    return Sounding.of(impact, (first, second), (on_first, on_second))

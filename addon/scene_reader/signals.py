@@ -10,7 +10,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.scene.impact_rule import QUIETEST
 from ...core.scene.values import Listener, Source, SourceKind
-from ...core.signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, LONGEST, Automation, Loop, Noise, Pulse, Signal, Sine, read_wav
+from ...core.signals import DEFAULT_PERSISTENT, LONGEST, Automation, Loop, Noise, Pulse, Signal, Sine, read_wav
 from ...core.signals.envelopes import Decay, Keyed
 from ...core.signals.limits import MIN_SECONDS
 from ..blender.single_precision import shortest
@@ -67,4 +67,4 @@ def is_audible(item: Source | Listener, now: float, duration: float) -> bool:
     """False for a temporary source that is inactive in the frame of ``duration`` seconds that ends ``now``."""
     if not isinstance(item, Source) or item.kind is SourceKind.PERSISTENT:
         return True
-    return item.onset <= now < item.onset + (item.signal or DEFAULT_IMPACT).duration + duration
+    return item.onset <= now < item.onset + item.emitted.duration + duration

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..scene.rules import ContactSettings, ImpactTemplates
 from ..scene.values import HapticObject, Source, SourceKind
-from ..signals import Signal, impact_template
+from ..signals import DEFAULT_IMPACT, Signal, impact_template
 from .impacts import Impact
 from .one_shots import Shot
 from .rubbing import Rubbed
@@ -24,11 +24,10 @@ _UNMOVED = 1e-5
 
 @dataclass(frozen=True, slots=True)
 class Templates:
-    """Signals of impacts between ``objects``, by name, by the rules of ``settings``; ``plain`` if materials are unknown."""
+    """Signals of impacts between ``objects``, by name, by the rules of ``settings``."""
 
     settings: ContactSettings
     objects: Mapping[str, HapticObject]
-    plain: Signal
 
     def of(self, first: str, second: str, impact: Impact) -> tuple[Signal, float]:
         """The signal and the amplitude of an impact of two objects."""
@@ -37,7 +36,7 @@ class Templates:
         template = rule.template
         if not isinstance(template, Signal):
             known = template is ImpactTemplates.BY_MATERIAL and a.impact_material and b.impact_material
-            template = impact_template(a.impact_material, b.impact_material) if known else self.plain
+            template = impact_template(a.impact_material, b.impact_material) if known else DEFAULT_IMPACT
         return rule.played(template, impact.amplitude, (first, second), impact.time)
 
 
@@ -51,8 +50,8 @@ class Sounding:
     end: float
 
     @classmethod
-    def of(cls, impact: Impact, bodies: tuple[str, str], local: tuple[FloatArray, FloatArray], signal: Signal) -> Sounding:
-        """An impact of ``bodies``, by name, that plays ``signal``."""
+    def of(cls, impact: Impact, bodies: tuple[str, str], local: tuple[FloatArray, FloatArray]) -> Sounding:
+        """An impact of ``bodies``, by name, with the default signal."""
         first, second = bodies
         source = Source(
             name=f"impact of {first} and {second} at {impact.time:.4f} s",
@@ -62,10 +61,10 @@ class Sounding:
             second_position=impact.positions[1],
             amplitude=impact.amplitude,
             kind=SourceKind.TEMPORARY,
-            signal=signal,
+            signal=DEFAULT_IMPACT,
             onset=impact.time,
         )
-        return cls(impact, source, local, impact.time + signal.duration)
+        return cls(impact, source, local, impact.time + DEFAULT_IMPACT.duration)
 
     def playing(self, templates: Templates) -> Sounding:
         """The same impact, by these templates."""
@@ -130,7 +129,7 @@ class ImpactSources:
         for impact in impacts:
             first, second = impact.objects
             local = (_to_body(transforms[first], impact.positions[0]), _to_body(transforms[second], impact.positions[1]))
-            self._sounding.append(Sounding.of(impact, (names[first], names[second]), local, templates.plain).playing(templates))
+            self._sounding.append(Sounding.of(impact, (names[first], names[second]), local).playing(templates))
 
     def places(self, transforms: FloatArray) -> tuple[IntArray, FloatArray]:
         """Return the bodies (2k,) of the k sources and the world positions (2k, 3) of the sources on them."""

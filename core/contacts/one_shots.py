@@ -13,7 +13,7 @@ from ..arrays import FloatArray
 from ..scene.impact_rule import RANGES
 from ..scene.rules import ContactSettings
 from ..scene.values import HapticObject, Source, SourceKind, TriggerKind
-from ..signals import DEFAULT_IMPACT, Signal
+from ..signals import Signal
 from .shapes import pose_matrix
 
 Places = Mapping[str, FloatArray]
@@ -104,7 +104,7 @@ class OneShots:
         material = {item.name: item.material for item in objects} if self._found or any(source.triggers for source in sources) else {}
         playing: dict[str, tuple[Shot, Source]] = {}
         for source in sources:
-            template = source.signal or DEFAULT_IMPACT
+            template = source.emitted
             earliest = start - template.duration / RANGES["pitch"][0] - max(self.late.values(), default=0.0)
             shots = [*known_shots(source, earliest, time), *(shot for shot in self._found if shot.source == source.name)]
             for shot in sorted(shots, key=lambda shot: (shot.onset, -shot.strength)):

@@ -13,17 +13,15 @@ from .contact_set import ContactSet
 
 
 class TransmissionRules:
-    """Transmission functions of contacts between ``objects``, each given by name and material: from the ``table``, otherwise ``general``.
+    """Transmission functions of contacts between ``objects``, each given by name and material: from the ``table``, otherwise the identity.
 
     Pairs are looked up once.
     """
 
-    def __init__(
-        self, table: RuleTable[ModulationFunction], objects: Sequence[tuple[str, str]], general: ModulationFunction | None = None
-    ) -> None:
+    def __init__(self, table: RuleTable[ModulationFunction], objects: Sequence[tuple[str, str]]) -> None:
         self.table = table
         self.objects = objects
-        self.functions: tuple[ModulationFunction, ...] = (general or Identity(), *(row.does for row in table.rows))
+        self.functions: tuple[ModulationFunction, ...] = (Identity(), *(row.does for row in table.rows))
         self._known: dict[tuple[int, int], int] = {}
 
     @property

@@ -12,8 +12,7 @@ from ..message import Cause, Decibels, Hertz, Message, Seconds
 from ..perception import dominant_frequency, sensation_level
 from ..propagation.modes import nearest_listener
 from ..render.frame_result import FrameResult
-from ..scene.values import Mode, Settings, Source, SourceKind
-from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT
+from ..scene.values import Mode, Settings, Source
 from .gaps import Surroundings, complete_graph, gap_message
 from .losses import NEPER, loss_message, straight_line_message
 
@@ -114,5 +113,4 @@ def _is_over(result: FrameResult, row: int) -> bool:
 
 def _signal_end(source: Source) -> float:
     """Time [s] after which the source is silent."""
-    default = DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else DEFAULT_IMPACT
-    return source.onset + (source.signal or default).duration
+    return source.onset + source.emitted.duration

@@ -10,7 +10,6 @@ import numpy as np
 from ..arrays import FloatArray
 from ..propagation.result import Propagation
 from ..scene.bands import BAND_COUNT
-from ..scene.spectra import emitted
 from ..scene.values import Source
 from ..signals import Signal
 from .filter_bank import bank_spectra
@@ -29,7 +28,7 @@ def arriving(sources: Sequence[Source], propagation: Propagation) -> FloatArray:
     if propagation.band_gain is None:
         return np.asarray(propagation.gain * amplitude)
     gain = propagation.band_gain
-    power = np.array([_band_power(emitted(source)) for source in sources]).reshape(-1, 1, BAND_COUNT, BAND_COUNT)
+    power = np.array([_band_power(source.emitted) for source in sources]).reshape(-1, 1, BAND_COUNT, BAND_COUNT)
     squared = ((gain[:, :, :, None] * power).sum(axis=2) * gain).sum(axis=2)
     return np.asarray(np.sqrt(np.maximum(squared, 0.0)) * amplitude)
 

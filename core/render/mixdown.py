@@ -9,8 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..propagation import Propagation
-from ..scene.values import Listener, Source, SourceKind
-from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
+from ..scene.values import Listener, Source
 from .arrival import arriving
 from .frame_result import FrameResult, Sounding
 from .mixing import MixingExpression, MixingMethod
@@ -25,13 +24,12 @@ DUCKS = 0.01
 
 
 class Mixdown:
-    """Mixes and renders frame after frame. Temporary sources without a signal of their own play ``impact_signal``.
+    """Mixes and renders frame after frame.
 
     ``before``: the state at the start of the last block, None if that was the first one.
     """
 
-    def __init__(self, impact_signal: Signal = DEFAULT_IMPACT, sample_rate: float = SAMPLE_RATE) -> None:
-        self.impact_signal = impact_signal
+    def __init__(self, sample_rate: float = SAMPLE_RATE) -> None:
         self.sample_rate = sample_rate
         self.before: Sounding | None = None
         self._renderer: Renderer | None = None
@@ -67,9 +65,9 @@ class Mixdown:
             self._skipped = True
             return None
         if self._skipped and self.before is not None:
-            earlier = source_voices(self.before.sources, self.before.listeners, self.before.propagation, self.impact_signal)
+            earlier = source_voices(self.before.sources, self.before.listeners, self.before.propagation)
             self._renderer, self._skipped = primed(mixes, self.sample_rate, self.before.time, earlier), False
-        return self._renderer.render_frame(start, end, source_voices(sources, listeners, propagation, self.impact_signal))
+        return self._renderer.render_frame(start, end, source_voices(sources, listeners, propagation))
 
 
 def block_of(result: FrameResult) -> FloatArray | None:
@@ -115,10 +113,8 @@ def ducked(sources: Sequence[Source], listeners: Sequence[Listener], level: Floa
     return np.asarray(10.0 ** (-np.array([item.ducking for item in listeners]) * strongest / 20.0))
 
 
-def source_voices(
-    sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation, impact_signal: Signal = DEFAULT_IMPACT
-) -> list[Voice]:
-    """One voice per source for a `Renderer`, with its gains at the listeners, ducked. ``impact_signal``: of impacts without one."""
+def source_voices(sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation) -> list[Voice]:
+    """One voice per source for a `Renderer`, with its gains at the listeners, ducked."""
     listener_gain = np.array([item.gain for item in listeners])
     gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
     if any(item.ducking for item in listeners):
@@ -127,7 +123,7 @@ def source_voices(
     return [
         Voice(
             key=source.name,
-            signal=source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else impact_signal),
+            signal=source.emitted,
             gains=gains[row] * (listener_gain if gains.ndim == 2 else listener_gain[:, None]),
             onset=source.onset,
             amplitude=source.amplitude,

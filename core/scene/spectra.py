@@ -8,9 +8,8 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import FloatArray
-from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, Signal
+from ..signals import Signal
 from .bands import BAND_COUNT, BAND_EDGES
-from .choices import SourceKind
 from .values import Source
 
 _RATE = 2000
@@ -31,13 +30,8 @@ def leading_band(source: Source) -> int:
     return int((energies > _STRONG * energies.sum()).argmax())
 
 
-def emitted(source: Source) -> Signal:
-    """The signal of a source, the default of its kind without one."""
-    return source.signal or (DEFAULT_PERSISTENT if source.kind is SourceKind.PERSISTENT else DEFAULT_IMPACT)
-
-
 def _energies(source: Source) -> FloatArray:
-    return _signal_energies(emitted(source))
+    return _signal_energies(source.emitted)
 
 
 @lru_cache(maxsize=256)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from ..signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal
+from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, Signal
 from .choices import MOST_DUCKING
 from .choices import Extent as Extent
 from .choices import Mode as Mode
@@ -230,7 +230,12 @@ class Source:
         if self.second_object is not None:
             object.__setattr__(self, "second_position", _finite_vector("second_position", self.second_position or self.position))
         if self.triggers is not None:
-            require_template("signal", self.signal or DEFAULT_IMPACT)
+            require_template("signal", self.emitted)
+
+    @property
+    def emitted(self) -> Signal:
+        """Its signal; without one a tone if it is persistent, or an impact if it is temporary or has triggers."""
+        return self.signal or (DEFAULT_PERSISTENT if self.kind is SourceKind.PERSISTENT and self.triggers is None else DEFAULT_IMPACT)
 
     @property
     def rubs(self) -> bool:

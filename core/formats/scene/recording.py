@@ -18,7 +18,6 @@ from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
 from ...scene.functions import ModulationFunction
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind, Trigger, TriggerKind, Vector
-from ...signals import DEFAULT_IMPACT
 from ...tracer import Frame, Tracer
 from .poses import POSE_DIGITS, PoseRow, Poses
 
@@ -122,7 +121,7 @@ def without_rubbing(scene: HapticScene, recording: Recording | None) -> tuple[Ha
 
 def _is_over(source: Source, time: float) -> bool:
     """Whether a temporary source has ended before ``time``, up to rounding."""
-    return source.kind is SourceKind.TEMPORARY and source.onset + (source.signal or DEFAULT_IMPACT).duration <= time + 1e-9
+    return source.kind is SourceKind.TEMPORARY and source.onset + source.emitted.duration <= time + 1e-9
 
 
 def _by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:

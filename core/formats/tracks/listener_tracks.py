@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...scene.values import Source
-from ...signals import DEFAULT_IMPACT
 from ..io.catalogue import MAX_SAMPLE_RATE
 
 CHUNK = 2**18
@@ -20,7 +19,7 @@ CHUNK = 2**18
 
 def strengths(source: Source, gains: FloatArray) -> list[float]:
     """Peak of an impact's vibration at each listener, at most 1."""
-    peak = min((source.signal or DEFAULT_IMPACT).peak, 1.0)
+    peak = min(source.emitted.peak, 1.0)
     result: list[float] = np.minimum(gains * peak, 1.0).tolist()
     return result
 
