@@ -24,7 +24,8 @@ from pathlib import Path
 
 import numpy as np
 from haptic_tracing.core.contacts.gain_bound import GainBound
-from haptic_tracing.core.contacts.tracker import Body, ContactTracker
+from haptic_tracing.core.contacts.settings import Body
+from haptic_tracing.core.contacts.tracker import ContactTracker
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "core" / "contacts"))
 import bullet_pairs

@@ -15,8 +15,9 @@ import threading
 import time
 
 import numpy as np
+from haptic_tracing.core.contacts.settings import Body
 from haptic_tracing.core.contacts.shapes import Capsule, ConvexHull, Cylinder
-from haptic_tracing.core.contacts.tracker import Body, ContactTracker
+from haptic_tracing.core.contacts.tracker import ContactTracker
 
 from .report import table
 

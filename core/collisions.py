@@ -14,9 +14,11 @@ from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
 from .contacts.gain_bound import GainBound
 from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources, Templates
+from .contacts.impacts import Impact
 from .contacts.one_shots import OneShots, Shot
 from .contacts.rubbing import Rubbing
-from .contacts.tracker import Body, ContactSettings, ContactTracker, FrameContacts, Impact
+from .contacts.settings import Body, ContactSettings
+from .contacts.tracker import ContactTracker, FrameContacts
 from .contacts.transmissions import TransmissionRules
 from .graph.gain_bounds import object_bounds, signal_gain_bound
 from .graph.haptic_graph import ObjectTable

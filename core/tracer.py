@@ -11,7 +11,8 @@ from hashlib import sha256
 from time import perf_counter
 
 from .collisions import CollisionDetector, Collisions, Frame
-from .contacts.tracker import STILL, ContactSettings
+from .contacts.settings import ContactSettings
+from .contacts.tracker import STILL
 from .graph.haptic_graph import ObjectTable, build_graph
 from .propagation import propagate
 from .propagation.reuse import Inputs, Propagated

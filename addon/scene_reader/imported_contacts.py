@@ -10,8 +10,8 @@ from bpy.types import Scene
 
 from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
+from ...core.contacts.settings import ContactSettings
 from ...core.contacts.shapes import pose_matrix
-from ...core.contacts.tracker import ContactSettings
 from ...core.scene.values import Pose
 from .imported import NEAR, FileContacts, file_contacts, imported_scene
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.types import Object
 
-from ...core.contacts.tracker import Motion
+from ...core.contacts.settings import Motion
 from ...core.scene.materials import named_in
 from ...core.scene.values import Extent, HapticObject, Listener, Source, SourceKind
 from ...core.signals import impact_material

@@ -17,7 +17,7 @@ from bpy.types import Depsgraph, Object, Scene
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
-from ...core.contacts.tracker import Body, ContactSettings
+from ...core.contacts.settings import Body, ContactSettings
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
-from ...core.contacts.tracker import Body, ContactSettings
+from ...core.contacts.settings import Body, ContactSettings
 from ...core.scene.values import HapticObject, Listener, Settings, Source
 from .problem import Problem
 from .world_transforms import pose_of

@@ -8,7 +8,7 @@ from typing import Any
 
 from bpy.types import Scene
 
-from ...core.contacts.tracker import ContactSettings
+from ...core.contacts.settings import ContactSettings
 from ...core.scene.choices import Mode, Strategy
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
-from ...core.contacts.tracker import STILL, Body
+from ...core.contacts.settings import Body
+from ...core.contacts.tracker import STILL
 from ...core.scene.values import HapticObject, Listener, Pose, Source
 from .imported_contacts import Homes
 from .problem import Problem

@@ -9,8 +9,9 @@ import numpy as np
 
 from ..scene.values import HapticScene, Pose
 from .contact_set import ContactSet
+from .settings import Body, Motion
 from .shapes import pose_matrix
-from .tracker import Body, ContactTracker, Motion
+from .tracker import ContactTracker
 from .transmissions import TransmissionRules
 
 

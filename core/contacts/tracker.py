@@ -21,18 +21,6 @@ from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
 from .time_of_impact import TimeOfImpact
 
-__all__ = [
-    "Body",
-    "ContactSettings",
-    "ContactStatistics",
-    "ContactTracker",
-    "FrameContacts",
-    "GainBound",
-    "Impact",
-    "ImpactEnergy",
-    "Motion",
-]
-
 _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
 """Indices of the rotation and then the position in the upper three rows of a 4 x 4 matrix."""
 

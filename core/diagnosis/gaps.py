@@ -11,8 +11,9 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..contacts.narrow.frames import relative_pose
 from ..contacts.narrow.narrow_phase import NarrowPhase
+from ..contacts.settings import Body, ContactSettings
 from ..contacts.shapes import transformed_bounds
-from ..contacts.tracker import Body, ContactSettings, ContactTracker
+from ..contacts.tracker import ContactTracker
 from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph, build_graph
 from ..message import Argument, Cause, Message, Metres

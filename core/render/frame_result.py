@@ -9,8 +9,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
+from ..contacts.impacts import Impact
 from ..contacts.one_shots import Shot
-from ..contacts.tracker import Impact
 from ..graph.haptic_graph import HapticGraph
 from ..message import Message
 from ..propagation import Propagation, objects_on

@@ -12,8 +12,8 @@ from ...arrays import FloatArray
 from ...collisions import EXACT_FRAMES
 from ...contacts.contact_set import ContactSet
 from ...contacts.one_shots import Shot
+from ...contacts.settings import Body
 from ...contacts.shapes import pose_matrix
-from ...contacts.tracker import Body
 from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
 from ...scene.functions import ModulationFunction

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.narrow.frames import relative_pose
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
-from haptic_tracing.core.contacts.tracker import Body, ContactSettings, ContactTracker
+from haptic_tracing.core.contacts.settings import Body, ContactSettings
+from haptic_tracing.core.contacts.tracker import ContactTracker
 
 sys.path.insert(0, str(Path(__file__).parent))
 import bullet_pairs

@@ -3,8 +3,8 @@
 import numpy as np
 from haptic_tracing.core.contacts.authored import AuthoredContacts
 from haptic_tracing.core.contacts.contact_set import ContactSet
+from haptic_tracing.core.contacts.settings import Body
 from haptic_tracing.core.contacts.shapes import Box
-from haptic_tracing.core.contacts.tracker import Body
 from haptic_tracing.core.scene.functions import Constant, Identity, function_from_dict
 from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Settings, Source
 from haptic_tracing.core.tracer import Frame, Tracer

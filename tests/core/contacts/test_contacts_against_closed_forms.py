@@ -7,8 +7,9 @@ import pytest
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.narrow.closed_forms import segment_to_triangle
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
+from haptic_tracing.core.contacts.settings import Body
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
-from haptic_tracing.core.contacts.tracker import Body, ContactTracker
+from haptic_tracing.core.contacts.tracker import ContactTracker
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
+from haptic_tracing.core.contacts.settings import Body
 from haptic_tracing.core.contacts.shapes import Box, ConvexHull, Mesh, Sphere
-from haptic_tracing.core.contacts.tracker import Body, ContactTracker
+from haptic_tracing.core.contacts.tracker import ContactTracker
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.scene.functions import Constant
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Pose

@@ -8,8 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.bullet_shapes import convex_hull_shape, mesh_shape, shape_from_bounding_box
+from haptic_tracing.core.contacts.settings import Body, ContactSettings
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Sphere
-from haptic_tracing.core.contacts.tracker import Body, ContactSettings, ContactTracker
+from haptic_tracing.core.contacts.tracker import ContactTracker
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.settings import Body
 from haptic_tracing.core.contacts.shapes import Box, Sphere
-from haptic_tracing.core.contacts.tracker import Body
 from haptic_tracing.core.scene.functions import Expression, Linear
 from haptic_tracing.core.scene.values import HapticObject, Listener, Settings, Source
 from haptic_tracing.core.tracer import Frame, Tracer

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.gain_bound import GainBound
 from haptic_tracing.core.contacts.motion import rotations
+from haptic_tracing.core.contacts.settings import Body, ContactSettings
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Sphere
-from haptic_tracing.core.contacts.tracker import Body, ContactSettings, ContactTracker
+from haptic_tracing.core.contacts.tracker import ContactTracker
 from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.core.scene.values import Pose
 from hypothesis import given, settings

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.settings import Body, Motion
 from haptic_tracing.core.contacts.shapes import Box, pose_matrix
-from haptic_tracing.core.contacts.tracker import Body, Motion
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.settings import Body, ContactSettings, Motion
 from haptic_tracing.core.contacts.shapes import Box, Sphere
-from haptic_tracing.core.contacts.tracker import Body, ContactSettings, Motion
 from haptic_tracing.core.diagnosis.gaps import Surroundings
 from haptic_tracing.core.diagnosis.silence import reasons
 from haptic_tracing.core.message import Cause, Message
