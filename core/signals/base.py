@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import Field, dataclass, fields
-from functools import lru_cache, reduce
+from collections.abc import Callable
+from dataclasses import MISSING, Field, dataclass, field, fields
+from functools import cache, lru_cache, reduce
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
 from .automation import Automation, checked_parameter, largest, values_of
-from .limits import MAX_PEAK
+from .limits import MAX_PEAK, checked_integer, checked_number, within
 
 
 def sample_times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
@@ -35,12 +36,20 @@ class Signal(ABC):
     """An immutable function of time in seconds, 0 before its beginning and after its end.
 
     `a * b` is the product (an envelope times an oscillator), `a * 0.5` a gain, `a + b` the sum, `a >> b` first `a`, then `b`.
-    A subclass is a frozen dataclass whose fields, under the name in `kind`, are its JSON form.
+    A subclass is a frozen dataclass whose fields, under the name in `kind`, are its JSON form. Making it raises ValueError that names a
+    field which is out of its range.
     """
 
     __slots__ = ()
 
     kind: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        for name, check, bounds, unlimited in _checks(type(self)):
+            value = getattr(self, name)
+            checked = value if value == unlimited else check(name, value, *bounds)
+            if checked is not value:
+                object.__setattr__(self, name, checked)
 
     @property
     @abstractmethod
@@ -118,6 +127,21 @@ def json_fields(cls: type[Signal]) -> dict[str, Field[Any]]:
     return {entry.metadata.get("key", entry.name): entry for entry in fields(cls) if entry.init}  # type: ignore[arg-type]
 
 
+@cache
+def _checks(cls: type[Signal]) -> tuple[tuple[str, Callable[..., Any], tuple[float, ...], Any], ...]:
+    """Names, checks and bounds of the fields of a kind of signal that are signals or have a range, each with a default that is not checked."""
+    return tuple(
+        (
+            entry.name,
+            _CHECKS[str(entry.type)],
+            entry.metadata.get("range", ()),
+            entry.default if entry.default in (None, math.inf) else MISSING,
+        )
+        for entry in json_fields(cls).values()
+        if "range" in entry.metadata or "Signal" in str(entry.type)
+    )
+
+
 def _to_json(value: object) -> object:
     if isinstance(value, Signal):
         return value.to_dict()
@@ -137,11 +161,10 @@ class Gain(Signal):
     kind: ClassVar[str] = "gain"
 
     of: Signal
-    gain: float | Automation = 1.0
+    gain: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
 
     def __post_init__(self) -> None:
-        check_signal("of", self.of)
-        object.__setattr__(self, "gain", checked_parameter("gain", self.gain, -MAX_PEAK, MAX_PEAK))
+        Signal.__post_init__(self)
         _check_peak("gain", self.peak)
 
     @property
@@ -163,6 +186,17 @@ class Gain(Signal):
 
 
 @dataclass(frozen=True, slots=True)
+class Modified(Signal):
+    """Base of signals that are made of another one and do not exceed its peak."""
+
+    of: Signal
+
+    @property
+    def peak(self) -> float:
+        return self.of.peak
+
+
+@dataclass(frozen=True, slots=True)
 class Product(Signal):
     """The product of `of`, as long as the shortest."""
 
@@ -171,7 +205,7 @@ class Product(Signal):
     of: tuple[Signal, ...]
 
     def __post_init__(self) -> None:
-        _check_signals(self.of)
+        Signal.__post_init__(self)
         peak = 1.0
         for factor in self.of:
             peak *= factor.peak
@@ -201,7 +235,7 @@ class Sum(Signal):
     of: tuple[Signal, ...]
 
     def __post_init__(self) -> None:
-        _check_signals(self.of)
+        Signal.__post_init__(self)
         _check_peak("of", self.peak)
 
     @property
@@ -228,7 +262,7 @@ class Sequence(Signal):
     of: tuple[Signal, ...]
 
     def __post_init__(self) -> None:
-        _check_signals(self.of)
+        Signal.__post_init__(self)
         if any(part.duration == math.inf for part in self.of[:-1]):
             raise ValueError("of: only the last signal of a sequence may be endless")
 
@@ -256,16 +290,29 @@ def values_inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
     return signal.values(np.clip(times, 0.0, np.nextafter(signal.duration, 0.0)), step)
 
 
-def check_signal(name: str, value: object) -> None:
+def _checked_signal(name: str, value: object) -> Signal:
     if not isinstance(value, Signal):
         raise ValueError(f"{name}: must be a signal, not {type(value).__name__}")
+    return value
 
 
-def _check_signals(of: object) -> None:
-    if not isinstance(of, tuple) or not of:
-        raise ValueError("of: must be a tuple of at least one signal")
-    for number, part in enumerate(of):
-        check_signal(f"of[{number}]", part)
+def _checked_signals(name: str, value: object) -> tuple[Signal, ...]:
+    if not isinstance(value, tuple) or not value:
+        raise ValueError(f"{name}: must be a tuple of at least one signal")
+    for number, part in enumerate(value):
+        _checked_signal(f"{name}[{number}]", part)
+    return value
+
+
+_CHECKS: dict[str, Callable[..., Any]] = {
+    "Signal": _checked_signal,
+    "tuple[Signal, ...]": _checked_signals,
+    "float": checked_number,
+    "float | Automation": checked_parameter,
+    "int": checked_integer,
+    "int | None": checked_integer,
+}
+"""Checks of fields by their types."""
 
 
 def _check_peak(name: str, peak: float) -> None:

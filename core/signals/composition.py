@@ -3,43 +3,34 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
-from .base import Signal, check_signal, values_inside
-from .limits import MAX_SECONDS, MIN_SECONDS, checked_integer, checked_number
+from .base import Modified, values_inside
+from .limits import MAX_SECONDS, MIN_SECONDS, checked_number, within
 
 
 @dataclass(frozen=True, slots=True)
-class Delay(Signal):
+class Delay(Modified):
     """`of`, `seconds` later."""
 
     kind: ClassVar[str] = "delay"
 
-    of: Signal
-    seconds: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_signal("of", self.of)
-        object.__setattr__(self, "seconds", checked_number("seconds", self.seconds, 0.0, MAX_SECONDS))
+    seconds: float = field(default=0.0, metadata=within(0.0, MAX_SECONDS))
 
     @property
     def duration(self) -> float:
         return self.seconds + self.of.duration
-
-    @property
-    def peak(self) -> float:
-        return self.of.peak
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         return self.of.at(times - self.seconds, step)
 
 
 @dataclass(frozen=True, slots=True)
-class Loop(Signal):
+class Loop(Modified):
     """`of` repeated `count` times or without end.
 
     crossfade: seconds, at most half of the signal: each pass fades in while the end of the one before fades out, so that a recording
@@ -48,16 +39,13 @@ class Loop(Signal):
 
     kind: ClassVar[str] = "loop"
 
-    of: Signal
-    count: int | None = None
+    count: int | None = field(default=None, metadata=within(1, 10**9))
     crossfade: float = 0.0
 
     def __post_init__(self) -> None:
-        check_signal("of", self.of)
+        Modified.__post_init__(self)
         if not MIN_SECONDS <= self.of.duration <= MAX_SECONDS:
             raise ValueError(f"of: a looped signal must end, after {MIN_SECONDS:g} seconds or more")
-        if self.count is not None:
-            object.__setattr__(self, "count", checked_integer("count", self.count, 1, 10**9))
         object.__setattr__(self, "crossfade", checked_number("crossfade", self.crossfade, 0.0, self.of.duration / 2))
 
     @property
@@ -68,10 +56,6 @@ class Loop(Signal):
     @property
     def duration(self) -> float:
         return math.inf if self.count is None else self.count * self.period + self.crossfade
-
-    @property
-    def peak(self) -> float:
-        return self.of.peak
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         period = self.period

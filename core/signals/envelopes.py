@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import FloatArray
 from .automation import Automation, checked_parameter, largest
 from .base import Signal
-from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
+from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, within
 
 SILENCE = 1e-4
 """Fraction of its initial value at which an exponential decay ends (-80 dB)."""
@@ -24,13 +24,8 @@ class Constant(Signal):
 
     kind: ClassVar[str] = "constant"
 
-    value: float = 1.0
-    duration: float = math.inf
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "value", checked_number("value", self.value, -MAX_PEAK, MAX_PEAK))
-        if self.duration != math.inf:
-            object.__setattr__(self, "duration", checked_number("duration", self.duration, MIN_SECONDS, MAX_SECONDS))
+    value: float = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
+    duration: float = field(default=math.inf, metadata=within(MIN_SECONDS, MAX_SECONDS))
 
     @property
     def peak(self) -> float:
@@ -48,29 +43,22 @@ class Adsr(Signal):
     """
 
     kind: ClassVar[str] = "adsr"
+    peak: ClassVar[float] = 1.0
 
-    attack: float = 0.01
-    decay: float = 0.05
-    sustain: float = 0.7
-    release: float = 0.1
-    hold: float = math.inf
+    attack: float = field(default=0.01, metadata=within(0.0, MAX_SECONDS / 4))
+    decay: float = field(default=0.05, metadata=within(0.0, MAX_SECONDS / 4))
+    sustain: float = field(default=0.7, metadata=within(0.0, 1.0))
+    release: float = field(default=0.1, metadata=within(0.0, MAX_SECONDS / 4))
+    hold: float = field(default=math.inf, metadata=within(0.0, MAX_SECONDS / 4))
 
     def __post_init__(self) -> None:
-        for name in ("attack", "decay", "release"):
-            object.__setattr__(self, name, checked_number(name, getattr(self, name), 0.0, MAX_SECONDS / 4))
-        object.__setattr__(self, "sustain", checked_number("sustain", self.sustain, 0.0, 1.0))
-        if self.hold != math.inf:
-            object.__setattr__(self, "hold", checked_number("hold", self.hold, 0.0, MAX_SECONDS / 4))
+        Signal.__post_init__(self)
         if self.duration < MIN_SECONDS:
             raise ValueError("attack: the envelope takes no time at all")
 
     @property
     def duration(self) -> float:
         return self.attack + self.decay + self.hold + self.release
-
-    @property
-    def peak(self) -> float:
-        return 1.0
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         sustained = _rise_and_fall(self.attack, self.decay, self.sustain).at(times)
@@ -121,19 +109,13 @@ class Decay(Signal):
     """exp(-t / time_constant), ending when it has fallen by 80 dB."""
 
     kind: ClassVar[str] = "decay"
+    peak: ClassVar[float] = 1.0
 
-    time_constant: float = 1.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "time_constant", checked_number("time_constant", self.time_constant, MIN_SECONDS, MAX_SECONDS))
+    time_constant: float = field(default=1.0, metadata=within(MIN_SECONDS, MAX_SECONDS))
 
     @property
     def duration(self) -> float:
         return -math.log(SILENCE) * self.time_constant
-
-    @property
-    def peak(self) -> float:
-        return 1.0
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         return np.exp(times / -self.time_constant)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import FloatArray
 from .base import Signal
 from .envelopes import SILENCE
-from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
+from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, within
 from .oscillators import sine
 
 
@@ -21,12 +21,8 @@ class Impulse(Signal):
 
     kind: ClassVar[str] = "impulse"
 
-    width: float = 0.002
-    amplitude: float = 1.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "width", checked_number("width", self.width, 0.0005, MAX_SECONDS))
-        object.__setattr__(self, "amplitude", checked_number("amplitude", self.amplitude, -MAX_PEAK, MAX_PEAK))
+    width: float = field(default=0.002, metadata=within(0.0005, MAX_SECONDS))
+    amplitude: float = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
 
     @property
     def duration(self) -> float:
@@ -49,14 +45,9 @@ class DecayingSine(Signal):
 
     kind: ClassVar[str] = "decaying_sine"
 
-    frequency: float = 150.0
-    decay: float = 0.03
-    amplitude: float = 1.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "frequency", checked_number("frequency", self.frequency, 0.0, MAX_FREQUENCY))
-        object.__setattr__(self, "decay", checked_number("decay", self.decay, MIN_SECONDS, MAX_SECONDS))
-        object.__setattr__(self, "amplitude", checked_number("amplitude", self.amplitude, -MAX_PEAK, MAX_PEAK))
+    frequency: float = field(default=150.0, metadata=within(0.0, MAX_FREQUENCY))
+    decay: float = field(default=0.03, metadata=within(MIN_SECONDS, MAX_SECONDS))
+    amplitude: float = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
 
     @property
     def duration(self) -> float:

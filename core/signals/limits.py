@@ -21,6 +21,11 @@ MIN_SECONDS = 1e-6
 """Shortest duration of a signal that must have one [s]."""
 
 
+def within(low: float, high: float) -> dict[str, tuple[float, float]]:
+    """The metadata of a signal's field for numbers from `low` to `high`. A default of None or infinity is allowed as well."""
+    return {"range": (low, high)}
+
+
 def checked_number(name: str, value: object, low: float, high: float) -> float:
     """Return `value` as a float within [low, high]. Raise ValueError that names `name` otherwise."""
     if isinstance(value, bool) or not isinstance(value, Real):

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .automation import Automation, checked_parameter, largest, values_of
+from .automation import Automation, largest, values_of
 from .base import Signal
-from .limits import MAX_PEAK, checked_integer, checked_number
+from .limits import MAX_PEAK, within
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,19 +24,11 @@ class Noise(Signal):
     """
 
     kind: ClassVar[str] = "noise"
+    duration: ClassVar[float] = math.inf
 
-    amplitude: float | Automation = 1.0
-    seed: int = 0
-    rate: float = 8000.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "amplitude", checked_parameter("amplitude", self.amplitude, -MAX_PEAK, MAX_PEAK))
-        object.__setattr__(self, "seed", checked_integer("seed", self.seed, 0, 2**64 - 1))
-        object.__setattr__(self, "rate", checked_number("rate", self.rate, 1.0, 48_000.0))
-
-    @property
-    def duration(self) -> float:
-        return math.inf
+    amplitude: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
+    seed: int = field(default=0, metadata=within(0, 2**64 - 1))
+    rate: float = field(default=8000.0, metadata=within(1.0, 48_000.0))
 
     @property
     def peak(self) -> float:

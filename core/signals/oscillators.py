@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
-from .automation import Automation, checked_parameter, largest, values_of
+from .automation import Automation, largest, values_of
 from .base import Signal
-from .limits import MAX_FREQUENCY, MAX_PEAK, checked_number
+from .limits import MAX_FREQUENCY, MAX_PEAK, within
 
 _RUN = 64
 # sin(2π q) / q in powers of q², the highest first: Chebyshev's fit on |q| <= 1/4, to 7e-16.
@@ -34,20 +34,12 @@ class Oscillator(Signal):
     multiples of the sample rate, where that filter has its zeros.
     """
 
+    duration: ClassVar[float] = math.inf
     has_edges: ClassVar[bool] = True
 
-    frequency: float | Automation = 60.0
-    amplitude: float | Automation = 1.0
-    phase: float = 0.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "frequency", checked_parameter("frequency", self.frequency, 0.0, MAX_FREQUENCY))
-        object.__setattr__(self, "amplitude", checked_parameter("amplitude", self.amplitude, -MAX_PEAK, MAX_PEAK))
-        object.__setattr__(self, "phase", checked_number("phase", self.phase, -1e6, 1e6))
-
-    @property
-    def duration(self) -> float:
-        return math.inf
+    frequency: float | Automation = field(default=60.0, metadata=within(0.0, MAX_FREQUENCY))
+    amplitude: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
+    phase: float = field(default=0.0, metadata=within(-1e6, 1e6))
 
     @property
     def peak(self) -> float:
@@ -143,11 +135,7 @@ class Pulse(Oscillator):
 
     kind: ClassVar[str] = "pulse"
 
-    duty: float = 0.1
-
-    def __post_init__(self) -> None:
-        Oscillator.__post_init__(self)
-        object.__setattr__(self, "duty", checked_number("duty", self.duty, 0.0, 1.0))
+    duty: float = field(default=0.1, metadata=within(0.0, 1.0))
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         half = self.duty / 2

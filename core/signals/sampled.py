@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from .base import Signal
 from .interpolation import interpolate
-from .limits import MAX_PEAK, checked_column, checked_number
+from .limits import MAX_PEAK, checked_column, within
 
 MAX_SAMPLES = 4_000_000
 _OVERSHOOT = 4.0
@@ -26,11 +26,11 @@ class Sampled(Signal):
     kind: ClassVar[str] = "sampled"
 
     samples: FloatArray
-    rate: float = 8000.0
+    rate: float = field(default=8000.0, metadata=within(1.0, 192_000.0))
     peak: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rate", checked_number("rate", self.rate, 1.0, 192_000.0))
+        Signal.__post_init__(self)
         object.__setattr__(self, "samples", checked_column("samples", self.samples, MAX_PEAK / _OVERSHOOT, MAX_SAMPLES))
         # The largest sum of the kernel's magnitudes bounds the overshoot of interpolation.
         object.__setattr__(self, "peak", _OVERSHOOT * float(np.max(np.abs(self.samples))))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import ClassVar
 
@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .base import Signal, check_signal
+from .base import Modified, Signal
 from .envelopes import SILENCE
-from .limits import checked_number
+from .limits import within
 
 LONGEST = 60.0
 """Longest template [s]."""
@@ -25,7 +25,7 @@ interpolation of a low-pass filtered tone of f Hz has the relative error (pi f /
 
 
 @dataclass(frozen=True, slots=True)
-class Struck(Signal):
+class Struck(Modified):
     """`of`, played `pitch` times as fast, which multiplies all its frequencies, with its decay time times `decay` and its amplitude above
     `CORNER` times `brightness`.
 
@@ -38,27 +38,19 @@ class Struck(Signal):
 
     kind: ClassVar[str] = "struck"
 
-    of: Signal
-    pitch: float = 1.0
-    decay: float = 1.0
-    brightness: float = 1.0
+    pitch: float = field(default=1.0, metadata=within(0.25, 4.0))
+    decay: float = field(default=1.0, metadata=within(0.01, 1.0))
+    brightness: float = field(default=1.0, metadata=within(0.0, 1.0))
 
     def __post_init__(self) -> None:
-        check_signal("of", self.of)
+        Modified.__post_init__(self)
         if not self.of.duration <= LONGEST:
             raise ValueError(f"of: must end within {LONGEST:g} seconds")
-        object.__setattr__(self, "pitch", checked_number("pitch", self.pitch, 0.25, 4.0))
-        object.__setattr__(self, "decay", checked_number("decay", self.decay, 0.01, 1.0))
-        object.__setattr__(self, "brightness", checked_number("brightness", self.brightness, 0.0, 1.0))
 
     @property
     def duration(self) -> float:
         whole, damping = self.of.duration / self.pitch, self._damping
         return min(whole, -math.log(SILENCE) / damping) if damping else whole
-
-    @property
-    def peak(self) -> float:
-        return self.of.peak
 
     @property
     def _damping(self) -> float:
