@@ -190,8 +190,23 @@ class Cone(Shape):
         return _round_bounds(self.radius, self.height / 2)
 
 
+class _PointShape(Shape):
+    """Base of shapes with arrays, compared by their values."""
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, item.name), getattr(other, item.name)) for item in fields(self))
+
+    def __hash__(self) -> int:
+        values = [getattr(self, item.name) for item in fields(self)]
+        return hash((self.type, *(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class ConvexHull(Shape):
+class ConvexHull(_PointShape):
     """The convex hull of ``points`` (n, 3) in metres, which may lie in one plane or on one line, but not all in one place. ``rounding`` is
     the radius of its edges within that hull (Bullet's embedded margin); where it is thinner than that, it stays sharp."""
 
@@ -207,20 +222,12 @@ class ConvexHull(Shape):
         object.__setattr__(self, "points", points)
         Shape.__post_init__(self)
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, ConvexHull):
-            return NotImplemented
-        return (self.margin, self.rounding) == (other.margin, other.rounding) and np.array_equal(self.points, other.points)
-
-    def __hash__(self) -> int:
-        return hash((self.type, self.margin, self.rounding, self.points.tobytes()))
-
     def core_bounds(self) -> FloatArray:
         return np.array([self.points.min(axis=0), self.points.max(axis=0)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mesh(Shape):
+class Mesh(_PointShape):
     """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres. It has no inside: what touches it touches a triangle.
     ``sphere_margin`` is its margin where the other shape is a sphere (0 in Bullet), None the same as for all."""
 
@@ -251,18 +258,6 @@ class Mesh(Shape):
         Shape.__post_init__(self)
         if self.sphere_margin is not None:
             object.__setattr__(self, "sphere_margin", _length("sphere_margin", self.sphere_margin))
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Mesh):
-            return NotImplemented
-        return (
-            (self.margin, self.sphere_margin) == (other.margin, other.sphere_margin)
-            and np.array_equal(self.points, other.points)
-            and np.array_equal(self.triangles, other.triangles)
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.type, self.margin, self.sphere_margin, self.points.tobytes(), self.triangles.tobytes()))
 
     def core_bounds(self) -> FloatArray:
         used = self.points[self.triangles.reshape(-1)]
