@@ -129,7 +129,7 @@ def json_fields(cls: type[Signal]) -> dict[str, Field[Any]]:
 
 @cache
 def _checks(cls: type[Signal]) -> tuple[tuple[str, Callable[..., Any], tuple[float, ...], Any], ...]:
-    """Names, checks and bounds of the fields of a kind of signal that are signals or have a range, with the default if it is not checked."""
+    """Names, checks, bounds of the fields of a kind of signal that are signals or have a range, and the default if it is not checked."""
     return tuple(
         (
             entry.name,
