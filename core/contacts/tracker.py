@@ -15,7 +15,7 @@ from .contact_set import ContactSet
 from .gain_bound import GainBound
 from .impacts import Hits, Impact, confirmed, impact_energies, landings
 from .motion import MotionHistory, Paths
-from .narrow.body_patches import PairPatches
+from .narrow.body_patches import PairPatches, PatchPoints
 from .narrow.frames import added, dot, relative_pose, turned, turned_back
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
@@ -104,7 +104,7 @@ class _Pairs:
     looked: BoolArray
     version: IntArray
     values: FloatArray
-    corners: dict[int, FloatArray]
+    points: dict[int, FloatArray]
 
     @classmethod
     def of(cls, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
@@ -133,7 +133,7 @@ class _Pairs:
             looked=self.looked[place] | ~here,
             version=self.version.take(place, axis=1),
             values=self.values.take(place, axis=1),
-            corners={k: c for k, c in self.corners.items() if k in set(key.tolist())} if self.corners else {},
+            points={k: c for k, c in self.points.items() if k in set(key.tolist())} if self.points else {},
         )
 
 
@@ -573,7 +573,7 @@ class ContactTracker:
         pairs.known[rows] = True
         pairs.touching[rows] = found.distance <= limit
         if self.settings.patch_points:
-            pairs.corners.update(zip(pairs.key[rows].tolist(), found.corners, strict=True))
+            pairs.points.update(zip(pairs.key[rows].tolist(), found.points, strict=True))
         self._queries += len(rows)
 
     def _stays(
@@ -590,7 +590,7 @@ class ContactTracker:
     def _patches(self, larger: IntArray, smaller: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
         """Patches by the narrow phase. A medium and a body in it touch at the centre of the intersection of their bounds, without area or
         depth."""
-        numbers, points = np.stack([larger, smaller], axis=1), self.settings.patch_points
+        numbers, points = np.stack([larger, smaller], axis=1), PatchPoints.INNER if self.settings.patch_points else None
         medium = self._medium[larger] | self._medium[smaller]
         if not medium.any():
             return self._narrow.query(numbers, turn, offset, limit, points)
@@ -602,9 +602,9 @@ class ContactTracker:
         pose = self._pose[:, a]
         centre, normal = turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:]), np.tile([[0.0], [0.0], [1.0]], len(inside))
         wet = PairPatches(distance, normal, centre, np.zeros(len(inside)))
-        result, solid = PairPatches.joined(len(medium), (others, found), (inside, wet)), iter(found.corners)
-        corners = tuple(result.centre[None, :, k] if medium[k] else next(solid) for k in range(len(medium)) if points)
-        return replace(result, corners=corners)
+        result, solid = PairPatches.joined(len(medium), (others, found), (inside, wet)), iter(found.points)
+        every = tuple(result.centre[None, :, k] if medium[k] else next(solid) for k in range(len(medium)) if points)
+        return replace(result, points=every)
 
     def _contact_set(self, rows: IntArray) -> ContactSet:
         """Contacts of pairs ``rows``: one each at the centre of its patch, or one per point of it."""
@@ -621,7 +621,7 @@ class ContactTracker:
         distance, area, share = values[_DISTANCE], values[_AREA], np.ones(len(rows))
         weight = self._weights(larger, smaller, values)
         if self.settings.patch_points and len(rows):
-            found = [pairs.corners[k] for k in key.tolist()]
+            found = [pairs.points[k] for k in key.tolist()]
             repeats = np.array([len(c) for c in found], dtype=np.int64)
             index = np.repeat(np.arange(len(rows)), repeats)
             points = np.concatenate(found).T
@@ -694,10 +694,10 @@ class ContactTracker:
         other = self._pose.take(smaller, axis=1)
         placed = relative_pose(pose, other)
         limit = np.full(len(rows), self.settings.tolerance + self.settings.slack)
-        found = self._narrow.query(np.stack([larger, smaller], axis=1), *placed, limit, corners=True)
-        of = np.repeat(np.arange(len(rows)), [len(corners) for corners in found.corners])
+        found = self._narrow.query(np.stack([larger, smaller], axis=1), *placed, limit, PatchPoints.CORNERS)
+        of = np.repeat(np.arange(len(rows)), [len(points) for points in found.points])
         turn = pose[:9].reshape(3, 3, -1)[..., of]
-        points = turned(turn, np.concatenate(found.corners).T) + pose[9:, of]
+        points = turned(turn, np.concatenate(found.points).T) + pose[9:, of]
         keys = pairs.key[rows]
         flipped = larger != keys // len(self.bodies)
         normal = turned(turn, found.normal[:, of]) * np.where(flipped[of], -1.0, 1.0)

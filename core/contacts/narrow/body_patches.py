@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -21,21 +22,31 @@ _POINT_AREA, _FACE_AREA = 1e-12, 1e-3
 MAX_PATCH_POINTS = 8
 
 
+class PatchPoints(Enum):
+    """Points that are asked for of a patch."""
+
+    CORNERS = "corners"
+    """Corners of its outline."""
+    INNER = "inner"
+    """Points over which the mean of a function is nearly that over the patch, instead of that over its outline: the corners of each part
+    moved towards its centre until their mean square distance from it is that of the part. Of a rectangle these are Gauss's points."""
+
+
 @dataclass(frozen=True, slots=True)
 class PairPatches:
     """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound beyond the limit of the query),
     unit ``normal`` (3, p) from first to second, ``centre`` (3, p) of the patch, midway between the surfaces, ``area`` (p,) [m^2], and if
-    asked for the ``corners`` (k, 3) of each patch."""
+    asked for the ``points`` (k, 3) of each patch."""
 
     distance: FloatArray
     normal: FloatArray
     centre: FloatArray
     area: FloatArray
-    corners: tuple[FloatArray, ...] = ()
+    points: tuple[FloatArray, ...] = ()
 
     @classmethod
     def joined(cls, count: int, *parts: tuple[IntArray, PairPatches]) -> PairPatches:
-        """Patches of ``count`` pairs from those of some of them, without corners."""
+        """Patches of ``count`` pairs from those of some of them, without points."""
         result = cls(np.empty(count), np.empty((3, count)), np.empty((3, count)), np.empty(count))
         for rows, part in parts:
             result.distance[rows], result.area[rows] = part.distance, part.area
@@ -67,14 +78,14 @@ def core_contacts(rows: CorePairs, normal: FloatArray, distance: FloatArray, pat
     return CoreContacts(rows.owner, distance, outward, patch.centre, patch.area, np.where(patch.wide, patch.area, 0.0), points)
 
 
-def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> PairPatches:
+def reduced(distance: FloatArray, found: list[CoreContacts], points: PatchPoints | None) -> PairPatches:
     """One patch per pair of bodies from those of its cores and triangles, weighted by their areas and by how near they are beside the
     nearest one."""
     count = len(distance)
     normal = np.tile([[0.0], [0.0], [1.0]], count)
     centre, area = np.zeros((3, count)), np.zeros(count)
     if not found:
-        return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
+        return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if points else ())
     owner, each, normals, centres, weights, areas = (
         np.concatenate([getattr(f, name) for f in found], axis=-1) for name in ("owner", "distance", "normal", "centre", "weight", "area")
     )
@@ -102,13 +113,29 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
         normal[:, whole] = mean[:, whole] / length[whole]
         alone = np.bincount(owner, minlength=count)[owner] == 1
         normal[:, owner[alone]], centre[:, owner[alone]] = normals[:, alone], centres[:, alone]
-    if not corners:
+    if points is None:
         return PairPatches(distance, normal, centre, area)
-    points: list[list[FloatArray]] = [[] for _ in range(count)]
-    flat_points = [c for f in found for c in (f.corners or [])]
+    parts = [c for f in found for c in (f.corners or [])]
+    if points is PatchPoints.INNER:
+        outlines = _outlines([[part] for part in parts], normals)
+        parts = [_inner(*part) for part in zip(outlines, centres.T, normals.T, strict=True)]
+    of_pairs: list[list[FloatArray]] = [[] for _ in range(count)]
     for k in np.flatnonzero(kept).tolist():
-        points[owner[k]].append(flat_points[k])
-    return PairPatches(distance, normal, centre, area, _outlines(points, normal))
+        of_pairs[owner[k]].append(parts[k])
+    return PairPatches(distance, normal, centre, area, _outlines(of_pairs, normal))
+
+
+def _inner(corners: FloatArray, centre: FloatArray, normal: FloatArray) -> FloatArray:
+    """`PatchPoints.INNER` of one convex polygon, given counter-clockwise about its normal, of a line or of a point."""
+    arm = corners - corners.mean(axis=0)
+    after = np.roll(arm, -1, axis=0)
+    of_corners = float(np.square(arm).sum(axis=1).mean())
+    twice = np.cross(arm, after) @ normal  # areas of the triangles that the edges make with the middle
+    share = 1 / 3  # of a line
+    if twice.sum() > 1e-9 * of_corners:
+        square = (np.square(arm) + arm * after + np.square(after)).sum(axis=1) / 6  # mean square distance from the middle over a triangle
+        share = float((twice * square).sum() / twice.sum()) / of_corners
+    return np.asarray(centre + np.sqrt(share) * arm)
 
 
 def _sums(owner: IntArray, values: FloatArray, count: int) -> FloatArray:

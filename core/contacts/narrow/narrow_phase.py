@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ..shapes import Shape
-from .body_patches import CoreContacts, PairPatches, core_contacts, reduced
+from .body_patches import CoreContacts, PairPatches, PatchPoints, core_contacts, reduced
 from .box_pairs import BoxPairs
 from .closed_forms import Separation
 from .core_distances import CoreDistances, exact
@@ -43,17 +43,19 @@ class NarrowPhase:
         """Smallest extent of each body's thinnest part (n,) [m]: a step longer than that may pass through it."""
         return self._table.thickness
 
-    def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, corners: bool = False) -> PairPatches:
+    def query(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, points: PatchPoints | None = None
+    ) -> PairPatches:
         """Distances and patches of ``pairs`` (p, 2). Distances up to ``limit`` (p,) metres are exact; beyond, they are lower bounds.
-        ``corners``: give the points of the patches, too."""
-        boxes = None if corners else self._boxes.chosen(pairs, rotation, offset)
+        ``points``: which points of the patches to give, too."""
+        boxes = None if points else self._boxes.chosen(pairs, rotation, offset)
         if boxes is None:
-            return self._general(pairs, rotation, offset, limit, corners)
+            return self._general(pairs, rotation, offset, limit, points)
         found = self._boxes.patches(boxes, pairs[boxes.rows], limit[boxes.rows])
         if len(boxes.rows) == len(pairs):
             return found
         others = np.delete(np.arange(len(pairs)), boxes.rows)
-        rest = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], corners)
+        rest = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], points)
         return PairPatches.joined(len(pairs), (boxes.rows, found), (others, rest))
 
     def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
@@ -98,7 +100,9 @@ class NarrowPhase:
             np.minimum.at(distance, rows.owner, bounded(rows, gap, limit))
         return np.where(np.isinf(distance), limit + BEYOND, np.maximum(distance, 0.0))
 
-    def _general(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, corners: bool) -> PairPatches:
+    def _general(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, points: PatchPoints | None
+    ) -> PairPatches:
         """Pairs of any shapes."""
         distance = np.full(len(pairs), np.inf)
         found: list[CoreContacts] = []
@@ -106,7 +110,7 @@ class NarrowPhase:
         others = []
         for rows in self._pairing.groups(pairs, rotation, offset, limit):
             if rows.triangle_b is not None:
-                self._finish(rows, self._distances.separated(rows), limit, distance, found, corners)
+                self._finish(rows, self._distances.separated(rows), limit, distance, found, points is not None)
             elif self._distances.in_closed_form(rows):
                 closed.append((rows, self._distances.separated(rows)))
             else:
@@ -117,12 +121,12 @@ class NarrowPhase:
             closed.append((rows, exact(self._distances.near_by_fcl(rows, limit))))
         if closed:
             rows, separated = _together(closed)
-            points = self._table.kind[rows.first] == Kind.POINT
-            for chosen in (points.nonzero()[0], (~points).nonzero()[0]):
+            is_point = self._table.kind[rows.first] == Kind.POINT
+            for chosen in (is_point.nonzero()[0], (~is_point).nonzero()[0]):
                 if len(chosen):
                     part = AxisSeparation(chosen_of(separated.separation, chosen), separated.exact[chosen])
-                    self._finish(rows.chosen(chosen), part, limit, distance, found, corners)
-        return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, corners)
+                    self._finish(rows.chosen(chosen), part, limit, distance, found, points is not None)
+        return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, points)
 
     def _finish(
         self, rows: CorePairs, separated: AxisSeparation, limit: FloatArray, distance: FloatArray, found: list[CoreContacts], corners: bool

@@ -41,7 +41,7 @@ def test_both_methods_find_the_same_contacts(seed, tilt, square):
     reach = np.full(COUNT, 0.01)
     fast = box_contacts(rotation, offset, *half, reach)
     narrow = NarrowPhase([Box(size) for size in SIZES])
-    general = narrow._general(np.tile([[0, 1]], (COUNT, 1)), rotation, offset, reach, corners=False)
+    general = narrow._general(np.tile([[0, 1]], (COUNT, 1)), rotation, offset, reach, None)
     both = (general.distance <= 0.0099) & fast.exact & (fast.distance <= 0.01)
     assert both.sum() > 0.3 * COUNT
     np.testing.assert_allclose(fast.distance[both], general.distance[both], atol=1e-4)

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.graph.contact_patches import merge_patches
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
@@ -115,6 +116,25 @@ def test_points_all_over_a_face_converge(shape):
         first, second = np.abs(np.diff(found, axis=0)).max(axis=1)
         assert np.abs(found[-1] - found[0]).max() < allowed
         assert second <= max(first / 2, 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_contact_points_of_a_face_agree_with_its_middle_and_with_many_points(seed):
+    """Faces of a metre as they are detected: sums with a few points differ from those over the face by less than 0.5 dB."""
+    middle = metre_boxes((3, 1, 1), seed, MIDDLE)
+    found = contacts_of_scene(dataclasses.replace(middle, contacts=()), patch_points=True)
+    names = [item.name for item in middle.objects]
+    contacts = tuple(
+        Contact((names[a], names[b]), (tuple(first), tuple(second)), share=share)
+        for (a, b), (first, second), share in zip(found.pairs.tolist(), found.positions.tolist(), found.share.tolist(), strict=True)
+    )
+    detected = dataclasses.replace(middle, contacts=contacts)
+    assert len(contacts) == 8
+    for strategy, allowed in ((Strategy.BEST_PATH, 1e-4), (Strategy.ENERGY_BALANCE, 1e-4), (Strategy.ALL_PATHS, 3.0)):
+        assert np.abs(levels(detected, strategy) - levels(middle, strategy)).max() < allowed
+    along = (np.arange(6) + 0.5) / 6 - 0.5
+    face = metre_boxes((3, 1, 1), seed, np.array(list(itertools.product(along, along))))
+    assert np.abs(levels(detected, Strategy.ALL_PATHS) - levels(face, Strategy.ALL_PATHS)).max() < 0.5
 
 
 def plank_on_soil(points: int) -> HapticScene:
