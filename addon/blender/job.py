@@ -13,6 +13,7 @@ import bpy
 from bpy.types import Context, Header, Operator, WindowManager
 from bpy.types import Event as WindowEvent
 
+from .polling import permitted
 from .text import wrapped
 
 _iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
@@ -133,9 +134,7 @@ def running() -> Job | None:
 
 def poll_idle(cls: type[Operator]) -> bool:
     """True if no job runs in the window."""
-    if _state.running is not None:
-        cls.poll_message_set("Wait for the running job, or press Esc to cancel it")
-    return _state.running is None
+    return permitted(cls, _state.running is None, "Wait for the running job, or press Esc to cancel it")
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:
@@ -229,9 +228,7 @@ class HAPTIC_OT_run_job(Operator):
 
     def cancel(self, context: Context) -> None:
         """Clean up after the job; also called by Blender when the window closes."""
-        if _state.running is not None:
-            _state.running.cancel()
-            _state.running = None
+        _cancel()
         context.window_manager.event_timer_remove(self._timer)
         if context.workspace is not None:
             context.workspace.status_text_set(None)
@@ -294,6 +291,10 @@ def stop() -> None:
     """Cancel the running job, because the add-on is disabled."""
     if bpy.app.timers.is_registered(_start):
         bpy.app.timers.unregister(_start)
+    _cancel()
+
+
+def _cancel() -> None:
     if _state.running is not None:
         _state.running.cancel()
         _state.running = None

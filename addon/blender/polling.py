@@ -23,35 +23,29 @@ def linked_message(objects: Sequence[Object]) -> str:
     return "These objects are linked from a library; make them local or override them first"
 
 
+def permitted(cls: type[Operator], is_allowed: bool, message: str) -> bool:
+    """Whether an operator may run; if not, Blender shows the message."""
+    if not is_allowed:
+        cls.poll_message_set(message)
+    return is_allowed
+
+
 def poll_object_mode(cls: type[Operator], context: Context) -> bool:
     """Object Mode."""
-    if context.mode != "OBJECT":
-        cls.poll_message_set("Switch to Object Mode first")
-        return False
-    return True
+    return permitted(cls, context.mode == "OBJECT", "Switch to Object Mode first")
 
 
 def poll_selected(cls: type[Operator], context: Context) -> bool:
     """Object Mode, and at least one selected object."""
-    if not poll_object_mode(cls, context):
-        return False
-    if not context.selected_objects:
-        cls.poll_message_set("Select one or more objects first")
-        return False
-    return True
+    return poll_object_mode(cls, context) and permitted(cls, bool(context.selected_objects), "Select one or more objects first")
 
 
 def poll_active(cls: type[Operator], context: Context) -> bool:
     """Object Mode, and an editable active object."""
-    if not poll_object_mode(cls, context):
+    obj: Any = context.object
+    if not poll_object_mode(cls, context) or not permitted(cls, obj is not None, "Select an object first"):
         return False
-    if context.object is None:
-        cls.poll_message_set("Select an object first")
-        return False
-    if not context.object.is_editable:
-        cls.poll_message_set("The active object is linked from a library; make it local or override it first")
-        return False
-    return True
+    return permitted(cls, obj.is_editable, "The active object is linked from a library; make it local or override it first")
 
 
 class Refused(ValueError):
@@ -80,6 +74,7 @@ class Action:
 
 
 class Edit(Action):
-    """Mixin: an operator that edits the file."""
+    """Mixin: an operator that edits the file, in Object Mode."""
 
     bl_options = UNDO
+    poll = classmethod(poll_object_mode)

@@ -15,7 +15,7 @@ from ...core.scene.materials import MATERIALS
 from ...sample_scenes import SAMPLES, build_sample
 from ..authoring import materials
 from ..blender.compatibility import animated_paths
-from ..blender.polling import Edit, poll_active, poll_object_mode
+from ..blender.polling import Edit, poll_active
 from ..scene_reader import triggers
 from ..scene_reader.roles import haptic_carrier
 from .tagging import make_source
@@ -37,8 +37,6 @@ class HAPTIC_OT_add_source_object(Edit, Operator):
     bl_label = "Add Haptic Source"
 
     kind: EnumProperty(name="Signal", description="What the source emits", items=SOURCE_ITEMS)
-
-    poll = classmethod(poll_object_mode)
 
     def apply(self, context: Context) -> None:
         _, title, _, frequency, _ = next(source for source in _SOURCES if source[0] == self.kind)
@@ -135,8 +133,6 @@ class HAPTIC_OT_add_medium(Edit, Operator):
         ),
     )
 
-    poll = classmethod(poll_object_mode)
-
     def apply(self, context: Context) -> None:
         material = MATERIALS[self.medium]
         corners = [obj.matrix_world @ Vector(corner) for obj in context.selected_objects if obj.type == "MESH" for corner in obj.bound_box]
@@ -163,8 +159,6 @@ class HAPTIC_OT_add_sample(Edit, Operator):
     bl_label = "Add Sample Scene"
 
     sample: EnumProperty(name="Sample", description="The scene to build", items=SAMPLE_ITEMS)
-
-    poll = classmethod(poll_object_mode)
 
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:

@@ -7,7 +7,7 @@ from bpy.types import Context, Operator
 
 from ..bake import baking, curves, playback, sound, storage, takes
 from ..blender import job
-from ..blender.polling import UNDO, Edit, poll_object_mode
+from ..blender.polling import UNDO, Action, Edit, permitted, poll_object_mode
 
 
 class HAPTIC_OT_bake(Edit, Operator):
@@ -30,13 +30,9 @@ class HAPTIC_OT_delete_bake(Edit, Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if not job.poll_idle(cls):
-            return False
         bake = context.scene.haptics.bake
-        if bake.track is None and bake.sound is None:
-            cls.poll_message_set("Nothing has been baked in this scene")
-            return False
-        return True
+        is_baked = bake.track is not None or bake.sound is not None
+        return job.poll_idle(cls) and permitted(cls, is_baked, "Nothing has been baked in this scene")
 
     def apply(self, context: Context) -> None:
         scene = context.scene
@@ -54,16 +50,15 @@ class HAPTIC_OT_keep_take(Edit, Operator):
     @classmethod
     def poll(cls, context: Context) -> bool:
         bake = context.scene.haptics.bake
-        if bake.track is None or any(take.track == bake.track for take in bake.takes):
-            cls.poll_message_set("Bake first: what is baked is kept" if bake.track is None else "This bake is a take already")
+        if not permitted(cls, bake.track is not None, "Bake first: what is baked is kept"):
             return False
-        return True
+        return permitted(cls, all(take.track != bake.track for take in bake.takes), "This bake is a take already")
 
     def apply(self, context: Context) -> None:
         takes.keep(context.scene)
 
 
-class HAPTIC_OT_play_take(Edit, Operator):
+class HAPTIC_OT_play_take(Action, Operator):
     """Play this take from the current frame, and compare it with the one played before"""
 
     bl_label = "Play Take"

@@ -16,7 +16,7 @@ from ...core.design import recordings, wishes
 from ...core.scene import spectra
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
 from ..blender import job
-from ..blender.polling import UNDO, Action, Edit, Refused, poll_object_mode
+from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
 from ..session import session, sessions
 from ..translations.sentences import sentence
 from ..view import levels
@@ -42,8 +42,6 @@ class HAPTIC_OT_make_felt(Edit, Operator):
 
     listener: StringProperty(name="Listener", options={"HIDDEN"})
     margin: FloatProperty(name="Margin (dB)", description="How far above the threshold of feeling", default=6.0, min=0.0, max=60.0)
-
-    poll = classmethod(poll_object_mode)
 
     def apply(self, context: Context) -> None:
         found: Any = context.scene.objects.get(self.listener)
@@ -91,8 +89,6 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
     """Choose κ of the free materials, and ρ where that is not enough, so that the listeners with a wish have the wished level"""
 
     bl_label = "Fulfil Wishes"
-
-    poll = classmethod(poll_object_mode)
 
     def apply(self, context: Context) -> None:
         scene = context.scene
@@ -153,10 +149,8 @@ class HAPTIC_OT_fit_material(Action, Operator):
     @classmethod
     def poll(cls, context: Context) -> bool:
         chosen = context.scene.haptics.materials.fit
-        if not (chosen.source_file and chosen.listener_file and chosen.source and chosen.listener and chosen.object):
-            cls.poll_message_set(_CHOOSE)
-            return False
-        return poll_object_mode(cls, context)
+        is_chosen = bool(chosen.source_file and chosen.listener_file and chosen.source and chosen.listener and chosen.object)
+        return permitted(cls, is_chosen, _CHOOSE) and poll_object_mode(cls, context)
 
     def apply(self, context: Context) -> set[str]:
         scene = context.scene

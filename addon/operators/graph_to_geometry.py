@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Operator
 
-from ..blender.polling import Edit, Refused, poll_object_mode
+from ..blender.polling import Edit, Refused, permitted, poll_object_mode
 from ..properties.kinds import number, switch
 from ..session import session, sessions
 from ..view import graph_mesh
@@ -24,12 +24,10 @@ class HAPTIC_OT_graph_to_geometry(Edit, Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if not poll_object_mode(cls, context):
-            return False
-        if sessions.shown(context.scene) is None and not sessions.is_behind(context.scene):
-            cls.poll_message_set("Nothing has been traced yet: tag objects, then play or change the frame")
-            return False
-        return True
+        is_traced = sessions.shown(context.scene) is not None or sessions.is_behind(context.scene)
+        return poll_object_mode(cls, context) and permitted(
+            cls, is_traced, "Nothing has been traced yet: tag objects, then play or change the frame"
+        )
 
     def apply(self, context: Context) -> None:
         result = session.result_of(context.scene)

@@ -11,7 +11,7 @@ from bpy.types import Context, Event, Operator
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
-from ..blender.polling import SOLID_TYPES, Edit, poll_active, poll_object_mode
+from ..blender.polling import SOLID_TYPES, Edit, poll_active
 from ..io import scene_builder, vibration_signal
 from ..properties.kinds import switch
 from ..scene_reader import imported
@@ -30,8 +30,6 @@ class HAPTIC_OT_import_scene(Edit, Operator):
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
     use_settings: switch("Settings", "Take over the settings of the file, its frame rate and its frames", True)
-
-    poll = classmethod(poll_object_mode)
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         return ask(self, context)

@@ -7,7 +7,7 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ..blender.extension import profile_folders
-from ..blender.polling import UNDO, Action, Edit, Refused
+from ..blender.polling import UNDO, Action, Refused
 from ..live_output import adjustment, outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
@@ -89,7 +89,7 @@ def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, st
     return _items
 
 
-class HAPTIC_OT_choose_actuator(Edit, Operator):
+class HAPTIC_OT_choose_actuator(Action, Operator):
     """Actuator of this listener; choose several one after the other"""
 
     bl_label = "Actuator"

@@ -9,7 +9,7 @@ from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
-from ..blender.polling import SOLID_TYPES, Edit, poll_active, poll_object_mode, poll_selected
+from ..blender.polling import SOLID_TYPES, Edit, permitted, poll_active, poll_object_mode, poll_selected
 from ..blender.progress import progress
 from ..properties.kinds import choice, switch, text
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
@@ -19,13 +19,9 @@ PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIA
 
 def _poll_material(cls: type[Operator], context: Context) -> bool:
     """Object Mode, and the library has an active material."""
-    if not poll_object_mode(cls, context):
-        return False
     library_of = context.scene.haptics.materials
-    if not 0 <= library_of.active < len(library_of.items):
-        cls.poll_message_set("Choose a material of the library first")
-        return False
-    return True
+    is_active = 0 <= library_of.active < len(library_of.items)
+    return poll_object_mode(cls, context) and permitted(cls, is_active, "Choose a material of the library first")
 
 
 class HAPTIC_OT_apply_material(Edit, Operator):
@@ -84,8 +80,6 @@ class HAPTIC_OT_physical_materials(Edit, Operator):
 
     in_a_building: switch("In a Building", "Walls and floors in place, whose joints and edges take 2 dB per metre")
 
-    poll = classmethod(poll_object_mode)
-
     def apply(self, context: Context) -> set[str]:
         objects = [obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable]
         known = library.make_physical(objects, self.in_a_building)
@@ -107,8 +101,6 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
             ("haptic_tracing", "As in the Paper", "The same damping at all frequencies, by κ and ρ"),
         ),
     )
-
-    poll = classmethod(poll_object_mode)
 
     def apply(self, context: Context) -> None:
         if not library.set_bodies((obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable), self.function):

@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import texture_in
-from ..blender.polling import Edit, poll_object_mode
+from ..blender.polling import Edit
 from ..changes.revisions import mark_changed
 from ..properties.rules import TABLES
 
@@ -19,8 +19,6 @@ class _OfTable(Edit):
     """Mixin: an operator on one of the tables."""
 
     table: EnumProperty(name="Table", description="The table of the scene", items=TABLES, options={"HIDDEN"})
-
-    poll = classmethod(poll_object_mode)
 
     def _rows(self, context: Context) -> Any:
         return getattr(context.scene.haptics, self.table)
@@ -51,8 +49,6 @@ class HAPTIC_OT_add_textures(Edit, Operator):
     """Add a rule with the library's texture for each material that haptic objects are made of and that has none"""
 
     bl_label = "Textures of Materials"
-
-    poll = classmethod(poll_object_mode)
 
     def apply(self, context: Context) -> set[str]:
         rows = context.scene.haptics.textures

@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Operator
 
-from ..blender.polling import UNDO, Edit, Refused, poll_object_mode
+from ..blender.polling import UNDO, Edit, Refused
 
 
 class HAPTIC_OT_select_object(Edit, Operator):
@@ -19,8 +19,6 @@ class HAPTIC_OT_select_object(Edit, Operator):
 
     name: StringProperty(name="Object", description="Name of the object", options={"SKIP_SAVE"})
     extend: BoolProperty(name="Extend", description="Keep what is selected", default=False, options={"SKIP_SAVE"})
-
-    poll = classmethod(poll_object_mode)
 
     def apply(self, context: Context) -> None:
         found: Any = next((obj for obj in context.view_layer.objects if obj.name_full == self.name), None)

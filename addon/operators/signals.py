@@ -10,7 +10,7 @@ from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
 from ..blender import job
-from ..blender.polling import Edit, poll_active
+from ..blender.polling import Edit, permitted, poll_active
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
 from ..scene_reader import imported
@@ -33,10 +33,7 @@ class _OnDrawing(_OnSource):
         if obj is None or not poll_active(cls, context):
             return False
         tree = obj.haptics.source.drawing
-        if tree is None or not tree.is_editable:
-            cls.poll_message_set("Draw a signal of this file first")
-            return False
-        return True
+        return permitted(cls, tree is not None and tree.is_editable, "Draw a signal of this file first")
 
 
 class HAPTIC_OT_draw_signal(_OnSource, Operator):

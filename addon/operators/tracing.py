@@ -10,7 +10,7 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ..bake import playback
-from ..blender.polling import Action, Edit, Refused
+from ..blender.polling import UNDO, Action, Refused
 from ..changes.redraw import redraw_viewports
 from ..properties.scene import MODE_ITEMS
 from ..session import session, sessions, worker
@@ -33,10 +33,11 @@ class HAPTIC_OT_trace_frame(Action, Operator):
         redraw_viewports()
 
 
-class HAPTIC_OT_toggle_tracing(Edit, Operator):
+class HAPTIC_OT_toggle_tracing(Action, Operator):
     """Switch tracing on or off"""
 
     bl_label = "Toggle Tracing"
+    bl_options = UNDO
 
     def apply(self, context: Context) -> None:
         haptics = context.scene.haptics
@@ -60,10 +61,11 @@ class HAPTIC_OT_cancel_tracing(Action, Operator):
         redraw_viewports()
 
 
-class HAPTIC_OT_set_mode(Edit, Operator):
+class HAPTIC_OT_set_mode(Action, Operator):
     """Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading"""
 
     bl_label = "Set Haptic Mode"
+    bl_options = UNDO
 
     mode: EnumProperty(name="Mode", description="The rendering", items=_ITEMS, default="NEXT")
 

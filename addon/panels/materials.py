@@ -107,7 +107,6 @@ class HAPTIC_PT_wishes(ClosedPanel, Panel):
 
 
 class HAPTIC_PT_fit(ClosedPanel, Panel):
-    bl_idname = "HAPTIC_PT_fit"
     bl_parent_id = "HAPTIC_PT_materials"
     bl_label = "Fit Material"
 

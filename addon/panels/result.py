@@ -102,7 +102,6 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
 
 
 class HAPTIC_PT_felt(ClosedPanel, Panel):
-    bl_idname = "HAPTIC_PT_felt"
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Who Is Felt"
 

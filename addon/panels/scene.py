@@ -113,7 +113,6 @@ class HAPTIC_PT_impact_table(ClosedPanel, Panel):
 
 
 class HAPTIC_PT_textures(ClosedPanel, Panel):
-    bl_idname = "HAPTIC_PT_textures"
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Sliding and Rolling"
     bl_description = "Textures of objects that slide or roll on each other; none without a matching rule, and the most specific rule counts"

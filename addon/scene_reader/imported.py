@@ -48,8 +48,16 @@ Pair = tuple[str, str]
 T = TypeVar("T")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Imported:
+    """Values that a file may have for anything."""
+
+    numbers: Numbers = field(default_factory=dict)
+    extras: Mapping[str, Any] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True)
-class ImportedObject:
+class ImportedObject(_Imported):
     """Values of a haptic object. ``function`` applies while the properties represent it; ``emitters``: positions of sources of other
     modalities, by modality."""
 
@@ -57,15 +65,13 @@ class ImportedObject:
     mass: float | None = None
     pose: Pose | None = None
     function: ModulationFunction | None = None
-    numbers: Numbers = field(default_factory=dict)
     emitters: Mapping[str, Vector] = field(default_factory=dict)
-    extras: Mapping[str, Any] = field(default_factory=dict)
     motion: Motion | None = None
     impact_material: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class ImportedSource:
+class ImportedSource(_Imported):
     """Values of a source. ``signal`` applies if the choice of the source is the imported signal."""
 
     signal: Signal | None = None
@@ -74,28 +80,22 @@ class ImportedSource:
     second_object: str | None = None
     second_position: Vector | None = None
     position: Vector | None = None
-    numbers: Numbers = field(default_factory=dict)
-    extras: Mapping[str, Any] = field(default_factory=dict)
     triggers: tuple[Trigger, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class ImportedListener:
+class ImportedListener(_Imported):
     """Of a listener."""
 
     position: Vector | None = None
-    numbers: Numbers = field(default_factory=dict)
-    extras: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
-class ImportedScene:
+class ImportedScene(_Imported):
     """Of a scene; ``tolerance`` of sums over paths, ``slack`` of contacts."""
 
     tolerance: float | None = None
     slack: float | None = None
-    numbers: Numbers = field(default_factory=dict)
-    extras: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

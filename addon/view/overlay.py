@@ -182,7 +182,7 @@ def draw_view() -> None:
             (region.width, region.height),
             context.preferences.system.ui_scale * preferences().overlay_size,
             xray=scene.haptics.xray,
-            flow=seconds_shown(scene) if scene.haptics.show_flow else None,
+            flow=seconds_of(scene, scene.frame_current_final) if scene.haptics.show_flow else None,
         )
 
 
@@ -212,11 +212,6 @@ def _legend_side(context: Context) -> LegendSide:
     if not is_main_view(context):
         return "NONE"
     return "LEFT" if meters_shown.show and meters_shown.corner.endswith("RIGHT") else "RIGHT"
-
-
-def seconds_shown(scene: Scene) -> float:
-    """Time [s] of the signal flow, that of the timeline."""
-    return seconds_of(scene, scene.frame_current_final)
 
 
 def forget() -> None:

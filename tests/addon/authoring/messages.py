@@ -18,6 +18,7 @@ ADDON = Path(haptic_tracing.__file__).parent / "addon"
 _BASES = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.PropertyGroup, bpy.types.AddonPreferences, bpy.types.UIList)
 _CALLS = {
     "poll_message_set",
+    "permitted",
     "warn",
     "draw_pair",
     "draw_carrier",
