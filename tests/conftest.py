@@ -13,6 +13,8 @@ from hypothesis import settings
 # The matrices are small: threads of BLAS would only wait for each other, at full load. What depends on their number sets it itself.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+gc.disable()  # until everything is collected: what is imported stays
+
 settings.register_profile("same examples", derandomize=True, deadline=None, print_blob=True)
 settings.load_profile("same examples")
 
@@ -40,6 +42,7 @@ def pytest_collection_finish() -> None:
     """What is imported and collected stays to the end: the garbage collector need not look at it again and again."""
     gc.collect()
     gc.freeze()
+    gc.enable()
     gc.set_threshold(100_000, 20, 50)
 
 
