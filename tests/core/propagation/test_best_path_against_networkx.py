@@ -14,7 +14,7 @@ from haptic_tracing.core.scene.functions import Constant, Identity, Linear
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from path_reference import AMPLIFYING, METRIC, OTHER, REFERENCES, connected_scene, meets, networkx_paths, scenes
+from path_reference import AMPLIFYING, METRIC, OTHER, REFERENCES, connected_scene, meets, networkx_paths, recursive_paths, scenes
 
 LIMITS = st.tuples(st.sampled_from([None, 0, 1, 2, 3, 5, 7]), st.sampled_from([0.0, 1e-3, 0.1, 0.6, 1.0]))
 
@@ -43,6 +43,14 @@ def check(scene: HapticScene, max_connections: int | None, threshold: float, ref
 @given(scenes(METRIC, most_contacts=4), LIMITS)
 def test_largest_product_over_all_simple_paths(scene, limits):
     check(scene, *limits)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(scenes(METRIC, most_contacts=3))
+def test_recursion_finds_the_simple_paths_of_networkx(scene):
+    graph = graph_of_scene(scene)
+    for column in range(len(graph.listeners)):
+        assert sorted(recursive_paths(graph, 0, column)) == sorted(networkx_paths(graph, 0, column))
 
 
 SEEDS = st.integers(0, 10**6)
@@ -144,5 +152,5 @@ def test_share_does_not_weight_the_best_path(scene):
     graph, merged = graph_of_scene(scene), graph_of_scene(one_contact_for_each_patch(scene))
     result = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0))
     for column in range(len(graph.listeners)):
-        best = max((math.prod(gains) for _, gains in networkx_paths(merged, 0, column)), default=0.0)
+        best = max((math.prod(gains) for _, gains in recursive_paths(merged, 0, column)), default=0.0)
         assert result.gain[0, column] == pytest.approx(best, rel=1e-9, abs=0)
