@@ -12,6 +12,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -97,6 +98,7 @@ def checksum_of(file: Path) -> str:
         return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
+@cache
 def programs() -> str:
     """The versions on which the bits of a result depend."""
     return ", ".join(f"{name} {version(name)}" for name in ("haptic-tracing", "bpy", "numpy"))

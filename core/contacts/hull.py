@@ -13,7 +13,7 @@ MAX_HULL_POINTS = 2048
 """Most points a hull is computed from exactly; more are first reduced to the extreme ones in as many directions."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Hull:
     """``points`` (n, 3): the corners. ``triangles`` (t, 3): the surface, counter-clockwise seen from outside; a flat hull has both sides,
     a line has none."""
@@ -22,18 +22,26 @@ class Hull:
     triangles: IntArray
 
     def planes(self) -> tuple[FloatArray, FloatArray]:
-        """Outward unit normals (f, 3) and offsets (f,): the hull is where ``normals @ x <= offsets``. Triangles of one plane share one."""
-        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
-        normals = np.cross(b - a, c - a)
-        lengths = np.linalg.norm(normals, axis=1)
-        kept = lengths > 0
-        normals = normals[kept] / lengths[kept, None]
-        offsets = np.einsum("ij,ij->i", normals, a[kept])
-        extent = float(np.max(np.ptp(self.points, axis=0)))
-        keys = np.round(np.concatenate([normals, offsets[:, None] / extent], axis=1), 6)
-        _, first = np.unique(keys, axis=0, return_index=True)
-        first.sort()
-        return normals[first], offsets[first]
+        """Outward unit normals (f, 3) and offsets (f,): the hull is where ``normals @ x <= offsets``. Triangles of one plane share one.
+        Shared and read-only."""
+        return _planes_of(self)
+
+
+@lru_cache(1024)
+def _planes_of(hull: Hull) -> tuple[FloatArray, FloatArray]:
+    a, b, c = (hull.points[hull.triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1)
+    kept = lengths > 0
+    normals = normals[kept] / lengths[kept, None]
+    offsets = np.einsum("ij,ij->i", normals, a[kept])
+    extent = float(np.max(np.ptp(hull.points, axis=0)))
+    keys = np.round(np.concatenate([normals, offsets[:, None] / extent], axis=1), 6)
+    _, first = np.unique(keys, axis=0, return_index=True)
+    first.sort()
+    normals, offsets = normals[first], offsets[first]
+    normals.flags.writeable = offsets.flags.writeable = False
+    return normals, offsets
 
 
 def extreme_points(points: FloatArray, count: int) -> FloatArray:

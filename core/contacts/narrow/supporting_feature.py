@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
@@ -93,9 +95,10 @@ class Features:
         return [(np.flatnonzero(kept == number), self._faces[number]) for number in np.unique(kept).tolist()]
 
 
+@lru_cache(1024)
 def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
     """Outward normals (f, 3) and corners in order (f, k, 3) of a hull's faces, triangles of one plane merged; short ones repeat their last
-    corner, and k is ``FEW`` or ``MANY``."""
+    corner, and k is ``FEW`` or ``MANY``. Shared by all trackers."""
     normals, offsets = hull.planes()
     extent = float(np.max(np.ptp(hull.points, axis=0)))
     across = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
