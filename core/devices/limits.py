@@ -21,15 +21,15 @@ class DriveLimits:
     """
 
     def __init__(self, ceilings: FloatArray, slew: float, sustained_maximum: float, sustained_seconds: float, interval: float) -> None:
-        self._ceilings = ceilings
+        self._ceilings: list[float] = ceilings.tolist()
         self._slew = slew
         self._interval = interval
         self._square = sustained_maximum**2
         self._seconds = sustained_seconds
         self._share = -math.expm1(-interval / sustained_seconds)
         self._scale = 1.0
-        self._mean_square = np.zeros_like(ceilings)
-        self._driven = np.zeros_like(ceilings)
+        self._mean_square = [0.0] * len(ceilings)
+        self._driven = [0.0] * len(ceilings)
 
     def scale_ceilings(self, scale: float) -> None:
         """Lower all ceilings by this factor in [0, 1], from the next call on."""
@@ -37,12 +37,17 @@ class DriveLimits:
 
     def limited(self, wanted: FloatArray, elapsed: float) -> FloatArray:
         """The permitted drive. wanted: (channels,) in [0, 1]; elapsed: seconds since the last call, 0 or more."""
+        # One by one: devices have few channels, and arrays of two numbers cost more than two numbers.
         past = -math.expm1(-elapsed / self._seconds)
-        self._mean_square += (self._driven**2 - self._mean_square) * past
-        sustainable = np.sqrt(np.maximum(self._mean_square + (self._square - self._mean_square) / self._share, 0.0))
-        risen = self._driven + self._slew * min(elapsed, self._interval)
-        self._driven = np.minimum(np.minimum(wanted, self._scale * self._ceilings), np.minimum(risen, sustainable))
-        return self._driven.copy()
+        rise = self._slew * min(elapsed, self._interval)
+        for k, (value, ceiling, driven, mean_square) in enumerate(
+            zip(wanted.tolist(), self._ceilings, self._driven, self._mean_square, strict=True)
+        ):
+            mean_square += (driven * driven - mean_square) * past
+            sustainable = math.sqrt(max(mean_square + (self._square - mean_square) / self._share, 0.0))
+            self._mean_square[k] = mean_square
+            self._driven[k] = min(value, self._scale * ceiling, driven + rise, sustainable)
+        return np.array(self._driven)
 
 
 class SampleLimits:
@@ -56,7 +61,7 @@ class SampleLimits:
         """Samples (channels, n) that last ``seconds``, scaled so that their peaks are within the limits; the scale rises smoothly."""
         peaks = np.abs(samples).max(axis=1, initial=0.0)
         allowed = self._limits.limited(np.minimum(peaks, 1.0), seconds)
-        gains = np.divide(allowed, peaks, out=np.ones_like(peaks), where=peaks > 0.0)[:, None]
+        gains = np.array([[gain / peak if peak > 0.0 else 1.0] for gain, peak in zip(allowed.tolist(), peaks.tolist(), strict=True)])
         ramp = _ramp(samples.shape[1])
         start = np.minimum(self._gains, gains)
         self._gains = gains
