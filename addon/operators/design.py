@@ -23,7 +23,6 @@ from ..view import levels
 
 if TYPE_CHECKING:
     from ...core.graph.haptic_graph import HapticGraph
-    from ..session.sessions import Traced
 
 _rpt = bpy.app.translations.pgettext_rpt
 
@@ -65,7 +64,7 @@ class HAPTIC_OT_make_felt(Edit, Operator):
             self.report({"INFO"}, _rpt("'{}' is felt with a margin of {:.0f} dB").format(self.listener, margin))
 
 
-def _raise(listener: Any, traced: Traced, index: int, missing: float) -> bool:
+def _raise(listener: Any, traced: sessions.Traced, index: int, missing: float) -> bool:
     """Raise the gain of a listener, and that of its strongest source when the gain is at its maximum, by ``missing`` decibels in total.
     Returns False if neither can be raised further."""
     if not math.isfinite(missing):
@@ -118,12 +117,12 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
             self.report({"INFO"}, _rpt("All {} wishes are met within a decibel").format(len(missing)))
 
 
-def _made_of(traced: Traced, material: str) -> tuple[str, ...]:
+def _made_of(traced: sessions.Traced, material: str) -> tuple[str, ...]:
     """The haptic objects of a frame with a material of the library."""
     return tuple(item.name for item in traced.result.graph.table.objects if item.material == material)
 
 
-def _change(traced: Traced, missing: dict[str, float], free: list[Any]) -> bool:
+def _change(traced: sessions.Traced, missing: dict[str, float], free: list[Any]) -> bool:
     """Set the free materials to values with nearer levels. Returns False if none changes."""
     result = traced.result
     wished = [wishes.Wish(name, rest) for name, rest in missing.items() if math.isfinite(rest)]

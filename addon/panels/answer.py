@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, UILayout
@@ -17,10 +16,6 @@ from ..view import explanation, levels, paths, watched
 from .cures import draw_cure
 from .drawing import select_button
 from .texts import draw_sentence, fitted, source_title
-
-if TYPE_CHECKING:
-    from ..view.levels import Level
-    from ..view.paths import ListenerPath
 
 
 def draw_progress(layout: UILayout, context: Context) -> None:
@@ -51,7 +46,7 @@ def draw_answer(layout: UILayout, context: Context) -> bool:
     return True
 
 
-def _draw_level(layout: UILayout, level: Level) -> None:
+def _draw_level(layout: UILayout, level: levels.Level) -> None:
     split = layout.split(factor=0.5)
     row = split.row()
     row.alignment = "LEFT"
@@ -67,7 +62,7 @@ def _draw_level(layout: UILayout, level: Level) -> None:
         layout.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
 
 
-def _draw_origin(layout: UILayout, path: ListenerPath) -> None:
+def _draw_origin(layout: UILayout, path: paths.ListenerPath) -> None:
     """Draw the strongest source, its gain, and the objects on its path."""
     split = layout.split(factor=0.6)
     name = path.source.name if path.source.second_object is None else path.source.object

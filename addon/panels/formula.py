@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import blf
 import bpy
@@ -14,12 +14,9 @@ from ..blender.text import wrapped
 from ..properties.function import CONTACT_PARAMETERS
 from ..translations.sentences import sentence
 
-if TYPE_CHECKING:
-    from ...core.scene.functions import Finding
-
 
 @lru_cache(maxsize=256)
-def _checked(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool) -> Finding | None:
+def _checked(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool) -> functions.Finding | None:
     """The fault of a formula, cached because panels request it at every redraw."""
     return functions.check_expression(source, kappa, rho, epsilon, on_contact)
 
@@ -36,7 +33,7 @@ def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsi
         layout.prop(group, parameter)
 
 
-def draw_finding(layout: UILayout, source: str, finding: Finding | None) -> Finding | None:
+def draw_finding(layout: UILayout, source: str, finding: functions.Finding | None) -> functions.Finding | None:
     """Draw and return the fault of a formula, if there is one."""
     if finding is None:
         return None

@@ -15,7 +15,6 @@ from .texts import draw_sentence, source_title
 
 if TYPE_CHECKING:
     from ...core.scene.values import Source
-    from ..session.sessions import Traced
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,7 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
     return Hint(iface_("Press play"), (("screen.animation_play", "PLAY"),))
 
 
-def _has_sources(scene: Scene, traced: Traced) -> bool:
+def _has_sources(scene: Scene, traced: sessions.Traced) -> bool:
     """True if there is a source, or if moving bodies can collide."""
     if traced.result.sources or traced.reading is None or traced.reading.sources:
         return True

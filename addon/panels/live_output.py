@@ -17,7 +17,6 @@ from ..translations.sentences import sentence
 from .drawing import ClosedPanel, HapticsPanel, draw_pair
 
 if TYPE_CHECKING:
-    from ...core.devices.mapping import ActuatorMapping
     from ...core.devices.status import Status
 
 EARLIEST = -0.015
@@ -69,7 +68,7 @@ class HAPTIC_PT_actuators(HapticsPanel, Panel):
                     _draw_text(column, sentence(loss.message))
 
 
-def _actuators_of(mapped: ActuatorMapping, row: int) -> list[str]:
+def _actuators_of(mapped: mapping.ActuatorMapping, row: int) -> list[str]:
     """The actuators of a listener, with their device if there are several."""
     running = outputs.running()
     return [

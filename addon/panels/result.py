@@ -25,8 +25,6 @@ from .texts import draw_sentence, fitted, source_title
 if TYPE_CHECKING:
     from ...core.arrays import FloatArray
     from ...core.render.frame_result import FrameResult
-    from ..view.levels import Level
-    from ..view.paths import ListenerPath
 
 _SHOWN_SOURCES = 4
 _FELT_SOURCES = 24
@@ -145,7 +143,7 @@ class HAPTIC_PT_path(HapticsPanel, Panel):
         _draw_hops(layout, context, path)
 
 
-def _draw_hops(layout: UILayout, context: Context, path: ListenerPath) -> None:
+def _draw_hops(layout: UILayout, context: Context, path: paths.ListenerPath) -> None:
     """A row per object: a button that selects it, its distance and its loss; the active object's row is pressed."""
     active = context.object.name_full if context.object is not None else ""
     hops = sorted(path.hops, key=lambda hop: -hop.loss) if context.scene.haptics.meters.sort_path else path.hops
@@ -263,7 +261,7 @@ def _gain_text(gains: FloatArray, index: int) -> str:
     return f"{20 * math.log10(gain):.0f}" if gain > 0 else "\N{EM DASH}"
 
 
-def _draw_level(layout: UILayout, level: Level) -> None:
+def _draw_level(layout: UILayout, level: levels.Level) -> None:
     """A listener's name, which selects it, its level as a bar, and its switches."""
     line = layout.row(align=True)
     split = line.split(factor=0.5)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
@@ -15,9 +15,6 @@ from ...core.devices import profiles
 from ..blender.extension import profile_folders
 from .callbacks import changed, updating
 from .kinds import choice, limited, share, switch, text
-
-if TYPE_CHECKING:
-    from ...core.devices.profiles import Profile
 
 ORIGINS = (
     ("FILE", "File", "A WAV, FLAC, MP3 or Ogg file"),
@@ -41,7 +38,7 @@ def sound_path(owner: bpy.types.ID, path: str) -> Path:
     return full
 
 
-def device_profiles() -> Mapping[str, Profile]:
+def device_profiles() -> Mapping[str, profiles.Profile]:
     """The built-in and the user's device profiles, by name."""
     return profiles.load_profiles((profiles.BUILT_IN, *profile_folders()))[0]
 
