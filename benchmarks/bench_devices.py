@@ -59,7 +59,7 @@ def driven(profile: Profile, signal: FloatArray) -> Written:
 
     recording = replace(family, encode=encode, startup=lambda *_: (), release=lambda *_: ())
     profile = replace(profile, family=recording)
-    pacing = pacing_of(profile, recording, transport, actuation_of(profile, recording, RATE, {}))
+    pacing = pacing_of(profile, recording, transport, actuation_of(profile, recording, RATE))
     edges = np.ceil(np.arange(round(SECONDS * FPS) + 1) / FPS * RATE - 1e-6).astype(int)
     now = 1.0
     for first, last in pairwise(edges):

@@ -1,11 +1,11 @@
-"""Properties of a scene: how it is traced and shown."""
+"""Properties of a scene: how it is traced and shown, its meters, and its haptics in glTF files."""
 
 from __future__ import annotations
 
 from bpy.props import IntProperty, PointerProperty
 from bpy.types import PropertyGroup
 
-from . import bake, gltf, live_output, materials, meters, modalities, rules
+from . import bake, live_output, materials, modalities, rules
 from .callbacks import changed, updating, view_changed
 from .imported import Imported
 from .kinds import choice, limited, number, share, switch, text
@@ -16,6 +16,41 @@ MODE_ITEMS = (
     ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
     ("MN", "All Alike", "Every source directly to every listener, without fading"),
 )
+
+
+@updating(view_changed)
+class HapticMetersProperties(PropertyGroup):
+    """The meters of a scene."""
+
+    show: switch("Meters", "Draw meters over the 3D viewport: how much each listener feels", True)
+    show_scope: switch("Scope", "Draw the last second of the selected listener, or of the one that feels the most", True)
+    show_body: switch("Body", "Draw a body whose parts light up where they feel something", True)
+    show_lane: switch(
+        "Timeline of Touch",
+        "Draw over Timeline and Dope Sheet what each listener feels: waves and impacts of the frames baked or played, and in "
+        "orange the threshold of feeling",
+        True,
+    )
+    corner: choice(
+        "Corner",
+        "Corner of the viewport in which the meters are drawn; the legend stands on the other side",
+        (
+            ("BOTTOM_LEFT", "Bottom Left", ""),
+            ("BOTTOM_RIGHT", "Bottom Right", ""),
+            ("TOP_LEFT", "Top Left", ""),
+            ("TOP_RIGHT", "Top Right", ""),
+        ),
+        default="BOTTOM_LEFT",
+    )
+    sort_path: switch("Sort by Loss", "Sort the objects of a path by loss, largest first, instead of in path order", update=None)
+
+
+class HapticGltfProperties(PropertyGroup):
+    """The data that is written when the scene is exported as glTF."""
+
+    use_extras: switch("Haptics", "Roles, haptic properties, functions and contacts, in the extras of nodes", True)
+    use_material: switch("MPEG Haptic Material", "Haptic materials of meshes as an extension of ISO/IEC 23090-14")
+    material_name: text("Name", "Name of that extension, because drafts of the standard differ", "MPEG_haptic_material", maxlen=60)
 
 
 @updating()
@@ -95,10 +130,10 @@ class HapticSceneProperties(Imported, PropertyGroup):
     )
     xray: switch("In Front", "Draw the graph over objects instead of being hidden by them", True, update=view_changed)
     bake: PointerProperty(type=bake.HapticBakeProperties)
-    meters: PointerProperty(type=meters.HapticMetersProperties)
+    meters: PointerProperty(type=HapticMetersProperties)
     live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
     materials: PointerProperty(type=materials.HapticMaterialLibrary)
-    gltf: PointerProperty(type=gltf.HapticGltfProperties)
+    gltf: PointerProperty(type=HapticGltfProperties)
     modalities: PointerProperty(type=modalities.HapticSceneModalities)
     imported_contacts: text(
         "Imported Contacts",

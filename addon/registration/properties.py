@@ -6,11 +6,11 @@ import bpy
 from bpy.props import PointerProperty
 from bpy.types import NodeTree, Object, Scene
 
-from ..properties import bake, drawing, gltf, listener, live_output, materials, meters, modalities, object, rules, scene, sound, source
+from ..properties import bake, drawing, listener, live_output, materials, modalities, object, rules, scene, sound, source
 from .module_classes import classes_of
 
 CLASSES = (
-    *classes_of(bake, gltf, meters, live_output, materials),
+    *classes_of(bake, live_output, materials),
     *modalities.GROUPS,
     *classes_of(drawing, sound, source, listener, object, rules, scene),
 )

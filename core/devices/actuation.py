@@ -45,11 +45,11 @@ def calibrated(amplitude: FloatArray, calibration: Calibration) -> FloatArray:
 
 
 class SpectralDescription:
-    """Amplitude and frequency per band, every ``HOP`` seconds, of signals that arrive block by block."""
+    """Amplitude and frequency per band, every ``HOP`` seconds, of signals that arrive block by block. hop: samples between two steps."""
 
     def __init__(self, rate: int, bands: list[list[tuple[float, float]]]) -> None:
         """rate: samples per second. bands: for each signal, the (low, high) limits in Hz of each of its channels."""
-        self._hop = max(round(HOP * rate), 1)
+        self.hop = max(round(HOP * rate), 1)
         self._rate = rate
         rise, fall = round(_RISE * rate), max(round(_FALL * rate), 1)
         self._window = np.concatenate(
@@ -63,28 +63,23 @@ class SpectralDescription:
         self.reset()
 
     @property
-    def hop(self) -> int:
-        """Samples between two steps: ``HOP``, as near as whole samples allow."""
-        return self._hop
-
-    @property
     def pending(self) -> float:
         """Seconds of input that are not yet part of a complete step."""
-        return (self._history.shape[1] - (len(self._window) - self._hop)) / self._rate
+        return (self._history.shape[1] - (len(self._window) - self.hop)) / self._rate
 
     def reset(self) -> None:
         """Reset to silence."""
-        self._history = np.zeros((len(self._masks), len(self._window) - self._hop))
+        self._history = np.zeros((len(self._masks), len(self._window) - self.hop))
 
     def process(self, block: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
         """For each signal, amplitudes and frequencies [Hz], both (steps, channels). block: (signals, n)."""
         samples = np.concatenate([self._history, block], axis=1)
         width = len(self._window)
-        count = max((samples.shape[1] - width) // self._hop + 1, 0)
-        self._history = samples[:, count * self._hop :]
+        count = max((samples.shape[1] - width) // self.hop + 1, 0)
+        self._history = samples[:, count * self.hop :]
         if count == 0:
             return [(np.zeros((0, len(masks))),) * 2 for masks in self._masks]
-        windows = np.stack([samples[:, begin : begin + width] for begin in range(0, count * self._hop, self._hop)], axis=1)
+        windows = np.stack([samples[:, begin : begin + width] for begin in range(0, count * self.hop, self.hop)], axis=1)
         power = self._scale * np.abs(np.fft.rfft(windows * self._window, self._size, axis=2)) ** 2
         return [self._describe(signal, masks) for signal, masks in zip(power, self._masks, strict=True)]
 
@@ -115,9 +110,9 @@ class SpectralDescription:
 class ToneActuation:
     """Blocks of samples, one row per actuator, to steps of amplitude and frequency for a rumble family."""
 
-    def __init__(self, profile: Profile, family: RumbleFamily, rate: int, calibrations: Mapping[str, Calibration]) -> None:
+    def __init__(self, profile: Profile, family: RumbleFamily, rate: int) -> None:
         self._actuators = profile.actuators
-        self.calibrate(calibrations)
+        self.calibrate({})
         self._rest = family.silence()
         self._has_tones = family.has_tones
         self._places = [[family.channels.index(channel.name) for channel in actuator.channels] for actuator in profile.actuators]
@@ -155,9 +150,9 @@ class ToneActuation:
 class SampleActuation:
     """Blocks of samples, one row per actuator, to samples of a stream family's channels at its rate."""
 
-    def __init__(self, profile: Profile, family: StreamFamily, rate: int, calibrations: Mapping[str, Calibration]) -> None:
+    def __init__(self, profile: Profile, family: StreamFamily, rate: int) -> None:
         self._actuators = profile.actuators
-        self.calibrate(calibrations)
+        self.calibrate({})
         self._places = [family.channels.index(actuator.channels[0].name) for actuator in profile.actuators]
         self._channels = len(family.channels)
         self._resampler = Resampler(len(profile.actuators), rate, family.rate)
@@ -189,10 +184,6 @@ def checked_block(block: FloatArray, actuators: int) -> FloatArray:
     return copy
 
 
-def actuation_of(
-    profile: Profile, family: AnyFamily, rate: int, calibrations: Mapping[str, Calibration]
-) -> ToneActuation | SampleActuation:
-    """The actuation for the family."""
-    if isinstance(family, RumbleFamily):
-        return ToneActuation(profile, family, rate, calibrations)
-    return SampleActuation(profile, family, rate, calibrations)
+def actuation_of(profile: Profile, family: AnyFamily, rate: int) -> ToneActuation | SampleActuation:
+    """The actuation for the family, with the profile's calibrations."""
+    return ToneActuation(profile, family, rate) if isinstance(family, RumbleFamily) else SampleActuation(profile, family, rate)

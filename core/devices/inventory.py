@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from .connection import Connected, connected, hid_module, missing_permission, udev_rule
 from .force_feedback import EventNode, ForceFeedbackModule, event_nodes, force_feedback_profile
@@ -100,7 +99,7 @@ def _is_same(node: EventNode, device: Connected) -> bool:
 def _event_device(node: EventNode) -> Found:
     profile, module = force_feedback_profile(node), ForceFeedbackModule(node)
     key = " ".join(filter(None, ("force-feedback", node.title, node.serial)))
-    return Found(key, profile.title, f"{_BUS[node.transport]}, kernel", profile, partial(_open, DeviceOutput, profile, {"hid": module}))
+    return Found(key, profile.title, f"{_BUS[node.transport]}, kernel", profile, partial(DeviceOutput, profile, hid=module))
 
 
 def _hid_device(profile: Profile, device: Connected) -> Found:
@@ -113,7 +112,7 @@ def _hid_device(profile: Profile, device: Connected) -> Found:
         title=profile.title,
         kind=_BUS[device.transport] + (", experimental" if profile.experimental else ""),
         device=profile,
-        open=partial(_open, DeviceOutput, profile, {"serial": device.serial}),
+        open=partial(DeviceOutput, profile, serial=device.serial),
         permission=problem,
         rule=rule,
     )
@@ -121,22 +120,16 @@ def _hid_device(profile: Profile, device: Connected) -> Found:
 
 def _sound_cards() -> list[Found]:
     return [
-        Found(
-            f"sound card {card.title}", card.title, f"sound card, {card.channels} channels", card, partial(_open, SoundCardOutput, card, {})
-        )
+        Found(f"sound card {card.title}", card.title, f"sound card, {card.channels} channels", card, partial(SoundCardOutput, card))
         for card in sound_cards(sound_module())
     ]
 
 
 def _players(look: Callable[[], Iterable[tuple[Profile, PlayerModule]]]) -> list[Found]:
     return [
-        Found(f"player {profile.title}", profile.title, "haptic player", profile, partial(_open, DeviceOutput, profile, {"hid": module}))
+        Found(f"player {profile.title}", profile.title, "haptic player", profile, partial(DeviceOutput, profile, hid=module))
         for profile, module in look()
     ]
-
-
-def _open(kind: Callable[..., Output], device: ActuatedDevice, options: dict[str, Any], adjustment: Adjustment) -> Output:
-    return kind(device, adjustment=adjustment, **options)
 
 
 def _with_unique_keys(devices: list[Found]) -> tuple[Found, ...]:

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from .guard import GuardedOutput
-from .profiles import Profile
+from .profiles import Adjustment, Profile
 from .sound_card import SoundCard, SoundCardWriter
 from .writer import DeviceWriter
 
@@ -14,14 +14,14 @@ from .writer import DeviceWriter
 class DeviceOutput(GuardedOutput):
     """One device that is fed with blocks of samples, one row per actuator of its profile."""
 
-    def __init__(self, profile: Profile, **options: Any) -> None:
+    def __init__(self, profile: Profile, adjustment: Adjustment | None = None, **options: Any) -> None:
         """options: those of `DeviceWriter`; ``hid`` is pickled. Raises ValueError as that does."""
-        super().__init__(profile, partial(DeviceWriter, profile, **options))
+        super().__init__(profile, partial(DeviceWriter, profile, adjustment=adjustment, **options))
 
 
 class SoundCardOutput(GuardedOutput):
     """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceOutput`."""
 
-    def __init__(self, card: SoundCard, **options: Any) -> None:
+    def __init__(self, card: SoundCard, adjustment: Adjustment | None = None, **options: Any) -> None:
         """options: those of `SoundCardWriter`."""
-        super().__init__(card, partial(SoundCardWriter, card, **options))
+        super().__init__(card, partial(SoundCardWriter, card, adjustment=adjustment, **options))

@@ -231,7 +231,7 @@ class DeviceWriter:
         if family.prepare is not None:
             family = family.prepare(opened.hid, opened.interface, partial(self._write, opened)) or family
         transport = opened.interface.transport
-        actuation = actuation_of(self.profile, family, self._rate, {})
+        actuation = actuation_of(self.profile, family, self._rate)
         return pacing_of(self.profile, family, transport, actuation, self._adjustment, self._written - before)
 
     def _pause(self) -> None:

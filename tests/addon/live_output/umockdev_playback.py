@@ -105,7 +105,7 @@ def main():
 
     def pacing_of(profile, family, transport, actuation, adjustment, sequence):
         def make():
-            fresh = writer.actuation_of(profile, family, writer.SAMPLE_RATE, {})
+            fresh = writer.actuation_of(profile, family, writer.SAMPLE_RATE)
             return real_pacing_of(profile, family, transport, fresh, adjustment, sequence)
 
         recorded[profile.name, transport] = RecordingPacing(make)

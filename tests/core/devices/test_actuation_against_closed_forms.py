@@ -21,7 +21,8 @@ def sine(frequency, amplitude=1.0, seconds=0.5, rate=RATE):
 
 
 def tones_of(device, *rows, rate=RATE, calibrations=None, cut=None):
-    actuation = ToneActuation(device, device.family, rate, calibrations or {})
+    actuation = ToneActuation(device, device.family, rate)
+    actuation.calibrate(calibrations or {})
     block = np.array(rows)
     steps = [step for part in np.split(block, cut or [], axis=1) for step in actuation.process(part)]
     return np.array([step.tones.amplitudes for step in steps]), np.array([step.tones.frequencies for step in steps])
@@ -90,7 +91,7 @@ def test_steps_do_not_depend_on_how_the_signal_is_cut_into_blocks(cuts, seed):
 @settings(deadline=None, max_examples=30)
 @given(sizes=st.lists(st.integers(1, 500), min_size=1, max_size=20))
 def test_offsets_are_a_steady_grid_over_all_blocks(sizes):
-    actuation = ToneActuation(DUALSENSE, DUALSENSE.family, RATE, {})
+    actuation = ToneActuation(DUALSENSE, DUALSENSE.family, RATE)
     taken, times = 0, []
     for size in sizes:
         times += [taken / RATE + step.offset for step in actuation.process(np.zeros((2, size)))]
@@ -174,7 +175,8 @@ def test_resampling_does_not_depend_on_how_the_signal_is_cut(cuts, rates):
 def test_samples_go_to_the_channels_of_their_actuators_with_the_calibrations_gain():
     device = profile("steam-controller-pcm")
     swapped = replace(device, actuators=device.actuators[::-1])
-    actuation = SampleActuation(swapped, device.family, 8000, {"left grip": Calibration(gain=0.5)})
+    actuation = SampleActuation(swapped, device.family, 8000)
+    actuation.calibrate({"left grip": Calibration(gain=0.5)})
     assert actuation.process(np.array([[0.1, 0.2], [0.6, 0.8]])).tolist() == [[0.3, 0.4], [0.1, 0.2]]
 
 

@@ -21,7 +21,7 @@ PROFILES = load_profiles()[0]
 
 def pacing(name, transport, delay=0.0, **changes):
     device = replace(profile(name), **changes)
-    return pacing_of(device, device.family, transport, actuation_of(device, device.family, RATE, {}), Adjustment(delay=delay))
+    return pacing_of(device, device.family, transport, actuation_of(device, device.family, RATE), Adjustment(delay=delay))
 
 
 def tone(seconds, frequency=200.0, amplitude=0.5, rows=2, start=0.0):
@@ -388,7 +388,7 @@ def test_a_block_that_comes_early_cuts_off_the_one_before_and_the_newest_is_play
 def test_the_actuation_must_be_of_the_familys_kind():
     device, stream = profile("dualsense"), profile("dualsense-pcm")
     with pytest.raises(ValueError, match="not of the family's kind"):
-        pacing_of(device, device.family, "usb", actuation_of(stream, stream.family, RATE, {}))
+        pacing_of(device, device.family, "usb", actuation_of(stream, stream.family, RATE))
 
 
 @pytest.mark.slow
