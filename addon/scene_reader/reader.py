@@ -42,29 +42,10 @@ from .tagged import Tagged, TaggedLists
 from .triggers import read_triggers, region_of
 from .world_transforms import raw_matrices, rigid_transforms, session_ids
 
-_STEADY = frozenset(
-    {
-        "ARRAY",
-        "BEVEL",
-        "DECIMATE",
-        "EDGE_SPLIT",
-        "MIRROR",
-        "MULTIRES",
-        "NORMAL_EDIT",
-        "REMESH",
-        "SCREW",
-        "SKIN",
-        "SMOOTH",
-        "SOLIDIFY",
-        "SUBSURF",
-        "TRIANGULATE",
-        "UV_PROJECT",
-        "UV_WARP",
-        "WEIGHTED_NORMAL",
-        "WELD",
-        "WIREFRAME",
-    }
-)
+_STEADY = frozenset({
+    "ARRAY", "BEVEL", "DECIMATE", "EDGE_SPLIT", "MIRROR", "MULTIRES", "NORMAL_EDIT", "REMESH", "SCREW", "SKIN",
+    "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "UV_PROJECT", "UV_WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME",
+})  # fmt: skip
 """Modifiers whose result is the same in every frame unless they are animated."""
 
 
