@@ -18,7 +18,7 @@ from typing import Any, TypeVar, cast
 from ...core.contacts.shapes import Shape, shape_from_dict
 from ...core.formats.io.schema import load_schema
 from ...core.formats.io.strict_json import parse_json
-from ...core.formats.scene.recording import pair_of
+from ...core.formats.scene.recording import by_pair, pair_of
 from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
 from ...core.formats.scene.values_json import item_to_dict, read_triggers
 from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
@@ -179,11 +179,8 @@ def file_contacts(text: str) -> FileContacts:
         return FileContacts()
     with _damaged():
         found, later = (_contacts(form.get(key, [])) for key in ("contacts", "later"))
-        contacts: dict[Pair, tuple[Contact, ...]] = {}
-        for item in found:
-            contacts[pair_of(item)] = (*contacts.get(pair_of(item), ()), item)
         return FileContacts(
-            contacts=contacts,
+            contacts=by_pair(found),
             transmissions={pair_of(item): item.transmission for item in reversed((*found, *later)) if item.transmission != Identity()},
             tolerance=float(form.get("tolerance", 0.0)),
             patch_points=form.get("patch_points", False),

@@ -124,7 +124,8 @@ def _is_over(source: Source, time: float) -> bool:
     return source.kind is SourceKind.TEMPORARY and source.onset + source.emitted.duration <= time + 1e-9
 
 
-def _by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
+def by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
+    """The contacts of each pair of objects."""
     result: dict[Pair, tuple[Contact, ...]] = {}
     for contact in contacts:
         result[pair_of(contact)] = (*result.get(pair_of(contact), ()), contact)
@@ -139,7 +140,7 @@ class _State:
         self._objects = {item.name: item for item in scene.objects}
         self._sources = {item.name: item for item in scene.sources}
         self._listeners = {item.name: item for item in scene.listeners}
-        self._contacts = _by_pair(scene.contacts)
+        self._contacts = by_pair(scene.contacts)
 
     def scene(self) -> HapticScene:
         """The current scene."""
@@ -180,7 +181,7 @@ class _State:
             listeners[name] = replace(listeners[name], position=position)
         for name, gain in change.gains.items():
             listeners[name] = replace(listeners[name], gain=gain)
-        self._contacts.update(_by_pair(change.contacts))
+        self._contacts.update(by_pair(change.contacts))
 
     def _remove(self, change: RecordedFrame) -> None:
         """Remove objects with all sources and listeners on them, and listeners."""

@@ -50,6 +50,7 @@ def _read_shape(form: Mapping[str, Any], place: Place) -> Shape:
 
 
 _read_pose = partial(read_value, Pose)
+read_listener = partial(read_value, Listener)
 _read_transmission = partial(read_function, functions=TRANSMISSIONS)
 
 
@@ -111,11 +112,6 @@ def _read_template(value: Any, place: Place) -> Any:
     return _read_signal(value, place) if isinstance(value, dict) else value
 
 
-def read_listener(form: Mapping[str, Any], place: Place) -> Listener:
-    """A listener."""
-    return read_value(Listener, form, place)
-
-
 def _placed(make: Callable[[], T], form: Mapping[str, Any], place: Place) -> T:
     """What ``make`` returns; its ValueError ``key: reason`` or ``key/key: reason`` becomes an error at that key of ``form``."""
     try:
@@ -151,11 +147,9 @@ def scene_items(scene: HapticScene) -> dict[str, list[dict[str, Any]]]:
 def json_value(value: Any) -> Any:
     """A value of a scene in the types that JSON has. Raises TypeError for others."""
     match value:
-        case None | bool() | float() | int():
-            return value
         case Enum():
             return value.value
-        case str():
+        case None | bool() | float() | int() | str():
             return value
         case Pose():
             return {"position": list(value.position), "rotation": list(value.rotation)}
