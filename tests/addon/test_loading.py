@@ -56,12 +56,14 @@ for frame in (1, 2, 5):
 cube.location.x = 1.0
 bpy.context.view_layer.update()
 loaded["frames and edits"] = modules()
-STEP
-print(json.dumps(loaded))  # and it ends with the add-on enabled
-"""
 
-STEPS = {
-    "used": """
+bpy.data.objects.remove(cube)
+haptic_tracing.unregister()
+haptic_tracing.register()
+bpy.ops.wm.read_homefile(use_factory_startup=True)
+loaded["removed"] = modules()
+
+scene, cube = bpy.context.scene, bpy.data.objects["Cube"]
 bpy.ops.haptic.find_devices()
 loaded["devices"] = modules()
 cube.haptics.enabled = True
@@ -73,47 +75,37 @@ try:
 except RuntimeError:
     pass  # nobody listens
 loaded["exported"] = modules()
-""",
-    "removed": """
-bpy.data.objects.remove(cube)
-haptic_tracing.unregister()
-haptic_tracing.register()
-bpy.ops.wm.read_homefile(use_empty=True)
-loaded["removed"] = modules()
-""",
-}
+print(json.dumps(loaded))  # and it ends with the add-on enabled
+"""
 
 
-@pytest.fixture
-def loaded(tmp_path):
-    def after(step):
-        program = PROGRAM.replace("STEP", STEPS[step])
-        environment = {**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path)}
-        done = subprocess.run([sys.executable, "-c", program], env=environment, cwd=tmp_path, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-        *_, shown, remaining = done.stdout.splitlines()
-        assert remaining == "[]"  # handlers, which Blender as a module would call when their names have been cleared
-        return {moment: set(names) for moment, names in json.loads(shown).items()}
-
-    return after
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    """What a program that uses one part after the other had loaded at each moment."""
+    folder = tmp_path_factory.mktemp("loading")
+    environment = {**os.environ, "BLENDER_USER_RESOURCES": str(folder)}
+    done = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    *_, shown, remaining = done.stdout.splitlines()
+    assert remaining == "[]"  # handlers, which Blender as a module would call when their names have been cleared
+    return {moment: set(names) for moment, names in json.loads(shown).items()}
 
 
 def of_the_core(modules):
     return {name.removeprefix("core.") for name in modules if name.startswith("core.")}
 
 
+@pytest.mark.slow
 def test_registering_frames_and_edits_of_an_untagged_scene_load_no_stage_of_the_core(loaded):
-    modules = loaded("removed")
     for moment in ("registered", "frames and edits", "removed"):
-        assert of_the_core(modules[moment]) <= LEAVES
-        assert not modules[moment] & set(gateway.MODULES)
+        assert of_the_core(loaded[moment]) <= LEAVES
+        assert not loaded[moment] & set(gateway.MODULES)
 
 
 @pytest.mark.slow
 def test_each_part_of_the_core_is_loaded_when_it_is_used(loaded):
-    modules = loaded("used")
-    before = modules["frames and edits"]
+    before = loaded["removed"]
     assert of_the_core(before) <= LEAVES
     for step, stages in (("devices", {"devices.inventory"}), ("tagged", {"tracer", "contacts.tracker"}), ("exported", {"formats.export"})):
-        assert stages <= of_the_core(modules[step] - before), step
-        before = modules[step]
+        assert stages <= of_the_core(loaded[step] - before), step
+        before = loaded[step]

@@ -29,7 +29,7 @@ def build(sample_files: Path) -> Callable[..., Any]:
             if not path.exists():
                 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
                 build_sample(name, count)
-                bpy.ops.wm.save_as_mainfile(filepath=str(path))
+                bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=False)  # opened again and again
             bpy.ops.wm.open_mainfile(filepath=str(path))
         return bpy.context.scene
 
