@@ -20,15 +20,13 @@ import bpy
 import haptic_tracing
 import pytest
 from haptic_tracing.addon import gateway, translations
-from haptic_tracing.addon.registration import classes, properties
 
 for _name in gateway.MODULES:  # tests replace parts of modules: they need the modules themselves, not their stand-ins
     import_module(f"haptic_tracing.{_name}")
-# Evaluated and read once, not at the registration in each test: annotations of classes and of what they inherit from, and translations.
-for _class in {_base for _own in (*properties.CLASSES, *classes.CLASSES) for _base in _own.__mro__}:
-    if _class.__module__.startswith("haptic_tracing.") and "__annotations__" in vars(_class):
-        _known = typing.get_type_hints(_class)
-        _class.__annotations__ = {_key: _known[_key] for _key in _class.__annotations__}
+# Evaluated and read once, not at the registration in each test: the types of properties, and translations.
+_hints = typing.get_type_hints
+_hints_of = functools.cache(_hints)
+typing.get_type_hints = lambda of, *more, **named: _hints(of, *more, **named) if more or named else _hints_of(of)
 translations.dictionary = functools.cache(translations.dictionary)
 
 

@@ -70,8 +70,8 @@ def test_blender_finds_nothing_to_correct(seed):
     assert len(mesh.polygons) == len(solid.triangles)
     colours = np.empty(4 * len(solid.vertices), dtype=np.float32)
     mesh.color_attributes[graph_mesh.COLOUR_ATTRIBUTE].data.foreach_get("color", colours)
-    assert colours.reshape(-1, 4)[:, :3] == pytest.approx(linear(solid.colours[:, :3]), abs=1e-6)
-    assert colours.reshape(-1, 4)[:, 3] == pytest.approx(solid.colours[:, 3])
+    np.testing.assert_allclose(colours.reshape(-1, 4)[:, :3], linear(solid.colours[:, :3]), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(colours.reshape(-1, 4)[:, 3], solid.colours[:, 3], rtol=1e-6)
 
 
 def test_operator_says_why_it_can_not_run():

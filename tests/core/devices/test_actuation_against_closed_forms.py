@@ -151,7 +151,7 @@ def test_resampling_a_sine_gives_the_same_sine_later(rate_in, rate_out, frequenc
     output = resampler.process(sine(frequency, rate=rate_in, seconds=0.4)[None])[0]
     times = np.arange(len(output)) / rate_out - resampler.delay
     settled = times > 0.02
-    assert output[settled] == pytest.approx(np.sin(2 * np.pi * frequency * times[settled]), abs=2e-3)
+    np.testing.assert_allclose(output[settled], np.sin(2 * np.pi * frequency * times[settled]), rtol=0, atol=2e-3)
     assert len(output) / rate_out == pytest.approx(0.4, abs=resampler.delay + 2 / rate_out)
 
 

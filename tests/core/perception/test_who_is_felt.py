@@ -95,8 +95,8 @@ def test_what_has_a_higher_priority_turns_the_rest_down_by_the_stated_amount(lev
     heard = Listener("palm", "plate", ducking=12.0)
     samples, free = (source_samples(sounding(sources, item), 0, 0.5, RATE) for item in (heard, Listener("palm", "plate")))
     assert samples[0].tobytes() == free[0].tobytes()
-    assert samples[1] == pytest.approx(free[1] * 10 ** (-turned_down / 20), rel=1e-12)
-    assert samples[2] == pytest.approx(free[2] * 10 ** (-12.0 / 20), rel=1e-12), "the motor has a higher priority than the fan"
+    np.testing.assert_allclose(samples[1], free[1] * 10 ** (-turned_down / 20), rtol=1e-12)
+    np.testing.assert_allclose(samples[2], free[2] * 10 ** (-12.0 / 20), rtol=1e-12)  # the motor has a higher priority than the fan
 
 
 def test_the_mix_has_what_is_turned_down():
