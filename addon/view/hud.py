@@ -41,11 +41,6 @@ class Hud:
     texts: tuple[Text, ...]
     bounds: tuple[Rectangle, ...] = ()
 
-    @property
-    def is_empty(self) -> bool:
-        """True if nothing is drawn."""
-        return not len(self.lines.width)
-
     def moved(self, right: float, up: float) -> Hud:
         """The same, moved to the right and up by some pixels."""
         by = np.array([right, up, 0], dtype=np.float32)

@@ -141,53 +141,48 @@ class Sphere(Shape):
         return np.array([[-self.radius] * 3, [self.radius] * 3])
 
 
-def _round_bounds(radius: float, half: float) -> FloatArray:
-    return np.array([[-radius, -radius, -half], [radius, radius, half]])
-
-
 @dataclass(frozen=True, slots=True)
-class Capsule(Shape):
-    """``radius`` and ``height`` of the cylindrical part, in metres (height 0 is a sphere)."""
+class _Upright(Shape):
+    """Base of shapes around local z. ``radius`` and ``height`` in metres."""
 
-    type: ClassVar[str] = "capsule"
-    positive: ClassVar[frozenset[str]] = frozenset({"radius"})
     radius: float
     height: float
     margin: float = 0.0
 
     def core_bounds(self) -> FloatArray:
-        return _round_bounds(self.radius, self.height / 2 + self.radius)
+        half = np.array([self.radius, self.radius, self.height / 2])
+        return np.array([-half, half])
 
 
 @dataclass(frozen=True, slots=True)
-class Cylinder(Shape):
+class Capsule(_Upright):
+    """``radius`` and ``height`` of the cylindrical part, in metres (height 0 is a sphere)."""
+
+    type: ClassVar[str] = "capsule"
+    positive: ClassVar[frozenset[str]] = frozenset({"radius"})
+
+    def core_bounds(self) -> FloatArray:
+        half = np.array([self.radius, self.radius, self.height / 2 + self.radius])
+        return np.array([-half, half])
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder(_Upright):
     """``radius`` and ``height`` in metres. ``rounding`` is the radius of its edges within that size (Bullet's embedded margin)."""
 
     type: ClassVar[str] = "cylinder"
-    radius: float
-    height: float
-    margin: float = 0.0
     rounding: float = 0.0
 
     def __post_init__(self) -> None:
         Shape.__post_init__(self)
         object.__setattr__(self, "rounding", min(self.rounding, self.radius, self.height / 2))
 
-    def core_bounds(self) -> FloatArray:
-        return _round_bounds(self.radius, self.height / 2)
-
 
 @dataclass(frozen=True, slots=True)
-class Cone(Shape):
+class Cone(_Upright):
     """``radius`` of the base and ``height`` in metres. The base lies at ``z = -height / 2``, the tip at ``z = +height / 2``."""
 
     type: ClassVar[str] = "cone"
-    radius: float
-    height: float
-    margin: float = 0.0
-
-    def core_bounds(self) -> FloatArray:
-        return _round_bounds(self.radius, self.height / 2)
 
 
 class _PointShape(Shape):

@@ -21,9 +21,6 @@ class Automation:
 
     __slots__ = ("_areas", "_origin", "_slopes", "times", "values")
 
-    times: FloatArray
-    values: FloatArray
-
     def __init__(self, times: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray) -> None:
         self.times = checked_column("times", times, MAX_SECONDS)
         self.values = checked_column("values", values, 1e9)
