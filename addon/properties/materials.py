@@ -10,14 +10,7 @@ from collections.abc import Iterator
 from operator import attrgetter
 from typing import Any
 
-from bpy.props import (
-    CollectionProperty,
-    FloatProperty,
-    FloatVectorProperty,
-    IntProperty,
-    PointerProperty,
-    StringProperty,
-)
+from bpy.props import CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import Context, Object, PropertyGroup, Scene
 
 from ...core.scene.bands import BAND_COUNT
