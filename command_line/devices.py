@@ -63,8 +63,9 @@ def run_list(args: argparse.Namespace) -> int:
     for device in devices:
         families = [family.name for family in device.families]
         names = [profile.name for family in families for profile in profiles.values() if profile.family.name == family]
-        ids = f"{device.vendor:04x}:{device.product:04x}"
-        print("\t".join([", ".join(names) or "not supported", device.title or "unnamed", device.transport, ids, device.serial]).rstrip())
+        first = device.first
+        ids = f"{first.vendor:04x}:{first.product:04x}"
+        print("\t".join([", ".join(names) or "not supported", first.title or "unnamed", first.transport, ids, first.serial]).rstrip())
         if families:
             problems += filter(None, map(missing_permission, device.interfaces))
     for problem in problems:

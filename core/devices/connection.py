@@ -14,7 +14,6 @@ from typing import Any, Protocol
 
 from .families.family import BUS_USB, AnyFamily, HidDevice, Interface, is_gamepad
 from .families.registry import families_of
-from .report import Transport
 
 UDEV_FILE = "/etc/udev/rules.d/70-haptic-tracing.rules"
 
@@ -97,17 +96,16 @@ def stand_in_entry(path: str, title: str = "", serial: str = "", bus: int = BUS_
 class Connected:
     """A connected device: its possible interfaces, and the families that can drive it, the default first.
 
-
     families is empty for an unsupported gamepad.
     """
 
-    title: str
-    serial: str
-    transport: Transport
-    vendor: int
-    product: int
     interfaces: tuple[Interface, ...]
     families: tuple[AnyFamily, ...]
+
+    @property
+    def first(self) -> Interface:
+        """The first interface, which has the name and the numbers of the device."""
+        return self.interfaces[0]
 
 
 def interfaces(hid: HidModule) -> tuple[Interface, ...]:
@@ -130,11 +128,7 @@ def connected(hid: HidModule) -> tuple[Connected, ...]:
             key = (interface.vendor, interface.product, interface.serial, place, tuple(family.name for family in matching))
             devices.setdefault(key, []).append(interface)
             families[key] = matching
-    return tuple(
-        Connected(first.title, first.serial, first.transport, first.vendor, first.product, tuple(group), families[key])
-        for key, group in devices.items()
-        for first in group[:1]
-    )
+    return tuple(Connected(tuple(group), families[key]) for key, group in devices.items())
 
 
 @dataclass(slots=True)

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from .connection import Connected, connected, hid_module, missing_permission, udev_rule
+from .families.family import Interface
 from .force_feedback import EventNode, ForceFeedbackModule, event_nodes, force_feedback_profile
 from .loopback import PlayerModule
 from .mapping import ActuatedDevice
@@ -68,8 +69,8 @@ def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_p
         except OSError as error:
             problems = (*problems, str(error))
     driven = {device.title for device in devices}
-    others = [device for device in gamepads if not _matching(profiles.values(), device) and device.title not in driven]
-    strangers = tuple(device.title or f"{device.vendor:04x}:{device.product:04x}" for device in others)
+    others = [device for device in gamepads if not _matching(profiles.values(), device) and device.first.title not in driven]
+    strangers = tuple(device.first.title or f"{device.first.vendor:04x}:{device.first.product:04x}" for device in others)
     return Inventory(_with_unique_keys(devices), strangers, problems)
 
 
@@ -87,13 +88,15 @@ def _hid_devices(profiles: Sequence[Profile], gamepads: list[Connected]) -> list
 def _force_feedback(profiles: Sequence[Profile], gamepads: Sequence[Connected]) -> list[Found]:
     """Devices driven by the kernel's force feedback, without those that are driven as HID devices (``gamepads``)."""
     drivable = [device for device in gamepads if _matching(profiles, device) and not all(map(missing_permission, device.interfaces))]
-    return [_event_device(node) for node in event_nodes() if node.may_be_opened and not any(_is_same(node, device) for device in drivable)]
+    return [
+        _event_device(node) for node in event_nodes() if node.may_be_opened and not any(_is_same(node, device.first) for device in drivable)
+    ]
 
 
-def _is_same(node: EventNode, device: Connected) -> bool:
-    """Whether an event device and a HID device are the same pad by their serial numbers."""
-    alike = (node.vendor, node.product) == (device.vendor, device.product)
-    return alike and (not node.serial or not device.serial or node.serial.lower() == device.serial.lower())
+def _is_same(node: EventNode, pad: Interface) -> bool:
+    """Whether an event device and a HID interface belong to the same pad by their serial numbers."""
+    alike = (node.vendor, node.product) == (pad.vendor, pad.product)
+    return alike and (not node.serial or not pad.serial or node.serial.lower() == pad.serial.lower())
 
 
 def _event_device(node: EventNode) -> Found:
@@ -108,11 +111,11 @@ def _hid_device(profile: Profile, device: Connected) -> Found:
         problem = problem or missing_permission(interface) or ""
         rule = udev_rule(interface) if udev_rule(interface) in problem else rule
     return Found(
-        key=" ".join(filter(None, (profile.name, device.serial))),
+        key=" ".join(filter(None, (profile.name, device.first.serial))),
         title=profile.title,
-        kind=_BUS[device.transport] + (", experimental" if profile.experimental else ""),
+        kind=_BUS[device.first.transport] + (", experimental" if profile.experimental else ""),
         device=profile,
-        open=partial(DeviceOutput, profile, serial=device.serial),
+        open=partial(DeviceOutput, profile, serial=device.first.serial),
         permission=problem,
         rule=rule,
     )

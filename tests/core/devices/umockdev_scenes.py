@@ -90,9 +90,9 @@ def status_of(output):
 def scene_list():
     return [
         {
-            "title": device.title,
-            "serial": device.serial,
-            "transport": device.transport,
+            "title": device.first.title,
+            "serial": device.first.serial,
+            "transport": device.first.transport,
             "families": [family.name for family in device.families],
             "paths": [interface.path.decode() for interface in device.interfaces],
         }
