@@ -122,8 +122,9 @@ class HapticMaterial(PropertyGroup):
 def _chosen(self: HapticObjectMaterial, context: Context) -> None:
     """Copy the values of the chosen material to the object."""
     obj, scene = self.id_data, context.scene
-    # `users_scene` looks at every object of every scene.
-    is_here = any(layer.objects.get(obj.name) == obj for layer in scene.view_layers) or scene in obj.users_scene
+    # What is visible is there; look-ups by name go through the objects of a layer, `users_scene` through those of every scene.
+    layers = scene.view_layers
+    is_here = any(obj.visible_get(view_layer=layer) or layer.objects.get(obj.name) == obj for layer in layers) or scene in obj.users_scene
     if self.name and is_here and (material := scene.haptics.materials.items.get(self.name)) is not None:
         write_values(obj, values_of(material))
 

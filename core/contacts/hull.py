@@ -161,13 +161,15 @@ def hull_2d(points: FloatArray) -> IntArray:
     return np.array(chain(order) + chain(order[::-1]), dtype=np.int64)
 
 
+_NONE = np.zeros(0, dtype=np.int64)
+
+
 @dataclass(slots=True)
 class _Face:
     corners: tuple[int, int, int]
     normal: FloatArray
     offset: float
     outside: IntArray
-    height: float = 0.0
     neighbours: dict[tuple[int, int], _Face] = field(default_factory=dict)
     alive: bool = True
 
@@ -177,6 +179,7 @@ class _Quickhull:
 
     def __init__(self, points: FloatArray, simplex: list[int], tolerance: float) -> None:
         self._points = points
+        self._coordinates = points.tolist()
         self._tolerance = tolerance
         a, b, c, d = simplex
         if np.dot(np.cross(points[b] - points[a], points[c] - points[a]), points[d] - points[a]) > 0:
@@ -197,17 +200,20 @@ class _Quickhull:
         return Hull(self._points[used], flat.reshape(-1, 3).astype(np.int64))
 
     def _face(self, a: int, b: int, c: int) -> _Face:
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self._points[a].tolist(), self._points[b].tolist(), self._points[c].tolist()
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self._coordinates[a], self._coordinates[b], self._coordinates[c]
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         length = (nx * nx + ny * ny + nz * nz) ** 0.5
         if length > 0:
             nx, ny, nz = nx / length, ny / length, nz / length
-        return _Face((a, b, c), np.array([nx, ny, nz]), nx * ax + ny * ay + nz * az, np.zeros(0, dtype=np.int64))
+        return _Face((a, b, c), np.array([nx, ny, nz]), nx * ax + ny * ay + nz * az, _NONE)
 
     @staticmethod
     def _link(faces: list[_Face]) -> None:
-        edges = {(f.corners[k], f.corners[(k + 1) % 3]): f for f in faces for k in range(3)}
+        edges: dict[tuple[int, int], _Face] = {}
+        for face in faces:
+            a, b, c = face.corners
+            edges[a, b] = edges[b, c] = edges[c, a] = face
         for (a, b), face in edges.items():
             other = edges.get((b, a))
             if other is not None:
@@ -220,11 +226,14 @@ class _Quickhull:
         heights = self._points[indices] @ np.array([f.normal for f in faces]).T - np.array([f.offset for f in faces])
         best = heights.argmax(axis=1)
         top = heights[np.arange(len(indices)), best]
-        outside = top > self._tolerance
-        for number in np.unique(best[outside]).tolist():
-            chosen = np.flatnonzero(outside & (best == number))
-            chosen = chosen[np.argsort(top[chosen], kind="stable")]
-            faces[number].outside = indices[chosen]
+        outside = np.flatnonzero(top > self._tolerance)
+        order = outside[np.lexsort((top[outside], best[outside]))]
+        counts = np.bincount(best[order], minlength=len(faces)).tolist()
+        end = 0
+        for face, count in zip(faces, counts, strict=True):
+            if count:
+                end += count
+                face.outside = indices[order[end - count : end]]
 
     def _add_point(self, start: _Face) -> list[_Face]:
         apex = int(start.outside[-1])

@@ -329,9 +329,8 @@ def test_ten_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, 
     """No step takes long: each is one of 8 seconds of sound, with no more than 150 MB above the sound itself."""
     import tracemalloc
 
-    t = np.arange(600 * 48000, dtype=np.float32) / 48000
-    path = write_wav(tmp_path / "long.wav", 0.3 * np.sin(2 * np.pi * 90 * t) * (np.sin(2 * np.pi * 1.0 * t) > 0), 48000)
-    del t
+    t = np.arange(48000, dtype=np.float32) / 48000
+    path = write_wav(tmp_path / "long.wav", np.tile(0.3 * np.sin(2 * np.pi * 90 * t) * (np.sin(2 * np.pi * 1.0 * t) > 0), 600), 48000)
     machine.haptics.source.sound.filepath = path
     work = sound_source.Conversion(scene, machine)
     assert work.step_count == 150

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow  # all read the report of one installation, which takes seconds
+
 HERE = Path(__file__).parent
 CARRIED = {"networkx", "fcl", "python_fcl", "hid", "hidraw", "hidapi", "fastjsonschema", "soxr", "__editable__"}
 
@@ -46,7 +48,6 @@ def run(zips, blender_only, tmp_path_factory) -> tuple[dict, str, Path]:
     return json.loads(report.read_text(encoding="utf-8")), printed, resources
 
 
-@pytest.mark.slow
 def test_installs_offline_and_enables(run):
     found, printed, resources = run
     assert found["install"] == ["FINISHED"]
