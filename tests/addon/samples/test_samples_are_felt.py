@@ -28,6 +28,8 @@ PARTS = {
     "mine_ride": [(860, 890), (2105, 2125)],
 }
 """Frames in which something is felt."""
+LARGE = ("domino_wall", "mine_ride")
+"""Samples that take long to build."""
 WINDOW = 0.25
 """Seconds over which skin sums up."""
 
@@ -68,7 +70,7 @@ def test_those_whom_a_sample_is_about_feel_it_and_nothing_is_wrong(build, name):
     assert {listener: round(found[listener], 1) for listener in about if found[listener] <= 0} == {}
 
 
-@pytest.mark.parametrize("name", SAMPLES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name in LARGE else name for name in SAMPLES])
 def test_camera_sees_all_listeners_and_sources(build, name):
     scene = build(name)
     bpy.context.window.scene = scene
