@@ -6,8 +6,9 @@ import os
 import tempfile
 import time
 import tracemalloc
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from multiprocessing.connection import Connection
+from typing import NamedTuple
 
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
@@ -16,6 +17,7 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.authoring import materials as library
 from haptic_tracing.addon.session import session
+from haptic_tracing.core.render.frame_result import FrameResult
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.scene.measured import physical
@@ -137,13 +139,26 @@ def play_in_turns(connection: Connection, tracing: bool, frames: int, *scene_of:
     haptic_tracing.unregister()
 
 
-def _traced(scene: bpy.types.Scene, watch: _Watch, results: list) -> dict[str, object]:
+class _Work(NamedTuple):
+    """What is kept of a traced frame. Its result is released, as sessions release it: results that all stay alive are traversed by
+    every collection of garbage."""
+
+    milliseconds: Mapping[str, float]
+    statistics: Mapping[str, float]
+    contacts: int
+
+    @classmethod
+    def of(cls, result: FrameResult) -> _Work:
+        return cls(result.milliseconds, result.statistics, len(result.contacts))
+
+
+def _traced(scene: bpy.types.Scene, watch: _Watch, results: Sequence[_Work]) -> dict[str, object]:
     """What `bench_frame.Traced` says; of plain values, so that who receives it need not import Blender."""
     return {
         "handler": 1000 * float(np.median(watch.seconds)),
         "stages": {stage: float(np.median([r.milliseconds[stage] for r in results])) for stage in results[0].milliseconds},
         "beyond": float(np.median([sum(r.milliseconds.values()) - r.milliseconds["read"] for r in results])),
-        "contacts": float(np.median([len(r.contacts) for r in results])),
+        "contacts": float(np.median([r.contacts for r in results])),
         "queries": sum(r.statistics["contact_queries"] for r in results) // len(results),
         "avoided": sum(r.statistics["queries_avoided"] for r in results) // len(results),
         "memory": _held(scene),
@@ -166,7 +181,7 @@ class _Watch:
         self.seconds.append(time.perf_counter() - self._begun)
 
 
-def _play(scene: bpy.types.Scene, numbers: Sequence[int]) -> tuple[np.ndarray, np.ndarray, list]:
+def _play(scene: bpy.types.Scene, numbers: Sequence[int]) -> tuple[np.ndarray, np.ndarray, list[_Work]]:
     """Seconds of each frame, of CPU time of all threads in it, and what was traced."""
     seconds, worked, results = np.empty(len(numbers)), np.empty(len(numbers)), []
     for k, number in enumerate(numbers):
@@ -177,9 +192,9 @@ def _play(scene: bpy.types.Scene, numbers: Sequence[int]) -> tuple[np.ndarray, n
         seconds[k], worked[k] = time.perf_counter() - begun, time.process_time() - working
         previous = session.of(scene).previous
         if k > 0 and previous is not None:
-            results.append(previous)
+            results.append(_Work.of(previous))
     result = session.result_of(scene)
-    return seconds, worked, results if result is None else [*results, result]
+    return seconds, worked, results if result is None else [*results, _Work.of(result)]
 
 
 def _held(scene: bpy.types.Scene) -> int:
