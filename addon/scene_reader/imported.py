@@ -99,19 +99,17 @@ class ImportedScene(_Imported):
 
 
 @dataclass(frozen=True, slots=True)
-class ImportedRule:
+class ImportedRule(_Imported):
     """Values of a rule. ``signal`` applies if the choice of the rule is the imported signal."""
 
     signal: Signal | None = None
-    numbers: Numbers = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
-class ImportedDevice:
+class ImportedDevice(_Imported):
     """Of a device."""
 
     profile: str | None = None
-    extras: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
