@@ -81,13 +81,14 @@ def redraws(panel: Any) -> tuple[float, float]:
     """Milliseconds of the longest redraw until nothing more is computed, and until then."""
     began, longest = time.perf_counter(), 0.0
     while True:
-        last, started = worker._state.last, time.perf_counter()
+        started = time.perf_counter()
         if panel.poll(bpy.context) if hasattr(panel, "poll") else True:
             panel.draw(SimpleNamespace(layout=_Layout()), bpy.context)
         longest = max(longest, time.perf_counter() - started)
-        if worker._state.last is last:
+        if not worker._state.pending:
             return 1000 * longest, 1000 * (time.perf_counter() - began)
-        worker._state.last.result()
+        while worker._state.pending:
+            time.sleep(1e-3)
 
 
 def rows(edge: int, frames: int) -> list[Row]:
