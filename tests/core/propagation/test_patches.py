@@ -16,7 +16,7 @@ from haptic_tracing.core.propagation import objects_on, propagate
 from haptic_tracing.core.propagation.spread import spread
 from haptic_tracing.core.scene.functions import Constant, Exponential, HapticTracing, Identity, Spectrum
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, Strategy
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene, meets, recursive_paths
 
@@ -46,6 +46,7 @@ def refined(scene: HapticScene, points: int, size: float, seed: int) -> tuple[Ha
 @pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(SEEDS, st.integers(2, 5), st.booleans(), st.sampled_from([None, 3, 5, 7]))
+@example(13098, 2, False, None)  # a source on two objects, whose paths are equally strong
 def test_best_path_takes_a_patch_as_one_contact_at_its_centre(seed, points, waves, most):
     functions = (*METRIC, *OTHER, *([Exponential(alpha=0.3, spectrum=WAVES)] if waves else []))
     scene = connected_scene(seed, functions, (Constant(gain_value=0.9, spectrum=WAVES if waves else Spectrum()),), listeners=3)
@@ -53,16 +54,19 @@ def test_best_path_takes_a_patch_as_one_contact_at_its_centre(seed, points, wave
     chosen = dataclasses.replace(BEST, max_connections=most)
     one, other = propagate(fine, chosen), propagate(coarse, chosen)
     assert np.allclose(one.gain, other.gain, rtol=1e-12, atol=0)
+    tied = set()
     for column in range(len(coarse.listeners)):
         products = [math.prod(gains) for _, gains in recursive_paths(coarse, 0, column) if meets(gains, most, 0.0)]
         assert one.gain[0, column] == pytest.approx(max(products, default=0.0), rel=1e-9, abs=0)
+        if sum(product >= (1 - 1e-12) * max(products) for product in products) > 1:
+            tied.add((0, column))  # either path is the best one
     for key in ("band_gain", "delay"):
         first, second = getattr(one, key), getattr(other, key)
         assert (first is None) == (second is None)
         assert first is None or np.allclose(first, second, rtol=1e-12, atol=0)
     assert one.best_path.keys() == other.best_path.keys()
     for pair, nodes in one.best_path.items():
-        assert objects_on(fine, nodes) == objects_on(coarse, other.best_path[pair])
+        assert pair in tied or objects_on(fine, nodes) == objects_on(coarse, other.best_path[pair])
         assert all(fine.partner[a] == b for a, b in itertools.pairwise(nodes[1:-1]) if fine.node_object[a] != fine.node_object[b])
 
 
