@@ -50,7 +50,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Imported:
-    """Values that a file may have for anything."""
+    """Base: ``numbers`` with more digits than the properties hold, and ``extras``, keys of the file that this version does not know."""
 
     numbers: Numbers = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)

@@ -104,7 +104,7 @@ class Connected:
 
     @property
     def first(self) -> Interface:
-        """The first interface, which has the name and the numbers of the device."""
+        """The first interface, whose title, serial number and USB numbers stand for the device."""
         return self.interfaces[0]
 
 

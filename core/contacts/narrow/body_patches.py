@@ -23,7 +23,7 @@ MAX_PATCH_POINTS = 8
 
 
 class PatchPoints(Enum):
-    """Points that are asked for of a patch."""
+    """Which points of each patch a query returns."""
 
     CORNERS = "corners"
     """Corners of its outline."""

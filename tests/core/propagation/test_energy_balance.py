@@ -184,7 +184,7 @@ def test_refining_a_patch_changes_nothing(points):
     [(Linear(range=3.0), 3 - 3 / math.e), (Expression(expression="x / (1 + d)"), math.e - 1), (Expression(expression="exp(-d**2)"), 1.0)],
 )
 def test_length_over_which_a_function_without_a_closed_form_damps(function, length, extent):
-    """To rounding, however small a part of the object that is."""
+    """Exact to rounding, also where that length is a tiny part of the object's extent."""
     table = ObjectTable.of((HapticObject("a", 0, 1, function),), 0.1)
     found = subsystems.damping_lengths(table, np.array([0]), np.array([extent]))
     assert found[0] == pytest.approx(length, rel=1e-14)

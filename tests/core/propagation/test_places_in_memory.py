@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +14,7 @@ from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene,
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene
+from threads_of_libraries import printed
 
 SEEDS = st.integers(0, 10**6)
 OFFSETS = st.integers(1, 7).map(lambda words: 8 * words)
@@ -114,9 +111,5 @@ def test_same_bits_with_any_number_of_threads():
         "from test_places_in_memory import CORE, heap; from haptic_tracing.core.graph.haptic_graph import graph_of_scene;"
         "from haptic_tracing.core.propagation import propagate; print(propagate(graph_of_scene(heap(400)), CORE).gain.tobytes().hex())"
     )
-    paths = [str(Path(__file__).parent), *sys.path]
-    found = []
-    for threads in ("1", "2", "5"):
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads}
-        found.append(subprocess.run([sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True).stdout)
+    found = [printed(code, __file__, threads) for threads in (1, 2, 5)]
     assert found[0] == found[1] == found[2] != ""

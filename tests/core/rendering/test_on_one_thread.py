@@ -5,11 +5,7 @@ Threads of such a library wait for more work at full load for some milliseconds 
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +14,7 @@ from haptic_tracing.core.render.renderer import ListenerMix, Renderer
 from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.scene.bands import BAND_COUNT
 from haptic_tracing.core.signals import DecayingSine, Loop, Sampled, Signal, Sine
+from threads_of_libraries import printed
 
 LISTENERS = 24
 FRAMES = 6
@@ -59,12 +56,6 @@ def test_same_bits_with_any_number_of_threads_and_none_of_them_works():
         "from test_on_one_thread import seconds_of_others, rendered; before = seconds_of_others();"
         "print(rendered().tobytes().hex(), seconds_of_others() - before)"
     )
-    paths = [str(Path(__file__).parent), *sys.path]
-    found = []
-    for threads in ("1", "4"):
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads}
-        shown = subprocess.run([sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True).stdout
-        found.append(shown.split())
-    (alone, _), (together, seconds) = found
+    (alone, _), (together, seconds) = (printed(code, __file__, threads).split() for threads in (1, 4))
     assert alone == together
     assert float(seconds) < 0.01  # at full load as much as the frames take
