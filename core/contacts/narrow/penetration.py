@@ -22,8 +22,10 @@ _TOLERANCE = 1e-9
 _FLAT = 1e-9
 """Metres of thickness below which a Minkowski difference counts as flat."""
 
-_MOST_STEPS = 200
-"""Steps after which the best direction so far is used. Overlaps with rotational symmetry need that many."""
+_MOST_STEPS = 1000
+_IDLE_STEPS = 200
+"""Steps, and steps without a better direction, after which the best direction so far is used: where the difference has rotational symmetry,
+many directions are equally good, and the bounds never agree."""
 
 _TILT = 1e-4
 """Angle [rad] between a face's normal and the directions in which its other corners are sought."""
@@ -111,8 +113,8 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
 
 def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
     """Expand the polytope until its nearest face lies on the boundary."""
-    least, nearest = math.inf, None
-    for _ in range(_MOST_STEPS):
+    least, nearest, found = math.inf, None, 0
+    for step in range(_MOST_STEPS):
         number, offset = polytope.nearest()
         face = polytope.faces[number]
         points, sources = supports(np.array([face.normal]))
@@ -120,8 +122,8 @@ def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
         height = face.normal[0] * x + face.normal[1] * y + face.normal[2] * z
         final = height - offset <= _TOLERANCE
         if height < least or final:
-            least, nearest = height, face
-        if final:
+            least, nearest, found = height, face, step
+        if final or step - found == _IDLE_STEPS:
             break
         polytope.add_point(point, sources[0], number)
     assert nearest is not None

@@ -46,6 +46,7 @@ def directions_around(generator, centre, count):
 @settings(max_examples=12, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.3]))
 @example(seed=323, spread=0.3)  # a cone and a capsule whose nearest points FCL does not find to 2e-5
+@example(seed=7770, spread=0.02)  # a cone in a cylinder whose depth takes 261 corners of the polytope
 def test_no_direction_separates_with_less(first, second, seed, spread):
     generator = np.random.default_rng(seed)
     rotation, offset = rotations(generator.normal(size=(3, 1)) * 2), generator.normal(size=(3, 1)) * spread
