@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 from bpy.types import Object
 
@@ -11,7 +10,7 @@ from ...core.formats.scene.values_json import item_to_dict
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
-from ...core.scene.rule_table import RuleTable
+from ...core.scene.rules import ContactSettings
 from ...core.scene.texture import RANGES as OF_TEXTURES
 from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind, TriggerKind
@@ -23,8 +22,6 @@ from ..properties.function import TRANSMISSIONS as CONTACTS
 from ..scene_reader.functions import function_of_properties, stands_for
 from ..scene_reader.imported import LIMITS, OF_IMPACTS, text_of
 from ..scene_reader.rules import TEMPLATES
-
-Does = TypeVar("Does")
 
 
 def write_numbers(owner: Any, **values: float) -> dict[str, float]:
@@ -113,25 +110,27 @@ def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[s
     return losses
 
 
-def write_table(rows: Any, table: RuleTable[Does], write: Callable[[Any, Does], None]) -> None:
-    """Replace the rows of a scene's table by those of ``table``; ``write`` sets the values of one row."""
-    rows.items.clear()
-    for rule in table.rows:
-        row = rows.items.add()
-        for side, name in zip(rule.between, ("first", "second"), strict=True):
-            setattr(row, f"{name}_kind", "OBJECT" if side.object else "MATERIAL" if side.material else "ANY")
-            setattr(row, name, side.object or side.material)
-        write(row, rule.does)
+def write_tables(haptics: Any, rules: ContactSettings) -> None:
+    """Replace the rows of a scene's tables by those of ``rules``."""
+    for name, write in (("impact_table", _write_impact_rule), ("transmission_table", _write_transmission), ("textures", _write_texture)):
+        rows = getattr(haptics, name).items
+        rows.clear()
+        for rule in getattr(rules, name).rows:
+            row = rows.add()
+            for side, key in zip(rule.between, ("first", "second"), strict=True):
+                setattr(row, f"{key}_kind", "OBJECT" if side.object else "MATERIAL" if side.material else "ANY")
+                setattr(row, key, side.object or side.material)
+            write(row, rule.does)
 
 
-def write_transmission(row: Any, function: ModulationFunction) -> None:
+def _write_transmission(row: Any, function: ModulationFunction) -> None:
     """Set a row's properties to ``function``, in single precision; functions not available for contacts become the identity."""
     row.function = function.name if function.name in CONTACTS else "identity"
     for key, name in CONTACT_PARAMETERS.get(row.function, {}).items():
         setattr(row, name, function.to_dict()[key])
 
 
-def write_impact_rule(row: Any, rule: ImpactRule) -> None:
+def _write_impact_rule(row: Any, rule: ImpactRule) -> None:
     """Set a row's properties to ``rule``."""
     numbers = write_numbers(row, **{name: getattr(rule, name) for name in OF_IMPACTS})
     if rule.limits is not None:
@@ -144,7 +143,7 @@ def write_impact_rule(row: Any, rule: ImpactRule) -> None:
     row.imported = text_of(numbers=numbers, signal=kept)
 
 
-def write_texture(row: Any, texture: Texture) -> None:
+def _write_texture(row: Any, texture: Texture) -> None:
     """Set a row's properties to ``texture``."""
     row.imported = text_of(numbers=write_numbers(row, **{name: getattr(texture, name) for name in OF_TEXTURES}))
 

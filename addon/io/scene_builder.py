@@ -30,17 +30,7 @@ from .devices import take_devices
 from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
 from .materials import take_materials
-from .property_writer import (
-    write_body,
-    write_impact_rule,
-    write_listener,
-    write_modality,
-    write_numbers,
-    write_source,
-    write_table,
-    write_texture,
-    write_transmission,
-)
+from .property_writer import write_body, write_listener, write_modality, write_numbers, write_source, write_tables
 from .shape_mesh import surface
 
 SMALLEST = 0.1
@@ -205,9 +195,7 @@ class _Builder:
         scene, haptics, rules = self.scene, self.scene.haptics, self.haptic.rules
         haptics.patch_points, haptics.impacts, haptics.impact_energy = rules.patch_points, rules.impacts, rules.energy.value
         haptics.impact_signal = next(name for name, templates in TEMPLATES.items() if templates is rules.templates)
-        write_table(haptics.impact_table, rules.impact_table, write_impact_rule)
-        write_table(haptics.transmission_table, rules.transmission_table, write_transmission)
-        write_table(haptics.textures, rules.textures, write_texture)
+        write_tables(haptics, rules)
         for row, rule in zip(haptics.transmission_table.items, rules.transmission_table.rows, strict=True):
             if not stands_for(read_transmission(row)[0], rule.does):
                 self.lose("what its function does beside what the panel has", str(rule.does.name))

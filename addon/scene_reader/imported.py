@@ -10,10 +10,10 @@ import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 from ...core.contacts.shapes import Shape, shape_from_dict
 from ...core.formats.io.schema import load_schema
@@ -45,22 +45,20 @@ single precision."""
 Numbers = Mapping[str, float]
 """Numbers of the file in double precision, by property."""
 Pair = tuple[str, str]
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Imported:
-    """Base: ``numbers`` with more digits than the properties hold, and ``extras``, keys of the file that this version does not know."""
+class Imported:
+    """Values of an object, source, listener, rule, device or scene; those that its text does not hold are None or empty.
+
+    ``numbers`` with more digits than the properties hold, and ``extras``, keys of the file that this version does not know. The
+    ``function`` of an object applies while its properties represent it, the ``signal`` of a source or rule while its choice is the imported
+    signal. ``emitters``: positions of sources of other modalities on an object, by modality. ``tolerance`` of sums over paths, ``slack`` of
+    contacts.
+    """
 
     numbers: Numbers = field(default_factory=dict)
     extras: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class ImportedObject(_Imported):
-    """Values of a haptic object. ``function`` applies while the properties represent it; ``emitters``: positions of sources of other
-    modalities, by modality."""
-
     shape: Shape | None = None
     mass: float | None = None
     pose: Pose | None = None
@@ -68,12 +66,6 @@ class ImportedObject(_Imported):
     emitters: Mapping[str, Vector] = field(default_factory=dict)
     motion: Motion | None = None
     impact_material: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class ImportedSource(_Imported):
-    """Values of a source. ``signal`` applies if the choice of the source is the imported signal."""
-
     signal: Signal | None = None
     kind: SourceKind = SourceKind.PERSISTENT
     onset: float = 0.0
@@ -81,34 +73,8 @@ class ImportedSource(_Imported):
     second_position: Vector | None = None
     position: Vector | None = None
     triggers: tuple[Trigger, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class ImportedListener(_Imported):
-    """Of a listener."""
-
-    position: Vector | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ImportedScene(_Imported):
-    """Of a scene; ``tolerance`` of sums over paths, ``slack`` of contacts."""
-
     tolerance: float | None = None
     slack: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ImportedRule(_Imported):
-    """Values of a rule. ``signal`` applies if the choice of the rule is the imported signal."""
-
-    signal: Signal | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ImportedDevice(_Imported):
-    """Of a device."""
-
     profile: str | None = None
 
 
@@ -156,17 +122,17 @@ def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> st
     return text_of(**{**form, "emitters": {**form.get("emitters", {}), **emitters}, "numbers": {**form.get("numbers", {}), **numbers}})
 
 
-def _reader(make: Callable[..., T], kind: str, kept: int) -> Callable[[str], T]:
+def _reader(kind: str, kept: int) -> Callable[[str], Imported]:
     """The function from a stored text to what it stores, with a cache of ``kept`` results. It raises ValueError for a damaged text."""
-    return lru_cache(maxsize=kept)(lambda text: _imported(make, text, kind))
+    return lru_cache(maxsize=kept)(lambda text: _imported(text, kind))
 
 
-imported_object = _reader(ImportedObject, "object", 4096)
-imported_source = _reader(ImportedSource, "source", 4096)
-imported_listener = _reader(ImportedListener, "listener", 4096)
-imported_scene = _reader(ImportedScene, "scene", 8)
-imported_rule = _reader(ImportedRule, "rule", 1024)
-imported_device = _reader(ImportedDevice, "device", 64)
+imported_object = _reader("object", 4096)
+imported_source = _reader("source", 4096)
+imported_listener = _reader("listener", 4096)
+imported_scene = _reader("scene", 8)
+imported_rule = _reader("rule", 1024)
+imported_device = _reader("device", 64)
 
 
 @lru_cache(maxsize=8)
@@ -197,51 +163,49 @@ def _contacts(forms: Any) -> tuple[Contact, ...]:
     return scene_from_dict({"format": FORMAT, "version": VERSION, "objects": objects, "contacts": forms}, "imported").contacts
 
 
-def _imported(make: Callable[..., T], text: str, kind: str) -> T:
-    """What a text stores, as the dataclass ``make``; keys of a later version of the add-on are ignored."""
+def _imported(text: str, kind: str) -> Imported:
+    """What a text stores; keys of a later version of the add-on are ignored."""
     form = stored(text, kind)
     with _damaged():
-        return make(**{key.name: _VALUES[key.name](form[key.name]) for key in fields(make) if key.name in form})  # type: ignore[arg-type]
+        known = {key: value for key, value in form.items() if key in _schema()["$defs"][kind]["properties"]}
+        return Imported(**{key: _READERS.get(key, plain)(value) for key, value in known.items()})
 
 
-def _numbers(form: Mapping[str, Any]) -> Numbers:
-    return {name: float(value) for name, value in form.items()}
+def plain(value: Any) -> Any:
+    """A JSON value with its numbers as floats and its lists as tuples."""
+    match value:
+        case int():
+            return float(value)
+        case list():
+            return tuple(map(plain, value))
+        case dict():
+            return {key: plain(member) for key, member in value.items()}
+    return value
 
 
-def _vector(place: Any) -> Vector:
-    x, y, z = map(float, place)
-    return x, y, z
-
-
-_VALUES: Mapping[str, Callable[[Any], Any]] = {
+_READERS: Mapping[str, Callable[[Any], Any]] = {
+    "extras": dict,
     "shape": shape_from_dict,
-    "mass": float,
     "pose": lambda form: Pose(tuple(form["position"]), tuple(form["rotation"])),
     "function": function_from_dict,
-    "numbers": _numbers,
-    "emitters": lambda form: {name: _vector(place) for name, place in form.items()},
-    "extras": dict,
     "motion": Motion,
-    "impact_material": str,
     "signal": signal_from_dict,
     "kind": SourceKind,
-    "onset": float,
-    "second_object": str,
-    "second_position": _vector,
-    "position": _vector,
-    "tolerance": float,
-    "slack": float,
-    "profile": str,
     "triggers": lambda forms: read_triggers(forms, ()),
 }
-"""Converters of stored values, by key."""
+"""Converters of stored values other than `plain`, by key."""
+
+
+@cache
+def _schema() -> Any:
+    return json.loads(Path(__file__).with_name("stored.schema.json").read_text("utf-8"))
 
 
 @cache
 def _validator(kind: str) -> Callable[[Any], Any]:
     import fastjsonschema
 
-    schema = json.loads(Path(__file__).with_name("stored.schema.json").read_text("utf-8"))
+    schema = _schema()
     definition = {key: schema[key] for key in ("$schema", "$id")} | schema["$defs"][kind]
     handlers = {"https": lambda uri: load_schema(uri.rpartition("/")[2].removesuffix(".schema.json"))}
     validate: Callable[[Any], Any] = fastjsonschema.compile(definition, handlers, use_default=False)

@@ -13,7 +13,7 @@ from ...core.contacts.impact_sources import FrameImpacts, Sounding
 from ...core.contacts.impacts import Impact
 from ...core.contacts.one_shots import Shot
 from ...core.scene.values import TriggerKind
-from .imported import stored
+from .imported import plain, stored
 
 _MOST_CHARACTERS = 2**16
 """Largest size of the text; more impacts are not stored."""
@@ -24,12 +24,8 @@ def text_of_impacts(frame: int, kept: FrameImpacts, names: Sequence[str], motion
     causes."""
     impacts = [
         {
+            **asdict(item.impact),
             "objects": [names[body] for body in item.impact.objects],
-            "time": item.impact.time,
-            "positions": item.impact.positions,
-            "normal": item.impact.normal,
-            "energy": item.impact.energy,
-            "amplitude": item.impact.amplitude,
             "local": [place.tolist() for place in item.local],
             "poses": poses.reshape(2, 12).tolist(),
         }
@@ -61,15 +57,6 @@ def impacts_from_text(text: str, frame: int, names: Sequence[str], motion: str) 
 
 def _sounding(item: dict[str, Any], row: dict[str, int]) -> Sounding:
     first, second = item["objects"]
-    (ax, ay, az), (bx, by, bz) = item["positions"]
-    nx, ny, nz = item["normal"]
-    impact = Impact(
-        objects=(row[first], row[second]),
-        time=float(item["time"]),
-        positions=((float(ax), float(ay), float(az)), (float(bx), float(by), float(bz))),
-        normal=(float(nx), float(ny), float(nz)),
-        energy=float(item["energy"]),
-        amplitude=float(item["amplitude"]),
-    )
+    values = {key: plain(item[key]) for key in ("time", "positions", "normal", "energy", "amplitude")}
     on_first, on_second = (np.array(place, dtype=np.float64) for place in item["local"])
-    return Sounding.of(impact, (first, second), (on_first, on_second))
+    return Sounding.of(Impact((row[first], row[second]), **values), (first, second), (on_first, on_second))

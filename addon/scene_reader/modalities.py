@@ -11,7 +11,7 @@ from ...core.modalities import Modality
 from ...core.modalities.modality_scene import ModalityScene
 from ...core.modalities.propagation import Emitter
 from ..properties.function import PARAMETERS
-from .imported import ImportedObject, exact, imported_object, near
+from .imported import Imported, exact, imported_object, near
 from .roles import haptic_carrier
 
 
@@ -42,7 +42,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
     )
 
 
-def numbers_of(modality: Modality, kept: ImportedObject) -> dict[str, float]:
+def numbers_of(modality: Modality, kept: Imported) -> dict[str, float]:
     """The exact numbers of a modality's properties among those stored with an object."""
     prefix = f"{modality.name}."
     return {name.removeprefix(prefix): value for name, value in kept.numbers.items() if name.startswith(prefix)}
@@ -52,7 +52,7 @@ def _parameter(group: Any, name: str, numbers: Mapping[str, float]) -> Any:
     return exact(group, name, numbers) if isinstance(getattr(group, name), float) else getattr(group, name)
 
 
-def _emitter(modality: Modality, obj: Object, kept: ImportedObject, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
+def _emitter(modality: Modality, obj: Object, kept: Imported, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
     """The object as a source if it is one on any of the objects ``names``, else None."""
     group = getattr(obj.haptics.modalities, modality.name)
     if not group.is_source:

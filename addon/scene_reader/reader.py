@@ -18,24 +18,20 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ...core.contacts.settings import Body, ContactSettings
-from ...core.scene.functions import ModulationFunction
-from ...core.scene.impact_rule import ImpactRule
 from ...core.scene.rule_table import RuleTable
-from ...core.scene.texture import Texture
 from ...core.scene.values import Listener, Settings, Source, TriggerKind
 from ..blender import compatibility
 from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
 from .animated_curves import AnimatedCurves
 from .collision_shapes import collision_shape, mesh_checksum
-from .functions import read_transmission
 from .imported import imported_object, imported_source, near
 from .imported_contacts import ImportedContacts
 from .objects import read_listener, read_object, read_source
 from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
-from .rules import read_impact_rule, read_table, read_texture
+from .rules import read_tables
 from .settings import read_contact_settings, read_settings, setting_values
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
@@ -68,11 +64,8 @@ class SceneReader:
         self._placed: list[Source | Listener] = []
         self._settled: frozenset[str] = frozenset()
         self._imported = ImportedContacts()
-        self._instance_problems: tuple[Problem, ...] = ()
-        self._impact_table: RuleTable[ImpactRule] = RuleTable()
-        self._transmission_table: RuleTable[ModulationFunction] = RuleTable()
-        self._textures: RuleTable[Texture] = RuleTable()
-        self._rule_problems: list[Problem] = []
+        self._tables: dict[str, Any] = {}  # of rules
+        self._problems: tuple[Problem, ...] = ()  # other than those of tagged objects
         self._markers: tuple[tuple[str, int], ...] = ()
         self.solo_roles: frozenset[str] = frozenset()
 
@@ -104,10 +97,8 @@ class SceneReader:
             self._read_all(depsgraph, raw)
             self._imported.read(scene)
             objects = [tagged.object for tagged in self._tagged.values() if tagged.object is not None]
-            self._impact_table, self._rule_problems = read_table(scene, "impact_table", objects, read_impact_rule)
-            self._transmission_table, problems = read_table(scene, "transmission_table", objects, read_transmission)
-            self._textures, more = read_table(scene, "textures", objects, read_texture)
-            self._rule_problems += problems + more
+            self._tables, of_rules = read_tables(scene, objects)
+            self._problems = (*(Problem("", problem) for problem in self._imported.problems), *_instance_problems(depsgraph), *of_rules)
             self._session_ids, self._values = ids, None
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
@@ -126,12 +117,7 @@ class SceneReader:
             listeners=tuple(item for item in heard if isinstance(item, Listener)),
             settings=self._settings,
             contact_settings=self._contact_settings,
-            problems=(
-                *(Problem("", problem) for problem in self._imported.problems),
-                *self._instance_problems,
-                *self._rule_problems,
-                *lists.problems,
-            ),
+            problems=(*self._problems, *lists.problems),
             settled=self._settled,
             authored=self._imported.authored(lists.homes, self._settled, self._contact_settings),
         )
@@ -142,7 +128,7 @@ class SceneReader:
         if values == self._values:
             return
         self._settings = read_settings(scene)
-        contact_settings = read_contact_settings(scene, self._impact_table, self._transmission_table, self._textures)
+        contact_settings = read_contact_settings(scene, self._tables)
         if "source" in self.solo_roles:
             contact_settings = replace(contact_settings, impacts=False, textures=RuleTable())
         if contact_settings != self._contact_settings:
@@ -163,7 +149,6 @@ class SceneReader:
         scales = dict(zip(tagged, rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1], strict=True))
         self._tagged = {row: self._read_object(row, obj, depsgraph, scales[row]) for row, obj in progress(tuple(tagged.items()))}
         self._lists = None
-        self._instance_problems = _instance_problems(depsgraph)
 
     def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32], exact: bool) -> TaggedLists:
         """Read animated values, changed scales and meshes, and all transforms."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
@@ -22,41 +22,47 @@ from ...core.scene.values import HapticObject
 from ...core.signals import LONGEST, Signal
 from ..blender.single_precision import shortest
 from .drawings import read_drawing
-from .imported import LIMITS, OF_IMPACTS, ImportedRule, exact, imported_rule
+from .functions import read_transmission
+from .imported import LIMITS, OF_IMPACTS, Imported, exact, imported_rule
 from .problem import Problem
-
-Does = TypeVar("Does")
 
 _ABSENT = {"OBJECT": "there is no haptic object '{}'", "MATERIAL": "nothing is made of a material '{}'"}
 TEMPLATES = {"MATERIALS": ImpactTemplates.BY_MATERIAL, "PLAIN": ImpactTemplates.PLAIN}
 """Impact templates by the choice of a scene or of a rule."""
 
 
-def read_table(
-    scene: Scene, table: str, objects: Iterable[HapticObject], read: Callable[[Any], tuple[Does, str]]
-) -> tuple[RuleTable[Does], list[Problem]]:
-    """A table of a scene of these haptic ``objects``, and the problems of its rows. ``read`` returns the value of a row and its fault, ""
-    for none."""
+def read_tables(scene: Scene, objects: Iterable[HapticObject]) -> tuple[dict[str, Any], list[Problem]]:
+    """The tables of a scene of these haptic ``objects``, by the names of `ContactSettings`, and the problems of their rows."""
     known = [(item.name, item.material) for item in objects] + [("", item.name) for item in scene.haptics.materials.items]
-    rows: list[Rule[Does]] = []
+    tables: dict[str, Any] = {}
     problems = []
-    for index, row in enumerate(islice(getattr(scene.haptics, table).items, MOST_ROWS)):
-        chosen = [side for side in ((row.first_kind, row.first), (row.second_kind, row.second)) if side[0] != "ANY"]
-        sides = [Side(object=name) if kind == "OBJECT" else Side(material=name) for kind, name in chosen]
-        does, fault = read(row)
-        absent = [side for side, means in zip(chosen, sides, strict=True) if not any(means.fits(*item) for item in known)]
-        faults = [iface_(_ABSENT[kind]).format(name) for kind, name in absent]
-        faults += [iface_("choose what this rule is for")] if any(not name for _, name in chosen) else []
-        problems += [Problem("", message, (table, index)) for message in (*faults, fault) if message]
-        if all(name for _, name in chosen):
-            first, second = (*sides, Side(), Side())[:2]
-            rows.append(Rule((first, second), does))
-    return RuleTable(tuple(rows)), problems
+    for table, read in _READERS.items():
+        rules: list[Rule[Any]] = []
+        for index, row in enumerate(islice(getattr(scene.haptics, table).items, MOST_ROWS)):
+            between, faults = _between(row, known)
+            does, fault = read(row)
+            problems += [Problem("", message, (table, index)) for message in (*faults, fault) if message]
+            if between is not None:
+                rules.append(Rule(between, does))
+        tables[table] = RuleTable(tuple(rules))
+    return tables, problems
+
+
+def _between(row: Any, known: Iterable[tuple[str, str]]) -> tuple[tuple[Side, Side] | None, list[str]]:
+    """The sides that a row is for, None until they are chosen, and its faults where none of the ``known`` names and materials fits."""
+    chosen = [side for side in ((row.first_kind, row.first), (row.second_kind, row.second)) if side[0] != "ANY"]
+    sides = [Side(object=name) if kind == "OBJECT" else Side(material=name) for kind, name in chosen]
+    absent = [side for side, means in zip(chosen, sides, strict=True) if not any(means.fits(*item) for item in known)]
+    faults = [iface_(_ABSENT[kind]).format(name) for kind, name in absent]
+    if not all(name for _, name in chosen):
+        return None, [*faults, iface_("choose what this rule is for")]
+    first, second = (*sides, Side(), Side())[:2]
+    return (first, second), faults
 
 
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
     """The impact rule of a row; with the signal by material and the reason if its own signal cannot be played."""
-    kept, template, fault = ImportedRule(), ImpactRule().template, ""
+    kept, template, fault = Imported(), ImpactRule().template, ""
     try:
         kept = imported_rule(row.imported)
         template = ImpactRule(_template(row, kept.signal)).template
@@ -70,12 +76,20 @@ def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
 
 def read_texture(row: Any) -> tuple[Texture, str]:
     """The texture of a row for sliding and rolling."""
-    kept, fault = ImportedRule(), ""
+    kept, fault = Imported(), ""
     try:
         kept = imported_rule(row.imported)
     except ValueError as error:
         fault = str(error)
     return Texture(**{name: exact(row, name, kept.numbers) for name in OF_TEXTURES}), fault
+
+
+_READERS: dict[str, Callable[[Any], tuple[Any, str]]] = {
+    "impact_table": read_impact_rule,
+    "transmission_table": read_transmission,
+    "textures": read_texture,
+}
+"""By table, the function from a row to its value and its fault, "" for none."""
 
 
 def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:

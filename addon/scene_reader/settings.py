@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from operator import attrgetter
 from typing import Any
@@ -10,14 +11,10 @@ from bpy.types import Scene
 
 from ...core.contacts.settings import ContactSettings
 from ...core.scene.choices import Mode, Strategy
-from ...core.scene.functions import ModulationFunction
-from ...core.scene.impact_rule import ImpactRule
-from ...core.scene.rule_table import RuleTable
 from ...core.scene.rules import ImpactEnergy
-from ...core.scene.texture import Texture
 from ...core.scene.values import Settings
 from ..blender.single_precision import shortest
-from .imported import ImportedScene, exact, imported_scene
+from .imported import Imported, exact, imported_scene
 from .rules import TEMPLATES
 
 _HAPTICS = attrgetter(
@@ -46,10 +43,8 @@ def read_settings(scene: Scene) -> Settings:
     )
 
 
-def read_contact_settings(
-    scene: Scene, impact_table: RuleTable[ImpactRule], transmission_table: RuleTable[ModulationFunction], textures: RuleTable[Texture]
-) -> ContactSettings:
-    """The settings of contacts and impacts of a scene with these tables."""
+def read_contact_settings(scene: Scene, tables: Mapping[str, Any]) -> ContactSettings:
+    """The settings of contacts and impacts of a scene with these tables, see `rules.read_tables`."""
     haptics, imported = scene.haptics, _imported(scene)
     x, y, z = (shortest(g) for g in scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
     settings = ContactSettings(
@@ -63,15 +58,13 @@ def read_contact_settings(
         time_scale=max(shortest(scene.rigidbody_world.time_scale), 1e-3) if scene.rigidbody_world is not None else 1.0,
         impacts=haptics.impacts,
         templates=TEMPLATES[haptics.impact_signal],
-        impact_table=impact_table,
-        transmission_table=transmission_table,
-        textures=textures,
+        **tables,
     )
     return settings if imported.slack is None else replace(settings, slack=imported.slack)
 
 
-def _imported(scene: Scene) -> ImportedScene:
+def _imported(scene: Scene) -> Imported:
     try:
         return imported_scene(scene.haptics.imported)
     except ValueError:  # the reader reports it
-        return ImportedScene()
+        return Imported()
