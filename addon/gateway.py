@@ -21,7 +21,7 @@ _LENT = {
     "addon.authoring": "body_kit materials",
     "addon.bake": "baking curves playback sound storage takes waves",
     "addon.io": "capture drawings frame_scene scene_builder signal_library sound_source vibration_signal",
-    "addon.live_output": "adjustment outputs player preview unfelt",
+    "addon.live_output": "outputs player preview",
     "addon.properties": "actuators",
     "addon.scene_reader": "functions imported settings triggers",
     "addon.session": "session",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tempfile
 import wave
 from pathlib import Path
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ...core.render.waves import FULL_SCALE
-from ...core.scene.body import BODY_PART
+from ...core.scene.body import stereo_gains
 from ..blender import compatibility
 from .track import HapticTrack
 
@@ -68,7 +67,7 @@ def remove_strip(scene: Scene) -> int:
 def write_stereo(track: HapticTrack, path: Path) -> None:
     """Write a 16-bit WAV file: each channel is the sum of the listeners of its side, with those in the middle on both, scaled down if it
     would clip."""
-    sides = np.array([_sides(item.body_part) for item in track.listeners], dtype=np.float64).reshape(-1, 2)
+    sides = np.array([stereo_gains(item.body_part) for item in track.listeners], dtype=np.float64).reshape(-1, 2)
     weights = sides / np.sqrt(np.maximum((sides**2).sum(axis=0), 1.0))
     pieces = [_mixed(track.samples[:, first : first + _CHUNK], weights) for first in range(0, max(track.samples.shape[1], 1), _CHUNK)]
     peak = max((float(np.abs(piece).max(initial=0.0)) for piece in pieces), default=0.0)
@@ -85,11 +84,6 @@ def write_stereo(track: HapticTrack, path: Path) -> None:
 
 def _mixed(samples: NDArray[np.int16], weights: FloatArray) -> NDArray[np.float32]:
     return np.asarray((samples.T / FULL_SCALE) @ weights, dtype=np.float32)
-
-
-def _sides(body_part: str) -> tuple[float, float]:
-    part = BODY_PART.get(body_part)
-    return {"L": (1.0, 0.0), "R": (0.0, 1.0)}.get(part.side if part is not None else "", (math.sqrt(0.5), math.sqrt(0.5)))
 
 
 def _free_channel(strips: Any, track: HapticTrack) -> int:

@@ -38,28 +38,27 @@ def animated_paths(datablock: Any) -> tuple[str, ...] | None:
 
 
 def fcurves_of(datablock: Any) -> list[Any]:
-    """The F-curves that animate the datablock through its action: those of its slot in versions with slotted actions (Blender 4.4 on)."""
-    data = datablock.animation_data
-    if data is None or data.action is None:
-        return []
-    action = data.action
-    if not hasattr(action, "layers"):
-        return list(action.fcurves)
-    slot = data.action_slot
-    return [curve for bag in _channelbags(action) if slot is not None and bag.slot_handle == slot.handle for curve in bag.fcurves]
+    """The F-curves that animate the datablock through its action."""
+    return [curve for owner in _fcurve_owners(datablock) for curve in owner.fcurves]
 
 
 def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
     """Remove F-curves from the datablock's action."""
+    for owner in _fcurve_owners(datablock):
+        for curve in [curve for curve in owner.fcurves if curve.data_path in data_paths]:
+            owner.fcurves.remove(curve)
+
+
+def _fcurve_owners(datablock: Any) -> list[Any]:
+    """The action of a datablock, or what its slot has in the layers of the action, where actions have slots (Blender 4.4 on)."""
     data = datablock.animation_data
     if data is None or data.action is None:
-        return
-    owners = _channelbags(data.action) if hasattr(data.action, "layers") else [data.action]
-    handle = data.action_slot.handle if hasattr(data.action, "layers") and data.action_slot is not None else None
-    for owner in owners:
-        if handle is None or owner.slot_handle == handle:
-            for curve in [curve for curve in owner.fcurves if curve.data_path in data_paths]:
-                owner.fcurves.remove(curve)
+        return []
+    if not hasattr(data.action, "layers"):
+        return [data.action]
+    slot = data.action_slot
+    bags = (bag for layer in data.action.layers for strip in layer.strips for bag in strip.channelbags)
+    return [bag for bag in bags if slot is not None and bag.slot_handle == slot.handle]
 
 
 def ensure_fcurve(datablock: Any, data_path: str, group: str = "", index: int = 0) -> Any:
@@ -95,7 +94,3 @@ def strip_ends(strip: Any) -> tuple[float, float]:
 def strip_content_start(strip: Any) -> float:
     """The frame at which the content of a strip begins, which may be before the strip does."""
     return float(strip.content_start if hasattr(strip, "content_start") else strip.frame_start)
-
-
-def _channelbags(action: Any) -> list[Any]:
-    return [bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags]

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import atexit
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import bpy
 
 
-def add(handlers: Mapping[str, Callable[..., None]]) -> None:
-    """Add handlers by the names of their events; events that this Blender does not have are left out (``exit_pre`` came with 5.1).
+class Handlers(dict[str, Callable[..., None]]):
+    """Handlers by the names of their events; events that this Blender does not have are left out (``exit_pre`` came with 5.1)."""
 
-    They are removed when Python ends: a Blender that is a module of Python ends later, when the names of modules are cleared.
-    """
-    atexit.register(remove, handlers)
-    for event, handler in handlers.items():
-        getattr(bpy.app.handlers, event, []).append(handler)
+    def add(self) -> None:
+        """Add the handlers.
 
+        They are removed when Python ends: a Blender that is a module of Python ends later, when the names of modules are cleared.
+        """
+        atexit.register(self.remove)
+        for event, handler in self.items():
+            getattr(bpy.app.handlers, event, []).append(handler)
 
-def remove(handlers: Mapping[str, Callable[..., None]]) -> None:
-    """Remove those of the handlers that are present."""
-    for event, handler in handlers.items():
-        present = getattr(bpy.app.handlers, event, [])
-        if handler in present:
-            present.remove(handler)
+    def remove(self) -> None:
+        """Remove those that are present."""
+        atexit.unregister(self.remove)
+        for event, handler in self.items():
+            present = getattr(bpy.app.handlers, event, [])
+            if handler in present:
+                present.remove(handler)

@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, wait
 from contextlib import suppress
-from dataclasses import dataclass
 from threading import Event, Thread
+from typing import ClassVar
 
 import bpy
 from bpy.types import Context, Header, Operator, WindowManager
@@ -38,6 +38,9 @@ class Job:
     ``finish`` gets the job, for `progress` and `ask`, and does not access Blender's data. Nothing is written before it, so that a cancelled
     job leaves no files.
     """
+
+    in_window: ClassVar[Job | None] = None
+    """The job that runs in the window."""
 
     def __init__(self, label: str, total: int, work: Iterator[object], finish: Callable[[Job], list[Report]], undo: str = "") -> None:
         self.label, self.total, self.done = label, max(total, 1), 0
@@ -117,34 +120,24 @@ class Job:
                 close()
 
 
-@dataclass(slots=True)
-class _State:
-    """The job that runs in the window."""
-
-    running: Job | None = None
-
-
-_state = _State()
-
-
 def running() -> Job | None:
     """The job that runs in the window."""
-    return _state.running
+    return Job.in_window
 
 
 def poll_idle(cls: type[Operator]) -> bool:
     """True if no job runs in the window."""
-    return permitted(cls, _state.running is None, "Wait for the running job, or press Esc to cancel it")
+    return permitted(cls, Job.in_window is None, "Wait for the running job, or press Esc to cancel it")
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:
     """Run a job for an operator: in steps if there is a window, else at once. ValueError and OSError are reported."""
     if operator.options.is_invoke and not bpy.app.background and context.window is not None and job.total > 1:
-        if _state.running is not None:
-            operator.report({"ERROR"}, _rpt("{} is not done yet").format(_state.running.label))
+        if Job.in_window is not None:
+            operator.report({"ERROR"}, _rpt("{} is not done yet").format(Job.in_window.label))
             return {"CANCELLED"}
         job.asks = True
-        _state.running = job
+        Job.in_window = job
         bpy.app.timers.register(_start, first_interval=0.05)  # the file browser closes first
         return {"FINISHED"}
     manager = context.window_manager
@@ -165,10 +158,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
 
 def _start() -> None:
     """Start the waiting job in Blender's first window."""
-    if _state.running is None:
-        return
-    window = bpy.context.window_manager.windows[0]
-    with bpy.context.temp_override(window=window):
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
         bpy.ops.haptic.run_job("INVOKE_DEFAULT")
 
 
@@ -181,7 +171,7 @@ class HAPTIC_OT_run_job(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return _state.running is not None
+        return Job.in_window is not None
 
     def invoke(self, context: Context, event: WindowEvent) -> set[str]:
         self._asked = False
@@ -191,34 +181,30 @@ class HAPTIC_OT_run_job(Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Context, event: WindowEvent) -> set[str]:
-        assert _state.running is not None
+        assert Job.in_window is not None
         if event.type == "ESC":
-            _state.running.cancel()
+            Job.in_window.cancel()
         elif event.type != "TIMER":
             return {"RUNNING_MODAL"}  # blocks all other events while the frames are stepped
-        if _state.running.question:
+        if Job.in_window.question:
             if not self._asked:
                 self._asked = True
                 bpy.ops.haptic.replace_files("INVOKE_DEFAULT")
             return {"PASS_THROUGH"}
         try:
-            reports = _state.running.advance(BUDGET)
-        except Cancelled:
+            reports = Job.in_window.advance(BUDGET)
+        except BaseException as error:
             self.cancel(context)
-            self.report({"WARNING"}, _rpt("Cancelled: nothing was written"))
+            if not isinstance(error, (Cancelled, ValueError, OSError)):
+                raise
+            cancelled = ({"WARNING"}, _rpt("Cancelled: nothing was written"))
+            self.report(*(cancelled if isinstance(error, Cancelled) else ({"ERROR"}, str(error))))
             return {"CANCELLED"}
-        except (ValueError, OSError) as error:
-            self.cancel(context)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        except BaseException:
-            self.cancel(context)
-            raise
         context.workspace.status_text_set(draw_status)  # draws the status bar again
         _redraw(context.window_manager)
         if reports is None:
             return {"RUNNING_MODAL"}
-        undo = _state.running.undo
+        undo = Job.in_window.undo
         self.cancel(context)
         if undo:
             bpy.ops.ed.undo_push(message=undo)
@@ -247,35 +233,35 @@ class HAPTIC_OT_replace_files(Operator):
 
     def draw(self, context: Context) -> None:
         column = self.layout.column(align=True)
-        for text in _state.running.question if _state.running is not None else ():
+        for text in Job.in_window.question if Job.in_window is not None else ():
             for line in wrapped(text, LINE):
                 column.label(text=line)
 
     def execute(self, context: Context) -> set[str]:
-        if _state.running is not None:
-            _state.running.answer(True)
+        if Job.in_window is not None:
+            Job.in_window.answer(True)
         return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:
-        if _state.running is not None:
-            _state.running.answer(False)
+        if Job.in_window is not None:
+            Job.in_window.answer(False)
 
 
 def draw_status(header: Header, context: Context) -> None:
     """The status bar of Blender's window."""
-    if _state.running is not None:
+    if Job.in_window is not None:
         row = header.layout.row()
         row.label(text="Cancel", icon="EVENT_ESC")
         bar = row.row()
         bar.ui_units_x = 16
-        bar.progress(factor=_state.running.factor, text=_state.running.state)
+        bar.progress(factor=Job.in_window.factor, text=Job.in_window.state)
 
 
 def draw_running(layout: bpy.types.UILayout) -> bool:
     """Draw the progress of the job that runs in the window. Returns False if there is none."""
-    if _state.running is None:
+    if Job.in_window is None:
         return False
-    layout.progress(factor=_state.running.factor, text=_state.running.state)
+    layout.progress(factor=Job.in_window.factor, text=Job.in_window.state)
     layout.label(text="Press Esc to cancel")
     return True
 
@@ -295,6 +281,6 @@ def stop() -> None:
 
 
 def _cancel() -> None:
-    if _state.running is not None:
-        _state.running.cancel()
-        _state.running = None
+    if Job.in_window is not None:
+        Job.in_window.cancel()
+        Job.in_window = None

@@ -3,54 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager, contextmanager
 
 from bpy.types import Scene
 
-
-@dataclass(slots=True)
-class _State:
-    """``depth``: number of nested suspensions. ``stepped``: session ids of the scenes that the add-on steps through."""
-
-    depth: int = 0
-    stepped: list[int] = field(default_factory=list)
-
-
-_state = _State()
+_suspended: list[int] = []
+"""An entry per nested suspension."""
+_stepped: list[int] = []
+"""Session ids of the scenes that the add-on steps through."""
 
 
 def is_suspended() -> bool:
     """True inside `suspended`."""
-    return _state.depth > 0
+    return bool(_suspended)
 
 
-@contextmanager
-def suspended() -> Iterator[None]:
+def suspended() -> AbstractContextManager[None]:
     """A context in which handlers do nothing; may be nested."""
-    _state.depth += 1
-    try:
-        yield
-    finally:
-        _state.depth -= 1
+    return _listed(_suspended, len(_suspended))
 
 
 def is_stepped(scene: Scene) -> bool:
     """True inside `stepped`."""
-    return scene.session_uid in _state.stepped
+    return scene.session_uid in _stepped
 
 
 def steps_any() -> bool:
     """True while the add-on steps through the frames of any scene."""
-    return bool(_state.stepped)
+    return bool(_stepped)
+
+
+def stepped(scene: Scene) -> AbstractContextManager[None]:
+    """A context in which every frame of the scene is traced, independent of the preview settings, and edits are not traced."""
+    return _listed(_stepped, scene.session_uid)
 
 
 @contextmanager
-def stepped(scene: Scene) -> Iterator[None]:
-    """A context in which every frame of the scene is traced, independent of the preview settings, and edits are not traced."""
-    scene_id = scene.session_uid
-    _state.stepped.append(scene_id)
+def _listed(entries: list[int], entry: int) -> Iterator[None]:
+    """A context in which ``entries`` have another one."""
+    entries.append(entry)
     try:
         yield
     finally:
-        _state.stepped.remove(scene_id)
+        entries.remove(entry)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -11,14 +10,14 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Scene
 
-from ..blender import handlers
+from ..blender.handlers import Handlers
 from ..blender.time import frame_seconds, seconds_of
 from ..changes import revisions
 from ..changes.events import device_adjusted, preview_volume_changed
 from ..gateway import is_loaded
 from ..properties.live_output import HapticDeviceProperties
 from ..session import session, sessions
-from . import adjustment, outputs, player, preview, refresh
+from . import outputs, player, preview, refresh
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -138,7 +137,7 @@ def adjust(settings: HapticDeviceProperties) -> None:
     """Apply a device's changed settings to its output."""
     output = outputs.running().get(settings.name) if _is_used() else None
     if output is not None:
-        output.adjust(adjustment.adjustment_of(settings, output.profile))
+        output.adjust(outputs.adjustment_of(settings, output.profile))
 
 
 def set_preview_volume(volume: float) -> None:
@@ -157,22 +156,22 @@ def stop_everything(*_: Any) -> None:
     outputs.stop_all()
 
 
-_HANDLERS: dict[str, Callable[..., None]] = {
-    "animation_playback_pre": animation_playback_pre,
-    "animation_playback_post": animation_playback_post,
-    "load_pre": load_pre,
-    "undo_pre": rest,
-    "redo_pre": rest,
-    "undo_post": choose_again,
-    "redo_post": choose_again,
-    "load_post": choose_again,
-    "render_pre": rest,
-    "exit_pre": stop_everything,
-}
+_HANDLERS = Handlers(
+    animation_playback_pre=animation_playback_pre,
+    animation_playback_post=animation_playback_post,
+    load_pre=load_pre,
+    undo_pre=rest,
+    redo_pre=rest,
+    undo_post=choose_again,
+    redo_post=choose_again,
+    load_post=choose_again,
+    render_pre=rest,
+    exit_pre=stop_everything,
+)
 
 
 def register() -> None:
-    handlers.add(_HANDLERS)
+    _HANDLERS.add()
     device_adjusted.subscribe(adjust)
     preview_volume_changed.subscribe(set_preview_volume)
     atexit.register(stop_everything)
@@ -183,7 +182,7 @@ def unregister() -> None:
     device_adjusted.unsubscribe(adjust)
     preview_volume_changed.unsubscribe(set_preview_volume)
     atexit.unregister(stop_everything)
-    handlers.remove(_HANDLERS)
+    _HANDLERS.remove()
     stop_everything()
     if _is_used():
         outputs.forget()

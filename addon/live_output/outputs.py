@@ -12,8 +12,10 @@ from pathlib import Path
 from ...core.arrays import FloatArray
 from ...core.devices import guard, loopback
 from ...core.devices.inventory import Found, Inventory, look
-from ...core.devices.profiles import Adjustment
+from ...core.devices.mapping import ActuatedDevice
+from ...core.devices.profiles import Adjustment, Calibration
 from ...core.devices.status import Output
+from ..properties.live_output import HapticDeviceProperties
 
 
 @dataclass(slots=True)
@@ -84,6 +86,22 @@ def preferred(part: str) -> str:
     devices = (_state.inventory or Inventory()).devices
     wanted = [device.key for device in devices if part.lower() in f"{device.key} {device.title}".lower()]
     return next(iter([*wanted, *(device.key for device in devices)]), "")
+
+
+def adjustment_of(settings: HapticDeviceProperties, device: ActuatedDevice) -> Adjustment:
+    """The user's settings of a device, on top of its profile."""
+    return Adjustment(
+        calibrations={
+            actuator.name: Calibration(
+                gain=min(actuator.calibration.gain * settings.gain, 10.0),
+                floor=max(actuator.calibration.floor, settings.floor),
+                exponent=min(max(actuator.calibration.exponent * settings.curve, 0.1), 10.0),
+            )
+            for actuator in device.actuators
+        },
+        ceiling=settings.ceiling,
+        delay=settings.offset / 1000,
+    )
 
 
 def connect(key: str, adjustment: Adjustment) -> None:

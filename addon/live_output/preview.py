@@ -15,7 +15,7 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.devices.resampling import Resampler
-from ...core.scene.body import BODY_PART
+from ...core.scene.body import stereo_gains
 from ...core.signals import Signal
 
 RATE = 48_000
@@ -166,8 +166,7 @@ def play(body_parts: list[str], samples: FloatArray, sample_rate: float) -> None
 def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:
     """(listeners, n) as (2, n): left parts of the body on the left, right ones on the right, the rest on both, at equal power, and limited
     to [-1, 1]."""
-    sides = [BODY_PART[part].side if part in BODY_PART else "" for part in body_parts]
-    gains = np.array([{"L": (1.0, 0.0), "R": (0.0, 1.0), "": (np.sqrt(0.5), np.sqrt(0.5))}[side] for side in sides]).reshape(-1, 2)
+    gains = np.array([stereo_gains(part) for part in body_parts]).reshape(-1, 2)
     return np.tanh(gains.T @ samples)
 
 

@@ -8,7 +8,7 @@ from bpy.types import Context, Operator
 
 from ..blender.extension import profile_folders
 from ..blender.polling import UNDO, Action, Refused
-from ..live_output import adjustment, outputs, player, preview, refresh
+from ..live_output import outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
 
@@ -47,7 +47,7 @@ class HAPTIC_OT_connect_device(Action, Operator):
         if settings is None:
             settings = devices.add()
             settings.name = key
-        outputs.connect(key, adjustment.adjustment_of(settings, found.device))
+        outputs.connect(key, outputs.adjustment_of(settings, found.device))
         refresh.start()
 
 

@@ -5,7 +5,6 @@ In scenes without haptic objects they return without loading the core.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -13,7 +12,8 @@ from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from ..bake import playback
-from ..blender import handlers, job
+from ..blender import job
+from ..blender.handlers import Handlers
 from ..blender.playing import is_playing
 from ..changes import events
 from ..changes.redraw import redraw_viewports
@@ -153,25 +153,25 @@ def _show_track(scene: Scene) -> None:
     playback.show_current(scene)
 
 
-_HANDLERS: dict[str, Callable[..., None]] = {
-    "frame_change_pre": frame_change_pre,
-    "frame_change_post": frame_change_post,
-    "depsgraph_update_post": depsgraph_update_post,
-    "load_pre": file_changed,
-    "load_post": file_loaded,
-    "save_pre": saving,
-    "undo_pre": cancel,
-    "redo_pre": cancel,
-    "undo_post": reread,
-    "redo_post": reread,
-    "render_pre": render_pre,
-    "exit_pre": cancel,
-}
+_HANDLERS = Handlers(
+    frame_change_pre=frame_change_pre,
+    frame_change_post=frame_change_post,
+    depsgraph_update_post=depsgraph_update_post,
+    load_pre=file_changed,
+    load_post=file_loaded,
+    save_pre=saving,
+    undo_pre=cancel,
+    redo_pre=cancel,
+    undo_post=reread,
+    redo_post=reread,
+    render_pre=render_pre,
+    exit_pre=cancel,
+)
 
 
 def register() -> None:
     """Start listening to Blender's events."""
-    handlers.add(_HANDLERS)
+    _HANDLERS.add()
     events.track_switched.subscribe(_show_track)
     live_output.register()
 
@@ -183,6 +183,6 @@ def unregister() -> None:
         bpy.app.timers.unregister(trace_opened)
     live_output.unregister()
     events.track_switched.unsubscribe(_show_track)
-    handlers.remove(_HANDLERS)
+    _HANDLERS.remove()
     file_changed()
     events.disabled()

@@ -7,6 +7,7 @@ is palm, dorsum and fingers; a whole foot likewise. WYVRN's files have no region
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,3 +67,10 @@ PAPER_LISTENERS: tuple[str, ...] = tuple(_TABLE["paper_listeners"])
 def body_part(name: str) -> BodyPart:
     """The body part called ``name``. Raises ValueError, which lists the known names, for any other."""
     return named(name, BODY_PART, "body part")
+
+
+def stereo_gains(part: str) -> tuple[float, float]:
+    """The gains of a body part on the left and the right channel: its own side, or both at equal power on the midline or where the part is
+    unknown."""
+    side = BODY_PART[part].side if part in BODY_PART else ""
+    return {"L": (1.0, 0.0), "R": (0.0, 1.0), "": (math.sqrt(0.5), math.sqrt(0.5))}[side]
