@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 from haptic_tracing.core.contacts.gain_bound import GainBound
-from haptic_tracing.core.contacts.settings import Body
+from haptic_tracing.core.contacts.settings import Body, Motion
 from haptic_tracing.core.contacts.tracker import ContactTracker
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "core" / "contacts"))
@@ -65,7 +65,7 @@ def simulated(bodies: int, kind: str, frames: int) -> tuple[tuple[Body, ...], li
     ground = bullet_pairs.Box((8.0 * width, 8.0 * width, 2.0))
     known = [bullet._shape(shape) for shape in shapes]
     numbers = [pybullet.createMultiBody(0, bullet._shape(ground), basePosition=[0, 0, -1], **client)]
-    told = [Body("ground", ground, motion="static")]
+    told = [Body("ground", ground, motion=Motion.STATIC)]
     for k in range(bodies):
         layer, row, column = k // width**2, k // width % width, k % width
         place = np.array([column - width / 2, row - width / 2, 0.8 + layer]) * 1.3 + [*generator.uniform(-0.1, 0.1, 2), 0.0]

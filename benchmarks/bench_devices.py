@@ -13,6 +13,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from haptic_tracing.core.arrays import FloatArray
@@ -57,7 +58,8 @@ def driven(profile: Profile, signal: FloatArray) -> Written:
         told.append(drive)
         return Report(repr(drive.amplitudes + drive.frequencies).encode() if isinstance(drive, Tones) else drive.tobytes())
 
-    recording = replace(family, encode=encode, startup=lambda *_: (), release=lambda *_: ())
+    recorder: Any = encode  # of either kind of family
+    recording = replace(family, encode=recorder, startup=lambda *_: (), release=lambda *_: ())
     profile = replace(profile, family=recording)
     pacing = pacing_of(profile, recording, transport, actuation_of(profile, recording, RATE))
     edges = np.ceil(np.arange(round(SECONDS * FPS) + 1) / FPS * RATE - 1e-6).astype(int)

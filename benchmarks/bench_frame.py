@@ -78,7 +78,8 @@ class _Blender:
     def play(self, numbers: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
         """Seconds of each of these frames, of the clock and of CPU time."""
         self._connection.send(numbers)
-        return self._connection.recv()
+        times: tuple[np.ndarray, np.ndarray] = self._connection.recv()
+        return times
 
     def end(self) -> Traced | None:
         """End the process and return what it traced."""
@@ -108,6 +109,7 @@ def measure(bodies: int, shape: str, frames: int, passes: int, settled: bool, st
                 times[begin:][: len(numbers)] = np.minimum(times[begin:][: len(numbers)], of_clock)
                 cpu[begin:][: len(numbers)] = np.minimum(cpu[begin:][: len(numbers)], of_cpu)
         _, traced, _ = (blender.end() for blender in blenders)
+    assert traced is not None
     beside = np.arange(frames) % turn > 0
     (off, on, again), (off_cpu, on_cpu, _) = 1000 * seconds[:, beside], 1000 * worked[:, beside]
     return Row(
@@ -127,7 +129,7 @@ def measure_materials(bodies: int, frames: int, passes: int, impacts: bool) -> l
     """Name, milliseconds of CPU time that tracing adds to a frame, mean over the frames, and what was traced: of each kind of materials."""
     turn = int(np.clip(FRAMES_OF_BODIES // bodies, 10, 100))
     worked = np.full((1 + len(MATERIALS), frames), np.inf)
-    traced: list[Traced | None] = []
+    traced: list[Traced] = []
     for _ in range(passes):
         blenders = [
             _Blender(kind is not None, frames, bodies, "BOX", False, "auto", impacts, kind or "plain") for kind in (None, *MATERIALS)
@@ -136,10 +138,10 @@ def measure_materials(bodies: int, frames: int, passes: int, impacts: bool) -> l
             numbers = range(begin + 1, min(begin + turn, frames) + 1)
             for cpu, blender in zip(worked, blenders, strict=True):
                 cpu[begin:][: len(numbers)] = np.minimum(cpu[begin:][: len(numbers)], blender.play(numbers)[1])
-        traced = [blender.end() for blender in blenders]
+        traced = [found for blender in blenders if (found := blender.end()) is not None]
     beside = np.arange(frames) % turn > 0
     added = 1000 * (worked[1:, beside] - worked[0, beside]).mean(axis=1)
-    return list(zip(MATERIALS.values(), added.tolist(), traced[1:], strict=True))
+    return list(zip(MATERIALS.values(), added.tolist(), traced, strict=True))
 
 
 def run_materials(bodies: Sequence[int], frames: int, passes: int, impacts: bool) -> None:

@@ -17,6 +17,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from types import SimpleNamespace
+from typing import cast
 from unittest import mock
 
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
@@ -78,7 +79,7 @@ def rows(waves: Waves, redraws: int) -> Iterator[Row]:
                     if change == "next frame":
                         waves.write(number * block.shape[1], block, np.zeros(len(block)))
                     started = time.thread_time()
-                    lane._draw_lane(context, bpy.context.scene, (waves,), number if change == "next frame" else 0)
+                    lane._draw_lane(cast(bpy.types.Context, context), bpy.context.scene, (waves,), number if change == "next frame" else 0)
                     spent.append(1000 * (time.thread_time() - started))
                 yield Row(title, change, *np.percentile(spent[5:], (50, 95)).tolist())
     buffer.free()

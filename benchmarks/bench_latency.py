@@ -18,12 +18,14 @@ import tempfile
 import threading
 import time
 from typing import Any
+from unittest import mock
 
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
 import bpy
 import haptic_tracing
 import numpy as np
+from haptic_tracing.addon.blender.time import frame_seconds
 from haptic_tracing.addon.live_output import handlers, outputs, player
 from haptic_tracing.core.devices.guard import GuardedOutput
 from haptic_tracing.core.devices.inventory import Found, Inventory
@@ -38,7 +40,7 @@ STAGES = ("tracing", "rendering", "handing over", "encoding", "writing", "latenc
 DEVICES = {"dualsense": (0x054C, 0x0CE6, 3), "switch-pro": (0x057E, 0x2009, 0)}
 
 
-def build(bodies: int, haptic: bool) -> Any:
+def build(bodies: int, haptic: bool) -> bpy.types.Scene:
     """The demo, its hammer noisy, and ``bodies`` boxes that fall beside it."""
     scene = build_sample("jackhammer_bench")
     for obj in scene.objects:
@@ -106,14 +108,15 @@ def measure(bodies: int, haptic: bool, device: str, frames: int) -> dict[str, np
             sent.append(real_send(self, block, when))
             return sent[-1]
 
-        handlers.frame_comes, player.play, player.play_ahead = timed_comes, timed_play, timed_ahead
-        GuardedOutput.send = timed_send  # type: ignore[method-assign]
-        try:
-            own = play(scene, frames, (entered, played, handed, sent))
-        finally:
-            handlers.frame_comes, player.play, player.play_ahead = real_comes, real_play, real_ahead
-            GuardedOutput.send = real_send  # type: ignore[method-assign]
-            haptic_tracing.unregister()
+        with (
+            mock.patch.object(handlers, "frame_comes", timed_comes),
+            mock.patch.multiple(player, play=timed_play, play_ahead=timed_ahead),
+            mock.patch.object(GuardedOutput, "send", timed_send),
+        ):
+            try:
+                own = play(scene, frames, (entered, played, handed, sent))
+            finally:
+                haptic_tracing.unregister()
         steps = stages(entered, played, handed, sent, events(log), outputs_interval(device))
     went = sum(stamp < call for stamp, call in zip(sent, handed, strict=True))
     return {"ahead": np.array([100.0 * went / frames]), "frame": np.array(own), **steps}
@@ -139,7 +142,7 @@ def play(scene: Any, frames: int, kept: tuple[list[float], ...]) -> list[float]:
         times.clear()
     due = clock()
     for number in range(1, frames + 1):
-        due = max(due + handlers.frame_seconds(scene), clock())
+        due = max(due + frame_seconds(scene), clock())
         began = clock()
         scene.frame_set(scene.frame_start + number)
         own.append(1000 * (clock() - began))

@@ -30,10 +30,12 @@ import numpy as np
 from haptic_tracing.addon.scene_reader.settings import read_settings
 from haptic_tracing.addon.session import session, sessions, worker
 from haptic_tracing.addon.view import meters, overlay, shader
+from haptic_tracing.addon.view.options import options_of
+from haptic_tracing.addon.view.render_data import render_data
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.render.frame_result import FrameResult
 from haptic_tracing.core.scene.functions import Exponential
-from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Settings, Source
+from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Settings, Source, Strategy
 from haptic_tracing.core.tracer import Frame, Tracer
 from haptic_tracing.pictures import picture
 from mathutils import Euler, Matrix
@@ -64,7 +66,7 @@ def wall_of_bricks(nodes: int, listeners: int) -> FrameResult:
     """A wall of bricks with about so many nodes: sources at its foot, listeners anywhere, empties of their names in the scene."""
     across = round((nodes / 6) ** 0.5)
     place = {(x, z): (x + z % 2 / 2 - across / 2, 0.0, z / 2 - across / 4) for z in range(across) for x in range(across)}
-    contacts = []
+    contacts: list[Contact] = []
     for x, z in place:
         for other in ((x + 1, z), (x, z - 1), (x + (1 if z % 2 else -1), z - 1)):
             if other in place and len(contacts) < (nodes - SOURCES - listeners) // 2:
@@ -74,10 +76,10 @@ def wall_of_bricks(nodes: int, listeners: int) -> FrameResult:
     chosen = np.random.default_rng(1).integers(0, across, (listeners, 2)).tolist()
     sources = tuple(Source(f"source {k}", f"brick {k * 7} 0", place[k * 7, 0]) for k in range(SOURCES))
     felt = tuple(Listener(f"listener {k}", f"brick {x} {z}", place[x, z]) for k, (x, z) in enumerate(chosen))
-    for item in (*sources, *felt):
-        bpy.context.scene.collection.objects.link(bpy.data.objects.new(item.name, None))
+    for name in (item.name for items in (sources, felt) for item in items):
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, None))
     placed = ContactSet.from_contacts(tuple(contacts), {item.name: k for k, item in enumerate(objects)})
-    settings = Settings(strategy="best_path", max_connections=None)
+    settings = Settings(strategy=Strategy.BEST_PATH, max_connections=None)
     return Tracer().step(Frame(1, 0.0, objects, sources, felt, settings, contacts=placed))
 
 
@@ -195,7 +197,7 @@ def quads_drawn(nodes: int, listeners: int) -> str:
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     result = wall_of_bricks(nodes, listeners)
-    data = overlay.render_data(result, read_settings(scene), overlay.options_of(scene, result))
+    data = render_data(result, read_settings(scene), options_of(scene, result))
     graph = quads(data)
     size = sum(values.nbytes for values in graph.attributes.values()) + graph.triangles.nbytes
     return (

@@ -28,6 +28,8 @@ from haptic_tracing.addon.session import derived, session, worker
 
 from .report import publish, table
 
+PANELS: tuple[Any, ...] = classes_of(panels)
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -94,10 +96,10 @@ def redraws(panel: Any) -> tuple[float, float]:
 def rows(edge: int, frames: int) -> list[Row]:
     """Every panel over one lattice."""
     scene = lattice(edge)
-    measured: dict[str, list[tuple[float, float]]] = {panel.bl_label: [] for panel in classes_of(panels)}
+    measured: dict[str, list[tuple[float, float]]] = {panel.bl_label: [] for panel in PANELS}
     for _ in range(frames):
         session.trace(scene, bpy.context.evaluated_depsgraph_get())
-        for panel in classes_of(panels):
+        for panel in PANELS:
             measured[panel.bl_label].append(redraws(panel))
     medians = {label: np.median(np.array(values), axis=0).tolist() for label, values in measured.items()}
     return [Row(edge**3, label, redraw, complete) for label, (redraw, complete) in medians.items()]

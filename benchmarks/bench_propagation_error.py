@@ -14,7 +14,8 @@ import json
 import os
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
@@ -22,10 +23,13 @@ import numpy as np
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.values import Settings, Strategy
 
-from .families import Family, grid, hub, ladder, pile, random_contacts, tree
+from .families import Family, grid, hub, ladder, pile, random_contacts, traced, tree
 from .peers import OutOfTime, enumerate_paths
 from .report import RESULTS, milliseconds, publish, table
 from .timing import best_run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FAMILIES: tuple[Callable[[], Family], ...] = (
     lambda: tree(300),
@@ -35,6 +39,7 @@ FAMILIES: tuple[Callable[[], Family], ...] = (
     lambda: hub(8),
     lambda: pile(12, sources=1),
 )
+FREE = Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0)
 THRESHOLDS = tuple(10 ** (-k / 2) for k in range(2, 33))
 CONNECTIONS = (3, 5, 7, 9, 11, 13, 15, 19, 23, 27, 31, 39, 47, 63)
 TOLERANCES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-6, 0.0)
@@ -95,8 +100,7 @@ def relative(gains: np.ndarray, true: np.ndarray) -> float:
 def measure(family: Family, seconds: float) -> Measured:
     """Sweep every curve; enumeration until it takes longer than ``seconds``."""
     graph = family.graph()
-    free = {"max_connections": None, "threshold": 0.0}
-    sums = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, tolerance=1e-6, **free), BUDGET)
+    sums = propagate(graph, replace(FREE, tolerance=1e-6), BUDGET)
     true = sums.gain[0]
     points = []
     for curve, limits in (
@@ -115,19 +119,19 @@ def measure(family: Family, seconds: float) -> Measured:
             if error < 1e-9:
                 break
     ours = (
-        [(CERTIFIED, f"{t:g}", Settings(strategy=Strategy.ALL_PATHS, tolerance=t, **free)) for t in TOLERANCES]
+        [(CERTIFIED, f"{t:g}", replace(FREE, tolerance=t)) for t in TOLERANCES]
         + [("all_paths, threshold", f"{t:g}", Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=t)) for t in THRESHOLDS]
         + [
             ("all_paths, max_connections", f"{n}", Settings(strategy=Strategy.ALL_PATHS, max_connections=n, threshold=0.0, tolerance=0.0))
             for n in CONNECTIONS
         ]
-        + [(str(s), "", Settings(strategy=s, **free)) for s in (Strategy.BEST_PATH, Strategy.ENERGY_BALANCE)]
+        + [(str(s), "", replace(FREE, strategy=s)) for s in (Strategy.BEST_PATH, Strategy.ENERGY_BALANCE)]
     )
     done: set[str] = set()
     for curve, setting, chosen in ours:
         if curve in done:
             continue
-        used, result = best_run(lambda chosen=chosen: propagate(family.graph(), chosen), patience=1.0)
+        used, result = best_run(traced, family, chosen, patience=1.0)
         error = relative(result.gain[0], true)
         bound = relative(true + result.error_bound[0], true) if curve == CERTIFIED else None
         points.append(Point(curve, setting, used, error, bound))
@@ -176,7 +180,7 @@ def summary(measured: list[Measured]) -> str:
     return table(heading, rows)
 
 
-def draw(measured: list[Measured]):
+def draw(measured: list[Measured]) -> Figure:
     """One panel per family."""
     from matplotlib.figure import Figure
 

@@ -11,17 +11,20 @@ from __future__ import annotations
 import argparse
 import os
 from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
-from haptic_tracing.core.propagation import Propagation, propagate
 from haptic_tracing.core.scene.values import Settings, Strategy
 
-from .families import FAMILIES, Family
+from .families import FAMILIES, Family, traced
 from .peers import PEERS
 from .report import milliseconds, publish, table
 from .timing import best_run, peak
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SIZES = (10, 100, 1000, 10_000, 100_000)
 FREE = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
@@ -46,7 +49,7 @@ COLOURS = {
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One family at one size: seconds and megabytes by what ran, None where it was left out."""
+    """One family at one size: seconds and megabytes by what ran, without what was left out."""
 
     family: str
     objects: int
@@ -55,22 +58,17 @@ class Row:
     implied: int
     visited: int
     visited_free: int
-    seconds: dict[str, float | None]
-    megabytes: dict[str, float | None]
-
-
-def traced(family: Family, settings: Settings) -> Propagation:
-    return propagate(family.graph(), settings)
+    seconds: dict[str, float]
+    megabytes: dict[str, float]
 
 
 def measure(family: Family, seconds: float, slow: set[str]) -> Row:
     """Measure all; what takes longer than ``seconds`` goes into ``slow`` and is left out from then on."""
     graph = family.graph()
-    used: dict[str, float | None] = {}
-    memory: dict[str, float | None] = {}
+    used: dict[str, float] = {}
+    memory: dict[str, float] = {}
     free = traced(family, FREE)
     for name in (*RUNS, *PEERS):
-        used[name] = memory[name] = None
         if name in slow or (name in PEERS and graph.intra_connection_count() > MOST[name]):
             continue
 
@@ -99,10 +97,10 @@ def measure(family: Family, seconds: float, slow: set[str]) -> Row:
 
 def summary(rows: list[Row]) -> str:
     """Two tables: times, and what they are made of."""
-    names = list(rows[0].seconds)
+    names = [*RUNS, *PEERS]
     times = table(
         ["family", "objects", *(f"{name} [ms]" for name in names)],
-        [(r.family, f"{r.objects:,}", *(milliseconds(r.seconds[n]) for n in names)) for r in rows],
+        [(r.family, f"{r.objects:,}", *(milliseconds(r.seconds.get(n)) for n in names)) for r in rows],
     )
     sizes = table(
         [
@@ -128,7 +126,7 @@ def summary(rows: list[Row]) -> str:
                 f"{r.visited_free:,}",
                 f"{r.megabytes['best_path, free']:.3g}",
                 f"{1e6 * r.megabytes['best_path, free'] / r.contacts:.0f}",
-                "-" if r.megabytes["SciPy"] is None else f"{r.megabytes['SciPy']:.3g}",
+                f"{r.megabytes['SciPy']:.3g}" if "SciPy" in r.megabytes else "-",
             )
             for r in rows
         ],
@@ -136,7 +134,7 @@ def summary(rows: list[Row]) -> str:
     return f"{times}\n\n{sizes}"
 
 
-def draw(rows: list[Row]):
+def draw(rows: list[Row]) -> Figure:
     """One panel per family."""
     from matplotlib.figure import Figure
 
@@ -145,7 +143,7 @@ def draw(rows: list[Row]):
     for axis, family in zip(axes, dict.fromkeys(row.family for row in rows), strict=True):
         here = [row for row in rows if row.family == family]
         for name, colour in COLOURS.items():
-            points = [(row.objects, 1000 * row.seconds[name]) for row in here if row.seconds[name] is not None]
+            points = [(row.objects, 1000 * row.seconds[name]) for row in here if name in row.seconds]
             axis.plot(*zip(*points, strict=True), "--s" if name in PEERS else "-o", color=colour, label=name, markersize=4, linewidth=1.3)
         axis.set(xscale="log", yscale="log", title=family)
         axis.grid(alpha=0.25)

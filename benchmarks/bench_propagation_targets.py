@@ -25,7 +25,7 @@ from haptic_tracing.core.scene.values import Settings, Strategy
 from haptic_tracing.core.signals import Sine
 
 from .bench_propagation_error import BY_CONNECTIONS, ENUMERATION, WANTED, Measured, measured_before
-from .families import Family, ladder, pile, wall
+from .families import Family, ladder, pile, traced, wall
 from .frames import demo_family
 from .peers import by_networkx, by_rustworkx, by_scipy
 from .report import milliseconds, publish, table
@@ -60,10 +60,10 @@ def against_peers() -> list[Target]:
         (pile(1000), ((by_networkx, "NetworkX", 100, 1), (by_scipy, "SciPy", 10, 5), (by_rustworkx, "rustworkx", 0, 2))),
         (pile(5000), ((by_scipy, "SciPy", 50, 2),)),
     ):
-        ours = best_time(lambda family=family: best_path(family), 9)
+        ours = best_time(best_path, family, runs=9)
         gains = best_path(family)
         for other, name, wanted, runs in others:
-            seconds = best_time(lambda family=family, other=other: other(family), runs)
+            seconds = best_time(other, family, runs=runs)
             if not np.allclose(other(family), gains, rtol=1e-9, atol=0):
                 raise AssertionError(f"{name} finds other gains")
             implied = family.graph().intra_connection_count()
@@ -83,7 +83,7 @@ def memory() -> Target:
     """What graph and best paths take at most, by contacts."""
     sizes = (1000, 5000, 20_000)
     families = [pile(size) for size in sizes]
-    each = [peak(lambda family=family: best_path(family)) / len(family.contacts) for family in families]
+    each = [peak(best_path, family) / len(family.contacts) for family in families]
     return Target(
         f"memory for piles of {', '.join(f'{size:,}' for size in sizes)}",
         "proportional to contacts",
@@ -95,11 +95,11 @@ def memory() -> Target:
 def exact_sums() -> list[Target]:
     """Sums over more paths than can be enumerated; the ladder against its transfer matrix."""
     family = ladder(60)
-    seconds = best_time(lambda: propagate(family.graph(), EXACT))
+    seconds = best_time(traced, family, EXACT)
     result = propagate(family.graph(), EXACT)
     error = abs(result.gain[0, 0] / float(_ladder_by_transfer(family)) - 1)
     block = wall(25)
-    wide = best_time(lambda: propagate(block.graph(), EXACT))
+    wide = best_time(traced, block, EXACT)
     proven = float(propagate(block.graph(), EXACT).error_bound.max())
     return [
         Target(
@@ -190,7 +190,7 @@ def demo_frame() -> list[Target]:
 def default_strategy() -> Target:
     """The default, which has no limit of connections, against best paths with the scene's limits."""
     graph = pile(1000).graph()
-    default, limited = (best_time(lambda chosen=chosen: propagate(graph, chosen), 20) for chosen in (DEFAULT, LIMITED))
+    default, limited = (best_time(propagate, graph, chosen, runs=20) for chosen in (DEFAULT, LIMITED))
     return Target(
         "pile of 1,000, 4 sources, 10 listeners, default strategy, against best_path",
         "at most 2 times its time",
@@ -205,8 +205,8 @@ def energy_balances() -> list[Target]:
     for count, wanted in ((100, 1), (300, 3), (1000, 10)):
         graph = pile(count, low=0.81, high=0.81).graph()
         pairs = np.ones((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
-        seconds = best_time(lambda graph=graph, pairs=pairs: energy_gains(graph, pairs), 30)
-        first = best_time(lambda graph=graph, pairs=pairs: energy_gains(graph, pairs & (np.arange(4) == 0)[:, None]), 30)
+        seconds = best_time(energy_gains, graph, pairs, runs=30)
+        first = best_time(energy_gains, graph, pairs & (np.arange(4) == 0)[:, None], runs=30)
         targets.append(
             Target(
                 f"energy balance, pile of {count:,}, 4 sources, 10 listeners (one source)",
@@ -231,7 +231,7 @@ def physical_materials() -> list[Target]:
         four = [replace(item, signal=Sine(frequency)) for item, frequency in zip(bands.sources, (30, 60, 120, 250), strict=True)]
         several = replace(bands, sources=tuple(four))
         chosen = (paper, plain, bands, several)
-        times = [best_time(lambda family=family: propagate(family.graph(), DEFAULT), 100) for family in chosen]
+        times = [best_time(traced, family, DEFAULT, runs=100) for family in chosen]
         arrived = [int((propagate(family.graph(), DEFAULT).gain > 0).sum()) for family in chosen]
         for what, time_, pairs, base, other in (
             ("sources of one band, against the plain gain", times[2], arrived[2], times[1], arrived[1]),

@@ -137,7 +137,7 @@ def main() -> None:
     print(f"target: steady tones at least {TARGET:g}")
     for name, recorded in (("of materials", False), ("of a recording", True)):
         used = min(impacts(options.listeners, options.fps, 3.0, recorded) for _ in range(5))
-        most = peak(lambda recorded=recorded: impacts(options.listeners, options.fps, 3.0, recorded))
+        most = peak(impacts, options.listeners, options.fps, 3.0, recorded)
         ratio = f"{1.0 / used:8.1f}   (target: at least 1)"
         print(f"{f'{IMPACTS} impacts at once, {name}':42} {ratio}, {most / 1e6:.0f} MB at most", flush=True)
 

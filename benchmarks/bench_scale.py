@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 FRAMES, PARTS, VARIANTS, SHORT = 128, 4, 6, 24
-SAMPLES = (("jackhammer_bench", []), ("pile", ["--count", "40"]))
+SAMPLES: tuple[tuple[str, list[str]], ...] = (("jackhammer_bench", []), ("pile", ["--count", "40"]))
 
 
 def _cost(*arguments: object) -> tuple[float, float, str]:

@@ -8,7 +8,7 @@ import time
 import tracemalloc
 from collections.abc import Mapping, Sequence
 from multiprocessing.connection import Connection
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
@@ -35,7 +35,7 @@ def _mesh(kind: str) -> bpy.types.Mesh:
     mesh = bpy.data.meshes.new(kind)
     if kind == "BOX":
         corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
-        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        faces: list[tuple[int, ...]] = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     else:
         turns = np.linspace(0, 2 * np.pi, 12, endpoint=False)
         ring = [(half * np.cos(a), half * np.sin(a)) for a in turns]
@@ -125,7 +125,7 @@ def _make_physical(scene: bpy.types.Scene, ground: bpy.types.Object, bodies: Seq
     bpy.context.view_layer.update()
 
 
-def play_in_turns(connection: Connection, tracing: bool, frames: int, *scene_of: object) -> None:
+def play_in_turns(connection: Connection, tracing: bool, frames: int, *scene_of: Any) -> None:
     """Build a scene and play the frames that are asked for, with their times as answers; at ``()`` tell what was traced, and end."""
     haptic_tracing.register()
     scene = build(frames, *scene_of)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, ObjectTable, build_graph
-from haptic_tracing.core.scene.values import HapticObject, Listener, Source
+from haptic_tracing.core.propagation import Propagation, propagate
+from haptic_tracing.core.scene.values import HapticObject, Listener, Settings, Source
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,11 @@ class Family:
     def graph(self) -> HapticGraph:
         """The haptic graph."""
         return build_graph(self.table, self.contacts, self.sources, self.listeners)
+
+
+def traced(family: Family, settings: Settings) -> Propagation:
+    """Graph and propagation of a frame."""
+    return propagate(family.graph(), settings)
 
 
 def _name(number: int) -> str:

@@ -48,7 +48,7 @@ def by_scipy(family: Family) -> np.ndarray:
     a, b, cost = explicit_connections(graph)
     matrix = coo_array((cost, (a, b)), shape=(graph.node_count, graph.node_count)).tocsr()
     found = dijkstra(matrix, directed=False, indices=[source.nodes[0] for source in graph.sources])
-    return np.exp(-found[:, graph.listener_nodes])
+    return np.asarray(np.exp(-found[:, graph.listener_nodes]))
 
 
 def by_networkx(family: Family) -> np.ndarray:

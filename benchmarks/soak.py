@@ -19,6 +19,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +29,11 @@ os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-
 import bpy
 import haptic_tracing
 import numpy as np
+from haptic_tracing.addon.blender.time import frame_seconds
 from haptic_tracing.addon.live_output import handlers, outputs
 from haptic_tracing.core.devices.inventory import Found, Inventory
 from haptic_tracing.core.devices.output import DeviceOutput
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profiles import Adjustment, Profile, profile
 from made_up_devices import DUALSENSE_BT, DUALSENSE_USB, SWITCH_PRO_BT, XBOX_BT, describe
 from timed_hid import TimedHid, reports_of
 
@@ -122,8 +124,12 @@ def prepare_source(scene: Any) -> Any:
 
 def connect(folder: str) -> None:
     """Drive the four devices, and write down what is written to them."""
+
+    def opened(own: Profile, adjustment: Adjustment) -> DeviceOutput:
+        return DeviceOutput(own, adjustment=adjustment, hid=TimedHid(folder))
+
     found = [
-        Found(pad.name, pad.name, "", own, lambda adjustment, own=own: DeviceOutput(own, adjustment=adjustment, hid=TimedHid(folder)))
+        Found(pad.name, pad.name, "", own, partial(opened, own))
         for pad in PADS
         for own in [replace(profile(pad.name), sustained_maximum=1.0)]
     ]
@@ -137,7 +143,7 @@ def connect(folder: str) -> None:
 def play(scene: Any, source: Any, end: float, record: Record) -> None:
     """Play in time until ``end``."""
     clock = time.perf_counter
-    seconds = handlers.frame_seconds(scene)
+    seconds = frame_seconds(scene)
     due = locked = sampled = clock()
     guard = next(child for child in children() if child != os.getpid())
     while clock() < end:
