@@ -117,7 +117,7 @@ def viewport(scene: bpy.types.Scene) -> Iterator[Callable[[float], None]]:
             yield redraw
     finally:
         overlay.forget()
-        meters.forget()
+        meters._shown.clear()
         buffer.free()
 
 

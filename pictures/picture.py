@@ -20,12 +20,11 @@ from numpy.typing import NDArray
 
 from ..addon.blender import compatibility
 from ..addon.scene_reader.settings import read_settings
-from ..addon.view import overlay, shader
+from ..addon.view import overlay
 from ..addon.view.camera import camera_view, picture_scale
 from ..addon.view.hud import Hud
-from ..addon.view.quads import quads_of
 from ..addon.view.render_data import Options
-from ..addon.view.screen import draw_flat, shared_atlas
+from ..addon.view.screen import draw_flat, uploaded
 from ..core.render.frame_result import FrameResult
 from .cycles_picture import rendered_picture
 from .png import write_png
@@ -110,8 +109,7 @@ def viewport_picture(
 
 def draw_hud(items: Hud, size: tuple[float, float], scale: float) -> None:
     """Draw plates, lines, symbols and texts once, without caching."""
-    texts = shared_atlas().lines(items.texts)
-    draw_flat(shader.upload(quads_of((items.lines, texts), items.points)), size, scale)
+    draw_flat(uploaded(items), size, scale)
 
 
 def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:

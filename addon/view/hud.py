@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
-from typing import TypeVar
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .render_data import Lines, Points, Shape
+from .render_data import Lines, Points, Shape, joined, lines_of, points_of
 
 TEXT_SIZE = 11.0
 SMALL_TEXT = 0.86 * TEXT_SIZE
 INK = (0.94, 0.94, 0.94)
 FAINT_INK = (0.72, 0.72, 0.72)
 PLATE = (0.075, 0.075, 0.085, 0.84)
-
-Part = TypeVar("Part", Lines, Points)
 
 Rectangle = tuple[float, float, float, float]
 """Left, bottom, right, top in pixels."""
@@ -53,13 +50,8 @@ class Hud:
 
     def joined(self, other: Hud) -> Hud:
         """Both, ``other`` drawn over this one."""
-        return Hud(
-            _joined(self.lines, other.lines), _joined(self.points, other.points), self.texts + other.texts, self.bounds + other.bounds
-        )
-
-
-def _joined(first: Part, second: Part) -> Part:
-    return type(first)(*(np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(first)))
+        lines, points = joined([self.lines, other.lines]), joined([self.points, other.points])
+        return Hud(lines, points, self.texts + other.texts, self.bounds + other.bounds)
 
 
 class HudBuilder:
@@ -89,7 +81,7 @@ class HudBuilder:
 
     def symbol(self, centre: Sequence[float], shape: Shape, size: float, colour: Sequence[float]) -> None:
         """A symbol of ``size`` points."""
-        self._symbols.append((*centre, 0, *colour, 1, size, shape))
+        self._symbols.append((*centre, 0, *colour, size, shape))
 
     def text(self, words: str, position: Sequence[float], colour: Sequence[float], size: float = TEXT_SIZE) -> None:
         """A text of ``size`` points, the start of its baseline at ``position``."""
@@ -98,19 +90,11 @@ class HudBuilder:
     def build(self) -> Hud:
         """Everything collected so far."""
         strokes = np.array(self._strokes, dtype=np.float32).reshape(-1, 16)
-        symbols = np.array(self._symbols, dtype=np.float32).reshape(-1, 9)
-        return Hud(
-            Lines(
-                position=strokes[:, :6].reshape(-1, 2, 3),
-                colour=strokes[:, 6:14].reshape(-1, 2, 4),
-                width=strokes[:, 14],
-                arc_length=np.full((len(strokes), 2), -1, dtype=np.float32),
-                shape=strokes[:, 15],
-            ),
-            Points(position=symbols[:, :3], colour=symbols[:, 3:7], size=symbols[:, 7], shape=symbols[:, 8]),
-            tuple(self._texts),
-            tuple(self._bounds),
-        )
+        symbols = np.array(self._symbols, dtype=np.float32).reshape(-1, 8)
+        position, colour = strokes[:, :6].reshape(-1, 2, 3), strokes[:, 6:14].reshape(-1, 2, 4)
+        lines = lines_of(position, colour, strokes[:, 14], shape=strokes[:, 15])
+        points = points_of(symbols[:, :3], symbols[:, 3:6], 1.0, symbols[:, 6], symbols[:, 7])
+        return Hud(lines, points, tuple(self._texts), tuple(self._bounds))
 
 
 def overlaps(one: Rectangle, other: Rectangle) -> bool:

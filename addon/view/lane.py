@@ -11,7 +11,7 @@ import bpy
 import gpu
 import numpy as np
 from bpy.types import Context, Scene
-from gpu.types import GPUBatch, GPUVertBuf, GPUVertFormat
+from gpu_extras.batch import batch_for_shader
 
 from ...core.render.frame_result import FrameResult
 from ...core.render.waves import Waves, threshold_of
@@ -19,17 +19,15 @@ from ...core.scene.values import SourceKind
 from ..blender.text import text_width
 from ..blender.time import frame_seconds
 from ..changes.events import file_changed
-from ..properties.preferences import preferences
 from ..session import sessions
 from ..session.derived import Derived
-from . import shader
 from .hud import Hud, Text
 from .lane_layout import impacts, names, plates, rows_of, threshold_strip, wave_strip
+from .layout import pixels_per_point
 from .levels import LEVEL_SECONDS
 from .meter_layout import SCOPE_COLOUR
-from .quads import quads_of
-from .render_data import SOURCE_COLOUR, Drawn, no_lines
-from .screen import draw_flat
+from .render_data import NO_LINES, SOURCE_COLOUR
+from .screen import Recent, draw_flat, uploaded
 from .watched import watched
 
 _BOTTOM = 22.0  # points that Blender's scroll bar and markers take
@@ -62,7 +60,7 @@ class _Shown:
 
 
 _played: dict[int, tuple[Any, Waves]] = {}  # by session id of the scene: the range, the listeners and the rate; frames that were played
-_shown: dict[int, _Shown] = {}  # by the region's address
+_shown = Recent()  # by the region's address
 
 
 def _keep(traced: sessions.Traced, frames: _Range, before: int | None) -> int:
@@ -111,17 +109,14 @@ def draw(baked: Waves | None) -> None:
 
 
 def _draw_lane(context: Context, scene: Scene, sources: tuple[Waves, ...], kept: int | None) -> None:
-    region, scale = context.region, context.preferences.system.ui_scale * preferences().overlay_size
+    region, scale = context.region, pixels_per_point(context)
     size = region.width, region.height
     left, right = (region.view2d.region_to_view(x, 0)[0] for x in (0, region.width))
     chosen = watched(scene)
     key = kept, tuple(map(id, sources)), size, scale, left, right, chosen, bpy.app.translations.locale
-    known = _shown.get(region.as_pointer())
+    known: _Shown | None = _shown.get(region.as_pointer())
     if known is None or known.key != key:
-        known = _lane(key, sources, chosen, (left, right), size, scale)
-        if len(_shown) > 16:
-            _shown.clear()
-        _shown[region.as_pointer()] = known
+        known = _shown[region.as_pointer()] = _lane(key, sources, chosen, (left, right), size, scale)
     draw_flat(known.under, size, scale)
     gpu.state.blend_set("ALPHA")
     program = gpu.shader.from_builtin("UNIFORM_COLOR")
@@ -158,31 +153,13 @@ def _lane(key: Any, sources: tuple[Waves, ...], chosen: str, frames: tuple[float
         parts = waves.columns(edges)
         parts = replace(parts, known=parts.known & free)
         free &= ~parts.known
-        strips.append((_uploaded(wave_strip(own, x[:-1] + 0.5, parts, numbers)), _WAVE_COLOUR))
-        strips.append((_uploaded(threshold_strip(own, x[:-1] + 0.5, parts, numbers)), _THRESHOLD_COLOUR))
-        over = over.joined(Hud(no_lines(), impacts(own, waves, numbers, edges, parts.known, scale), ()))
-    under = plates(rows, size[0], scale)
-    return _Shown(
-        key,
-        shader.upload(quads_of((under.lines,), under.points)),
-        tuple(strips),
-        shader.upload(quads_of((over.lines,), over.points)),
-        over.texts,
-    )
+        shapes = (wave_strip, _WAVE_COLOUR), (threshold_strip, _THRESHOLD_COLOUR)
+        for strip, colour in shapes if own else ():
+            corners = {"pos": strip(own, x[:-1] + 0.5, parts, numbers)}
+            strips.append((batch_for_shader(gpu.shader.from_builtin("UNIFORM_COLOR"), "TRI_STRIP", corners), colour))
+        over = over.joined(Hud(NO_LINES, impacts(own, waves, numbers, edges, parts.known, scale), ()))
+    return _Shown(key, uploaded(plates(rows, size[0], scale)), tuple(strips), uploaded(replace(over, texts=())), over.texts)
 
 
-def _uploaded(strip: Drawn) -> GPUBatch:
-    layout = GPUVertFormat()
-    layout.attr_add(id="pos", comp_type="F32", len=2, fetch_mode="FLOAT")
-    vertices = GPUVertBuf(layout, len(strip))
-    vertices.attr_fill("pos", strip)
-    return GPUBatch(type="TRI_STRIP", buf=vertices)
-
-
-def forget() -> None:
-    """Free the waves of played frames, and everything cached between redraws."""
-    _played.clear()
-    _shown.clear()
-
-
-file_changed.subscribe(forget)
+file_changed.subscribe(_played.clear)
+file_changed.subscribe(_shown.clear)

@@ -15,7 +15,7 @@ from ..blender.text import Measure, shortened
 from .colour_map import GainScale
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
 from .levels import FLOOR
-from .render_data import Drawn, Points, Shape
+from .render_data import Drawn, Points, Shape, points_of
 
 # Points at a user interface scale of 1.
 _ROW, _LEAST_ROW, _GAP = 30.0, 9.0, 1.0
@@ -105,14 +105,11 @@ def impacts(rows: Sequence[Row], waves: Waves, numbers: Sequence[int], edges: Fl
     strongest = np.ones(len(order), dtype=np.bool_)
     strongest[:-1] = (np.diff(slot[order]) != 0) | (np.diff(who[order]) != 0)
     place, who, gain = place[order][strongest], who[order][strongest], gain[order][strongest]
-    position = np.zeros((len(place), 3), dtype=np.float32)
     middle, half = _places(rows)
-    position[:, 0], position[:, 1] = x[place], middle[who, 0]
-    colour = np.ones((len(place), 4), dtype=np.float32)
     strengths = GainScale(FLOOR)
-    colour[:, :3] = strengths.colour(gain)
     size = np.minimum(6.0 + 12.0 * strengths.place(gain), 2 * half[who, 0] / scale + 3.0)
-    return Points(position, colour, size.astype(np.float32), np.full(len(place), Shape.IMPACT, dtype=np.float32))
+    position = np.column_stack([x[place], middle[who, 0], np.zeros(len(place))])
+    return points_of(position, strengths.colour(gain), 1.0, size, Shape.IMPACT)
 
 
 def _places(rows: Sequence[Row]) -> tuple[FloatArray, FloatArray]:

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from bpy.types import Context
 
+from ..properties.preferences import preferences
 from .hud import Rectangle, overlaps
 
 _TEXT_HEIGHT = 56.0  # points of Blender's own text at the upper left
 _GIZMO_WIDTH = 110.0  # points of the navigation gizmo and its buttons at the upper right
+
+
+def pixels_per_point(context: Context) -> float:
+    """Scale of all drawing over viewports: that of the user interface, and the user's."""
+    scale: float = context.preferences.system.ui_scale * preferences().overlay_size
+    return scale
 
 
 def free_rectangle(context: Context) -> Rectangle:

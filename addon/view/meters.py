@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -16,15 +15,12 @@ from ..blender.playing import is_playing
 from ..blender.text import text_width
 from ..changes.events import file_changed
 from ..changes.redraw import SIDEBAR_TAB
-from ..properties.preferences import preferences
 from ..session import sessions
-from . import shader
 from .hud import Hud, Rectangle
-from .layout import corner_room, free_rectangle, is_main_view
+from .layout import corner_room, free_rectangle, is_main_view, pixels_per_point
 from .levels import STILL
 from .meter_layout import Scope, meter_hud
-from .quads import quads_of
-from .screen import draw_flat, shared_atlas
+from .screen import ATLAS, Recent, draw_flat, uploaded
 from .watched import levels_of, watched
 
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
@@ -32,18 +28,10 @@ _SHARE_ACROSS, _SHARE_UP = 0.25, 0.6  # parts of the viewport's width, and of th
 _PANEL_SECONDS = 0.1
 
 
-@dataclass(slots=True)
-class _Shown:
-    """The meters of a view on the GPU, and the values they were made from."""
-
-    key: Any
-    batch: Any
-    hud: Hud
-
-
-_shown: dict[int, _Shown] = {}  # by the region's address
-_refreshed: dict[int, float] = {}  # time of the last redraw of a sidebar, by the region's address
-_redo_panels: dict[int, tuple[tuple[int, ...], ...]] = {}  # places of the panel Adjust Last Operation, by the area's address
+_NOTHING: tuple[Any, Any, tuple[Rectangle, ...]] = (None, None, ())
+_shown = Recent()  # by the region's address: the values that its meters were made from, these on the GPU, and what they cover
+_refreshed = Recent()  # time of the last redraw of a sidebar, by the region's address
+_redo_panels = Recent()  # places of the panel Adjust Last Operation, by the area's address
 
 
 def scope_of(scene: Scene) -> Scope | None:
@@ -82,8 +70,6 @@ def draw_redo_panel() -> None:
     place = tuple((region.x, region.y, region.width, region.height) for region in area.regions if region.type == "HUD")
     if _redo_panels.get(area.as_pointer()) == place:
         return
-    if len(_redo_panels) > 16:
-        _redo_panels.clear()
     _redo_panels[area.as_pointer()] = place
     for region in area.regions:
         if region.type == "WINDOW":
@@ -100,31 +86,26 @@ def _refresh_panels(context: Context) -> None:
     for region in (*sidebars, *lanes):
         address = region.as_pointer()
         if now - _refreshed.get(address, 0.0) >= _PANEL_SECONDS:
-            if len(_refreshed) > 16:
-                _refreshed.clear()
             _refreshed[address] = now
             region.tag_redraw()
 
 
 def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
-    region, scale = context.region, context.preferences.system.ui_scale * preferences().overlay_size
+    region, scale = context.region, pixels_per_point(context)
     key = spots, *_key(context, scene, scale)
-    known = _shown.get(region.as_pointer())
-    if known is None or known.key != key:
+    known, batch, _ = _shown.get(region.as_pointer(), _NOTHING)
+    if known != (*key, ATLAS.generation):
         hud = _placed_meters(context, scene, scale, spots)
-        known = _Shown(key, shader.upload(quads_of((hud.lines, shared_atlas().lines(hud.texts)), hud.points)), hud)
-        known.key = (*key[:-1], shared_atlas().generation)  # drawing the texts may have emptied the atlas
-        if len(_shown) > 16:
-            _shown.clear()
-        _shown[region.as_pointer()] = known
-    draw_flat(known.batch, (region.width, region.height), scale)
+        batch = uploaded(hud)  # which may empty the atlas
+        _shown[region.as_pointer()] = (*key, ATLAS.generation), batch, hud.bounds
+    draw_flat(batch, (region.width, region.height), scale)
 
 
 def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
     """The values that the meters of a view depend on."""
     traced, chosen = sessions.shown(scene), scene.haptics.meters
     choices = chosen.corner, chosen.show_scope, chosen.show_body, watched(scene), _title(scene), bpy.app.translations.locale
-    return traced and traced.serial, levels_of(scene), _room(context, scene, scale), scale, choices, shared_atlas().generation
+    return traced and traced.serial, levels_of(scene), _room(context, scene, scale), scale, choices
 
 
 def _title(scene: Scene) -> str:
@@ -151,15 +132,9 @@ def _placed_meters(context: Context, scene: Scene, scale: float, spots: Sequence
 
 def occupied(context: Context) -> tuple[Rectangle, ...]:
     """The rectangles of the region that the meters cover."""
-    known = _shown.get(context.region.as_pointer())
-    return known.hud.bounds if known is not None and context.scene.haptics.meters.show and is_main_view(context) else ()
+    *_, bounds = _shown.get(context.region.as_pointer(), _NOTHING)
+    return bounds if context.scene.haptics.meters.show and is_main_view(context) else ()
 
 
-def forget() -> None:
-    """Free everything cached between redraws."""
-    _shown.clear()
-    _refreshed.clear()
-    _redo_panels.clear()
-
-
-file_changed.subscribe(forget)
+for _kept in (_shown, _refreshed, _redo_panels):
+    file_changed.subscribe(_kept.clear)

@@ -6,7 +6,6 @@ graph, one for labels and legend.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,24 +20,22 @@ from ...core.scene.values import Settings
 from ..blender.text import text_width
 from ..blender.time import seconds_of
 from ..changes.events import file_changed
-from ..properties.preferences import preferences
 from ..session import sessions
 from ..session.derived import Derived
 from . import meters, shader
 from .annotations import LegendSide, placed_annotations
 from .hud import Rectangle
-from .layout import free_rectangle, is_main_view, redo_panels
+from .layout import free_rectangle, is_main_view, pixels_per_point, redo_panels
 from .options import options_of
-from .quads import Quads, quads, quads_of
+from .quads import Quads, quads
 from .render_data import Options, RenderData, render_data
-from .screen import draw_flat, free_texts, shared_atlas
+from .screen import ATLAS, Recent, draw_flat, uploaded
 
 HIDDEN = 0.15  # opacity of parts hidden by objects, where the graph is not drawn in front
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
 PULSE_SPEED = 1.6  # metres per second of the timeline
 
 _drawings: dict[int, Drawing] = {}  # by session id of the scene
-_KEPT_VIEWS = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +67,7 @@ class Drawing:
 
     shapes: GraphShapes
     batch: Any
-    views: OrderedDict[Any, Any] = field(default_factory=OrderedDict)
+    views: Recent = field(default_factory=lambda: Recent(8))
 
     @classmethod
     def of(cls, shapes: GraphShapes) -> Drawing:
@@ -78,11 +75,7 @@ class Drawing:
         return cls(shapes, shader.upload(shapes.quads))
 
 
-def _shapes(traced: sessions.Traced, options: Options, before: GraphShapes | None) -> GraphShapes:
-    return GraphShapes.of(traced.result, traced.settings, options, before)
-
-
-_SHAPES: Derived[Options, GraphShapes] = Derived(_shapes, every_frame=True)
+_SHAPES: Derived[Options, GraphShapes] = Derived(lambda one, *more: GraphShapes.of(one.result, one.settings, *more), every_frame=True)
 
 
 def drawing_of(scene: Scene) -> Drawing | None:
@@ -143,16 +136,11 @@ def draw_annotations(
     legend: LegendSide = "RIGHT",
 ) -> None:
     """Labels and legend in pixels, within ``free`` and outside ``occupied``."""
-    atlas = shared_atlas()
     key = (perspective.tobytes(), size, scale, free, occupied, legend, bpy.app.translations.locale)
-    known = drawing.views.get((*key, atlas.generation))
+    known = drawing.views.get((*key, ATLAS.generation))
     if known is None:
-        items = placed_annotations(drawing.shapes.data, perspective, size, scale, free, text_width, occupied, legend)
-        texts = atlas.lines(items.texts)
-        known = shader.upload(quads_of((items.lines, texts), items.points))
-        drawing.views[(*key, atlas.generation)] = known
-        while len(drawing.views) > _KEPT_VIEWS:
-            drawing.views.popitem(last=False)
+        known = uploaded(placed_annotations(drawing.shapes.data, perspective, size, scale, free, text_width, occupied, legend))
+        drawing.views[*key, ATLAS.generation] = known
     draw_flat(known, size, scale)
 
 
@@ -180,7 +168,7 @@ def draw_view() -> None:
             view.window_matrix,
             view.view_matrix,
             (region.width, region.height),
-            context.preferences.system.ui_scale * preferences().overlay_size,
+            pixels_per_point(context),
             xray=scene.haptics.xray,
             flow=seconds_of(scene, scene.frame_current_final) if scene.haptics.show_flow else None,
         )
@@ -199,7 +187,7 @@ def draw_pixels() -> None:
             drawing,
             perspective,
             (region.width, region.height),
-            context.preferences.system.ui_scale * preferences().overlay_size,
+            pixels_per_point(context),
             free_rectangle(context),
             meters.occupied(context) + redo_panels(context),
             _legend_side(context),
@@ -217,7 +205,7 @@ def _legend_side(context: Context) -> LegendSide:
 def forget() -> None:
     """Free everything cached between redraws."""
     _drawings.clear()
-    free_texts()
+    ATLAS.free()
 
 
 file_changed.subscribe(forget)

@@ -7,12 +7,12 @@ points of any shape and their order take a single draw call.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .render_data import Drawn, Lines, Points, RenderData, halos
+from .render_data import Drawn, Lines, Points, RenderData, halos, joined
 
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=np.float32)
 ATTRIBUTES = (("start", 3), ("end", 3), ("colour_start", 4), ("colour_end", 4), ("style", 4), ("arc_length", 2))
@@ -39,19 +39,19 @@ def quads(data: RenderData) -> Quads:
 
 def quads_of(lines: Sequence[Lines], points: Points) -> Quads:
     """Lines first, points over them."""
-    position, colour, width, arc_length, shape = (np.concatenate([getattr(part, f.name) for part in lines]) for f in fields(Lines))
-    count = len(width) + len(points.size)
+    every = joined(lines)
+    count = len(every.width) + len(points.size)
     per_quad = {
-        "start": np.concatenate([position[:, 0], points.position]),
-        "end": np.concatenate([position[:, 1], points.position]),
-        "colour_start": np.concatenate([colour[:, 0], points.colour]),
-        "colour_end": np.concatenate([colour[:, 1], points.colour]),
-        "arc_length": np.concatenate([arc_length, np.full((len(points.size), 2), -1, dtype=np.float32)]),
+        "start": np.concatenate([every.position[:, 0], points.position]),
+        "end": np.concatenate([every.position[:, 1], points.position]),
+        "colour_start": np.concatenate([every.colour[:, 0], points.colour]),
+        "colour_end": np.concatenate([every.colour[:, 1], points.colour]),
+        "arc_length": np.concatenate([every.arc_length, np.full((len(points.size), 2), -1, dtype=np.float32)]),
     }
     attributes = {name: np.repeat(values, 4, axis=0) for name, values in per_quad.items()}
     style = np.empty((count, 4, 4), dtype=np.float32)
-    style[:, :, 0] = np.concatenate([width, points.size])[:, None]
-    style[:, :, 1] = np.concatenate([shape, points.shape])[:, None]
+    style[:, :, 0] = np.concatenate([every.width, points.size])[:, None]
+    style[:, :, 1] = np.concatenate([every.shape, points.shape])[:, None]
     style[:, :, 2:] = CORNERS
     attributes["style"] = style.reshape(-1, 4)
     corners = np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from ...core.graph.distance_only import distance_only
 from ...core.graph.haptic_graph import HapticGraph, SourceNodes, distances
 from ...core.propagation.spread import Spread, spread
 from ...core.render.frame_result import FrameResult
-from ...core.scene.values import Mode, Settings, SourceKind
+from ...core.scene.values import Listener, Mode, Settings, Source, SourceKind
 from .colour_map import GainScale, hex_colour
 
 Drawn = NDArray[np.float32]
@@ -91,6 +92,44 @@ class Lines:
     shape: Drawn
 
 
+Part = TypeVar("Part", Lines, Points)
+
+
+def joined(parts: Sequence[Part]) -> Part:
+    """Several lines or points as one, in their order."""
+    kind = type(parts[0])
+    return kind(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(kind)))
+
+
+def points_of(
+    position: FloatArray | Drawn,
+    colour: FloatArray | Drawn,
+    opacity: FloatArray | float,
+    size: FloatArray | Drawn | float,
+    shape: IntArray | Drawn | Shape,
+) -> Points:
+    """Points at ``position`` (n, 3) with ``colour`` (n, 3); ``opacity``, ``size`` and ``shape`` of all together or (n,)."""
+    count = len(position)
+    alpha, sizes, shapes = (np.broadcast_to(np.asarray(value, dtype=np.float32), count) for value in (opacity, size, shape))
+    return Points(np.asarray(position, dtype=np.float32), np.column_stack([colour, alpha]).astype(np.float32), sizes, shapes)
+
+
+def lines_of(
+    position: FloatArray | Drawn,
+    colour: FloatArray | Drawn,
+    width: FloatArray | Drawn,
+    arc_length: FloatArray | float = -1.0,
+    shape: Drawn | Shape = Shape.LINE,
+) -> Lines:
+    """Lines from the values of `Lines`; ``arc_length`` and ``shape`` may be the same for all."""
+    count = len(position)
+    lengths, shapes = np.broadcast_to(arc_length, (count, 2)), np.broadcast_to(shape, count)
+    return Lines(*(np.asarray(values, dtype=np.float32) for values in (position, colour, width, lengths, shapes)))
+
+
+NO_LINES = lines_of(np.zeros((0, 2, 3)), np.zeros((0, 2, 4)), np.zeros(0))
+
+
 @dataclass(frozen=True, slots=True)
 class Label:
     """A name at a place, and in ``colour`` (3,) the gain of a listener or the amplitude of a source. ``clearance`` [pixels] around the
@@ -128,9 +167,9 @@ def render_data(result: FrameResult, settings: Settings, options: Options) -> Re
     tree = _tree_lines(graph, spreading, scale, UNSELECTED if options.listeners else 1.0)
     paths = _path_lines(result, graph, settings.mode, pairs, scale)
     return RenderData(
-        tree=tree if options.show_intra and on_graph else no_lines(),
-        highlight=_highlight_lines(result, options) if options.show_best_paths and on_graph else no_lines(),
-        paths=paths if options.show_best_paths or not on_graph else no_lines(),
+        tree=tree if options.show_intra and on_graph else NO_LINES,
+        highlight=_highlight_lines(result, options) if options.show_best_paths and on_graph else NO_LINES,
+        paths=paths if options.show_best_paths or not on_graph else NO_LINES,
         points=_points(result, spreading, scale, options, pairs),
         labels=_labels(result, scale, options) if options.show_labels else (),
         scale=scale,
@@ -165,27 +204,27 @@ def _tree_lines(graph: HapticGraph, spreading: Spread, scale: GainScale, opacity
     colour = np.concatenate(
         [scale.colour(gain), np.broadcast_to((opacity * (0.35 + 0.5 * place))[:, None, None], (len(ends), 2, 1))], axis=2
     )
-    return _lines(graph.node_position[nodes], colour, _between(THIN_LINE, place), None)
+    return lines_of(graph.node_position[nodes], colour, _between(THIN_LINE, place))
 
 
 def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: GainScale) -> Lines:
     """The best paths of the shown pairs, each connection once, as strong as its strongest use; weak ones first."""
     paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if pairs[pair] and result.sources[pair[0]].amplitude > 0}
     if not paths:
-        return no_lines()
+        return NO_LINES
     steps, gain, arc_length = path_steps(result, graph, mode, paths)
     strongest = np.argsort(-gain[:, 1], kind="stable")
     _, first = np.unique(np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True)
     kept = strongest[np.sort(first)[::-1]]
     steps, gain, arc_length = steps[kept], gain[kept], arc_length[kept]
     colour = np.concatenate([scale.colour(gain), np.ones((len(steps), 2, 1))], axis=2)
-    return _lines(graph.node_position[steps], colour, _between(PATH_LINE, scale.place(gain[:, 1])), arc_length)
+    return lines_of(graph.node_position[steps], colour, _between(PATH_LINE, scale.place(gain[:, 1])), arc_length)
 
 
 def _highlight_lines(result: FrameResult, options: Options) -> Lines:
     """A light rim under the part of the best paths to a listener in the chosen object, with its contact to the next one."""
     if options.highlight is None:
-        return no_lines()
+        return NO_LINES
     listener, name = options.highlight
     names, graph = result.graph.table.names, result.graph
     steps = [
@@ -196,15 +235,15 @@ def _highlight_lines(result: FrameResult, options: Options) -> Lines:
         if names[graph.node_object[step[0]]] == name
     ]
     if not steps:
-        return no_lines()
+        return NO_LINES
     colour = np.broadcast_to(np.array([*HIGHLIGHT_COLOUR, 1.0]), (len(steps), 2, 4))
-    return _lines(graph.node_position[np.array(steps)], colour, np.full(len(steps), HIGHLIGHT_LINE), None)
+    return lines_of(graph.node_position[np.array(steps)], colour, np.full(len(steps), HIGHLIGHT_LINE))
 
 
 def halos(lines: Lines) -> Lines:
     """A dark rim around lines, to be drawn under them."""
     colour = np.broadcast_to(np.array([*HALO_COLOUR, 0.85]), (len(lines.width), 2, 4))
-    return _lines(lines.position, colour, lines.width + 2 * HALO, None)
+    return lines_of(lines.position, colour, lines.width + 2 * HALO)
 
 
 _LEAST = 1e-300
@@ -262,12 +301,8 @@ def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: O
     if options.listeners:
         shown[:] = False
         shown[[node for pair, nodes in result.propagation.best_path.items() if pairs[pair] for node in nodes]] = True
-    parts = (
-        _contact_points(result.graph, spreading, scale, shown),
-        _listener_points(result, scale, options),
-        _source_points(result, options),
-    )
-    return Points(*(np.concatenate([getattr(part, key) for part in parts]) for key in ("position", "colour", "size", "shape")))
+    contacts = _contact_points(result.graph, spreading, scale, shown)
+    return joined([contacts, _listener_points(result, scale, options), _source_points(result, options)])
 
 
 def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale, shown: BoolArray) -> Points:
@@ -282,7 +317,7 @@ def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale, sho
     opacity = np.where(reached, np.where(shown[first] & shown[second], 1.0, UNSELECTED), DIMMED)
     size = POINT_SIZE[Shape.CONTACT] * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25)) * np.where(reached, 1.0, 0.7)
     position = (graph.node_position[first] + graph.node_position[second]) / 2
-    return _point_array(position, _gain_colour(scale, gain), opacity, size, Shape.CONTACT)
+    return points_of(position, _gain_colour(scale, gain), opacity, size, Shape.CONTACT)
 
 
 def _listener_points(result: FrameResult, scale: GainScale, options: Options) -> Points:
@@ -290,7 +325,7 @@ def _listener_points(result: FrameResult, scale: GainScale, options: Options) ->
     unselected = np.array([bool(options.listeners) and li.name not in options.listeners for li in result.listeners], dtype=np.bool_)
     opacity = np.where(unselected, UNSELECTED, np.where(gain > 0, 1.0, SILENT))
     position = result.graph.node_position[result.graph.listener_nodes]
-    return _point_array(position, _gain_colour(scale, gain), opacity, POINT_SIZE[Shape.LISTENER], Shape.LISTENER)
+    return points_of(position, _gain_colour(scale, gain), opacity, POINT_SIZE[Shape.LISTENER], Shape.LISTENER)
 
 
 def _source_points(result: FrameResult, options: Options) -> Points:
@@ -304,24 +339,12 @@ def _source_points(result: FrameResult, options: Options) -> Points:
     impact = np.array([source.kind is SourceKind.TEMPORARY for source, _ in places], dtype=np.bool_)
     silent = np.array([source.amplitude <= 0 for source, _ in places], dtype=np.bool_)
     unselected = np.array([bool(options.sources) and source.name not in options.sources for source, _ in places], dtype=np.bool_)
-    return _point_array(
+    return points_of(
         np.array([position for _, position in places]).reshape(-1, 3),
         np.where(silent[:, None], SILENT_COLOUR, np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)),
         np.where(unselected, UNSELECTED, np.where(silent, SILENT, 1.0)),
         np.where(impact, POINT_SIZE[Shape.IMPACT], POINT_SIZE[Shape.SOURCE]),
         np.where(impact, Shape.IMPACT, Shape.SOURCE),
-    )
-
-
-def _point_array(
-    position: FloatArray, colour: FloatArray, opacity: FloatArray, size: FloatArray | float, shape: IntArray | Shape
-) -> Points:
-    count = len(position)
-    return Points(
-        position.astype(np.float32),
-        np.column_stack([colour, opacity]).astype(np.float32),
-        np.broadcast_to(np.asarray(size, dtype=np.float32), count),
-        np.broadcast_to(np.asarray(shape, dtype=np.float32), count),
     )
 
 
@@ -337,54 +360,24 @@ def _gain_colour(scale: GainScale, gain: FloatArray) -> FloatArray:
 
 
 def _labels(result: FrameResult, scale: GainScale, options: Options) -> tuple[Label, ...]:
-    received = listener_gains(result, options)
-    colours = _gain_colour(scale, received)
     labels = []
     for source in result.sources:
         chosen = source.name in options.sources
-        if source.kind is SourceKind.TEMPORARY and not chosen:
-            continue
-        colour = SOURCE_COLOUR if source.amplitude > 0 else SILENT_COLOUR
-        labels.append(
-            Label(
-                source.name,
-                source.amplitude,
-                False,
-                source.position,
-                tuple(colour.tolist()),
-                POINT_SIZE[Shape.SOURCE] / 2,
-                20.0 + 4 * chosen,
-            )
-        )
-    for k, listener in enumerate(result.listeners):
+        if chosen or source.kind is not SourceKind.TEMPORARY:
+            colour = SOURCE_COLOUR if source.amplitude > 0 else SILENT_COLOUR
+            labels.append(_label(source, source.amplitude, Shape.SOURCE, colour, 20.0 + 4 * chosen))
+    received = listener_gains(result, options)
+    for listener, gain, colour in zip(result.listeners, received, _gain_colour(scale, received), strict=True):
         chosen = listener.name in options.listeners
-        if options.listeners and not chosen:
-            continue
-        gain = float(received[k])
-        labels.append(
-            Label(
-                listener.name,
-                gain,
-                True,
-                listener.position,
-                tuple(colours[k].tolist()),
-                POINT_SIZE[Shape.LISTENER] / 2,
-                10.0 * chosen + float(scale.place(np.array(gain))),
-            )
-        )
+        if chosen or not options.listeners:
+            labels.append(_label(listener, float(gain), Shape.LISTENER, colour, 10.0 * chosen + float(scale.place(gain))))
     return tuple(labels)
+
+
+def _label(item: Source | Listener, gain: float, shape: Shape, colour: FloatArray, priority: float) -> Label:
+    red, green, blue = colour.tolist()
+    return Label(item.name, gain, shape is Shape.LISTENER, item.position, (red, green, blue), POINT_SIZE[shape] / 2, priority)
 
 
 def _between(ends: tuple[float, float], place: FloatArray) -> FloatArray:
     return ends[0] + (ends[1] - ends[0]) * place
-
-
-def _lines(position: FloatArray | Drawn, colour: FloatArray, width: FloatArray | Drawn, arc_length: FloatArray | None) -> Lines:
-    arc_length = np.full((len(position), 2), -1.0) if arc_length is None else arc_length
-    shape = np.full(len(position), Shape.LINE)
-    return Lines(*(values.astype(np.float32) for values in (position, colour, width, arc_length, shape)))
-
-
-def no_lines() -> Lines:
-    """No lines."""
-    return _lines(np.zeros((0, 2, 3)), np.zeros((0, 2, 4)), np.zeros(0), None)

@@ -1,27 +1,45 @@
 """Shapes and texts in the pixels of a viewport, on the GPU; a texture atlas holds all texts, so that they take a single draw call and
-Blender draws a text only once."""
+Blender draws a text only once. What is uploaded is kept between redraws."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any
 
 import blf
 import gpu
 import numpy as np
-from gpu.types import GPUFrameBuffer, GPUTexture
+from gpu.types import GPUBatch, GPUFrameBuffer, GPUTexture
 from mathutils import Matrix
 
 from . import shader
-from .hud import Text
-from .render_data import Lines, Shape
+from .hud import Hud, Text
+from .quads import quads_of
+from .render_data import Lines, Shape, lines_of
 
 SIZE = (2048, 1024)
 _PAD = 2  # pixels around a text
 _ABOVE, _BELOW = 1.0, 0.35  # of the size, over and under the baseline
+
+
+class Recent(dict[Any, Any]):
+    """The last few values by key; ``most``: their number."""
+
+    def __init__(self, most: int = 16) -> None:
+        super().__init__()
+        self._most = most
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        super().__setitem__(key, value)
+        while len(self) > self._most:
+            del self[next(iter(self))]
+
+
+def uploaded(items: Hud) -> GPUBatch | None:
+    """Plates, symbols and texts on the GPU; None if there are none."""
+    return shader.upload(quads_of((items.lines, ATLAS.lines(items.texts)), items.points))
 
 
 def draw_flat(batch: Any, size: tuple[float, float], scale: float) -> None:
@@ -30,20 +48,8 @@ def draw_flat(batch: Any, size: tuple[float, float], scale: float) -> None:
         return
     gpu.state.blend_set("ALPHA_PREMULT")
     gpu.state.depth_test_set("NONE")
-    shader.draw(batch, pixels_to_clip(size), size, pixels_per_point=scale, texts=shared_atlas().texture)
+    shader.draw(batch, pixels_to_clip(size), size, pixels_per_point=scale, texts=ATLAS.texture)
     gpu.state.blend_set("NONE")
-
-
-@cache
-def shared_atlas() -> TextAtlas:
-    """The texture of all texts that are drawn over viewports."""
-    return TextAtlas()
-
-
-def free_texts() -> None:
-    """Free the texture of texts."""
-    if shared_atlas.cache_info().currsize:
-        shared_atlas().free()
 
 
 @dataclass(slots=True)
@@ -75,11 +81,7 @@ class TextAtlas:
             position[k, :, :2] = corner, (corner[0] + width, corner[1] + height)
             colour[k, 0, :3] = text.colour
             colour[k, 1] = left / SIZE[0], bottom / SIZE[1], (left + width) / SIZE[0], (bottom + height) / SIZE[1]
-        count = len(cells)
-        return Lines(
-            position, colour, np.zeros(count, dtype=np.float32), np.full((count, 2), -1, dtype=np.float32),
-            np.full(count, Shape.TEXT, dtype=np.float32),
-        )  # fmt: skip
+        return lines_of(position, colour, np.zeros(len(cells)), shape=Shape.TEXT)
 
     def clear(self) -> None:
         """Clear the atlas."""
@@ -135,6 +137,10 @@ class TextAtlas:
             return None
         self._pen = (left + width, bottom, max(row, height))
         return left, bottom, width, height
+
+
+ATLAS = TextAtlas()
+"""All texts that are drawn over viewports."""
 
 
 def _below(size: float) -> int:

@@ -6,7 +6,8 @@ from functools import cache
 from pathlib import Path
 
 import gpu
-from gpu.types import GPUBatch, GPUIndexBuf, GPUShader, GPUShaderCreateInfo, GPUStageInterfaceInfo, GPUTexture, GPUVertBuf, GPUVertFormat
+from gpu.types import GPUBatch, GPUShader, GPUShaderCreateInfo, GPUStageInterfaceInfo, GPUTexture
+from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .quads import ATTRIBUTES, Quads
@@ -51,15 +52,7 @@ def _no_texts() -> GPUTexture:
 
 def upload(quads: Quads) -> GPUBatch | None:
     """Quads on the GPU, None if there are none."""
-    if not quads.count:
-        return None
-    layout = GPUVertFormat()
-    for name, length in ATTRIBUTES:
-        layout.attr_add(id=name, comp_type="F32", len=length, fetch_mode="FLOAT")
-    vertices = GPUVertBuf(layout, len(quads.attributes["style"]))
-    for name, values in quads.attributes.items():
-        vertices.attr_fill(name, values)
-    return GPUBatch(type="TRIS", buf=vertices, elem=GPUIndexBuf(type="TRIS", seq=quads.triangles))
+    return batch_for_shader(shader(), "TRIS", quads.attributes, indices=quads.triangles) if quads.count else None
 
 
 def draw(

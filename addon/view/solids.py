@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray, IntArray
 from .hud import Hud
-from .render_data import HALO_COLOUR, Drawn, Lines, Points, RenderData, Shape
+from .render_data import HALO_COLOUR, Drawn, Lines, Points, RenderData, Shape, lines_of, points_of
 
 Triangles = IntArray
 WHITE = np.array([0.97, 0.97, 0.97])
@@ -150,21 +150,12 @@ def _listeners(points: Points, unit: float) -> Solid:
     vertices, triangles = octahedron()
     edges = np.array(sorted({tuple(sorted((int(t[i]), int(t[i - 1])))) for t in triangles for i in range(3)}))
     corners = points.position[:, None, :] + (points.size * unit / 2)[:, None, None] * vertices
-    position = corners[:, edges].reshape(-1, 2, 3)
-    count = len(position)
+    ends, joints = corners[:, edges].reshape(-1, 2, 3), corners.reshape(-1, 3)
     thickness = np.float32(0.11) * points.size
-    bars = Lines(
-        position.astype(np.float32),
-        np.broadcast_to(np.array([*WHITE, 1.0], dtype=np.float32), (count, 2, 4)),
-        np.repeat(thickness, len(edges)),
-        np.zeros((count, 2), dtype=np.float32),
-        np.zeros(count, dtype=np.float32),
-    )
-    colours = np.tile(np.array([*WHITE, 1.0], dtype=np.float32), (corners.size // 3, 1))
-    joints = Points(corners.reshape(-1, 3).astype(np.float32), colours, np.repeat(thickness, 6), np.zeros(0, dtype=np.float32))
-    return joined(
-        [_copies((vertices, triangles), points, unit, smooth=False), tubes(bars, unit), _copies(sphere(1), joints, unit, smooth=True)]
-    )
+    bars = lines_of(ends, np.broadcast_to([*WHITE, 1.0], (len(ends), 2, 4)), np.repeat(thickness, len(edges)))
+    balls = points_of(joints, np.broadcast_to(WHITE, joints.shape), 1.0, np.repeat(thickness, len(vertices)), Shape.LISTENER)
+    diamonds = _copies((vertices, triangles), points, unit, smooth=False)
+    return joined([diamonds, tubes(bars, unit), _copies(sphere(1), balls, unit, smooth=True)])
 
 
 def flat(items: Hud, scale: float) -> Solid:

@@ -167,7 +167,7 @@ def viewport(felt, monkeypatch):
     yield redraw
     buffer.free()
     overlay.forget()
-    meters.forget()
+    meters._shown.clear()
 
 
 def test_the_view_is_drawn_while_a_trace_is_held_up_and_then_shows_it(felt, settle, held_up, viewport):
