@@ -16,7 +16,7 @@ from ...core.formats.export import Export
 from ...core.formats.scene.recording import Recording, SceneRecorder
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.formats.tracks.track_recorder import TrackRecorder
-from ...core.modalities.modality_scene import ModalityScene
+from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import HapticScene
 from ..properties.modalities import SHOWN

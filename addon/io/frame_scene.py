@@ -15,7 +15,7 @@ from bpy.types import Context, Depsgraph, Object
 
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
-from ...core.modalities.modality_scene import ModalityScene
+from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind, TriggerKind
 from ..blender.single_precision import shortest

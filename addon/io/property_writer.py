@@ -7,7 +7,7 @@ from typing import Any
 from bpy.types import Object
 
 from ...core.formats.scene.values_json import item_to_dict
-from ...core.modalities.modality_scene import ModalityScene
+from ...core.modalities.propagation import ModalityScene
 from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
 from ...core.scene.rules import ContactSettings

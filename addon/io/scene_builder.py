@@ -14,8 +14,7 @@ from bpy.types import Collection, Object
 from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of, without_rubbing
-from ...core.modalities.modality_scene import ModalityScene
-from ...core.modalities.propagation import Emitter
+from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.rules import ContactSettings
 from ...core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, Vector

@@ -8,8 +8,7 @@ from typing import Any
 from bpy.types import Object, Scene
 
 from ...core.modalities import Modality
-from ...core.modalities.modality_scene import ModalityScene
-from ...core.modalities.propagation import Emitter
+from ...core.modalities.propagation import Emitter, ModalityScene
 from ..properties.function import PARAMETERS
 from .imported import Imported, exact, imported_object, near
 from .roles import haptic_carrier

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from bpy.types import Scene
 
 from ...core.modalities import Modality
-from ...core.modalities.modality_scene import ModalityScene
-from ...core.modalities.propagation import Felt, feel
+from ...core.modalities.propagation import Felt, ModalityScene, feel
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import HapticObject, Settings
 from ..properties.modalities import SHOWN

@@ -14,7 +14,7 @@ from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
 from ...core.collisions import EXACT_FRAMES
-from ...core.modalities.modality_scene import ModalityScene
+from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.render.mixdown import block_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime
 from dataclasses import dataclass, field
 
-from ..modalities.modality_scene import ModalityScene
+from ..modalities.propagation import ModalityScene
 from ..scene.values import HapticScene
 from .scene.devices_json import DeviceMapping
 from .scene.materials_json import LibraryMaterial

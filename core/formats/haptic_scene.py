@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,19 +24,17 @@ from .tracks.track_export import scene_file
 SUFFIX = FORMATS["scene"].suffix
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: Export, options: Mapping[str, Any]) -> Iterator[str]:
     """What the file does not carry, one sentence each."""
     export.need_scene()
-    losses = []
     if export.recording is not None and not options["frames"]:
-        losses.append("what changes over time")
+        yield "what changes over time"
     elif export.recording is not None:
-        losses += [f"how {part.modality.title.lower()} changes over time" for part in export.modalities if part.enabled]
+        yield from (f"how {part.modality.title.lower()} changes over time" for part in export.modalities if part.enabled)
     if export.tracks is not None and options["tracks"] == "none":
-        losses.append("the rendered tracks, which can be rendered again")
-    if export.tracks is not None and options["tracks"] != "none" and options["encoding"] == "pcm16":
-        losses.append("what lies below 1/65,536 of full scale in the tracks")
-    return tuple(losses)
+        yield "the rendered tracks, which can be rendered again"
+    elif export.tracks is not None and options["encoding"] == "pcm16":
+        yield f"{wav.ROUNDING} in the tracks"
 
 
 def keeps(options: Mapping[str, Any]) -> Measures | None:
@@ -46,7 +44,7 @@ def keeps(options: Mapping[str, Any]) -> Measures | None:
 
 def write(export: Export, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
-    if export.tracks is not None:
+    if export.tracks is not None and measured is not None:
         wav.compare_encoded(export.tracks, options["encoding"], measured)
     path = scene_file(export.name, folder, "scene")
     path = path.with_name(f"{path.name}.gz") if options["compressed"] else path

@@ -44,7 +44,7 @@ Consent = Callable[[Written], bool]
 def losses(name: str, export: Export, chosen: Mapping[str, Value] = MappingProxyType({})) -> tuple[str, ...]:
     """The losses of an export in a format, one sentence each. Raises ValueError if it cannot be written."""
     form = named(name)
-    return cast(tuple[str, ...], _module(form).loss(export, complete(form.options, chosen)))
+    return tuple(_module(form).loss(export, complete(form.options, chosen)))
 
 
 def write(
@@ -62,7 +62,7 @@ def write(
     """
     form = named(name)
     module, values = _module(form), complete(form.options, chosen)
-    lost = module.loss(export, values)
+    lost = tuple(module.loss(export, values))
     with staging(Path(folder)) as place:
         measures = module.keeps(values)
         has_tracks = export.tracks is not None and len(export.tracks.listeners) > 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from ..contacts.contact_set import ContactSet
 from ..graph.haptic_graph import ObjectTable, build_graph
 from ..propagation import objects_on, propagate
 from ..scene.functions import FUNCTIONS, Conduction, Constant, ModulationFunction, function_from_dict
-from ..scene.values import Extent, HapticObject, Listener, Settings, Source
+from ..scene.values import Extent, HapticObject, HapticScene, Listener, Settings, Source
 from .modality import Modality
 
 _FUNCTIONS: Mapping[str, type[ModulationFunction]] = {**FUNCTIONS, "conduction": Conduction}
@@ -103,3 +103,26 @@ def _with_transmission(
     functions = tuple(Constant(gain_value=gain) for gain in known)
     numbers = np.array([known[gain] for gain in gains], dtype=np.int64)
     return replace(contacts, transmission=numbers, transmissions=functions or contacts.transmissions)
+
+
+@dataclass(frozen=True, slots=True)
+class ModalityScene:
+    """``values`` of objects that differ from the modality's defaults; ``forms``: functions that differ from the default, as in a scene
+    file; ``emitters`` in the order of their names. ``enabled`` False: its author has switched it off."""
+
+    modality: Modality
+    values: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    forms: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    emitters: tuple[Emitter, ...] = ()
+    enabled: bool = True
+
+    @property
+    def is_empty(self) -> bool:
+        """True if it has no content, apart from being switched off."""
+        return not (self.values or self.forms or self.emitters or self.enabled)
+
+    def felt_in(self, scene: HapticScene) -> Felt:
+        """Propagate the modality to the listeners of ``scene`` through its listed contacts. Raises ValueError as `feel` does."""
+        names = sorted(item.name for item in scene.objects)
+        contacts = ContactSet.from_contacts(scene.contacts, {name: number for number, name in enumerate(names)})
+        return feel(self.modality, names, self.values, contacts, self.emitters, scene.listeners, scene.settings, self.forms)

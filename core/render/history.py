@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .frame_result import FrameResult
-from .mixdown import listener_mixes, source_voices
+from .mixdown import listener_mixes, source_voices, steady
 from .renderer import Renderer
 
 SECONDS = 1.0
@@ -47,8 +47,6 @@ def still_samples(result: FrameResult, seconds: float) -> FloatArray:
     """Samples (l, n) of a single frame as if it lasted for ``seconds`` from the beginning of its interval, with its gains."""
     if not result.listeners:
         return np.zeros((0, 0))
-    renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
     voices = source_voices(result.sources, result.listeners, result.propagation)
-    start = result.first_sample / result.sample_rate
-    renderer.render_frame(start, start, voices)  # a frame of no duration, in which gains jump to their values
-    return renderer.render_frame(start, start + seconds, voices)
+    renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
+    return steady(renderer, result.first_sample / result.sample_rate, seconds, voices)

@@ -13,7 +13,7 @@ from ..perception import hidden_by
 from ..scene.values import Source
 from .frame_result import FrameResult, Sounding
 from .groups import MAX_GAIN
-from .mixdown import source_voices
+from .mixdown import source_voices, steady
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer
 
 SECONDS = 0.25
@@ -76,5 +76,4 @@ def source_samples(sounding: Sounding, listener: int, seconds: float, sample_rat
         for voice, one in zip(voices, np.eye(len(voices)), strict=True)
     ]
     renderer = Renderer([ListenerMix(source.name, s_max=MAX_GAIN) for source in sounding.sources], sample_rate)
-    renderer.render_frame(sounding.time, sounding.time, apart)  # a frame of no duration, in which gains jump to their values
-    return renderer.render_frame(sounding.time, sounding.time + seconds, apart)
+    return steady(renderer, sounding.time, seconds, apart)

@@ -90,6 +90,12 @@ def primed(mixes: tuple[ListenerMix, ...], sample_rate: float, time: float, voic
     return renderer
 
 
+def steady(renderer: Renderer, start: float, seconds: float, voices: Sequence[Voice]) -> FloatArray:
+    """The samples (l, n) of a new renderer from ``start`` [s] on, with constant gains."""
+    renderer.render_frame(start, start, voices)  # a frame of no duration, in which gains jump to their values
+    return renderer.render_frame(start, start + seconds, voices)
+
+
 def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
     """The mixes of listeners, for a `Renderer`."""
     return tuple(_mix(item.name, item.mixing, item.mixing_expression, item.s_max, item.limiter) for item in listeners)

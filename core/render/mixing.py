@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -36,20 +36,19 @@ class MixingExpression:
 
     def __call__(self, signals: FloatArray, weights: FloatArray) -> FloatArray:
         """Return the formula's value at every sample, shape (n,); 0 if that is not finite."""
-        values: dict[str, float | FloatArray] = {
-            "sum": cumulative(signals),
-            "weighted": weighted(signals, weights),
-            "strongest": strongest(signals),
-            "power": power(signals),
-            "s_max": self.s_max,
-        }
-        mix = _compiled(self.expression).evaluate(np.zeros(signals.shape[1]), values)
+        mix = _compiled(self.expression).evaluate(np.zeros(signals.shape[1]), _values(signals, weights, self.s_max))
         return np.where(np.isfinite(mix), mix, 0.0)
 
 
 @lru_cache(maxsize=256)
 def _compiled(expression: str) -> CompiledExpression:
     return compile_expression(expression, MIXING_VARIABLES)
+
+
+def _values(signals: FloatArray, weights: FloatArray, s_max: float) -> dict[str, float | FloatArray]:
+    """Return the values of `MIXING_VARIABLES`."""
+    mixes = (method(signals, weights) for method in METHODS.values())
+    return dict(zip(MIXING_VARIABLES, (*mixes, s_max), strict=True))
 
 
 def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
@@ -59,12 +58,9 @@ def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
     except ExpressionError as error:
         return Finding(error.message, error.column)
     tones = np.sin(2.0 * np.pi * np.outer([3.0, 7.0], np.arange(200) / 200.0)) * np.array([[1.0], [0.5]])
-    total = cumulative(tones)
-    loudest = strongest(tones)
-    values: dict[str, float | FloatArray] = {"sum": total, "weighted": total, "strongest": loudest, "power": power(tones), "s_max": s_max}
-    bad = ~np.isfinite(compiled.evaluate(np.zeros(200), values))
+    bad = ~np.isfinite(compiled.evaluate(np.zeros(200), _values(tones, np.ones(2), s_max)))
     if bad.any():
-        return Finding(Message.of(Cause.MIX_NOT_FINITE, sum=f"{total[bad][0]:.3g}"), usable=True)
+        return Finding(Message.of(Cause.MIX_NOT_FINITE, sum=f"{cumulative(tones)[bad][0]:.3g}"), usable=True)
     silence = {**dict.fromkeys(MIXING_VARIABLES, 0.0), "s_max": s_max}
     rest = float(compiled.evaluate(np.zeros(1), silence)[0])
     if math.isfinite(rest) and rest != 0.0:
@@ -72,18 +68,18 @@ def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
     return None
 
 
-def cumulative(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
-    """Return the sum over `signals`, shape (n_signals, n), where it is within ±s_max, else s_max with the sum's sign; shape (n,)."""
-    return saturated(signals.sum(axis=0), s_max)
+def cumulative(signals: FloatArray) -> FloatArray:
+    """Return the sum over `signals`, shape (n_signals, n); shape (n,)."""
+    return np.asarray(signals.sum(axis=0))
 
 
-def weighted(signals: FloatArray, weights: FloatArray, s_max: float = math.inf) -> FloatArray:
-    """Return the sum over `signals` times their priorities `weights`, shape (n_signals,), kept within ±s_max."""
-    return saturated(np.einsum("v,vn->n", weights, signals), s_max)
+def weighted(signals: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return the sum over `signals` times their priorities `weights`, shape (n_signals,)."""
+    return np.asarray(np.einsum("v,vn->n", weights, signals))
 
 
-def strongest(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
-    """Return, sample by sample, the signal of the greatest magnitude (the first of equals), kept within ±s_max; signals: (n_signals, ...).
+def strongest(signals: FloatArray) -> FloatArray:
+    """Return, sample by sample, the signal of the greatest magnitude (the first of equals); signals: (n_signals, ...).
 
     The result jumps when a signal of the opposite sign becomes the strongest, so this suits sources of which one masks the rest.
     """
@@ -95,21 +91,37 @@ def strongest(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
     if tied.any():
         among = signals[:, tied]
         result[tied] = among[np.argmax(np.abs(among), axis=0), np.arange(among.shape[1])]
-    return saturated(result, s_max)
+    return np.asarray(result)
 
 
-def power(signals: FloatArray, s_max: float = math.inf) -> FloatArray:
-    """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0), kept within ±s_max; signals: (n_signals, ...).
+def power(signals: FloatArray) -> FloatArray:
+    """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0); signals: (n_signals, ...).
 
     Incoherent vibrations add up in power: at least the strongest, at most the sum of their magnitudes. A single signal is unchanged; where
     several cancel, the result changes sign at full amplitude.
     """
-    return saturated(np.copysign(np.sqrt(np.einsum("i...,i...->...", signals, signals)), signals.sum(axis=0) + 0.0), s_max)
+    return np.asarray(np.copysign(np.sqrt(np.einsum("i...,i...->...", signals, signals)), signals.sum(axis=0) + 0.0))
+
+
+METHODS: Mapping[str, CustomMixing] = {
+    "cumulative": lambda signals, weights: cumulative(signals),
+    "weighted": weighted,
+    "strongest": lambda signals, weights: strongest(signals),
+    "power": lambda signals, weights: power(signals),
+}
+"""The methods by name, in the order of their `MIXING_VARIABLES`."""
 
 
 def saturated(total: FloatArray, s_max: float | FloatArray) -> FloatArray:
     """Return `total` where its magnitude is at most s_max, else s_max with its sign."""
     return np.clip(total, -s_max, s_max)
+
+
+def checked_method(method: str) -> str:
+    """Return the name of a method. Raises ValueError for an unknown one."""
+    if method not in METHODS:
+        raise ValueError(f"method: unknown mixing method {method!r}")
+    return method
 
 
 def mixed(method: MixingMethod, signals: FloatArray, weights: FloatArray) -> FloatArray:
@@ -121,16 +133,8 @@ def mixed(method: MixingMethod, signals: FloatArray, weights: FloatArray) -> Flo
     """
     if not len(signals):
         return np.zeros(signals.shape[1:])
-    if method == "cumulative":
-        return cumulative(signals)
-    if method == "weighted":
-        return weighted(signals, weights)
-    if method == "strongest":
-        return strongest(signals)
-    if method == "power":
-        return power(signals)
     if not callable(method):
-        raise ValueError(f"method: unknown mixing method {method!r}")
+        return METHODS[checked_method(method)](signals, weights)
     mix = np.asarray(method(signals, weights), dtype=np.float64)
     if mix.shape != signals.shape[1:]:
         raise ValueError(f"method: returned shape {mix.shape} for {signals.shape[1]} samples")

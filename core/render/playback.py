@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .frame_result import FrameResult
-from .mixdown import listener_mixes, primed, source_voices
+from .mixdown import listener_mixes, primed, source_voices, steady
 from .renderer import ListenerMix, Renderer, sample_index
 from .voices import Voice
 
@@ -217,11 +217,9 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
 
 def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
     """A short touch of a frame, (listeners, n), that begins and ends in silence: its interval and a continuation."""
-    start = result.time - frame_seconds
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
     voices = source_voices(result.sources, result.listeners, result.propagation)
-    renderer.render_frame(start, start, voices)
-    return _shaped(renderer.render_frame(start, start + GRAIN, voices), result.sample_rate)
+    return _shaped(steady(renderer, result.time - frame_seconds, GRAIN, voices), result.sample_rate)
 
 
 def recorded_grain(result: FrameResult) -> FloatArray:

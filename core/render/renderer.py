@@ -16,7 +16,7 @@ from ..arrays import FloatArray
 from .gains import Frame
 from .groups import MAX_GAIN, MAX_TIME, Groups
 from .limiter import Limiter
-from .mixing import MixingMethod, mixed
+from .mixing import MixingMethod, checked_method, mixed
 from .paths import DelayedPaths, DirectPaths, SteadyPaths, paths_of
 from .voices import Voice
 
@@ -42,8 +42,8 @@ class ListenerMix:
     def __post_init__(self) -> None:
         if not 0.0 < self.s_max <= MAX_GAIN:
             raise ValueError(f"s_max: must be above 0 and at most {MAX_GAIN:g}, not {self.s_max:g}")
-        if not callable(self.method) and self.method not in ("cumulative", "weighted", "strongest", "power"):
-            raise ValueError(f"method: unknown mixing method {self.method!r}")
+        if not callable(self.method):
+            checked_method(self.method)
 
 
 def sample_index(seconds: float, sample_rate: float) -> int:

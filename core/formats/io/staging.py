@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from .file_lock import lock as lock_file
+from .atomic import lock
 
 _NAME = re.compile(r"\.[0-9a-f]{16}\.part")
 _LOCK = "lock"
@@ -43,7 +43,8 @@ def staging(target: Path) -> Iterator[Staging]:
     folder = target / f".{secrets.token_hex(8)}.part"
     folder.mkdir()
     try:
-        with _locked(folder / _LOCK):
+        with (folder / _LOCK).open("wb") as file:
+            lock(file.fileno())
             yield Staging(folder, target)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
@@ -54,20 +55,13 @@ def remove_abandoned(folder: Path) -> None:
     for path in folder.iterdir():
         if not _NAME.fullmatch(path.name):
             continue
-        lock = path / _LOCK if path.is_dir() else path
+        locked = path / _LOCK if path.is_dir() else path
         with suppress(OSError):
-            if not lock.exists() or _is_free(lock):
+            if not locked.exists() or _is_free(locked):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
-
-
-@contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    with path.open("wb") as file:
-        lock_file(file.fileno())
-        yield
 
 
 def _is_free(path: Path) -> bool:
     """Whether no process holds the lock of a file."""
     with path.open("rb+") as file:
-        return lock_file(file.fileno())
+        return lock(file.fileno())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -33,12 +33,7 @@ class DeviceMapping:
 
 def device_to_dict(device: DeviceMapping) -> dict[str, Any]:
     """The JSON object of a device."""
-    form: dict[str, Any] = {
-        "name": device.name,
-        "profile": device.profile,
-        "actuators": [{"actuator": item.actuator, "listener": item.listener, "gain": item.gain} for item in device.actuators],
-    }
-    return {**form, "extras": dict(device.extras)} if device.extras else form
+    return {key: value for key, value in asdict(device).items() if key != "extras" or value}
 
 
 def devices_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> tuple[DeviceMapping, ...]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from ...modalities import MODALITIES, Modality, Quantity
-from ...modalities.modality_scene import ModalityScene
-from ...modalities.propagation import Emitter, propagation_function
+from ...modalities.propagation import Emitter, ModalityScene, propagation_function
 from ...scene.references import Place, PlacedError, require_known
 from ...scene.values import HapticScene
 from ..io.error import errors_in
@@ -35,9 +35,7 @@ def _form(scene: ModalityScene) -> dict[str, Any]:
         for name in names
         for values in (scene.values.get(name, {}),)
     ]
-    form["sources"] = [
-        {"name": item.name, "object": item.object, "position": list(item.position), "value": item.value} for item in scene.emitters
-    ]
+    form["sources"] = [asdict(item) for item in scene.emitters]
     return form
 
 

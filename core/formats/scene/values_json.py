@@ -25,8 +25,23 @@ T = TypeVar("T")
 
 
 def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) -> T:
-    """``make`` with the members of ``form`` as arguments, lists as tuples."""
-    return _placed(lambda: make(**{key: tuple(v) if isinstance(v, list) else v for key, v in form.items()}), form, place)
+    """``make`` with the members of ``form`` as arguments: some converted by `_READERS`, other lists as tuples."""
+    members = {key: _READERS[key](value, (*place, key)) if key in _READERS else value for key, value in form.items()}
+    return _placed(lambda: make(**{key: tuple(v) if isinstance(v, list) else v for key, v in members.items()}), form, place)
+
+
+read_contact = partial(read_value, Contact)
+read_source = partial(read_value, Source)
+read_listener = partial(read_value, Listener)
+read_rules = partial(read_value, ContactSettings)
+
+
+def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
+    """An object; version 1.0 wrote its material into its extras."""
+    extras = dict(form.get("extras", {}))
+    if "material" not in form and isinstance(extras.get("material"), str):
+        form = {**form, "material": extras.pop("material"), "extras": extras}
+    return read_value(HapticObject, form, place)
 
 
 def read_function(
@@ -36,80 +51,58 @@ def read_function(
     return _placed(lambda: function_from_dict(form, functions), form, place)
 
 
-def _members(form: Mapping[str, Any], place: Place, **readers: Callable[[Any, Place], Any]) -> dict[str, Any]:
-    """The members of ``form``, converted by their readers if they have one."""
-    return {key: readers[key](value, (*place, key)) if key in readers else value for key, value in form.items()}
-
-
 def _read_signal(form: Mapping[str, Any], place: Place) -> Signal:
     return _placed(lambda: signal_from_dict(form), form, place)
+
+
+def _read_template(form: Any, place: Place) -> Any:
+    """A signal, or the name of predefined ones."""
+    return form if isinstance(form, str) else _read_signal(form, place)
 
 
 def _read_shape(form: Mapping[str, Any], place: Place) -> Shape:
     return _placed(lambda: shape_from_dict(form), form, place)
 
 
-_read_pose = partial(read_value, Pose)
-read_listener = partial(read_value, Listener)
-_read_transmission = partial(read_function, functions=TRANSMISSIONS)
-
-
-def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
-    """An object with its function, pose and shape."""
-    arguments = _members(form, place, propagation=read_function, pose=_read_pose, shape=_read_shape)
-    if "material" not in form and isinstance(form.get("extras", {}).get("material"), str):  # where version 1.0 wrote it
-        arguments["extras"] = dict(form["extras"])
-        arguments["material"] = arguments["extras"].pop("material")
-    return read_value(HapticObject, arguments, place)
-
-
-def read_contact(form: Mapping[str, Any], place: Place) -> Contact:
-    """A contact; its normal is normalised."""
-    return read_value(Contact, _members(form, place, transmission=_read_transmission, normal=_read_normal), place)
-
-
 def _read_normal(vector: Sequence[float], place: Place) -> Sequence[float]:
+    """A direction, normalised."""
     length = math.hypot(*vector)
     if length < 1e-12:
         raise PlacedError(place, "a vector of length 0 has no direction")
     return vector if abs(length - 1) <= 1e-6 else [component / length for component in vector]
 
 
-def read_source(form: Mapping[str, Any], place: Place) -> Source:
-    """A source with its signal."""
-    return read_value(Source, _members(form, place, signal=_read_signal, triggers=read_triggers), place)
-
-
 def read_triggers(forms: Sequence[Mapping[str, Any]], place: Place) -> tuple[Trigger, ...]:
     """The triggers of a source."""
-    return tuple(read_value(Trigger, _members(form, (*place, k), pose=_read_pose), (*place, k)) for k, form in enumerate(forms))
+    return tuple(read_value(Trigger, form, (*place, k)) for k, form in enumerate(forms))
 
 
-def read_rules(form: Mapping[str, Any], place: Place) -> ContactSettings:
-    """The rules of contacts and impacts, with their tables."""
-    impacts, textures = partial(read_table, read=_read_impact_rule), partial(read_table, read=partial(read_value, Texture))
-    transmissions = partial(read_table, read=lambda row, own: _members(row, own, transmission=_read_transmission)["transmission"])
-    members = _members(form, place, impact_table=impacts, transmission_table=transmissions, textures=textures)
-    return read_value(ContactSettings, members, place)
-
-
-def read_table(forms: Sequence[Mapping[str, Any]], place: Place, read: Callable[[Mapping[str, Any], Place], T]) -> RuleTable[T]:
-    """A table of rules; ``read`` makes the value of a row from its keys other than ``between``, which has none, one or both sides."""
+def _read_table(make: Callable[..., T], forms: Sequence[Mapping[str, Any]], place: Place) -> RuleTable[T]:
+    """A table of rules; ``make`` makes the value of a row from its keys other than ``between``, which has none, one or both sides."""
     rows = []
     for i, form in enumerate(forms):
         sides = [read_value(Side, side, (*place, i, "between", k)) for k, side in enumerate(form.get("between", []))]
         first, second = (*sides, Side(), Side())[:2]
-        rows.append(Rule((first, second), read({key: value for key, value in form.items() if key != "between"}, (*place, i))))
+        does = {key: value for key, value in form.items() if key != "between"}
+        rows.append(Rule((first, second), read_value(make, does, (*place, i))))
     return RuleTable(tuple(rows))
 
 
-def _read_impact_rule(form: Mapping[str, Any], place: Place) -> ImpactRule:
-    return read_value(ImpactRule, _members(form, place, template=_read_template, limits=partial(read_value, ImpactLimits)), place)
-
-
-def _read_template(value: Any, place: Place) -> Any:
-    """A signal, or the name of predefined ones."""
-    return _read_signal(value, place) if isinstance(value, dict) else value
+_READERS: Mapping[str, Callable[[Any, Place], Any]] = {
+    "impact_table": partial(_read_table, ImpactRule),
+    "limits": partial(read_value, ImpactLimits),
+    "normal": _read_normal,
+    "pose": partial(read_value, Pose),
+    "propagation": read_function,
+    "shape": _read_shape,
+    "signal": _read_signal,
+    "template": _read_template,
+    "textures": partial(_read_table, Texture),
+    "transmission": partial(read_function, functions=TRANSMISSIONS),
+    "transmission_table": partial(_read_table, lambda transmission: transmission),
+    "triggers": read_triggers,
+}
+"""The readers of members, by their names in all items."""
 
 
 def _placed(make: Callable[[], T], form: Mapping[str, Any], place: Place) -> T:

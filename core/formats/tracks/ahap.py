@@ -53,13 +53,11 @@ _KNOWN = ("HapticIntensity", "HapticSharpness", *_ENVELOPE)
 _CONTROLS = ("HapticIntensityControl", "HapticSharpnessControl")
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
-    return (
-        *common_losses(export.need_tracks(), body=False),
-        "the place on the body: a phone has one actuator; the file name gives the listener",
-        f"the wave itself: intensity and sharpness every {options['step'] * 1000:g} ms remain, within {LOWEST:g} to {HIGHEST:g} Hz",
-    )
+    yield from common_losses(export.need_tracks(), body=False)
+    yield "the place on the body: a phone has one actuator; the file name gives the listener"
+    yield f"the wave itself: intensity and sharpness every {options['step'] * 1000:g} ms remain, within {LOWEST:g} to {HIGHEST:g} Hz"
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:

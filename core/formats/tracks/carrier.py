@@ -41,16 +41,8 @@ class Carrier:
     frequencies: FloatArray
     wave: str = "sine"
 
-    def at(self, times: FloatArray) -> FloatArray:
-        """The values at ``times`` (seconds, n), 0 outside [start, end)."""
-        local = times - self.start
-        oscillator, offset = _OSCILLATORS[self.wave]
-        cycles = self.cycles(local) + (self.phase / (2 * math.pi) + offset)
-        sounding = (times >= self.start) & (times < self.end)
-        return np.where(sounding, np.interp(local, self.amplitude_times, self.amplitudes) * oscillator.wave(cycles, 0.0), 0.0)
-
     def sampled(self, first: int, last: int, rate: float) -> FloatArray:
-        """The values at the times ``first / rate`` to before ``last / rate`` seconds, as `at` gives them, but faster."""
+        """The values at the times ``first / rate`` to before ``last / rate`` seconds."""
         begin, end = max(_index(self.start, rate), first), min(_index(self.end, rate), last)
         if begin >= end:
             return np.zeros(last - first)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,15 +22,17 @@ _WIDTH = 8
 _LINES = 2**15
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the file does not carry, one sentence each."""
-    return (*common_losses(export.need_tracks(), body=False), "what lies below 1/65,536 of full scale", "impacts as such")
+    yield from common_losses(export.need_tracks(), body=False)
+    yield wav.ROUNDING
+    yield "impacts as such"
 
 
 keeps = wav.keeps
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.csv``: seconds with six decimals, values with five."""
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, "csv")

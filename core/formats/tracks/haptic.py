@@ -35,15 +35,13 @@ _EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.
 _QUEST = {"continuous": {"frequency_min": 55.0, "frequency_max": 200.0}}
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     low, high = _range(options)
-    return (
-        *common_losses(export.need_tracks(), body=False),
-        "the place on the body: the format has none; the file name gives the listener",
-        f"all but one oscillation at a time, between {low:g} and {high:g} Hz",
-        "the strength of players: amplitude and frequency are shares of what an actuator can do",
-    )
+    yield from common_losses(export.need_tracks(), body=False)
+    yield "the place on the body: the format has none; the file name gives the listener"
+    yield f"all but one oscillation at a time, between {low:g} and {high:g} Hz"
+    yield "the strength of players: amplitude and frequency are shares of what an actuator can do"
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +15,12 @@ from .envelopes import coarse_envelope, compare_steps
 from .track_export import TrackExport, common_losses, listener_files
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
-    return (
-        *common_losses(export.need_tracks(), body=False),
-        "the place on the body: a phone has one actuator; the file name gives the listener",
-        f"frequencies: the strength every {options['step']} ms remains, in 255 steps",
-        "impacts between two steps",
-    )
+    yield from common_losses(export.need_tracks(), body=False)
+    yield "the place on the body: a phone has one actuator; the file name gives the listener"
+    yield f"frequencies: the strength every {options['step']} ms remains, in 255 steps"
+    yield "impacts between two steps"
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +14,18 @@ from ..io.atomic import atomic_file
 from . import wav
 from .comparison import Comparison
 from .listener_tracks import CHUNK, Tracks
-from .track_export import TrackExport, common_losses, scene_file
+from .track_export import TrackExport, scene_file
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the file does not carry, one sentence each."""
-    return tuple(text for text in common_losses(export.need_tracks(), body=False) if "full scale" not in text)
+    yield from wav.loss(export, {"encoding": "float32", "sample_rate": 0})
 
 
 keeps = wav.keeps
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.npz``.
 
     Arrays: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``, ``body_parts`` and ``impacts`` (k, 3) of

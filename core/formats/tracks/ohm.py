@@ -16,16 +16,18 @@ from .track_export import TrackExport, body_part_of, scene_file
 _ENCODING = "pcm16"
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     long = [listener.name for listener in export.need_tracks().listeners if len(listener.name.encode()) > 32]
-    return (*wav.loss(export, {"encoding": _ENCODING, "sample_rate": 0}), *([f"names beyond 32 bytes: {', '.join(long)}"] if long else []))
+    yield from wav.loss(export, {"encoding": _ENCODING, "sample_rate": 0})
+    if long:
+        yield f"names beyond 32 bytes: {', '.join(long)}"
 
 
 keeps = wav.keeps
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.ohm`` and ``<scene>.wav``."""
     tracks = export.need_tracks()
     path, recording = scene_file(export.name, folder, "ohm"), scene_file(export.name, folder, "wav")

@@ -64,16 +64,15 @@ def motors(tracks: Tracks) -> dict[str, dict[int, list[int]]]:
     return result
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     tracks = export.need_tracks()
     driven = {number for indices in motors(tracks).values() for numbers in indices.values() for number in numbers}
     absent = [listener.name for number, listener in enumerate(tracks.listeners) if number not in driven]
-    return (
-        *common_losses(tracks, body=True),
-        f"frequencies: the strength every {INTERVAL} ms remains, in {options['levels']} steps",
-        *([f"listeners where no device is worn: {', '.join(absent)}"] if absent else []),
-    )
+    yield from common_losses(tracks, body=True)
+    yield f"frequencies: the strength every {INTERVAL} ms remains, in {options['levels']} steps"
+    if absent:
+        yield f"listeners where no device is worn: {', '.join(absent)}"
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:

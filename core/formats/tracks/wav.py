@@ -24,6 +24,7 @@ from .track_export import TrackExport, body_part_of, common_losses, scene_file
 from .vibration_file import Channel, VibrationFile
 
 SIDECAR_SUFFIX = ".wav.json"
+ROUNDING = "what lies below 1/65,536 of full scale"
 
 _REST_OF_GUID = bytes.fromhex("000000001000800000aa00389b71")
 _CODES = {"pcm16": 1, "float32": 3}
@@ -34,16 +35,15 @@ MAX_SAMPLE = MAX_PEAK / 4
 MAX_RIFF = 2**32 - 1
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     tracks = export.need_tracks()
-    sampled = options["sample_rate"] and options["sample_rate"] < tracks.sample_rate
-    losses = [text for text in common_losses(tracks, body=False) if options["encoding"] == "pcm16" or "full scale" not in text]
-    return (
-        *losses,
-        *(["what lies below 1/65,536 of full scale"] if options["encoding"] == "pcm16" else []),
-        *([f"what lies above {options['sample_rate'] / 2:g} Hz"] if sampled else []),
-    )
+    is_rounded = options["encoding"] == "pcm16"
+    yield from (text for text in common_losses(tracks, body=False) if is_rounded or "full scale" not in text)
+    if is_rounded:
+        yield ROUNDING
+    if options["sample_rate"] and options["sample_rate"] < tracks.sample_rate:
+        yield f"what lies above {options['sample_rate'] / 2:g} Hz"
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:
@@ -51,7 +51,7 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.SAMPLES)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
     original = export.need_tracks()
     tracks = at_rate(original, options["sample_rate"])
@@ -59,7 +59,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     write_wav(tracks, path, options["encoding"])
     if tracks is original:
         compare_encoded(tracks, options["encoding"], measured)
-    elif measured is not None:
+    else:
         again = at_rate(tracks, original.sample_rate)
         for number in range(len(original.listeners)):
             measured.add(number, original.row(number).read(0, original.count), again.row(number).read(0, original.count))
@@ -132,10 +132,8 @@ def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
             yield block.astype("<f4")
 
 
-def compare_encoded(tracks: Tracks, encoding: str, measured: Comparison | None) -> None:
+def compare_encoded(tracks: Tracks, encoding: str, measured: Comparison) -> None:
     """Measure the losses of encoding the samples."""
-    if measured is None:
-        return
     for (_, block), coded in zip(tracks.blocks(), encoded(tracks, encoding), strict=True):
         for number, (row, values) in enumerate(zip(block, coded / np.float64(FULL_SCALE[encoding]), strict=True)):
             measured.add(number, np.asarray(row, dtype=np.float64), values)

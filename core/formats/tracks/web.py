@@ -7,7 +7,7 @@ import html
 import json
 import re
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,12 +30,10 @@ _STEPS = 127
 _LAW = 255.0
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the page does not carry, one sentence each."""
-    return (
-        *common_losses(export.need_tracks(), body=True),
-        f"frequencies above {HIGHEST:g} Hz, and all but 8 bit of each sample, on a logarithmic scale",
-    )
+    yield from common_losses(export.need_tracks(), body=True)
+    yield f"frequencies above {HIGHEST:g} Hz, and all but 8 bit of each sample, on a logarithmic scale"
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:
@@ -43,7 +41,7 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.WAVE, 0.0, HIGHEST)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
     """Write ``<scene>.html``."""
     tracks = export.need_tracks()
     rate = min(RATE, tracks.sample_rate)
@@ -65,12 +63,11 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     return [write_text(path, (parts.get(piece, piece) for piece in re.split(r"(@[A-Z]+@)", page)))]
 
 
-def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison | None) -> str:
+def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison) -> str:
     """A listener's samples at ``rate``, a byte each, compressed, as text."""
     row = tracks.row(number).read(0, tracks.count)
     coded = encoded(resample(row, tracks.sample_rate, rate))
-    if measured is not None:
-        measured.add(number, row, resample(decoded(coded), rate, tracks.sample_rate)[: len(row) : measured.thinning])
+    measured.add(number, row, resample(decoded(coded), rate, tracks.sample_rate)[: len(row) : measured.thinning])
     return base64.b64encode(zlib.compress(coded.tobytes(), 9)).decode("ascii")
 
 

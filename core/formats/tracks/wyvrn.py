@@ -35,22 +35,18 @@ CONFIGURATIONS = ("haptic.config", "Wyvrn.config")
 """Names of the configuration that players look for: the second one is that of newer development kits. Both have the same content."""
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the folder does not carry, one sentence each."""
     tracks = export.need_tracks()
     shared: dict[tuple[str, str], list[str]] = {}
     for listener in tracks.listeners:
         shared.setdefault(_target(listener), []).append(listener.name)
-    return (
-        *common_losses(tracks, body=True),
-        f"frequencies below {BANDS[0].low:.0f} and above {BANDS[-1].high:.0f} Hz, and more than two oscillations at a time",
-        f"changes within {SHORTEST * 1000:g} ms",
-        *(
-            f"that {', '.join(names)} are different places: {target}, {side} is one target"
-            for (target, side), names in shared.items()
-            if len(names) > 1
-        ),
-    )
+    yield from common_losses(tracks, body=True)
+    yield f"frequencies below {BANDS[0].low:.0f} and above {BANDS[-1].high:.0f} Hz, and more than two oscillations at a time"
+    yield f"changes within {SHORTEST * 1000:g} ms"
+    for (target, side), names in shared.items():
+        if len(names) > 1:
+            yield f"that {', '.join(names)} are different places: {target}, {side} is one target"
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:

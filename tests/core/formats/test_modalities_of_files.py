@@ -10,8 +10,7 @@ from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.io.schema import load_schema
 from haptic_tracing.core.modalities import THERMAL
-from haptic_tracing.core.modalities.modality_scene import ModalityScene
-from haptic_tracing.core.modalities.propagation import Emitter
+from haptic_tracing.core.modalities.propagation import Emitter, ModalityScene
 from haptic_tracing.core.modalities.thermal import JOINT
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener
 from hypothesis import HealthCheck, given, settings

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from carriers import values_at
 from haptic_tracing.core.formats import haptic_scene, registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io import strict_json
@@ -61,7 +62,7 @@ def is_fine(path, result, error):
         return str(error).startswith(f"{path}: ") and str(error).isprintable() and bool(error.reason)
     channels = getattr(result, "channels", ())
     return all(np.isfinite(channel.duration) for channel in channels) and all(
-        np.isfinite(carrier.at(np.array([carrier.start]))).all() for channel in channels for carrier in channel.carriers
+        np.isfinite(values_at(carrier, np.array([carrier.start]))).all() for channel in channels for carrier in channel.carriers
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from carriers import values_at
 from haptic_tracing.core.formats import haptic_scene, registry
 from haptic_tracing.core.formats.io.error import FormatError
 from hypothesis import HealthCheck, given, settings
@@ -28,7 +29,7 @@ def finite(result):
     for channel in getattr(result, "channels", ()):
         assert np.isfinite(channel.duration)
         for carrier in channel.carriers:
-            assert np.isfinite(carrier.at(np.array([carrier.start, carrier.end]))).all()
+            assert np.isfinite(values_at(carrier, np.array([carrier.start, carrier.end]))).all()
         assert channel.samples is None or np.isfinite(channel.samples).all()
 
 

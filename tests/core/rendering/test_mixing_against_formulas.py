@@ -42,7 +42,7 @@ def held(total: float, s_max: float) -> float:
 @settings(deadline=None)
 def test_cumulative(signals: np.ndarray, s_max: float) -> None:
     expected = [held(math.fsum(column), s_max) for column in signals.T]
-    assert cumulative(signals, s_max) == pytest.approx(expected, rel=1e-12, abs=1e-8)
+    assert saturated(cumulative(signals), s_max) == pytest.approx(expected, rel=1e-12, abs=1e-8)
 
 
 @given(samples, limits, st.data())
@@ -50,20 +50,20 @@ def test_cumulative(signals: np.ndarray, s_max: float) -> None:
 def test_weighted(signals: np.ndarray, s_max: float, data: st.DataObject) -> None:
     weights = data.draw(arrays(np.float64, len(signals), elements=st.floats(0, 10)))
     expected = [held(math.fsum(w * s for w, s in zip(weights, column, strict=True)), s_max) for column in signals.T]
-    assert weighted(signals, weights, s_max) == pytest.approx(expected, rel=1e-12, abs=1e-7)
+    assert saturated(weighted(signals, weights), s_max) == pytest.approx(expected, rel=1e-12, abs=1e-7)
 
 
 @given(samples, limits)
 @settings(deadline=None)
 def test_strongest(signals: np.ndarray, s_max: float) -> None:
     expected = [held(max(column, key=abs, default=0.0), s_max) for column in signals.T.tolist()]
-    assert strongest(signals, s_max).tolist() == pytest.approx(expected)
+    assert saturated(strongest(signals), s_max).tolist() == pytest.approx(expected)
 
 
 @given(samples, limits)
 @settings(deadline=None)
 def test_power(signals: np.ndarray, s_max: float) -> None:
-    result = power(signals, s_max)
+    result = saturated(power(signals), s_max)
     for value, column in zip(result, signals.T, strict=True):
         magnitude = math.hypot(*column)
         assert abs(value) == pytest.approx(min(magnitude, s_max), rel=1e-9, abs=1e-150)
@@ -80,8 +80,10 @@ def test_power(signals: np.ndarray, s_max: float) -> None:
 def test_order_does_not_matter(signals: np.ndarray, s_max: float) -> None:
     backwards = signals[::-1]
     for method in (cumulative, power):
-        assert method(backwards, s_max) == pytest.approx(method(signals, s_max), rel=1e-9, abs=1e-6) or method is power
-    assert np.abs(strongest(backwards, s_max)) == pytest.approx(np.abs(strongest(signals, s_max)))
+        assert (
+            saturated(method(backwards), s_max) == pytest.approx(saturated(method(signals), s_max), rel=1e-9, abs=1e-6) or method is power
+        )
+    assert np.abs(saturated(strongest(backwards), s_max)) == pytest.approx(np.abs(saturated(strongest(signals), s_max)))
 
 
 def test_saturated_keeps_what_fits() -> None:
