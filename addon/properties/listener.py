@@ -6,8 +6,7 @@ from bpy.types import Context, PropertyGroup
 
 from ...core.scene.body import BODY_PARTS
 from ...core.scene.choices import MOST_DUCKING, Extent
-from .callbacks import changed, edited, updating
-from .imported import Imported
+from .callbacks import Imported, changed, edited, updating
 from .kinds import choice, limited, number, switch, text
 
 MIXING_ITEMS = (

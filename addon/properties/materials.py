@@ -15,15 +15,53 @@ from bpy.types import Context, Object, PropertyGroup, Scene
 
 from ...core.scene.bands import BAND_COUNT
 from ..blender.progress import progress
-from . import material_values
 from .callbacks import updating
-from .kinds import choice, limited, switch, text
+from .kinds import choice, limited, number, share, switch, text
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
     ("CHILDREN", "Children", "The selected objects and everything that is parented to them", "OUTLINER", 1),
     ("COLLECTION", "Collection", "All objects of the active object's collection", "OUTLINER_COLLECTION", 2),
 )
+
+_SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
+"""The values that materials of the library and their objects have."""
+
+
+class Coefficients:
+    """Mixin: the values of a material that objects have themselves."""
+
+    kappa: share(
+        "Kappa (κ)",
+        "A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's transmissibility: as its "
+        "function is published, only (1 - κ) ρ counts",
+        0.1,
+        precision=3,
+    )
+    rho: share(
+        "Rho (ρ)",
+        "A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's density coefficient",
+        0.9,
+        precision=3,
+    )
+    wave_speed: number(
+        "Wave Speed", "Speed of vibration in this material; 0 passes signals on without delay", 0.0, (0.0, 5000.0), unit="VELOCITY"
+    )
+
+
+class BandDecays:
+    """Mixin: the extra attenuation of each frequency band [1/m], and whether it counts."""
+
+    use_bands: switch("Frequency Bands", "Attenuate each frequency band by its own value per metre")
+    band_decays: FloatVectorProperty(
+        name="Band Attenuation",
+        description="Extra attenuation per metre in this band of frequencies; 0 adds none",
+        size=BAND_COUNT,
+        default=(0.0,) * BAND_COUNT,
+        min=0.0,
+        soft_max=5.0,
+        precision=3,
+    )
 
 
 def holders(obj: Object) -> dict[str, Any]:
@@ -41,7 +79,7 @@ def holders(obj: Object) -> dict[str, Any]:
 
 def values_of(item: HapticMaterial) -> dict[str, Any]:
     """The shared values of a material of the library."""
-    values = {name: _value(item, name) for name in material_values.NAMES}
+    values = {name: _value(item, name) for name in _SHARED}
     return {**values, "wave_speed": item.wave_speed if item.use_delay else 0.0}
 
 
@@ -92,29 +130,20 @@ def unique_name(name: str, taken: set[str]) -> str:
 
 
 def _bound(name: str, default: float) -> FloatProperty:
-    return limited(name, "Bound of (1 - κ) ρ for Fulfil Wishes", default, (0.001, 1.0), precision=3, options=set(), update=None)
+    return limited(name, "Bound of (1 - κ) ρ for Fulfil Wishes", default, (0.001, 1.0), precision=3, update=None)
 
 
-@updating(_material_changed)
-class HapticMaterial(PropertyGroup):
+@updating(_material_changed, animated=False)
+class HapticMaterial(Coefficients, BandDecays, PropertyGroup):
     """A material of the scene's library."""
 
     name: text("Name", "Name of the material in this scene's library", update=_material_renamed)
     known_as: StringProperty(options={"HIDDEN"})
-    kappa: material_values.kappa(options=set())
-    rho: material_values.rho(options=set())
-    use_delay: switch("Delay", "Delay signals by this material's wave speed; makes tracing slower", options=set())
-    wave_speed: material_values.wave_speed(options=set())
-    use_bands: material_values.use_bands(options=set())
-    band_decays: material_values.band_decays(options=set())
+    use_delay: switch("Delay", "Delay signals by this material's wave speed; makes tracing slower")
     conductivity: limited(
-        "Conductivity (W/(m·K))",
-        "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
-        1.0,
-        (0.01, 500.0),
-        options=set(),
+        "Conductivity (W/(m·K))", "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15", 1.0, (0.01, 500.0)
     )
-    is_free: switch("Free", "Fulfil Wishes may change κ and ρ of this material", options=set(), update=None)
+    is_free: switch("Free", "Fulfil Wishes may change κ and ρ of this material", update=None)
     least_k: _bound("Least", 0.01)
     most_k: _bound("Most", 0.99)
 
@@ -130,12 +159,10 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
 
 
 @updating()
-class HapticObjectMaterial(PropertyGroup):
+class HapticObjectMaterial(BandDecays, PropertyGroup):
     """The material of an object, and the values that only materials have."""
 
     name: text("Material", "The material of the scene's library that this object is made of", options=set(), update=_chosen)
-    use_bands: material_values.use_bands()
-    band_decays: material_values.band_decays()
 
     def drop_imported(self, name: str) -> None:
         """See `HapticObjectProperties.drop_imported`."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import BoolProperty, FloatProperty, PointerProperty
+from bpy.props import FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from ...core.modalities import MODALITIES, Modality, Quantity
-from .callbacks import changed, updating
+from .callbacks import changed, drop, updating
 from .function import FunctionParameters, function_property
-from .imported import drop
+from .kinds import switch
 
 SHOWN: tuple[Modality, ...] = tuple(modality for modality in MODALITIES.values() if not modality.sampled)
 """The modalities other than vibration, which has its own properties and panels."""
@@ -29,34 +29,33 @@ def _property(quantity: Quantity) -> Any:
     )
 
 
+def _group(name: str, annotations: dict[str, Any], words: str, *mixins: type, **members: Any) -> type[PropertyGroup]:
+    return type(name, (*mixins, PropertyGroup), {"__annotations__": annotations, "__doc__": words, "__module__": __name__, **members})
+
+
 def _object_group(modality: Modality) -> type[PropertyGroup]:
     """The properties of an object, and of a source, for a modality."""
     annotations = {
         "function": function_property(tuple(modality.functions), modality.default_function),
         **{quantity.name: _property(quantity) for quantity in modality.object_values},
-        "is_source": BoolProperty(name="Source", description="This object emits it", default=False),
+        "is_source": switch("Source", "This object emits it"),
         "source_value": _property(modality.source_value),
     }
 
     def drop_imported(self: PropertyGroup, name: str) -> None:
         drop(self.id_data.haptics, "numbers", f"{modality.name}.{name}")
 
-    members = {"__annotations__": annotations, "__doc__": modality.description, "__module__": __name__, "drop_imported": drop_imported}
-    return updating()(type(f"Haptic{modality.name.title()}Object", (FunctionParameters, PropertyGroup), members))
+    name = f"Haptic{modality.name.title()}Object"
+    return updating()(_group(name, annotations, modality.description, FunctionParameters, drop_imported=drop_imported))
 
 
 def _scene_group(modality: Modality) -> type[PropertyGroup]:
-    enabled = BoolProperty(name=modality.title, description=modality.description, default=False, update=changed)
-    return type(
-        f"Haptic{modality.name.title()}Scene",
-        (PropertyGroup,),
-        {"__annotations__": {"enabled": enabled}, "__doc__": modality.description, "__module__": __name__},
-    )
+    enabled = switch(modality.title, modality.description, update=changed)
+    return _group(f"Haptic{modality.name.title()}Scene", {"enabled": enabled}, modality.description)
 
 
 def _container(name: str, groups: dict[str, type[PropertyGroup]]) -> type[PropertyGroup]:
-    annotations = {key: PointerProperty(type=group) for key, group in groups.items()}
-    return type(name, (PropertyGroup,), {"__annotations__": annotations, "__doc__": "One group per modality.", "__module__": __name__})
+    return _group(name, {key: PointerProperty(type=group) for key, group in groups.items()}, "One group per modality.")
 
 
 _OBJECT_GROUPS = {modality.name: _object_group(modality) for modality in SHOWN}

@@ -5,13 +5,11 @@ from __future__ import annotations
 from bpy.props import PointerProperty
 from bpy.types import Object, PropertyGroup
 
-from . import bake, live_output, material_values, materials, modalities
-from .callbacks import changed, updating
-from .function import PARAMETERS, VIBRATION_FUNCTIONS, FunctionParameters, function_property
-from .imported import Imported, drop
+from . import bake, live_output, materials, modalities
+from .callbacks import Imported, changed, drop, updating
+from .function import PARAMETERS, VIBRATION_FUNCTIONS, FunctionParameters, PhysicalParameters, function_property
 from .kinds import switch
 from .listener import HapticListenerProperties
-from .physical import PhysicalParameters
 from .source import HapticSourceProperties
 
 _OF_THE_FUNCTION = {
@@ -25,13 +23,10 @@ _OF_THE_FUNCTION = {
 
 
 @updating()
-class HapticObjectProperties(Imported, FunctionParameters, PhysicalParameters, PropertyGroup):
+class HapticObjectProperties(Imported, materials.Coefficients, FunctionParameters, PhysicalParameters, PropertyGroup):
     """A haptic object, which transmits signals."""
 
     enabled: switch("Haptic Object", "Vibration passes through this object")
-    kappa: material_values.kappa()
-    rho: material_values.rho()
-    wave_speed: material_values.wave_speed()
     function: function_property(VIBRATION_FUNCTIONS, "haptic_tracing")
     medium: switch("Medium", "A volume such as air or water: it touches everything that it overlaps", translation_context="Haptics")
     source: PointerProperty(type=HapticSourceProperties)

@@ -6,15 +6,12 @@ operators that edit tables.
 
 from __future__ import annotations
 
-from typing import Any
-
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty
 from bpy.types import PropertyGroup
 
-from .callbacks import updating
+from .callbacks import Imported, updating
 from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
-from .imported import Imported
 from .kinds import choice, limited, number, share, switch, text
 
 TABLES = (
@@ -31,35 +28,27 @@ SIDE_ITEMS = (
 )
 
 
-def _kind(name: str) -> EnumProperty:
-    return choice(name, "What this rule is for", SIDE_ITEMS, options=set())
-
-
-def _name() -> StringProperty:
-    return text("Name", "Name of the object or material, or a pattern", options=set())
-
-
 def _curve(name: str, description: str, weak: float, low: float, high: float) -> FloatVectorProperty:
     """A value for the weakest impacts and for those of full energy."""
-    return FloatVectorProperty(name=name, description=description, size=2, default=(weak, 1.0), min=low, max=high, options=set())
+    return FloatVectorProperty(name=name, description=description, size=2, default=(weak, 1.0), min=low, max=high)
 
 
-def least_energy(**more: Any) -> FloatProperty:
+def least_energy() -> FloatProperty:
     """The least energy E_min of an impact [J]."""
     words = "Collisions weaker than this, in joules, make no source; 5 J is a light contact"
-    return number("Least Energy (J)", words, 5.0, (0.0, 100.0), **more)
+    return number("Least Energy (J)", words, 5.0, (0.0, 100.0))
 
 
-def full_energy(**more: Any) -> FloatProperty:
+def full_energy() -> FloatProperty:
     """The energy E_max of an impact that plays its signal at full strength [J]."""
     words = "A collision of this energy, in joules, plays the impact signal at full strength"
-    return number("Full Energy (J)", words, 100.0, (0.001, 1000.0), **more)
+    return number("Full Energy (J)", words, 100.0, (0.001, 1000.0))
 
 
-def refractory(**more: Any) -> FloatProperty:
+def refractory() -> FloatProperty:
     """The refractory time [s]."""
     words = "Time in seconds after an impact in which the same two objects make no further impact"
-    return number("Refractory (s)", words, 0.1, (0, 2), precision=3, **more)
+    return number("Refractory (s)", words, 0.1, (0, 2), precision=3)
 
 
 SIGNAL_ITEMS = (
@@ -72,10 +61,10 @@ SIGNAL_ITEMS = (
 class RuleScope:
     """Mixin: the pairs of objects that a row applies to."""
 
-    first_kind: _kind("Between")
-    first: _name()
-    second_kind: _kind("And")
-    second: _name()
+    first_kind: choice("Between", "What this rule is for", SIDE_ITEMS, options=set())
+    first: text("Name", "Name of the object or material, or a pattern", options=set())
+    second_kind: choice("And", "What this rule is for", SIDE_ITEMS, options=set())
+    second: text("Name", "Name of the object or material, or a pattern", options=set())
 
 
 class TableRows:
@@ -84,7 +73,7 @@ class TableRows:
     active: IntProperty(name="Active Rule", default=0, min=0, options=set())
 
 
-@updating()
+@updating(animated=False)
 class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     """The rule for impacts between some objects."""
 
@@ -97,14 +86,13 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
             ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
             ("DRAWN", "Drawn", "A signal that was drawn for a source, once"),
         ),
-        options=set(),
     )
-    filepath: text("File", "The file with the vibration that impacts play", subtype="FILE_PATH", options=set())
+    filepath: text("File", "The file with the vibration that impacts play", subtype="FILE_PATH")
     drawing: drawing_property()
-    use_limits: switch("Own Energies", "These collisions need other energies than others of the scene", options=set())
-    least_energy: least_energy(options=set())
-    full_energy: full_energy(options=set())
-    refractory: refractory(options=set())
+    use_limits: switch("Own Energies", "These collisions need other energies than others of the scene")
+    least_energy: least_energy()
+    full_energy: full_energy()
+    refractory: refractory()
     gain: _curve("Gain", "Amplitude of the weakest collisions, and of those of full energy", 0.0, 0.0, 1.0)
     pitch: _curve("Pitch", "How many times as fast the signal plays in the weakest collisions, and in those of full energy", 1.0, 0.25, 4.0)
     decay: _curve(
@@ -116,12 +104,9 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
         "How these values change from weak to full: 1 with the energy, 0.5 with the speed of the impact",
         1.0,
         (0.1, 10.0),
-        options=set(),
     )
-    variation: share(
-        "Variation", "Largest relative variation of impacts: higher or lower, shorter and weaker", 0.0, soft_max=0.3, options=set()
-    )
-    seed: IntProperty(name="Seed", description="Another number gives other variations", default=0, min=0, max=10**9, options=set())
+    variation: share("Variation", "Largest relative variation of impacts: higher or lower, shorter and weaker", 0.0, soft_max=0.3)
+    seed: IntProperty(name="Seed", description="Another number gives other variations", default=0, min=0, max=10**9)
 
 
 class HapticImpactTable(TableRows, PropertyGroup):
@@ -130,15 +115,11 @@ class HapticImpactTable(TableRows, PropertyGroup):
     items: CollectionProperty(type=HapticImpactRule)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
-def _texture(name: str, words: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
-    return limited(name, words, default, span, options=set(), **more)
-
-
-@updating()
+@updating(animated=False)
 class HapticTexture(RuleScope, Imported, PropertyGroup):
     """The texture of some objects that slide or roll on each other."""
 
-    period: _texture(
+    period: limited(
         "Period",
         "From one ridge or grain of the surface to the next: at 1 m/s, 5 mm give 200 Hz",
         0.005,
@@ -146,11 +127,11 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         subtype="DISTANCE",
         precision=4,
     )
-    sliding: _texture("Sliding", "Amplitude of sliding at full force and speed", 0.5, (0.0, 1.0))
-    rolling: _texture("Rolling", "Amplitude of rolling at full force and speed", 0.2, (0.0, 1.0))
-    noise: _texture("Noise", "Fraction of the power that is noise around the tone; higher for irregular surfaces", 0.5, (0.0, 1.0))
-    bandwidth: _texture("Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.5, (0.05, 4.0))
-    stick_speed: _texture(
+    sliding: limited("Sliding", "Amplitude of sliding at full force and speed", 0.5, (0.0, 1.0))
+    rolling: limited("Rolling", "Amplitude of rolling at full force and speed", 0.2, (0.0, 1.0))
+    noise: limited("Noise", "Fraction of the power that is noise around the tone; higher for irregular surfaces", 0.5, (0.0, 1.0))
+    bandwidth: limited("Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.5, (0.05, 4.0))
+    stick_speed: limited(
         "Stick Below",
         "Below this speed the surfaces stick and slip, the slower the more; 0: they do not",
         0.0,
@@ -158,14 +139,14 @@ class HapticTexture(RuleScope, Imported, PropertyGroup):
         unit="VELOCITY",
         precision=3,
     )
-    full_force: _texture(
+    full_force: limited(
         "Full Force (N)",
         "Force in newtons at which the amplitude reaches its full value; it grows with the square root of the force",
         100.0,
         (1e-3, 1e9),
         soft_max=1e4,
     )
-    full_speed: _texture(
+    full_speed: limited(
         "Full Speed",
         "Speed at which the amplitude reaches its full value; it grows with the speed to the power 3/4 for sliding, 3/2 for rolling",
         1.0,

@@ -6,8 +6,7 @@ from bpy.props import IntProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from . import bake, live_output, materials, modalities, rules
-from .callbacks import changed, updating, view_changed
-from .imported import Imported
+from .callbacks import Imported, changed, updating, view_changed
 from .kinds import choice, limited, number, share, switch, text
 
 MODE_ITEMS = (

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.props import FloatProperty, FloatVectorProperty, PointerProperty
+from bpy.props import FloatVectorProperty, PointerProperty
 from bpy.types import Context, Object, PropertyGroup
 
 from ...core.devices import profiles
@@ -52,42 +51,36 @@ def _edited(self: HapticSoundProperties, context: Context) -> None:
         self.fault = str(error)  # other faults are found during the conversion
 
 
-def _setting(name: str, description: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
-    return limited(name, description, default, span, options=set(), **more)
-
-
-@updating(_edited)
+@updating(_edited, animated=False)
 class HapticSoundProperties(PropertyGroup):
     """A sound, the settings of its conversion, and the resulting vibration."""
 
-    origin: choice("Sound", "Where the sound comes from", ORIGINS, options=set())
-    filepath: text("File", "The sound that becomes vibration", subtype="FILE_PATH", options=set())
+    origin: choice("Sound", "Where the sound comes from", ORIGINS)
+    filepath: text("File", "The sound that becomes vibration", subtype="FILE_PATH")
     speaker: PointerProperty(
         type=Object, name="Speaker", description="It plays the sound", poll=lambda self, obj: obj.type == "SPEAKER", update=_edited
     )
-    strip: text("Strip", "One sound strip; empty for all that are not muted", options=set())
-    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True, options=set())
-    carrier: choice("Carrier", "The vibration whose amplitude follows the sound", CARRIERS, options=set())
-    frequency: _setting(
+    strip: text("Strip", "One sound strip; empty for all that are not muted")
+    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
+    carrier: choice("Carrier", "The vibration whose amplitude follows the sound", CARRIERS)
+    frequency: limited(
         "Frequency (Hz)", "Frequency of the carrier in hertz; if it follows the pitch, that of sounds without pitch", 160.0, (10.0, 1000.0)
     )
-    device: text(
-        "Device", "The profile of the device", "dualsense", options=set(), search=lambda self, context, text: sorted(device_profiles())
-    )
+    device: text("Device", "The profile of the device", "dualsense", search=lambda self, context, text: sorted(device_profiles()))
     band: FloatVectorProperty(
         name="Band (Hz)", description="Lowest and highest frequency of the carrier, in hertz; other pitches are brought into it by octaves",
-        size=2, default=(40.0, 400.0), min=10.0, max=1000.0, options=set()
+        size=2, default=(40.0, 400.0), min=10.0, max=1000.0
     )  # fmt: skip
-    gate: _setting("Gate (dB)", "What is quieter, in decibels below full scale, makes no vibration", -40.0, (-100.0, 0.0))
-    gain: _setting("Gain", "Makes the vibration of the sound stronger or weaker", 1.0, (0.0, 100.0), soft_max=10.0)
-    release: _setting(
+    gate: limited("Gate (dB)", "What is quieter, in decibels below full scale, makes no vibration", -40.0, (-100.0, 0.0))
+    gain: limited("Gain", "Makes the vibration of the sound stronger or weaker", 1.0, (0.0, 100.0), soft_max=10.0)
+    release: limited(
         "Release (s)",
         "How long vibration goes on after the sound: so many seconds later it is 37% as strong",
         0.03,
         (0.001, 2.0),
         precision=3,
     )
-    bursts: share("Onsets", "Strength of the short burst where something begins in the sound", 1.0, options=set())
+    bursts: share("Onsets", "Strength of the short burst where something begins in the sound", 1.0)
     kept: text("Vibration", "What was made of the sound", options={"HIDDEN"}, update=changed)
     waves: text("Waves", "The sound and its vibration as the panel draws them", options={"HIDDEN"})
     is_edited: switch("Edited", "These settings have changed since the conversion", options={"HIDDEN"})

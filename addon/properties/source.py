@@ -5,9 +5,8 @@ from __future__ import annotations
 from bpy.props import PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from .callbacks import updating
+from .callbacks import Imported, updating
 from .drawing import HERTZ, drawing_property
-from .imported import Imported
 from .kinds import choice, limited, number, share, switch, text
 from .sound import HapticSoundProperties
 
