@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from ...core.formats.tracks.envelopes import coarse_envelope
 from ...core.formats.tracks.listener_tracks import Row
 from ..blender import compatibility
+from ..blender.keys import write_keys
 from .track import HapticTrack
 
 INTENSITY, FREQUENCY = "haptics.felt.intensity", "haptics.felt.frequency"
 _GROUP = "Haptics"
-_LINEAR = 1
 
 
 def write_curves(scene: Scene, track: HapticTrack, index: int) -> bool:
@@ -25,7 +25,8 @@ def write_curves(scene: Scene, track: HapticTrack, index: int) -> bool:
         return False
     frames = np.arange(track.frame_start, track.frame_end + 1, dtype=np.float32)
     for path, values in zip((INTENSITY, FREQUENCY), felt(track, index), strict=True):
-        _write(obj, path, frames, values)
+        compatibility.remove_fcurves(obj, {path})
+        write_keys(compatibility.ensure_fcurve(obj, path, _GROUP), frames, values)
     return True
 
 
@@ -53,13 +54,3 @@ def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[n
 def _object(scene: Scene, full_name: str) -> Object | None:
     obj = bpy.data.objects.get(full_name)
     return obj if obj is not None and obj.name in scene.objects else next((o for o in scene.objects if o.name_full == full_name), None)
-
-
-def _write(obj: Object, path: str, frames: NDArray[np.float32], values: NDArray[np.float32]) -> None:
-    compatibility.remove_fcurves(obj, {path})
-    curve = compatibility.ensure_fcurve(obj, path, _GROUP)
-    points = curve.keyframe_points
-    points.add(len(frames))
-    points.foreach_set("co", np.column_stack([frames, values]).ravel())
-    points.foreach_set("interpolation", np.full(len(frames), _LINEAR, dtype=np.int32))
-    curve.update()

@@ -38,19 +38,14 @@ _to_compare: set[int] = set()  # session ids of scenes whose panel waits for a c
 
 def plays(scene: Scene) -> bool:
     """Whether the current frame comes from the track."""
-    bake = scene.haptics.bake
-    if not bake.use_track or bake.track is None:
-        return False
-    track = storage.track_of(scene)
+    track = storage.played_track(scene)
     return track is not None and track.frame_start <= scene.frame_current <= track.frame_end
 
 
 def play(scene: Scene) -> bool:
     """Show the current frame from the track. Returns False if playback of the track is off or the frame was not baked."""
-    if not plays(scene):
-        return False
     started = time.perf_counter()
-    track = storage.track_of(scene)
+    track = storage.played_track(scene)
     result = None if track is None else track.result(scene.frame_current)
     if track is None or result is None:
         return False

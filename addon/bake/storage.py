@@ -45,6 +45,11 @@ def track_of(scene: Scene) -> HapticTrack | None:
     return track_in(scene.haptics.bake.track)
 
 
+def played_track(scene: Scene) -> HapticTrack | None:
+    """The track that the frames of a scene come from; None while they are traced."""
+    return track_of(scene) if scene.haptics.bake.use_track else None
+
+
 def track_in(text: Text | None) -> HapticTrack | None:
     """The track in a text; None if there is none, or none that can be read."""
     return _kept(text)[0]

@@ -10,7 +10,7 @@ import json
 import math
 import struct
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -62,17 +62,17 @@ class TrackSource:
         return SourceKind.PERSISTENT if self.second_object is None and not self.onset else SourceKind.TEMPORARY
 
 
-# Name, type and number of axes; `_shapes` has the shapes.
 _ARRAYS = (
-    ("samples", "<i2"),
-    ("offsets", "<i8"),
-    ("places", "<f4"),
-    ("rows", "<i8"),
-    ("row_source", "<i4"),
-    ("row_amplitude", "<f4"),
-    ("row_place", "<f4"),
-    ("row_gain", "<f4"),
+    ("samples", "<i2", "l, n"),
+    ("offsets", "<i8", "f + 1"),
+    ("places", "<f4", "f, l, 3"),
+    ("rows", "<i8", "f + 1"),
+    ("row_source", "<i4", "r"),
+    ("row_amplitude", "<f4", "r"),
+    ("row_place", "<f4", "r, 3"),
+    ("row_gain", "<f4", "r, l"),
 )
+"""Name, type and axes of each array, see `HapticTrack`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,10 +132,7 @@ class HapticTrack:
             return None
         first, last = self.offsets[k : k + 2].tolist()
         rows = slice(*self.rows[k : k + 2].tolist())
-        sources = tuple(
-            self._source(*row)
-            for row in zip(self.row_source[rows].tolist(), self.row_amplitude[rows].tolist(), self.row_place[rows].tolist(), strict=True)
-        )
+        sources = tuple(map(self._source, self.row_source[rows].tolist(), self.row_amplitude[rows].tolist(), self.row_place[rows].tolist()))
         listeners = tuple(
             Listener(item.name, item.name, tuple(place), item.body_part, item.radius, 1.0, "cumulative", item.s_max)
             for item, place in zip(self.listeners, self.places[k].tolist(), strict=True)
@@ -147,7 +144,12 @@ class HapticTrack:
             time=self.start + k * self.frame_duration,
             objects=self._table.names,
             contacts=ContactSet.empty(),
-            graph=build_graph(self._table, ContactSet.empty(), self._alone(sources), self._alone(listeners)),
+            graph=build_graph(
+                self._table,
+                ContactSet.empty(),
+                [Source(item.name, f"Source {k}", item.position, item.amplitude, item.kind) for k, item in enumerate(sources)],
+                [Listener(item.name, f"Listener {k}", item.position) for k, item in enumerate(listeners)],
+            ),
             propagation=Propagation(
                 gain=gains,
                 error_bound=np.zeros(shape),
@@ -176,18 +178,9 @@ class HapticTrack:
 
     @cached_property
     def _table(self) -> ObjectTable:
-        """A table with one object per node, without connections, so that none are drawn."""
+        """A table with an object of its own for every source and listener, without connections, so that none are drawn."""
         count = max(len(self.listeners), int(np.diff(self.rows).max(initial=0)))
         return ObjectTable.of([HapticObject(f"{kind} {k}", 0.0, 1.0) for kind in ("Listener", "Source") for k in range(count)], 0.1)
-
-    def _alone(self, items: Sequence[Any]) -> list[Any]:
-        """Sources or listeners, each on its own object."""
-        return [
-            Source(item.name, f"Source {k}", item.position, item.amplitude, item.kind)
-            if isinstance(item, Source)
-            else Listener(item.name, f"Listener {k}", item.position)
-            for k, item in enumerate(items)
-        ]
 
     def to_bytes(self) -> bytes:
         """The track as bytes."""
@@ -204,7 +197,7 @@ class HapticTrack:
             "sources": [[item.name, item.object, item.second_object, item.onset] for item in self.sources],
             "digest": self.digest,
         }
-        packed = [zlib.compress(np.ascontiguousarray(getattr(self, name), dtype=kind).tobytes(), 4) for name, kind in _ARRAYS]
+        packed = [zlib.compress(np.ascontiguousarray(getattr(self, name), dtype=kind).tobytes(), 4) for name, kind, _ in _ARRAYS]
         text = zlib.compress(json.dumps({**header, "packed": [len(data) for data in packed]}, allow_nan=False).encode(), 6)
         return b"".join([MAGIC, struct.pack("<II", VERSION, len(text)), text, *packed])
 
@@ -220,8 +213,6 @@ def track_from_bytes(data: bytes) -> HapticTrack:
     try:
         header = parse_json(_unpacked(data[place : place + length], MAX_HEADER), "haptic track")
         return _track(header, data, place + length)
-    except TrackError:
-        raise
     except (ValueError, TypeError, KeyError, IndexError, OverflowError, AttributeError, zlib.error) as error:
         raise TrackError(f"the haptic track is damaged: bake again ({error})") from None
 
@@ -230,25 +221,25 @@ def _unpacked(data: bytes, most: int) -> bytes:
     unpacker = zlib.decompressobj()
     result = unpacker.decompress(data, most)
     if not unpacker.eof:
-        raise TrackError("the haptic track is damaged: bake again (it is cut off, or larger than it says)")
+        raise ValueError("it is cut off, or larger than it says")
     return result
 
 
 def _count(value: Any, most: int) -> int:
     if type(value) is not int or not 0 <= value <= most:
-        raise TrackError(f"the haptic track is damaged: bake again ({value!r} is not from 0 to {most})")
+        raise ValueError(f"{value!r} is not from 0 to {most}")
     return value
 
 
 def _number(value: Any, low: float, high: float) -> float:
     if type(value) not in (int, float) or not low <= value <= high:
-        raise TrackError(f"the haptic track is damaged: bake again ({value!r} is not from {low:g} to {high:g})")
+        raise ValueError(f"{value!r} is not from {low:g} to {high:g}")
     return float(value)
 
 
 def _text(value: Any, empty: bool = False) -> str:
     if not isinstance(value, str) or not (empty or value) or len(value) > 1024:
-        raise TrackError("the haptic track is damaged: bake again (a name is missing)")
+        raise ValueError("a name is missing")
     return value
 
 
@@ -265,36 +256,28 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
     _count(len(sources), MAX_SOURCES)
     frames, rows = _count(header["frames"], MAX_FRAMES), _count(header["rows"], 1 << 28)
     samples = _count(header["samples"], MAX_BYTES // 2 // max(width, 1))
-    shapes = {
-        "samples": (width, samples),
-        "offsets": (frames + 1,),
-        "places": (frames, width, 3),
-        "rows": (frames + 1,),
-        "row_source": (rows,),
-        "row_amplitude": (rows,),
-        "row_place": (rows, 3),
-        "row_gain": (rows, width),
-    }
+    lengths = {"l": width, "n": samples, "f": frames, "f + 1": frames + 1, "r": rows, "3": 3}
     arrays = {}
-    for (name, kind), packed in zip(_ARRAYS, header["packed"], strict=True):
-        size = math.prod(shapes[name]) * np.dtype(kind).itemsize
+    for (name, kind, axes), packed in zip(_ARRAYS, header["packed"], strict=True):
+        shape = [lengths[axis] for axis in axes.split(", ")]
+        size = math.prod(shape) * np.dtype(kind).itemsize
         if size > 2 * MAX_BYTES:
-            raise TrackError("the haptic track is damaged: bake again (it is larger than any)")
+            raise ValueError("it is larger than any")
         values = _unpacked(data[place : place + _count(packed, len(data))], size + 1)
         if len(values) != size:
-            raise TrackError(f"the haptic track is damaged: bake again ({name} has {len(values)} bytes, not {size})")
-        arrays[name] = np.frombuffer(values, dtype=kind).reshape(shapes[name])
+            raise ValueError(f"{name} has {len(values)} bytes, not {size}")
+        arrays[name] = np.frombuffer(values, dtype=kind).reshape(shape)
         place += packed
     for name, array in arrays.items():
         if array.dtype.kind == "f" and not (np.abs(array) <= 1e9).all():
-            raise TrackError(f"the haptic track is damaged: bake again ({name} is not finite)")
+            raise ValueError(f"{name} is not finite")
     for name, end in (("offsets", samples), ("rows", rows)):
         steps = arrays[name]
         if steps[0] != 0 or steps[-1] != end or (np.diff(steps) < 0).any():
-            raise TrackError(f"the haptic track is damaged: bake again ({name} are out of order)")
+            raise ValueError(f"{name} are out of order")
     number = arrays["row_source"]
     if ((number < 0) | (number >= len(sources))).any() or (arrays["row_gain"] < 0).any():
-        raise TrackError("the haptic track is damaged: bake again (a source is missing)")
+        raise ValueError("a source is missing")
     digest = header["digest"]
     return HapticTrack(
         frame_start=_count(header["frame_start"] + 2**31, 2**32) - 2**31,

@@ -16,8 +16,7 @@ _kept: dict[int, Background[Waves | None]] = {}  # by session id of the scene
 
 def waves_of(scene: Scene) -> Waves | None:
     """The waves of the track that is played, without waiting; None if there are none yet."""
-    bake = scene.haptics.bake
-    track = storage.track_of(scene) if bake.use_track and bake.track is not None else None
+    track = storage.played_track(scene)
     if track is None:
         return None
     mark = storage.stamp(scene)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator, Iterator
+from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import closing
 from dataclasses import replace
-from typing import Protocol
 
 import bpy
 import numpy as np
@@ -24,12 +23,6 @@ from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
 
 
-class FrameSource(Protocol):
-    """A baked track: the results of frames without tracing."""
-
-    def result(self, frame: int) -> FrameResult | None: ...
-
-
 class Capture:
     """The frames ``start`` to ``end`` of ``scene``, traced one after the other.
 
@@ -40,7 +33,7 @@ class Capture:
         recorded: Whether the scene and its changes are captured.
         felt: Whether the samples of the listeners are captured.
         names: Names of the objects, sources and listeners to capture; None for all. All are traced.
-        track: A baked track of the range to read the samples from instead of tracing; only if the scene itself is not captured.
+        read: Reads a frame of the range from a baked track instead of tracing it; only if the scene itself is not captured.
     """
 
     def __init__(
@@ -51,10 +44,10 @@ class Capture:
         recorded: bool,
         felt: bool,
         names: Collection[str] | None = None,
-        track: FrameSource | None = None,
+        read: Callable[[int], FrameResult | None] | None = None,
     ) -> None:
         self.scene, self.start, self.end, self.names = scene, start, end, names
-        self._track = None if recorded else track
+        self._read = read
         self._recorder = SceneRecorder(scene.render.fps / scene.render.fps_base, scene.frame_start) if recorded else None
         self._tracks = TrackRecorder() if felt else None
         self._first: Export | None = None
@@ -88,13 +81,13 @@ class Capture:
         return replace(self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording())
 
     def _results(self) -> Generator[FrameResult, None, None]:
-        if self._track is None:
+        if self._read is None:
             with closing(timeline.steps(self.scene, self.start, self.end, self._tracks is None)) as steps:
                 for step in steps:
                     yield step.result
             return
         for frame in range(self.start, self.end + 1):
-            result = self._track.result(frame)
+            result = self._read(frame)
             assert result is not None  # the track contains the range
             # The samples of the first frame precede its time.
             yield replace(result, block=None) if frame == self.start else result

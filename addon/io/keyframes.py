@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from bpy.types import Object
@@ -14,117 +15,96 @@ from ...core.formats.scene.poses import PoseRow
 from ...core.formats.scene.recording import RecordedFrame, Recording
 from ...core.scene.values import HapticScene, Listener, Pose, Source, SourceKind, Vector
 from ..blender.compatibility import ensure_fcurve
+from ..blender.keys import write_keys
 
 Keys = dict[int, tuple[float, ...]]
 """Values by frame."""
 
-LINEAR = 1
 STILL = 1e-4
 """Largest motion [m] relative to its object of a source or listener that counts as fixed to it, because poses in files are rounded."""
 
-
-@dataclass(frozen=True, slots=True)
-class _Changes:
-    """Changes by name: poses and (κ, ρ) of objects, amplitudes of sources, gains of listeners; positions and objects of sources and
-    listeners by ``source <name>`` and ``listener <name>``; presence of objects and listeners: 1 or 0."""
-
-    poses: dict[str, Keys]
-    properties: dict[str, Keys]
-    amplitudes: dict[str, Keys]
-    gains: dict[str, Keys]
-    places: dict[str, Keys]
-    carriers: dict[str, str]
-    objects_there: dict[str, Keys]
-    listeners_there: dict[str, Keys]
-
-    @classmethod
-    def of(cls, scene: HapticScene, recording: Recording) -> _Changes:
-        """The changes of a recording."""
-        first = recording.frames[0].number
-        changes = cls({}, {}, {}, {}, {}, {}, {}, {})
-        begin = RecordedFrame(first, objects=scene.objects, sources=scene.sources, listeners=scene.listeners)
-        for frame in (begin, *recording.frames):
-            changes._add(frame, first)
-        return changes
-
-    def _add(self, change: RecordedFrame, first: int) -> None:
-        number = change.number
-        for name in change.removed_objects:
-            self.objects_there[name][number] = (0.0,)
-        for name in change.removed_listeners:
-            self.listeners_there[name][number] = (0.0,)
-        for item in change.objects:
-            self.objects_there.setdefault(item.name, {first: (0.0,)})[number] = (1.0,)
-            self.poses.setdefault(item.name, {})[number] = _row(item.pose)
-            self.properties.setdefault(item.name, {})[number] = (item.kappa, item.rho)
-        for listener in change.listeners:
-            self.listeners_there.setdefault(listener.name, {first: (0.0,)})[number] = (1.0,)
-            self.gains.setdefault(listener.name, {})[number] = (listener.gain,)
-        for source in change.sources:
-            before: Keys = {first: (0.0,)} if source.kind is SourceKind.PERSISTENT else {}
-            self.amplitudes.setdefault(source.name, before)[number] = (source.amplitude,)
-        for key, attached in _attached(change):
-            self.places.setdefault(key, {})[number] = attached.position
-            self.carriers.setdefault(key, attached.object)
-        for name, row in change.poses.items():
-            self.poses[name][number] = row
-        for name, pair in change.properties.items():
-            self.properties[name][number] = pair
-        for name, amplitude in change.amplitudes.items():
-            self.amplitudes[name][number] = (amplitude,)
-        for name, positions in change.source_positions.items():
-            self.places[f"source {name}"][number] = positions[0]
-        for name, position in change.listener_positions.items():
-            self.places[f"listener {name}"][number] = position
-        for name, gain in change.gains.items():
-            self.gains[name][number] = (gain,)
-
-
-def _attached(change: RecordedFrame) -> Iterator[tuple[str, Source | Listener]]:
-    """The sources and listeners that appear in a frame, by the keys of their positions."""
-    yield from ((f"source {item.name}", item) for item in change.sources)
-    yield from ((f"listener {item.name}", item) for item in change.listeners)
+POSE, PLACE = "pose", "place"
+KAPPA, RHO, ENABLED = "haptics.kappa", "haptics.rho", "haptics.enabled"
+AMPLITUDE, GAIN, LISTENS = "haptics.source.amplitude", "haptics.listener.gain", "haptics.listener.enabled"
+"""What changes: a pose, a position, or a property by its data path."""
 
 
 def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[str, Object], attached: Mapping[str, Object]) -> list[str]:
     """Keyframes for all that changes; ``objects``: Blender's, by the names of haptic objects, ``attached``: those of sources and listeners,
     by ``source <name>`` and ``listener <name>``. Returns sentences about losses.
     """
-    changes = _Changes.of(scene, recording)
+    begin = RecordedFrame(recording.frames[0].number, objects=scene.objects, sources=scene.sources, listeners=scene.listeners)
+    frames = (begin, *recording.frames)
+    changes = _changes(frames)
+    owners = {**{f"object {name}": obj for name, obj in objects.items()}, **attached}
     losses = [f"the function of {name} over time" for name in sorted({name for change in recording.frames for name in change.functions})]
-    for name, keys in changes.poses.items():
+    for key, keys in changes[POSE].items():
         if len(keys) > 1:
-            rows = _held(keys)
-            _write(objects[name], {("location", k): (rows[0], rows[1][:, k]) for k in range(3)})
-            turned = _continuous(rows[1][:, 3:])
-            _write(objects[name], {("rotation_quaternion", k): (rows[0], turned[:, k]) for k in range(4)})
-    _write_all(changes.properties, objects, "", ("haptics.kappa", "haptics.rho"))
-    _write_all(changes.amplitudes, attached, "source ", ("haptics.source.amplitude",))
-    _write_all(changes.gains, attached, "listener ", ("haptics.listener.gain",))
-    _write_all(changes.objects_there, objects, "", ("haptics.enabled",))
-    _write_all(changes.listeners_there, attached, "listener ", ("haptics.listener.enabled",))
-    for key, keys in changes.places.items():
-        carrier = changes.carriers[key]
-        local = _local(keys, changes.poses[carrier])
-        begin = next(iter(local.values()))
-        drifts = np.abs(np.array(list(local.values())) - begin).max() > STILL
-        if attached[key] is objects[carrier]:
+            times, rows = _held(keys)
+            _write(owners[key], "location", times, rows[:, :3])
+            _write(owners[key], "rotation_quaternion", times, _continuous(rows[:, 3:]))
+    for path in (KAPPA, RHO, AMPLITUDE, GAIN, ENABLED, LISTENS):
+        for key, keys in changes[path].items():
+            if len(keys) > 1:
+                _write(owners[key], path, *_held(keys))
+    carriers = {owner: item.object for change in reversed(frames) for owner, item in _attached(change)}
+    for key, keys in changes[PLACE].items():
+        carrier = f"object {carriers[key]}"
+        local = _local(keys, changes[POSE][carrier])
+        first = next(iter(local.values()))
+        drifts = np.abs(np.array(list(local.values())) - first).max() > STILL
+        if attached[key] is owners[carrier]:
             if drifts:
                 losses.append(f"{key} moves apart from its object")
             continue
-        attached[key].location = begin  # what begins later does so where its object has come to
+        attached[key].location = first  # what begins later does so where its object has come to
         if drifts:
-            times, values = _held(local)
-            _write(attached[key], {("location", k): (times, values[:, k]) for k in range(3)})
+            _write(attached[key], "location", *_held(local))
     return losses
 
 
-def _write_all(changes: Mapping[str, Keys], owners: Mapping[str, Object], prefix: str, paths: Sequence[str]) -> None:
-    """Write keyframes of properties, one per column of the changes."""
-    for name, keys in changes.items():
-        if len(keys) > 1:
-            times, values = _held(keys)
-            _write(owners[prefix + name], {(path, 0): (times, values[:, k]) for k, path in enumerate(paths)})
+def _changes(frames: Sequence[RecordedFrame]) -> Mapping[str, Mapping[str, Keys]]:
+    """The values over time by what changes, and by owner: ``object <name>``, ``source <name>`` or ``listener <name>``. What appears later
+    is absent in the first frame; a source is silent there unless it is temporary."""
+    temporary = {f"source {item.name}" for frame in frames for item in frame.sources if item.kind is not SourceKind.PERSISTENT}
+    found: dict[str, dict[str, Keys]] = defaultdict(lambda: defaultdict(dict))
+    for frame in frames:
+        for what, owner, *values in _changed(frame):
+            keys = found[what][owner]
+            if what in (AMPLITUDE, ENABLED, LISTENS) and owner not in temporary:
+                keys.setdefault(frames[0].number, (0.0,))
+            keys[frame.number] = tuple(values)
+    return found
+
+
+def _changed(change: RecordedFrame) -> Iterator[tuple[Any, ...]]:
+    """What changes in a frame, its owner, and the values."""
+    yield from ((ENABLED, f"object {name}", 0.0) for name in change.removed_objects)
+    yield from ((LISTENS, f"listener {name}", 0.0) for name in change.removed_listeners)
+    for item in change.objects:
+        yield ENABLED, f"object {item.name}", 1.0
+        yield POSE, f"object {item.name}", *_row(item.pose)
+        yield KAPPA, f"object {item.name}", item.kappa
+        yield RHO, f"object {item.name}", item.rho
+    for listener in change.listeners:
+        yield LISTENS, f"listener {listener.name}", 1.0
+        yield GAIN, f"listener {listener.name}", listener.gain
+    yield from ((AMPLITUDE, f"source {source.name}", source.amplitude) for source in change.sources)
+    yield from ((PLACE, owner, *item.position) for owner, item in _attached(change))
+    yield from ((POSE, f"object {name}", *row) for name, row in change.poses.items())
+    for name, (kappa, rho) in change.properties.items():
+        yield KAPPA, f"object {name}", kappa
+        yield RHO, f"object {name}", rho
+    yield from ((AMPLITUDE, f"source {name}", amplitude) for name, amplitude in change.amplitudes.items())
+    yield from ((PLACE, f"source {name}", *positions[0]) for name, positions in change.source_positions.items())
+    yield from ((PLACE, f"listener {name}", *position) for name, position in change.listener_positions.items())
+    yield from ((GAIN, f"listener {name}", gain) for name, gain in change.gains.items())
+
+
+def _attached(change: RecordedFrame) -> Iterator[tuple[str, Source | Listener]]:
+    """The sources and listeners that appear in a frame, by owner as in `_changes`."""
+    yield from ((f"source {item.name}", item) for item in change.sources)
+    yield from ((f"listener {item.name}", item) for item in change.listeners)
 
 
 def _row(pose: Pose | None) -> PoseRow:
@@ -171,10 +151,7 @@ def local_place(place: Sequence[float], pose: Pose | None) -> Vector:
     return x, y, z
 
 
-def _write(obj: Object, curves: Mapping[tuple[str, int], tuple[FloatArray, FloatArray]]) -> None:
-    for (path, index), (times, values) in curves.items():
-        curve = ensure_fcurve(obj, path, index=index)
-        curve.keyframe_points.add(len(times))
-        curve.keyframe_points.foreach_set("co", np.column_stack([times, values]).astype(np.float32).ravel())
-        curve.keyframe_points.foreach_set("interpolation", np.full(len(times), LINEAR, dtype=np.int32))
-        curve.update()
+def _write(obj: Object, path: str, times: FloatArray, values: FloatArray) -> None:
+    """Keys of a property with straight lines between them; ``values``: (k, n), a curve per column."""
+    for index, column in enumerate(values.T):
+        write_keys(ensure_fcurve(obj, path, index=index), times, column)

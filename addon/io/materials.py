@@ -11,7 +11,7 @@ from bpy.types import Scene
 
 from ...core.formats.scene.materials_json import LibraryMaterial
 from ...core.scene.values import HapticObject
-from ..blender.single_precision import shortest
+from ..blender.single_precision import authored
 from ..properties.materials import add_material, own_values
 
 _KEYS = tuple(item.name for item in fields(LibraryMaterial) if item.name != "name")
@@ -48,10 +48,4 @@ def take_materials(scene: Scene, materials: Sequence[LibraryMaterial]) -> list[s
 
 
 def _material(name: str, values: Mapping[str, Any]) -> LibraryMaterial:
-    return LibraryMaterial(name, **{key: _typed(values[key]) for key in _KEYS})
-
-
-def _typed(value: Any) -> Any:
-    if isinstance(value, bool):
-        return value
-    return shortest(value) if isinstance(value, float | int) else tuple(map(shortest, value))
+    return LibraryMaterial(name, **{key: authored(values[key]) for key in _KEYS})

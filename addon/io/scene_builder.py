@@ -185,7 +185,8 @@ class _Builder:
             del extras[EXTRAS]
             self._take_time(known)
         tolerance = None if settings.tolerance == Settings().tolerance else settings.tolerance
-        haptics.imported = text_of(numbers=numbers | self._take_rules(), tolerance=tolerance, slack=self._slack(), extras=extras)
+        slack = None if self.haptic.rules.slack == ContactSettings().slack else self.haptic.rules.slack
+        haptics.imported = text_of(numbers=numbers | self._take_rules(), tolerance=tolerance, slack=slack, extras=extras)
         for part in self.export.modalities:
             getattr(haptics.modalities, part.modality.name).enabled = part.enabled
 
@@ -204,10 +205,6 @@ class _Builder:
         if rules.time_scale != (scene.rigidbody_world.time_scale if scene.rigidbody_world is not None else 1.0):
             self.lose("time scale, which a rigid body world has here", f"{rules.time_scale:g}")
         return write_numbers(haptics, **{name: getattr(rules, rule) for name, rule in RULES.items()})
-
-    def _slack(self) -> float | None:
-        slack = self.haptic.rules.slack
-        return None if slack == ContactSettings().slack else slack
 
     def _take_time(self, known: Mapping[str, Any]) -> None:
         rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))

@@ -48,19 +48,16 @@ class _Stream:
         self.sample_rate = sample_rate
         self._aud = aud
         self._sequence = aud.Sequence(channels=aud.CHANNELS_STEREO, rate=RATE, fps=RATE / PIECE)
-        self._handle = device.play(self._sequence)
-        self._handle.volume = volume
+        self.handle = device.play(self._sequence)
+        self.handle.volume = volume
         self._resampler = Resampler(2, round(sample_rate), RATE)
         self._pending = np.zeros((2, 0))
         self._next = -1  # number of the next piece; none before the first
         self._entries: deque[tuple[int, Any]] = deque()
 
-    def set_volume(self, volume: float) -> None:
-        self._handle.volume = volume
-
     def append(self, stereo: FloatArray) -> None:
         """The next samples, (2, n)."""
-        position = float(self._handle.position)
+        position = float(self.handle.position)
         now = int(max(position, 0.0) * RATE / PIECE)
         if self._next < now or self._next > now + _LATE * RATE / PIECE:
             self._drop(now)
@@ -75,13 +72,10 @@ class _Stream:
 
     def silence(self) -> None:
         """Drop everything after the piece that is being played."""
-        self._drop(int(max(float(self._handle.position), 0.0) * RATE / PIECE) + 2)
+        self._drop(int(max(float(self.handle.position), 0.0) * RATE / PIECE) + 2)
         self._next = -1
         self._pending = self._pending[:, :0]
         self._resampler.reset()
-
-    def stop(self) -> None:
-        self._handle.stop()
 
     def _add(self, piece: FloatArray) -> None:
         begin = self._next * PIECE / RATE
@@ -126,7 +120,7 @@ def switch_off() -> None:
         _state.heard.stop()
         _state.heard = None
     if _state.stream is not None:
-        _state.stream.stop()
+        _state.stream.handle.stop()
         _state.stream = None
 
 
@@ -134,7 +128,7 @@ def set_volume(volume: float) -> None:
     """Set the volume, 0 to 1."""
     _state.volume = volume
     if _state.stream is not None:
-        _state.stream.set_volume(volume)
+        _state.stream.handle.volume = volume
 
 
 def hear(signal: Signal) -> None:

@@ -70,7 +70,7 @@ class RangeExport(Action, ExportHelper):
         """Step through the range, then ``finish``."""
         scene, start, end = context.scene, self.frame_start, self.frame_end
         track = None if recorded else playback.fitting_track(scene, start, end)
-        work = capture.Capture(scene, start, end, recorded, felt, self.names(), track)
+        work = capture.Capture(scene, start, end, recorded, felt, self.names(), None if track is None else track.result)
         name = export_name(self.filepath)
         return job.run(self, context, job.Job("Exporting", work.frames, work.steps(), lambda running: finish(work.export(name), running)))
 

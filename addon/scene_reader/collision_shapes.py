@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
@@ -86,45 +88,43 @@ def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
     return Compound(tuple(children))
 
 
-def _mesh_source(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[Any, Object]:
+@contextmanager
+def _surface(obj: Object, depsgraph: Depsgraph, source: str) -> Iterator[Any]:
+    """The mesh of an object's surface, with its modifiers unless ``source`` is "BASE". Raises ValueError where it has none."""
     owner = obj if source == "BASE" else obj.evaluated_get(depsgraph)
     try:
-        return owner.to_mesh(), owner
+        mesh = owner.to_mesh()
     except RuntimeError:
         words = iface_("it is a {} and has no surface; use a mesh, or a listener or source on an empty")
         raise ValueError(words.format(obj.type.lower())) from None
-
-
-def vertices_of(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
-    """Corners (n, 3) of the surface of an object in its own space, with its modifiers unless ``source`` is "BASE". Raises ValueError where
-    it has none."""
-    mesh, owner = _mesh_source(obj, depsgraph, source)
     try:
-        return _read_vertices(mesh)
+        if mesh is None or len(mesh.vertices) == 0:
+            raise ValueError(iface_("its mesh has no vertices"))
+        yield mesh
     finally:
         owner.to_mesh_clear()
 
 
-def _read_vertices(mesh: Any) -> FloatArray:
-    if mesh is None or len(mesh.vertices) == 0:
-        raise ValueError(iface_("its mesh has no vertices"))
+def vertices_of(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
+    """Corners (n, 3) of the surface of an object in its own space, see `_surface`."""
+    with _surface(obj, depsgraph, source) as mesh:
+        return _vertices(mesh)
+
+
+def _vertices(mesh: Any) -> FloatArray:
     values = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", values)
     return values.reshape(-1, 3).astype(np.float64)
 
 
 def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArray, IntArray]:
-    mesh, owner = _mesh_source(obj, depsgraph, source)
-    try:
-        vertices = _read_vertices(mesh)
+    with _surface(obj, depsgraph, source) as mesh:
         mesh.calc_loop_triangles()
         if len(mesh.loop_triangles) == 0:
             raise ValueError(iface_("its mesh has no faces"))
         triangles = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
         mesh.loop_triangles.foreach_get("vertices", triangles)
-        return vertices, triangles.reshape(-1, 3).astype(np.int64)
-    finally:
-        owner.to_mesh_clear()
+        return _vertices(mesh), triangles.reshape(-1, 3).astype(np.int64)
 
 
 def _bounding_box(obj: Object, depsgraph: Depsgraph) -> FloatArray:

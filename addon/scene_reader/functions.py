@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from ...core.scene.functions import TRANSMISSIONS, Identity, ModulationFunction, Spectrum, function_from_dict
-from ..blender.single_precision import shortest
+from ..blender.single_precision import authored, shortest
 from ..properties.function import CONTACT_PARAMETERS, PARAMETERS
 from .imported import imported_object
 
@@ -37,22 +37,18 @@ def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bo
 
 def function_of_properties(haptics: Any) -> ModulationFunction:
     """The propagation function defined by an object's properties. Raises ValueError."""
-    parameters = {key: _typed(getattr(haptics, name)) for key, name in PARAMETERS.get(haptics.function, {}).items()}
+    parameters = {key: authored(getattr(haptics, name)) for key, name in PARAMETERS.get(haptics.function, {}).items()}
     if haptics.wave_speed > 0:
         parameters["wave_speed"] = shortest(haptics.wave_speed)
     if haptics.material.use_bands:
-        parameters["band_decays"] = tuple(map(shortest, haptics.material.band_decays))
+        parameters["band_decays"] = authored(haptics.material.band_decays)
     return function_from_dict({"function": haptics.function, **parameters})
 
 
 def read_transmission(row: Any) -> tuple[ModulationFunction, str]:
     """The function of a rule of contacts; the identity and the reason if it is invalid."""
-    parameters = {key: _typed(getattr(row, name)) for key, name in CONTACT_PARAMETERS.get(row.function, {}).items()}
+    parameters = {key: authored(getattr(row, name)) for key, name in CONTACT_PARAMETERS.get(row.function, {}).items()}
     try:
         return function_from_dict({"function": row.function, **parameters}, TRANSMISSIONS), ""
     except ValueError as error:
         return Identity(), str(error)
-
-
-def _typed(value: Any) -> Any:
-    return shortest(value) if isinstance(value, float) else value

@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from bpy.types import Object, Scene
 
 from ...core.modalities import Modality
 from ...core.modalities.propagation import Emitter, ModalityScene
+from ...core.scene.values import HapticObject
 from ..properties.function import PARAMETERS
+from ..properties.modalities import SHOWN
 from .imported import Imported, exact, imported_object, near
 from .roles import haptic_carrier
+
+
+def read_modalities(scene: Scene, objects: Iterable[HapticObject]) -> tuple[tuple[ModalityScene, ...], tuple[str, ...]]:
+    """The values of the haptic ``objects`` for the enabled modalities, and their problems."""
+    found, errors = [], []
+    for modality in SHOWN:
+        if getattr(scene.haptics.modalities, modality.name).enabled:
+            try:
+                found.append(read_modality(modality, scene, {item.name for item in objects}))
+            except ValueError as error:
+                errors.append(f"{modality.title}: {error}")
+    return tuple(found), tuple(errors)
 
 
 def read_modality(modality: Modality, scene: Scene, names: set[str]) -> ModalityScene:

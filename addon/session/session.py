@@ -14,7 +14,7 @@ from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
 from ...core.collisions import EXACT_FRAMES
-from ...core.modalities.propagation import ModalityScene
+from ...core.modalities.propagation import Felt, ModalityScene, feel
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.render.mixdown import block_of
@@ -26,11 +26,12 @@ from ..changes.events import file_changed
 from ..changes.suspension import is_stepped
 from ..scene_reader.digest import motion_of
 from ..scene_reader.kept_impacts import impacts_from_text, text_of_impacts
+from ..scene_reader.modalities import read_modalities
 from ..scene_reader.problem import Problem
 from ..scene_reader.reader import SceneReader, edited_geometry
 from ..scene_reader.reading import Reading
 from ..scene_reader.settings import read_settings
-from . import modalities, sessions, worker
+from . import sessions, worker
 from .derived import shows_samples
 from .sessions import Session, Traced, known, problems_in
 
@@ -219,9 +220,9 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = 
         session.reading, session.result, session.problems, session.frame, session.shown = None, None, (), None, None
         session.failure = ()
         return
-    others, errors = modalities.read(scene, reading.objects)
+    others, errors = read_modalities(scene, reading.objects)
     session.reading = reading
-    session.tracer.collisions.lazy = live and not others
+    session.tracer.collisions.lazy = live and not others  # other modalities need contacts without vibration, too
     session.tracer.collisions.settings = reading.contact_settings
     step, whole = scene.render.fps_base / scene.render.fps, scene.frame_subframe == 0
     follows = session.frame is not None and scene.frame_current == session.frame + 1
@@ -280,19 +281,30 @@ def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult |
             raise
         if frame.heard:
             session.history.feed(result)
-        felt, errors = modalities.felt_of(begun.modalities, result, frame.settings)
+        felt, errors = _felt(begun, result)
         result = replace(
             result,
             milliseconds={"read": begun.read_milliseconds, **result.milliseconds},
             statistics={**result.statistics, **begun.statistics},
         )
         samples = session.history.all() if frame.heard else np.zeros((len(result.listeners), 0))
-        errors = begun.errors + errors
         session.shown = Traced(begun.serial, result, frame.settings, samples, begun.reading, felt, errors)
         return session.shown
     except BaseException:
         session.shown = None
         raise
+
+
+def _felt(begun: _Begun, result: FrameResult) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
+    """The values of the modalities other than vibration at the listeners of a frame, through the same contacts, and all errors."""
+    felt, errors = [], [*begun.errors]
+    for own in begun.modalities:
+        values, settings = own.values, begun.reading.settings
+        try:
+            felt.append(feel(own.modality, result.objects, values, result.contacts, own.emitters, result.listeners, settings, own.forms))
+        except ValueError as error:
+            errors.append(f"{own.modality.title}: {error}")
+    return tuple(felt), tuple(errors)
 
 
 def _follow(session: Session) -> None:
