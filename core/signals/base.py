@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .automation import Automation, checked_parameter, largest, values_of
-from .limits import MAX_PEAK, checked_integer, checked_number, within
+from .limits import MAX_PEAK, within
 
 
 def sample_times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
@@ -36,18 +36,22 @@ class Signal(ABC):
     """An immutable function of time in seconds, 0 before its beginning and after its end.
 
     `a * b` is the product (an envelope times an oscillator), `a * 0.5` a gain, `a + b` the sum, `a >> b` first `a`, then `b`.
-    A subclass is a frozen dataclass whose fields, under the name in `kind`, are its JSON form. Making it raises ValueError that names a
-    field which is out of its range.
+    A subclass is a frozen dataclass whose fields, under the name `kind`, are its JSON form. Making it raises ValueError that names a
+    field whose check, in its metadata, refuses it.
     """
 
     __slots__ = ()
 
     kind: ClassVar[str]
 
+    def __init_subclass__(cls, kind: str = "") -> None:
+        if kind:
+            cls.kind = kind
+
     def __post_init__(self) -> None:
-        for name, check, bounds, unlimited in _checks(type(self)):
+        for name, check, unlimited in _checks(type(self)):
             value = getattr(self, name)
-            checked = value if value == unlimited else check(name, value, *bounds)
+            checked = value if value == unlimited else check(name, value)
             if checked is not value:
                 object.__setattr__(self, name, checked)
 
@@ -122,24 +126,53 @@ class Signal(ABC):
         return Sequence((self, other)) if isinstance(other, Signal) else NotImplemented
 
 
+class Amplified(Signal):
+    """Base of signals of a magnitude of at most their `amplitude`, a number or an automation."""
+
+    __slots__ = ()
+
+    amplitude: float | Automation
+
+    @property
+    def peak(self) -> float:
+        return largest(self.amplitude)
+
+
 def json_fields(cls: type[Signal]) -> dict[str, Field[Any]]:
     """Return the fields of a kind of signal by their keys in its JSON form."""
     return {entry.metadata.get("key", entry.name): entry for entry in fields(cls) if entry.init}  # type: ignore[arg-type]
 
 
 @cache
-def _checks(cls: type[Signal]) -> tuple[tuple[str, Callable[..., Any], tuple[float, ...], Any], ...]:
-    """Names, checks, bounds of the fields of a kind of signal that are signals or have a range, and the default if it is not checked."""
-    return tuple(
-        (
-            entry.name,
-            _CHECKS[str(entry.type)],
-            entry.metadata.get("range", ()),
-            entry.default if entry.default in (None, math.inf) else MISSING,
-        )
-        for entry in json_fields(cls).values()
-        if "range" in entry.metadata or "Signal" in str(entry.type)
-    )
+def _checks(cls: type[Signal]) -> list[tuple[str, Callable[[str, object], Any], Any]]:
+    """Names and checks of the fields of a kind of signal that have one, and the default where that is allowed beyond the check."""
+    checked = [entry for entry in json_fields(cls).values() if "check" in entry.metadata]
+    return [(entry.name, entry.metadata["check"], entry.default if entry.default in (None, math.inf) else MISSING) for entry in checked]
+
+
+def _checked_signal(name: str, value: object) -> Signal:
+    if not isinstance(value, Signal):
+        raise ValueError(f"{name}: must be a signal, not {type(value).__name__}")
+    return value
+
+
+def _checked_signals(name: str, value: object) -> tuple[Signal, ...]:
+    if not isinstance(value, tuple) or not value:
+        raise ValueError(f"{name}: must be a tuple of at least one signal")
+    for number, part in enumerate(value):
+        _checked_signal(f"{name}[{number}]", part)
+    return value
+
+
+SIGNAL, SIGNALS = {"check": _checked_signal}, {"check": _checked_signals}
+"""Metadata of a field that is a signal, and of one that is a tuple of signals."""
+
+
+@dataclass(frozen=True, slots=True)
+class Combined(Signal):
+    """Base of signals that are made of several others."""
+
+    of: tuple[Signal, ...] = field(metadata=SIGNALS)
 
 
 def _to_json(value: object) -> object:
@@ -155,13 +188,11 @@ def _to_json(value: object) -> object:
 
 
 @dataclass(frozen=True, slots=True)
-class Gain(Signal):
+class Gain(Signal, kind="gain"):
     """`of` times `gain`, a number or an automation over the signal's own time."""
 
-    kind: ClassVar[str] = "gain"
-
-    of: Signal
-    gain: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
+    of: Signal = field(metadata=SIGNAL)
+    gain: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK, checked_parameter))
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
@@ -189,7 +220,7 @@ class Gain(Signal):
 class Modified(Signal):
     """Base of signals that are made of another one and do not exceed its peak."""
 
-    of: Signal
+    of: Signal = field(metadata=SIGNAL)
 
     @property
     def peak(self) -> float:
@@ -197,12 +228,8 @@ class Modified(Signal):
 
 
 @dataclass(frozen=True, slots=True)
-class Product(Signal):
+class Product(Combined, kind="product"):
     """The product of `of`, as long as the shortest."""
-
-    kind: ClassVar[str] = "product"
-
-    of: tuple[Signal, ...]
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
@@ -227,12 +254,8 @@ class Product(Signal):
 
 
 @dataclass(frozen=True, slots=True)
-class Sum(Signal):
+class Sum(Combined, kind="sum"):
     """The sum of `of`, as long as the longest."""
-
-    kind: ClassVar[str] = "sum"
-
-    of: tuple[Signal, ...]
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
@@ -254,12 +277,8 @@ class Sum(Signal):
 
 
 @dataclass(frozen=True, slots=True)
-class Sequence(Signal):
+class Sequence(Combined, kind="sequence"):
     """`of` one after the other; only the last may be endless."""
-
-    kind: ClassVar[str] = "sequence"
-
-    of: tuple[Signal, ...]
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
@@ -288,31 +307,6 @@ class Sequence(Signal):
 def values_inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
     """Return the signal's values at times that are within its duration up to rounding."""
     return signal.values(np.clip(times, 0.0, np.nextafter(signal.duration, 0.0)), step)
-
-
-def _checked_signal(name: str, value: object) -> Signal:
-    if not isinstance(value, Signal):
-        raise ValueError(f"{name}: must be a signal, not {type(value).__name__}")
-    return value
-
-
-def _checked_signals(name: str, value: object) -> tuple[Signal, ...]:
-    if not isinstance(value, tuple) or not value:
-        raise ValueError(f"{name}: must be a tuple of at least one signal")
-    for number, part in enumerate(value):
-        _checked_signal(f"{name}[{number}]", part)
-    return value
-
-
-_CHECKS: dict[str, Callable[..., Any]] = {
-    "Signal": _checked_signal,
-    "tuple[Signal, ...]": _checked_signals,
-    "float": checked_number,
-    "float | Automation": checked_parameter,
-    "int": checked_integer,
-    "int | None": checked_integer,
-}
-"""Checks of fields by their types."""
 
 
 def _check_peak(name: str, peak: float) -> None:

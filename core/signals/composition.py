@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
 from .base import Modified, values_inside
-from .limits import MAX_SECONDS, MIN_SECONDS, checked_number, within
+from .limits import MAX_SECONDS, MIN_SECONDS, checked_integer, checked_number, within
 
 
 @dataclass(frozen=True, slots=True)
-class Delay(Modified):
+class Delay(Modified, kind="delay"):
     """`of`, `seconds` later."""
-
-    kind: ClassVar[str] = "delay"
 
     seconds: float = field(default=0.0, metadata=within(0.0, MAX_SECONDS))
 
@@ -30,16 +27,14 @@ class Delay(Modified):
 
 
 @dataclass(frozen=True, slots=True)
-class Loop(Modified):
+class Loop(Modified, kind="loop"):
     """`of` repeated `count` times or without end.
 
     crossfade: seconds, at most half of the signal: each pass fades in while the end of the one before fades out, so that a recording
     loops without a click; a pass then begins that much before the end of the last.
     """
 
-    kind: ClassVar[str] = "loop"
-
-    count: int | None = field(default=None, metadata=within(1, 10**9))
+    count: int | None = field(default=None, metadata=within(1, 10**9, checked_integer))
     crossfade: float = 0.0
 
     def __post_init__(self) -> None:

@@ -19,10 +19,8 @@ SILENCE = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
-class Constant(Signal):
+class Constant(Signal, kind="constant"):
     """One value for `duration` seconds (endless by default); with a duration, a rectangular gate."""
-
-    kind: ClassVar[str] = "constant"
 
     value: float = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
     duration: float = field(default=math.inf, metadata=within(MIN_SECONDS, MAX_SECONDS))
@@ -36,13 +34,12 @@ class Constant(Signal):
 
 
 @dataclass(frozen=True, slots=True)
-class Adsr(Signal):
+class Adsr(Signal, kind="adsr"):
     """Rises to 1 in `attack` seconds, falls to `sustain` (0 to 1) in `decay`, stays for `hold`, falls to 0 in `release`.
 
     `hold` is endless by default.
     """
 
-    kind: ClassVar[str] = "adsr"
     peak: ClassVar[float] = 1.0
 
     attack: float = field(default=0.01, metadata=within(0.0, MAX_SECONDS / 4))
@@ -78,10 +75,8 @@ def _release(start: float, end: float) -> Automation:
 
 
 @dataclass(frozen=True, slots=True)
-class Keyed(Signal):
+class Keyed(Signal, kind="keyed"):
     """Straight lines between keys, ending at the last one; constant before the first."""
-
-    kind: ClassVar[str] = "keyed"
 
     automation: Automation = field(metadata={"key": "track"})
 
@@ -105,10 +100,9 @@ class Keyed(Signal):
 
 
 @dataclass(frozen=True, slots=True)
-class Decay(Signal):
+class Decay(Signal, kind="decay"):
     """exp(-t / time_constant), ending when it has fallen by 80 dB."""
 
-    kind: ClassVar[str] = "decay"
     peak: ClassVar[float] = 1.0
 
     time_constant: float = field(default=1.0, metadata=within(MIN_SECONDS, MAX_SECONDS))

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
-from .base import Signal
+from .base import Amplified
 from .envelopes import SILENCE
 from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, within
 from .oscillators import sine
 
 
 @dataclass(frozen=True, slots=True)
-class Impulse(Signal):
+class Impulse(Amplified, kind="impulse"):
     """A half-sine shock pulse, the force of a contact that lasts `width` seconds: amplitude · sin(π t / width)."""
-
-    kind: ClassVar[str] = "impulse"
 
     width: float = field(default=0.002, metadata=within(0.0005, MAX_SECONDS))
     amplitude: float = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
@@ -28,22 +25,16 @@ class Impulse(Signal):
     def duration(self) -> float:
         return self.width
 
-    @property
-    def peak(self) -> float:
-        return abs(self.amplitude)
-
     def values(self, times: FloatArray, step: float) -> FloatArray:
         return self.amplitude * sine(times * (0.5 / self.width))
 
 
 @dataclass(frozen=True, slots=True)
-class DecayingSine(Signal):
+class DecayingSine(Amplified, kind="decaying_sine"):
     """amplitude · exp(-t / decay) · sin(2π frequency t), ending when it has fallen by 80 dB.
 
     frequency: hertz; silent at and above half the sample rate. decay: seconds, the time constant.
     """
-
-    kind: ClassVar[str] = "decaying_sine"
 
     frequency: float = field(default=150.0, metadata=within(0.0, MAX_FREQUENCY))
     decay: float = field(default=0.03, metadata=within(MIN_SECONDS, MAX_SECONDS))
@@ -52,10 +43,6 @@ class DecayingSine(Signal):
     @property
     def duration(self) -> float:
         return -math.log(SILENCE) * self.decay
-
-    @property
-    def peak(self) -> float:
-        return abs(self.amplitude)
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         if self.frequency * step >= 0.5:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from numbers import Integral, Real
 from typing import cast
 
@@ -19,11 +20,6 @@ MAX_SECONDS = 1e6
 """Longest time in a signal's parameters (an endless signal has no duration at all)."""
 MIN_SECONDS = 1e-6
 """Shortest duration of a signal that must have one [s]."""
-
-
-def within(low: float, high: float) -> dict[str, tuple[float, float]]:
-    """The metadata of a signal's field for numbers from `low` to `high`. A default of None or infinity is allowed as well."""
-    return {"range": (low, high)}
 
 
 def checked_number(name: str, value: object, low: float, high: float) -> float:
@@ -48,6 +44,14 @@ def checked_integer(name: str, value: object, low: int, high: int) -> int:
     if not low <= number <= high:
         raise ValueError(f"{name}: must be from {low} to {high}")
     return number
+
+
+def within(low: float, high: float, check: Callable[..., object] = checked_number) -> dict[str, Callable[[str, object], object]]:
+    """The metadata of a signal's field for values from `low` to `high`. A default of None or infinity is allowed as well.
+
+    check: `checked_number`, `checked_integer`, or `checked_parameter` for a number or an automation.
+    """
+    return {"check": partial(check, low=low, high=high)}
 
 
 def checked_column(name: str, numbers: Sequence[float] | FloatArray, limit: float, most: int | None = None) -> FloatArray:

@@ -10,29 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .automation import Automation, largest, values_of
-from .base import Signal
-from .limits import MAX_PEAK, within
+from .automation import Automation, checked_parameter, values_of
+from .base import Amplified
+from .limits import MAX_PEAK, checked_integer, within
 
 
 @dataclass(frozen=True, slots=True)
-class Noise(Signal):
+class Noise(Amplified, kind="noise"):
     """Random values, uniform within ±amplitude, `rate` of them a second, straight lines between them.
 
     seed: 0 to 2^64 - 1. Value k is output k of the SplitMix64 generator (Steele, Lea, Flood 2014) of that seed, which can be computed
     without its predecessors. rate: new values a second, 1 to 48,000; a low rate gives a rumble.
     """
 
-    kind: ClassVar[str] = "noise"
     duration: ClassVar[float] = math.inf
 
-    amplitude: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
-    seed: int = field(default=0, metadata=within(0, 2**64 - 1))
+    amplitude: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK, checked_parameter))
+    seed: int = field(default=0, metadata=within(0, 2**64 - 1, checked_integer))
     rate: float = field(default=8000.0, metadata=within(1.0, 48_000.0))
-
-    @property
-    def peak(self) -> float:
-        return largest(self.amplitude)
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         position = times * self.rate

@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import FloatArray
-from .automation import Automation, largest, values_of
-from .base import Signal
+from .automation import Automation, checked_parameter, largest, values_of
+from .base import Amplified
 from .limits import MAX_FREQUENCY, MAX_PEAK, within
 
 _RUN = 64
@@ -23,7 +23,7 @@ _SINE_COEFFICIENTS = (
 
 
 @dataclass(frozen=True, slots=True)
-class Oscillator(Signal):
+class Oscillator(Amplified):
     """A wave of period 1 over the phase in cycles, from `phase` on.
 
     frequency: hertz, from 0 to 20,000, a number or an automation. At and above half the sample rate the oscillator is silent.
@@ -37,13 +37,9 @@ class Oscillator(Signal):
     duration: ClassVar[float] = math.inf
     has_edges: ClassVar[bool] = True
 
-    frequency: float | Automation = field(default=60.0, metadata=within(0.0, MAX_FREQUENCY))
-    amplitude: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
+    frequency: float | Automation = field(default=60.0, metadata=within(0.0, MAX_FREQUENCY, checked_parameter))
+    amplitude: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK, checked_parameter))
     phase: float = field(default=0.0, metadata=within(-1e6, 1e6))
-
-    @property
-    def peak(self) -> float:
-        return largest(self.amplitude)
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         aliases = largest(self.frequency) * step >= 0.5
@@ -68,10 +64,9 @@ class Oscillator(Signal):
 
 
 @dataclass(frozen=True, slots=True)
-class Sine(Oscillator):
+class Sine(Oscillator, kind="sine"):
     """sin(2π cycles)."""
 
-    kind: ClassVar[str] = "sine"
     has_edges: ClassVar[bool] = False
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
@@ -94,10 +89,8 @@ class Sine(Oscillator):
 
 
 @dataclass(frozen=True, slots=True)
-class Square(Oscillator):
+class Square(Oscillator, kind="square"):
     """+1 in the first half of the period, -1 in the second."""
-
-    kind: ClassVar[str] = "square"
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         to_edge = _distance(cycles - 0.25) - 0.25
@@ -105,10 +98,8 @@ class Square(Oscillator):
 
 
 @dataclass(frozen=True, slots=True)
-class Triangle(Oscillator):
+class Triangle(Oscillator, kind="triangle"):
     """0, +1, 0, -1 at the quarters of the period, straight between them."""
-
-    kind: ClassVar[str] = "triangle"
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         from_top = _distance(cycles - 0.25)
@@ -119,10 +110,8 @@ class Triangle(Oscillator):
 
 
 @dataclass(frozen=True, slots=True)
-class Saw(Oscillator):
+class Saw(Oscillator, kind="saw"):
     """Rises from -1 to +1 over the period, then jumps back."""
-
-    kind: ClassVar[str] = "saw"
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         from_edge = cycles - np.round(cycles)
@@ -130,10 +119,8 @@ class Saw(Oscillator):
 
 
 @dataclass(frozen=True, slots=True)
-class Pulse(Oscillator):
+class Pulse(Oscillator, kind="pulse"):
     """A train of pulses: 1 for the first `duty` (0 to 1) of the period, 0 for the rest."""
-
-    kind: ClassVar[str] = "pulse"
 
     duty: float = field(default=0.1, metadata=within(0.0, 1.0))
 

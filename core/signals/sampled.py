@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 import numpy as np
 
@@ -17,13 +16,11 @@ _OVERSHOOT = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sampled(Signal):
+class Sampled(Signal, kind="sampled"):
     """`samples` at `rate` a second, band-limited between them, 0 outside.
 
     samples: shape (n,), 1 to 4,000,000 finite numbers. rate: hertz, 1 to 192,000.
     """
-
-    kind: ClassVar[str] = "sampled"
 
     samples: FloatArray
     rate: float = field(default=8000.0, metadata=within(1.0, 192_000.0))

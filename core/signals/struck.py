@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +24,7 @@ interpolation of a low-pass filtered tone of f Hz has the relative error (pi f /
 
 
 @dataclass(frozen=True, slots=True)
-class Struck(Modified):
+class Struck(Modified, kind="struck"):
     """`of`, played `pitch` times as fast, which multiplies all its frequencies, with its decay time times `decay` and its amplitude above
     `CORNER` times `brightness`.
 
@@ -35,8 +34,6 @@ class Struck(Modified):
 
     pitch: 0.25 to 4. decay: 0.01 to 1. brightness: 0 to 1. of: ends within `LONGEST` seconds.
     """
-
-    kind: ClassVar[str] = "struck"
 
     pitch: float = field(default=1.0, metadata=within(0.25, 4.0))
     decay: float = field(default=1.0, metadata=within(0.01, 1.0))
