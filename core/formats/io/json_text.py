@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ...arrays import FloatArray
 from .atomic import write_text
 
 
@@ -15,10 +18,9 @@ def compact(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
-def json_rows(keys: Sequence[str], *columns: Sequence[float]) -> str:
-    """JSON of a list of objects with the same keys, from a column of finite numbers per key."""
-    form = "{" + ",".join(f'"{key}":%r' for key in keys) + "}"
-    return "[" + ",".join([form % row for row in zip(*columns, strict=True)]) + "]"
+def json_rows(keys: Sequence[str], *columns: FloatArray) -> list[dict[str, Any]]:
+    """Objects with the same keys, from a column (n,) of numbers per key."""
+    return [dict(zip(keys, row, strict=True)) for row in np.column_stack(columns).tolist()]
 
 
 def write_json(path: Path, value: Any) -> Path:

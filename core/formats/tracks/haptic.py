@@ -6,7 +6,6 @@ published files. With ``points`` 0 they follow the wave.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -58,10 +57,10 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
             carrier = thinned_carrier(row, low, high, options["points"])
         else:
             carrier = single_carrier(row, Fit(error=options["error"], lowest=low, highest=high))
-        text = "".join(_document(export, listener, carrier, low, high, options["emphasis"]))
-        played = _carriers(json.loads(text)["signals"]["continuous"]["envelopes"], low, high, str(path))
+        document = _document(export, listener, carrier, low, high, options["emphasis"])
+        played = _carriers(document["signals"]["continuous"]["envelopes"], low, high, str(path))
         compare_carriers(row, number, played, measured)
-        files.append(write_text(path, [text]))
+        files.append(write_text(path, [compact(document), "\n"]))
         files.append(write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high)))
     return files
 
@@ -73,7 +72,12 @@ def _range(options: Mapping[str, Any]) -> tuple[float, float]:
     return low, high
 
 
-def _document(export: TrackExport, listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> Iterator[str]:
+def _document(export: TrackExport, listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> dict[str, Any]:
+    shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
+    envelopes = {
+        "amplitude": _amplitude_points(listener, carrier, low, high, emphasis),
+        "frequency": json_rows(("time", "frequency"), carrier.frequency_times.round(6), shares.round(6)),
+    }
     metadata = {
         "editor": EDITOR,
         "source": export.name,
@@ -81,36 +85,22 @@ def _document(export: TrackExport, listener: ListenerTrack, carrier: Carrier, lo
         "tags": [listener.body_part] if listener.body_part else [],
         "description": listener.name,
     }
-    yield compact({"version": {"major": 1, "minor": 0, "patch": 0}, "metadata": metadata})[:-1]
-    yield ',"signals":{"continuous":{"envelopes":{"amplitude":'
-    yield _amplitude_points(listener, carrier, low, high, emphasis)
-    shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
-    yield ',"frequency":'
-    yield json_rows(("time", "frequency"), carrier.frequency_times.round(6).tolist(), shares.round(6).tolist())
-    yield "}}}}\n"
+    version = {"major": 1, "minor": 0, "patch": 0}
+    return {"version": version, "metadata": metadata, "signals": {"continuous": {"envelopes": envelopes}}}
 
 
-def _amplitude_points(listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> str:
+def _amplitude_points(listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> list[dict[str, Any]]:
     times, levels = carrier.amplitude_times, carrier.amplitudes
     if len(times) < 2:
         times, levels = np.array([0.0, max(carrier.end, 1e-3)]), np.zeros(2)
     emphases = _emphases(listener, carrier) if emphasis else {}
-    extra = np.array(sorted(emphases))
-    every = np.unique(np.concatenate([times, extra]))
-    every_level = np.interp(every, times, levels).round(5)
-    keys = ("time", "amplitude")
-    pieces = []
-    done = 0
-    for time, number in zip(extra.tolist(), np.searchsorted(every, extra).tolist(), strict=True):
-        pieces.append(json_rows(keys, every[done:number].round(6).tolist(), every_level[done:number].tolist())[1:-1])
-        strength, frequency = emphases[time]
+    every = np.unique(np.concatenate([times, list(emphases)]))
+    points = json_rows(("time", "amplitude"), every.round(6), np.interp(every, times, levels).round(5))
+    for time, (strength, frequency) in emphases.items():
         sharpness = min(max((frequency - low) / (high - low), 0.0), 1.0)
-        level = float(every_level[number])
-        emphasised = {"amplitude": max(round(strength, 5), level), "frequency": round(sharpness, 4)}
-        pieces.append(compact({"time": round(time, 6), "amplitude": level, "emphasis": emphasised}))
-        done = number + 1
-    pieces.append(json_rows(keys, every[done:].round(6).tolist(), every_level[done:].tolist())[1:-1])
-    return "[" + ",".join(piece for piece in pieces if piece) + "]"
+        point = points[int(np.searchsorted(every, time))]
+        point["emphasis"] = {"amplitude": max(round(strength, 5), point["amplitude"]), "frequency": round(sharpness, 4)}
+    return points
 
 
 def _emphases(listener: ListenerTrack, carrier: Carrier) -> dict[float, tuple[float, float]]:

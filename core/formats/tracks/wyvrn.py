@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -62,9 +61,9 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     stems = file_stems(f"{export.name}.{listener.name}" for listener in tracks.listeners)
     files = []
     for number, (listener, stem) in enumerate(zip(tracks.listeners, stems, strict=True)):
-        clip = "".join(_clip(tracks.row(number), listener, options))
-        compare_carriers(tracks.row(number), number, _carriers_of(json.loads(clip), {}), measured)
-        files.append(write_text(inside / f"{stem}{FORMATS['wyvrn'].suffix}", [clip]))
+        clip = _clip(tracks.row(number), listener, options)
+        compare_carriers(tracks.row(number), number, _carriers_of(clip, {}), measured)
+        files.append(write_text(inside / f"{stem}{FORMATS['wyvrn'].suffix}", [compact(clip), "\n"]))
     events = [
         {
             "Haptic_Effect": stem,
@@ -83,7 +82,8 @@ def _target(listener: ListenerTrack) -> tuple[str, str]:
     return ("All", "Global") if part is None else (part.wyvrn_target, part.wyvrn_side)
 
 
-def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> Iterator[str]:
+def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> dict[str, Any]:
+    """A melody of transients, and one for each band."""
     transients = np.zeros((0, 2))
     if options["transients"]:
         row, transients = without_transients(row, listener.impacts, 1e-6)
@@ -91,8 +91,8 @@ def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> Iter
     melodies = [[_burst(time, strength) for time, strength in transients.tolist()], *([] for _ in BANDS)]
     for _, fitted in fit_bands(row, BANDS, fit):
         for notes, carriers in zip(melodies[1:], fitted, strict=True):
-            notes += _notes(carriers)
-    head = {
+            notes += [_note(note) for carrier in carriers if (note := from_zero_phase(carrier))]
+    return {
         "m_version": "5",
         "m_description": listener.name,
         "m_HDFlag": 0,
@@ -101,25 +101,16 @@ def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> Iter
         "m_gain": 1.0,
         "m_stiffness": {**_MELODIES, "m_melodies": []},
         "m_texture": {**_MELODIES, "m_melodies": []},
+        "m_vibration": {**_MELODIES, "m_melodies": [{"m_mute": 0, "m_gain": 1.0, "m_notes": notes} for notes in melodies]},
     }
-    yield compact(head)[:-1] + ',"m_vibration":' + compact(_MELODIES)[:-1] + ',"m_melodies":['
-    for number, notes in enumerate(melodies):
-        yield ("," if number else "") + '{"m_mute":0,"m_gain":1.0,"m_notes":['
-        yield ",".join(notes)
-        yield "]}"
-    yield "]}}\n"
 
 
 _MELODIES = {"m_loop": 0, "m_maximum": 1.0, "m_gain": 1.0, "m_signalEvaluationMethod": 3}
 
 
-def _burst(time: float, strength: float) -> str:
+def _burst(time: float, strength: float) -> dict[str, Any]:
     note = {"m_startingPoint": round(time, 6), "m_length": TRANSIENT_SECONDS, "m_priority": 0, "m_gain": strength}
-    return compact({**note, "m_hapticEffect": {"m_type": 0}})
-
-
-def _notes(carriers: Sequence[Carrier]) -> list[str]:
-    return [_note(note) for carrier in carriers if (note := from_zero_phase(carrier))]
+    return {**note, "m_hapticEffect": {"m_type": 0}}
 
 
 def from_zero_phase(carrier: Carrier) -> Carrier | None:
@@ -133,21 +124,21 @@ def from_zero_phase(carrier: Carrier) -> Carrier | None:
     return carrier.part(begin, carrier.end - carrier.start) if cycles[-1] > missing else None
 
 
-def _note(carrier: Carrier) -> str:
+def _note(carrier: Carrier) -> dict[str, Any]:
     length = round(carrier.end - carrier.start, 6)
 
-    def modulation(times: FloatArray, values: FloatArray, digits: int) -> str:
+    def modulation(times: FloatArray, values: FloatArray, digits: int) -> dict[str, Any]:
         inside = times < length
         first = times[:1] > 0
         every = np.concatenate([np.zeros(1)[first], times[inside], [length]])
         levels = np.concatenate([values[:1][first], values[inside], [np.interp(length, times, values)]])
-        keys = json_rows(("m_time", "m_value"), every.round(6).tolist(), levels.round(digits).tolist())
-        return '{"m_extrapolationStrategy":0,"m_keyframes":' + keys + "}"
+        keys = json_rows(("m_time", "m_value"), every.round(6), levels.round(digits))
+        return {"m_extrapolationStrategy": 0, "m_keyframes": keys}
 
-    head = compact({"m_startingPoint": round(carrier.start, 6), "m_length": length, "m_priority": 1, "m_gain": 1.0})[:-1]
     amplitude = modulation(carrier.amplitude_times, carrier.amplitudes, 5)
     frequency = modulation(carrier.frequency_times, carrier.frequencies, 3)
-    return f'{head},"m_hapticEffect":{{"m_amplitudeModulation":{amplitude},"m_frequencyModulation":{frequency}}}}}'
+    effect = {"m_amplitudeModulation": amplitude, "m_frequencyModulation": frequency}
+    return {"m_startingPoint": round(carrier.start, 6), "m_length": length, "m_priority": 1, "m_gain": 1.0, "m_hapticEffect": effect}
 
 
 def read(path: Path) -> VibrationFile:
