@@ -17,10 +17,9 @@ from typing import Any
 
 import numpy as np
 from haptic_tracing.core.arrays import FloatArray
-from haptic_tracing.core.devices.actuation import actuation_of
 from haptic_tracing.core.devices.families.family import RumbleFamily, StreamFamily
 from haptic_tracing.core.devices.pacing import pacing_of
-from haptic_tracing.core.devices.profiles import Actuator, Profile, load_profiles
+from haptic_tracing.core.devices.profiles import Actuator, Adjustment, Profile, load_profiles
 from haptic_tracing.core.devices.report import Report, Tones
 from haptic_tracing.core.signals import DecayingSine, Loop, Noise, Pulse, Signal, Sine, impact_template, ramp
 from numpy.typing import NDArray
@@ -61,7 +60,7 @@ def driven(profile: Profile, signal: FloatArray) -> Written:
     recorder: Any = encode  # of either kind of family
     recording = replace(family, encode=recorder, startup=lambda *_: (), release=lambda *_: ())
     profile = replace(profile, family=recording)
-    pacing = pacing_of(profile, recording, transport, actuation_of(profile, recording, RATE))
+    pacing = pacing_of(profile, recording, transport, RATE, Adjustment())
     edges = np.ceil(np.arange(round(SECONDS * FPS) + 1) / FPS * RATE - 1e-6).astype(int)
     now = 1.0
     for first, last in pairwise(edges):

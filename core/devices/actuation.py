@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
-from .families.family import AnyFamily, RumbleFamily, StreamFamily
+from .families.family import RumbleFamily, StreamFamily
 from .profiles import Calibration, Profile
 from .report import Tones
 from .resampling import Resampler
@@ -182,8 +182,3 @@ def checked_block(block: FloatArray, actuators: int) -> FloatArray:
     if not np.isfinite(copy).all():
         raise ValueError("block has a sample that is not finite")
     return copy
-
-
-def actuation_of(profile: Profile, family: AnyFamily, rate: int) -> ToneActuation | SampleActuation:
-    """The actuation for the family, with the profile's calibrations."""
-    return ToneActuation(profile, family, rate) if isinstance(family, RumbleFamily) else SampleActuation(profile, family, rate)

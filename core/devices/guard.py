@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .actuation import checked_block
-from .guard_process import HEARTBEAT, packed
+from .guard_process import HEARTBEAT, packed, started_threads
 from .mapping import ActuatedDevice
 from .profiles import Adjustment, check_adjustment
 from .status import Output, Status, stop_together
@@ -88,12 +88,7 @@ class Guard:
         self._replaced: dict[int, int] = {}
         self._closing = False
         self._lost = ""
-        self._threads = [
-            threading.Thread(target=work, name=f"haptics guard {name}", daemon=True)
-            for name, work in (("orders", self._write), ("statuses", self._read))
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._threads = started_threads(orders=self._write, statuses=self._read)
 
     def open(self, number: int, make: Callable[[], Output], name: str = "open") -> bool:
         """Let the guard create and start an output. Returns False if the guard is ending."""

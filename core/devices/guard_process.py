@@ -52,12 +52,7 @@ class Service:
 
     def run(self) -> None:
         """Execute orders until the program ends, then silence and close the devices."""
-        threads = [
-            threading.Thread(target=work, name=f"haptics guard {name}", daemon=True)
-            for name, work in (("watch", self._watch), ("report", self._report))
-        ]
-        for thread in threads:
-            thread.start()
+        threads = started_threads(watch=self._watch, report=self._report)
         try:
             while True:
                 orders: list[Order] = pickle.load(self._orders)
@@ -122,6 +117,14 @@ class Service:
     def _end(self) -> None:
         self._ended.set()
         stop_together(self._all(), _STOP_SECONDS)
+
+
+def started_threads(**works: Callable[[], None]) -> list[threading.Thread]:
+    """Threads that do these works, by their names."""
+    threads = [threading.Thread(target=work, name=f"haptics guard {name}", daemon=True) for name, work in works.items()]
+    for thread in threads:
+        thread.start()
+    return threads
 
 
 def packed(block: FloatArray) -> tuple[int, bytes]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
-from typing import Generic, TypeVar
 
 import numpy as np
 
 from ..arrays import FloatArray
 from .actuation import SampleActuation, ToneActuation
-from .families.family import RumbleFamily, StreamFamily
+from .families.family import AnyFamily, RumbleFamily, StreamFamily
 from .limits import DriveLimits, SampleLimits
 from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
@@ -105,11 +104,7 @@ def join(samples: FloatArray, start: int, last: FloatArray) -> None:
     seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / _SEAM)
 
 
-FamilyKind = TypeVar("FamilyKind", RumbleFamily, StreamFamily)
-ActuationKind = TypeVar("ActuationKind", ToneActuation, SampleActuation)
-
-
-class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
+class Pacing(ABC):
     """Decides what to write next.
 
     interval: least seconds between two reports. lead: buffering of a block in seconds, in addition to the requested delay.
@@ -118,16 +113,16 @@ class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
     def __init__(
         self,
         profile: Profile,
-        family: FamilyKind,
+        family: AnyFamily,
         transport: Transport,
-        actuation: ActuationKind,
+        actuation: ToneActuation | SampleActuation,
         adjustment: Adjustment,
         sequence: int,
+        command_seconds: float,
     ) -> None:
-        """sequence: number of the first report."""
+        """sequence: number of the first report. command_seconds: time for which a report drives the device."""
         self.interval, self.lead = profile.interval(transport), 0.0
-        self._family: FamilyKind = family
-        self._actuation: ActuationKind = actuation
+        self._family, self._actuation = family, actuation
         self._transport, self._sequence = transport, sequence
         ceilings = {channel.name: actuator.safe_maximum for actuator in profile.actuators for channel in actuator.channels}
         self._limits = DriveLimits(
@@ -135,20 +130,11 @@ class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
             profile.slew,
             profile.sustained_maximum,
             profile.sustained_seconds,
-            self._command_seconds(),
+            command_seconds,
         )
         self.adjust(adjustment)
         self._end = self._fresh = self._wrote = -np.inf
         self._begin()
-        self._prepare()
-
-    @abstractmethod
-    def _command_seconds(self) -> float:
-        """Seconds for which a report drives the device."""
-
-    @abstractmethod
-    def _prepare(self) -> None:
-        """Set up the state of the kind of device."""
 
     def _begin(self) -> None:
         self._startup: deque[Report] = deque(self._family.startup(self._transport, self._sequence))
@@ -211,16 +197,20 @@ class Pacing(ABC, Generic[FamilyKind, ActuationKind]):
         self._begin()
 
 
-class RumblePacing(Pacing[RumbleFamily, ToneActuation]):
+class RumblePacing(Pacing):
     """Pacing of a device that is commanded by amplitude.
 
     A command uses the largest amplitude of each channel since the last one, so that a slow device does not miss a short impact.
     """
 
-    def _command_seconds(self) -> float:
-        return self.interval
+    _family: RumbleFamily
+    _actuation: ToneActuation
 
-    def _prepare(self) -> None:
+    def __init__(
+        self, profile: Profile, family: RumbleFamily, transport: Transport, rate: int, adjustment: Adjustment, sequence: int
+    ) -> None:
+        actuation = ToneActuation(profile, family, rate)
+        super().__init__(profile, family, transport, actuation, adjustment, sequence, profile.interval(transport))
         self._steps: deque[tuple[float, Tones]] = deque()
         self._ahead = Ahead()
         self._rest = self._current = self._family.silence()
@@ -321,18 +311,21 @@ class RumblePacing(Pacing[RumbleFamily, ToneActuation]):
         return report
 
 
-class StreamPacing(Pacing[StreamFamily, SampleActuation]):
+class StreamPacing(Pacing):
     """Pacing of a device driven by samples: each report is due when the one before it has been played.
 
     The schedule does not depend on the duration of writes.
     """
 
-    def _command_seconds(self) -> float:
-        return self._family.period
+    _family: StreamFamily
+    _actuation: SampleActuation
 
-    def _prepare(self) -> None:
-        channels = len(self._family.channels)
-        self.lead = self._family.period + _MARGIN
+    def __init__(
+        self, profile: Profile, family: StreamFamily, transport: Transport, rate: int, adjustment: Adjustment, sequence: int
+    ) -> None:
+        super().__init__(profile, family, transport, SampleActuation(profile, family, rate), adjustment, sequence, family.period)
+        channels = len(family.channels)
+        self.lead = family.period + _MARGIN
         self._queue = SampleQueue(channels, self._actuation.hop, self._actuation.process)
         self._samples = SampleLimits(self._limits, channels)
         self._due: float | None = None
@@ -409,21 +402,8 @@ class StreamPacing(Pacing[StreamFamily, SampleActuation]):
         return report
 
 
-AnyPacing = RumblePacing | StreamPacing
-
-
-def pacing_of(
-    profile: Profile,
-    family: RumbleFamily | StreamFamily,
-    transport: Transport,
-    actuation: ToneActuation | SampleActuation,
-    adjustment: Adjustment | None = None,
-    sequence: int = 0,
-) -> AnyPacing:
-    """The pacing for the family. sequence: number of the first report. Raises ValueError if the actuation is of the other kind."""
-    adjustment = adjustment or Adjustment()
-    if isinstance(family, RumbleFamily) and isinstance(actuation, ToneActuation):
-        return RumblePacing(profile, family, transport, actuation, adjustment, sequence)
-    if isinstance(family, StreamFamily) and isinstance(actuation, SampleActuation):
-        return StreamPacing(profile, family, transport, actuation, adjustment, sequence)
-    raise ValueError("actuation is not of the family's kind")
+def pacing_of(profile: Profile, family: AnyFamily, transport: Transport, rate: int, adjustment: Adjustment, sequence: int = 0) -> Pacing:
+    """The pacing for the family. rate: samples per second of the blocks. sequence: number of the first report."""
+    if isinstance(family, RumbleFamily):
+        return RumblePacing(profile, family, transport, rate, adjustment, sequence)
+    return StreamPacing(profile, family, transport, rate, adjustment, sequence)

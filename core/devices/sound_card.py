@@ -9,11 +9,9 @@ from __future__ import annotations
 import re
 import threading
 import time
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -26,7 +24,7 @@ from .limits import DriveLimits, SampleLimits
 from .pacing import Ahead, SampleQueue, join
 from .profiles import Actuator, Adjustment, Calibration, Channel
 from .resampling import Resampler
-from .status import State, Status
+from .status import ThreadedOutput
 from .writer import RESCAN, SAMPLE_RATE
 
 # Recognised cards: name, least number of channels, and the actuators by channel.
@@ -96,11 +94,12 @@ def _actuators(device: Mapping[str, Any]) -> tuple[Actuator, ...]:
     )
 
 
-class SoundCardWriter:
+class SoundCardWriter(ThreadedOutput):
     """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceWriter`."""
 
     def __init__(self, card: SoundCard, *, rate: int = SAMPLE_RATE, adjustment: Adjustment | None = None, module: Any = None) -> None:
         """rate: samples per second of the blocks. module: replacement for python-sounddevice."""
+        super().__init__(card.title)
         self.profile = card
         self._module = module
         self._rows = len(card.actuators)
@@ -118,12 +117,7 @@ class SoundCardWriter:
         self._end = 0.0
         self._stop = threading.Event()
         self._ended = threading.Event()
-        self._state: State = "searching"
-        self._message = ""
         self._latency = 0.0
-        self._blocks = self._losses = self._failed = self._dropped = 0
-        self._delays: deque[float] = deque(maxlen=256)
-        self._thread = threading.Thread(target=self._run, name=f"haptics {card.title}", daemon=True)
         self.adjust(adjustment or Adjustment())
 
     def start(self) -> None:
@@ -166,7 +160,7 @@ class SoundCardWriter:
             queue.append(samples)
             self._sent, self._end = sent, sent + block_seconds
             queue.ahead, queue.dry = queue.ahead.after(self._end), False
-        self._blocks += 1
+        self._written += 1
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
@@ -192,29 +186,8 @@ class SoundCardWriter:
         self.silence()
         self._stop.set()
 
-    def stop(self, timeout: float = 1.0) -> bool:
-        """Silence and close the card; returns after at most ``timeout`` seconds whether that is done."""
-        self.request_stop()
-        if self._thread.is_alive():
-            self._thread.join(timeout)
-        return not self._thread.is_alive()
-
-    @property
-    def status(self) -> Status:
-        """The current state of the output; blocks count as reports."""
-        delays = list(self._delays)
-        delay = median(delays) if delays else None
-        return Status(
-            state=self._state,
-            message=self._message,
-            written=self._blocks,
-            failed_writes=self._failed,
-            losses=self._losses,
-            dropped_blocks=self._dropped,
-            writing_for=0.0,
-            delay=delay,
-            lag=None if delay is None else delay + self._latency + self._resampler.delay + 0.005,
-        )
+    def _lag(self, delay: float) -> float:
+        return delay + self._latency + self._resampler.delay + 0.005
 
     def fill(self, out: NDArray[np.float32]) -> None:
         """Fill ``out`` (n, channels) with the queued samples, then silence, without a jump."""

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
+from statistics import median
 from typing import Literal, Protocol
 
 from numpy.typing import ArrayLike
@@ -13,6 +17,8 @@ from .mapping import ActuatedDevice
 from .profiles import Adjustment
 
 State = Literal["searching", "open", "stopped", "failed"]
+
+_MEASURED_BLOCKS = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +64,61 @@ class Output(Protocol):
     def rest(self) -> None: ...
     def request_stop(self) -> None: ...
     def stop(self, timeout: float = 1.0) -> bool: ...
+
+
+class ThreadedOutput(ABC):
+    """The state of an output that a thread of its own drives. That thread writes it, anyone may read it."""
+
+    def __init__(self, name: str) -> None:
+        self._state: State = "searching"
+        self._message = ""
+        self._written = self._failed = self._losses = self._dropped = 0
+        self._writing_since: float | None = None
+        self._delays: deque[float] = deque(maxlen=_MEASURED_BLOCKS)
+        self._thread = threading.Thread(target=self._run, name=f"haptics {name}", daemon=True)
+
+    @abstractmethod
+    def _run(self) -> None:
+        """The work of the thread."""
+
+    @abstractmethod
+    def _lag(self, delay: float) -> float:
+        """Seconds by which touch lags behind the picture for a delay of the report."""
+
+    @abstractmethod
+    def request_stop(self) -> None:
+        """Begin to stop, without waiting."""
+
+    def stop(self, timeout: float = 1.0) -> bool:
+        """Silence and close the device. Returns after at most ``timeout`` seconds whether that is done.
+
+        If not, a write is blocked inside the system. The thread is a daemon: it silences and closes the device as soon as that write
+        returns, and does not keep the program from exiting; until then the device does what it does when a program is killed.
+        """
+        self.request_stop()
+        if self._thread.is_alive():
+            self._thread.join(timeout)
+        elif not self._thread.ident:
+            self._state = "stopped"
+        return not self._thread.is_alive()
+
+    @property
+    def status(self) -> Status:
+        """The current state of the output. Never blocks."""
+        since = self._writing_since
+        delays = list(self._delays)
+        delay = median(delays) if delays else None
+        return Status(
+            state=self._state,
+            message=self._message,
+            written=self._written,
+            failed_writes=self._failed,
+            losses=self._losses,
+            dropped_blocks=self._dropped,
+            writing_for=0.0 if since is None else time.perf_counter() - since,
+            delay=delay,
+            lag=None if delay is None else self._lag(delay),
+        )
 
 
 def stop_together(outputs: Iterable[Output], timeout: float) -> bool:

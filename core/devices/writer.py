@@ -10,23 +10,20 @@ from __future__ import annotations
 import atexit
 import threading
 import time
-from collections import deque
-from dataclasses import dataclass
 from functools import partial
-from statistics import median
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
-from .actuation import actuation_of, checked_block
+from .actuation import checked_block
 from .connection import DeviceError, HidModule, Opened, hid_module, open_device
 from .families.family import AnyFamily
-from .pacing import WATCHDOG, AnyPacing, pacing_of
+from .pacing import WATCHDOG, Pacing, pacing_of
 from .profiles import Adjustment, Profile, check_adjustment
 from .report import Report
-from .status import State, Status, stop_together
+from .status import ThreadedOutput, stop_together
 
 SAMPLE_RATE = 8000
 RESCAN = 1.5
@@ -36,16 +33,12 @@ RESCAN = 1.5
 _FAILURES_TO_CLOSE = 3
 # Time-out for silencing all devices at exit.
 _EXIT_SECONDS = 1.0
-_MEASURED_BLOCKS = 256
+
+_Mail = tuple[FloatArray, float]
+"""A block or the samples ahead, and when it was sent."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Mail:
-    block: FloatArray
-    sent: float
-
-
-class DeviceWriter:
+class DeviceWriter(ThreadedOutput):
     """One device that is fed with blocks of samples, one row per actuator of its profile."""
 
     def __init__(
@@ -64,6 +57,7 @@ class DeviceWriter:
         """
         if not 100 <= rate <= 192_000:
             raise ValueError(f"rate {rate} is not in 100..192000")
+        super().__init__(profile.name)
         self.profile = profile
         self._rate, self._serial = rate, serial
         self._hid = hid
@@ -75,15 +69,8 @@ class DeviceWriter:
         self._silence = False
         self._rest = False
         self._stopping = False
-        self._dropped = 0
-        # Written by the thread alone, read by anyone:
-        self._state: State = "searching"
-        self._message = ""
-        self._written = self._failed = self._losses = 0
-        self._writing_since: float | None = None
+        # Written by the thread alone:
         self._wrote = self._lead = 0.0
-        self._delays: deque[float] = deque(maxlen=_MEASURED_BLOCKS)
-        self._thread = threading.Thread(target=self._run, name=f"haptics {profile.name}", daemon=True)
         self.adjust(adjustment or Adjustment())
 
     def adjust(self, adjustment: Adjustment) -> None:
@@ -102,21 +89,22 @@ class DeviceWriter:
         block: (actuators, n) in [-1, 1] at the rate. sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
         Raises ValueError if the block has another shape or is not finite.
         """
-        mail = _Mail(checked_block(np.asarray(block), len(self.profile.actuators)), time.perf_counter() if sent is None else sent)
+        checked = checked_block(np.asarray(block), len(self.profile.actuators))
+        sent = time.perf_counter() if sent is None else sent
         with self._wake:
             self._dropped += self._mail is not None
-            self._mail, self._expected = mail, None
+            self._mail, self._expected = (checked, sent), None
             self._wake.notify()
-        return mail.sent
+        return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
         """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block arrives in time.
 
         Never blocks. Raises ValueError if it has another shape or is not finite.
         """
-        expected = _Mail(checked_block(np.asarray(ahead), len(self.profile.actuators)), sent)
+        checked = checked_block(np.asarray(ahead), len(self.profile.actuators))
         with self._wake:
-            self._expected = expected
+            self._expected = checked, sent
             self._wake.notify()
 
     def silence(self) -> None:
@@ -139,36 +127,8 @@ class DeviceWriter:
                 setattr(self, name, value)
             self._wake.notify()
 
-    def stop(self, timeout: float = 1.0) -> bool:
-        """Write zero and the release report, and close the device. Returns after at most ``timeout`` seconds whether that is done.
-
-        If not, a write is blocked inside the system. The thread is a daemon: it silences and closes the device as soon as that write
-        returns, and does not keep the program from exiting; until then the device does what it does when a program is killed.
-        """
-        self.request_stop()
-        if self._thread.is_alive():
-            self._thread.join(timeout)
-        elif not self._thread.ident:
-            self._state = "stopped"
-        return not self._thread.is_alive()
-
-    @property
-    def status(self) -> Status:
-        """The current state of the output. Never blocks."""
-        since = self._writing_since
-        delays = list(self._delays)
-        delay = median(delays) if delays else None
-        return Status(
-            state=self._state,
-            message=self._message,
-            written=self._written,
-            failed_writes=self._failed,
-            losses=self._losses,
-            dropped_blocks=self._dropped,
-            writing_for=0.0 if since is None else time.perf_counter() - since,
-            delay=delay,
-            lag=None if delay is None else delay + self._lead + self._adjustment.delay + self.profile.latency,
-        )
+    def _lag(self, delay: float) -> float:
+        return delay + self._lead + self._adjustment.delay + self.profile.latency
 
     # From here on: the thread.
 
@@ -202,7 +162,7 @@ class DeviceWriter:
 
     def _play(self, opened: Opened) -> None:
         """Drive the device until a stop or its disconnection. Always leaves it silent and closed."""
-        pacing: AnyPacing | None = None
+        pacing: Pacing | None = None
         try:
             pacing = self._prepare(opened)
             self._lead = pacing.lead
@@ -224,15 +184,14 @@ class DeviceWriter:
                 if not _exiting.is_set():
                     opened.close()
 
-    def _prepare(self, opened: Opened) -> AnyPacing:
+    def _prepare(self, opened: Opened) -> Pacing:
         """Set up the device for its family. Raises OSError if it cannot be driven."""
         family: AnyFamily = self.profile.family
         before = self._written
         if family.prepare is not None:
             family = family.prepare(opened.hid, opened.interface, partial(self._write, opened)) or family
         transport = opened.interface.transport
-        actuation = actuation_of(self.profile, family, self._rate)
-        return pacing_of(self.profile, family, transport, actuation, self._adjustment, self._written - before)
+        return pacing_of(self.profile, family, transport, self._rate, self._adjustment, self._written - before)
 
     def _pause(self) -> None:
         """Wait until the next search for the device, or until a stop."""
@@ -245,7 +204,7 @@ class DeviceWriter:
             self._silence = self._rest = False
             self._wake.wait_for(lambda: self._mail is not None or self._stopping)
 
-    def _follow(self, opened: Opened, pacing: AnyPacing) -> Literal["stop", "rest", "lost"]:
+    def _follow(self, opened: Opened, pacing: Pacing) -> Literal["stop", "rest", "lost"]:
         """Write reports when they are due, until a stop, a rest, or the loss of the device."""
         failures = 0
         adjustment: Adjustment | None = None
@@ -264,11 +223,11 @@ class DeviceWriter:
             if silence or rest:
                 pacing.silence()
             # A block that waited for the device to be opened is too old to be played.
-            if mail is not None and time.perf_counter() - mail.sent < WATCHDOG:
-                pacing.accept(mail.block, mail.sent)
-                unmeasured = mail.sent
+            if mail is not None and time.perf_counter() - mail[1] < WATCHDOG:
+                pacing.accept(*mail)
+                unmeasured = mail[1]
             if expected is not None:
-                pacing.expect(expected.block, expected.sent)
+                pacing.expect(*expected)
             report = pacing.next_report(time.perf_counter())
             if report is None:
                 self._wait(pacing)
@@ -287,7 +246,7 @@ class DeviceWriter:
                 return "lost"
         return "stop"
 
-    def _wait(self, pacing: AnyPacing) -> None:
+    def _wait(self, pacing: Pacing) -> None:
         """Wait until a report is due, a block arrives, or a stop."""
         with self._wake:
             if self._mail is None and self._expected is None and not (self._silence or self._rest or self._stopping):
@@ -319,7 +278,7 @@ class DeviceWriter:
         self._state = "searching"
         self._losses += 1
 
-    def _end(self, opened: Opened, pacing: AnyPacing, *, farewell: bool) -> bool:
+    def _end(self, opened: Opened, pacing: Pacing, *, farewell: bool) -> bool:
         """Write zero and release at the device's pace, the second even if the first fails. Returns whether both arrived."""
         taken = [self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell)]
         return all(taken)

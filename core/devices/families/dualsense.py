@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,14 +40,9 @@ def _report(transport: Transport, sequence: int, flag0: int, flag2: int, left: i
     return Report(with_crc(body.ljust(74, b"\0")))
 
 
-def _encode(drive: Tones, transport: Transport, sequence: int) -> Report:
+def _encode(flag0: int, flag2: int, drive: Tones, transport: Transport, sequence: int) -> Report:
     left, right = map(unsigned8, drive.amplitudes)
-    return _report(transport, sequence, _HAPTICS_SELECT, _COMPATIBLE_VIBRATION_2, left, right)
-
-
-def _encode_first_generation(drive: Tones, transport: Transport, sequence: int) -> Report:
-    left, right = map(unsigned8, drive.amplitudes)
-    return _report(transport, sequence, _COMPATIBLE_VIBRATION | _HAPTICS_SELECT, 0, left, right)
+    return _report(transport, sequence, flag0, flag2, left, right)
 
 
 def release(transport: Transport, sequence: int) -> tuple[Report, ...]:
@@ -72,11 +68,11 @@ DUALSENSE = RumbleFamily(
     ids=frozenset({(SONY, PRODUCT), (SONY, EDGE)}),
     minimum_interval={"usb": 0.010, "bt": 0.010},
     release=release,
-    encode=_encode,
+    encode=partial(_encode, _HAPTICS_SELECT, _COMPATIBLE_VIBRATION_2),
     prepare=_prepare,
 )
 
-DUALSENSE_FIRST_GENERATION = replace(DUALSENSE, encode=_encode_first_generation, prepare=None)
+DUALSENSE_FIRST_GENERATION = replace(DUALSENSE, encode=partial(_encode, _COMPATIBLE_VIBRATION | _HAPTICS_SELECT, 0), prepare=None)
 
 FRAMES = 32
 RATE = 3000

@@ -6,6 +6,8 @@ the pad: drive it only while Steam is closed.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,12 +32,8 @@ def _encode_samples(samples: NDArray[np.int8], sequence: int) -> Report:
     return Report(bytes([0x88, FRAMES]) + samples.tobytes())
 
 
-def _start_stream(transport: Transport, sequence: int) -> tuple[Report, ...]:
-    return (Report(bytes([0x86, _SETUP, _BOTH_INTERNAL, _SIGNED_8_BIT_8_KHZ])),)
-
-
-def _cancel_stream(transport: Transport, sequence: int) -> tuple[Report, ...]:
-    return (Report(bytes([0x86, _CANCEL, _BOTH_INTERNAL, 0])),)
+def _stream(command: int, form: int, transport: Transport, sequence: int) -> tuple[Report, ...]:
+    return (Report(bytes([0x86, command, _BOTH_INTERNAL, form])),)
 
 
 _KEYBOARD, _MOUSE = (0x01, 0x06), (0x01, 0x02)
@@ -62,8 +60,8 @@ STEAM_CONTROLLER_PCM = StreamFamily(
     minimum_interval={"usb": FRAMES / RATE},
     picks=_carries_a_controller,
     probe_input=True,
-    startup=_start_stream,
-    release=_cancel_stream,
+    startup=partial(_stream, _SETUP, _SIGNED_8_BIT_8_KHZ),
+    release=partial(_stream, _CANCEL, 0),
     rate=RATE,
     frames=FRAMES,
     encode=_encode_samples,

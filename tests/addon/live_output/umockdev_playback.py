@@ -103,10 +103,9 @@ def main():
     recorded = {}
     real_pacing_of, hid = writer.pacing_of, RecordingHid()
 
-    def pacing_of(profile, family, transport, actuation, adjustment, sequence):
+    def pacing_of(profile, family, transport, rate, adjustment, sequence):
         def make():
-            fresh = writer.actuation_of(profile, family, writer.SAMPLE_RATE)
-            return real_pacing_of(profile, family, transport, fresh, adjustment, sequence)
+            return real_pacing_of(profile, family, transport, rate, adjustment, sequence)
 
         recorded[profile.name, transport] = RecordingPacing(make)
         return recorded[profile.name, transport]

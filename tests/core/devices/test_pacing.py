@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from haptic_tracing.command_line.devices import rumble_report
-from haptic_tracing.core.devices.actuation import actuation_of
+from haptic_tracing.core.devices.actuation import ToneActuation
 from haptic_tracing.core.devices.families.family import RumbleFamily
 from haptic_tracing.core.devices.families.switch import usb_command
-from haptic_tracing.core.devices.pacing import WATCHDOG, pacing_of
+from haptic_tracing.core.devices.pacing import WATCHDOG, RumblePacing, pacing_of
 from haptic_tracing.core.devices.profiles import Adjustment, load_profiles, profile
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -21,7 +21,7 @@ PROFILES = load_profiles()[0]
 
 def pacing(name, transport, delay=0.0, **changes):
     device = replace(profile(name), **changes)
-    return pacing_of(device, device.family, transport, actuation_of(device, device.family, RATE), Adjustment(delay=delay))
+    return pacing_of(device, device.family, transport, RATE, Adjustment(delay=delay))
 
 
 def tone(seconds, frequency=200.0, amplitude=0.5, rows=2, start=0.0):
@@ -385,10 +385,14 @@ def test_a_block_that_comes_early_cuts_off_the_one_before_and_the_newest_is_play
     assert np.abs(np.diff(played, axis=1)).max() <= 0.2
 
 
-def test_the_actuation_must_be_of_the_familys_kind():
-    device, stream = profile("dualsense"), profile("dualsense-pcm")
-    with pytest.raises(ValueError, match="not of the family's kind"):
-        pacing_of(device, device.family, "usb", actuation_of(stream, stream.family, RATE))
+@pytest.mark.parametrize(("name", "transport"), ALL)
+def test_the_actuation_is_of_the_familys_kind(name, transport):
+    """Amplitudes for a family that is commanded by them, samples for the others."""
+    kinds = RumblePacing, ToneActuation, RumbleFamily
+    paced = pacing(name, transport)
+    assert [isinstance(made, kind) for made, kind in zip((paced, paced._actuation, paced._family), kinds, strict=True)] in (
+        [True] * 3, [False] * 3,
+    )  # fmt: skip
 
 
 @pytest.mark.slow
