@@ -230,7 +230,7 @@ class _Search:
             self._ended.append(_end(self._graph, self._standing, levels, self._least))
         sums, paths = _add_up(self._ended, levels, self._graph)
         if self._growing:
-            self._missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(self._steps.gain) > LARGEST)] = LARGEST
+            self._missing[(sums[..., 0].sum(axis=0) > LARGEST) | (np.max(self._steps.gain, initial=0.0) > LARGEST)] = LARGEST
             np.minimum(sums, LARGEST, out=sums)
         return SearchResult(sums, self._missing, paths, self._work, self._recrossed)
 

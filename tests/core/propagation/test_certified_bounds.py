@@ -160,6 +160,14 @@ def test_gains_too_large_for_a_number(seed, gain, limits, budget):
 
 
 @pytest.mark.slow
+def test_amplification_without_a_contact_on_the_way():
+    """The only object amplifies, and no path crosses a contact: the sum is the gain of that object alone."""
+    thing = HapticObject("thing", 0.1, 0.9, Constant(gain_value=1.5))
+    scene = HapticScene((thing,), (), (Source("s", "thing"),), (Listener("l", "thing", (1.0, 0.0, 0.0)),))
+    result = propagate(graph_of_scene(scene), Settings(strategy=Strategy.ALL_PATHS))
+    assert result.gain.tolist() == [[1.5]]
+
+
 def test_long_amplifying_chain_ends():
     """More contacts than layers are looked at: a bound instead of a path, and no memory of all the ways so far."""
     count = 3000
