@@ -1,6 +1,13 @@
-"""Array types of all stages, and functions for runs of numbers. Docstrings give shapes, as in ``(n, 3)``."""
+"""Array types of all stages, functions for runs of numbers, and for records of arrays. Docstrings give shapes, as in ``(n, 3)``.
+
+A record is a dataclass of arrays whose last axis is the same; what is None stays None.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +15,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+_Record = TypeVar("_Record")
 
 
 def runs(numbers: IntArray) -> tuple[IntArray, IntArray]:
@@ -24,3 +32,23 @@ def runs(numbers: IntArray) -> tuple[IntArray, IntArray]:
 def ranges(first: IntArray, size: IntArray) -> IntArray:
     """The numbers ``first[k], first[k] + 1, ...``, ``size[k]`` of them for each k, concatenated."""
     return np.asarray(np.arange(size.sum()) + (first - size.cumsum() + size).repeat(size))
+
+
+def chosen_of(record: _Record, rows: IntArray | BoolArray) -> _Record:
+    """Some of the rows of a record."""
+    values = (getattr(record, f.name) for f in fields(record))  # type: ignore[arg-type]
+    return type(record)(*(None if value is None else value[..., rows] for value in values))
+
+
+def joined(records: Sequence[_Record]) -> _Record:
+    """The rows of several records, one after the other."""
+    if len(records) == 1:
+        return records[0]
+    columns: list[list[Any]] = [[getattr(record, f.name) for record in records] for f in fields(records[0])]  # type: ignore[arg-type]
+    return type(records[0])(*(None if parts[0] is None else np.concatenate(parts, axis=-1) for parts in columns))
+
+
+def replace_rows(record: _Record, rows: IntArray, by: _Record) -> None:
+    """Replace some of the rows of a record."""
+    for f in fields(record):  # type: ignore[arg-type]
+        getattr(record, f.name)[..., rows] = getattr(by, f.name)

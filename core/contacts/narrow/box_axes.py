@@ -45,17 +45,9 @@ _BACK = np.array([[(c - i) % 3 for i in range(3) for _ in range(3)] for c in ran
 """Where each coordinate stands among those that begin with ``i``, per pair of edges."""
 
 
-@dataclass(frozen=True, slots=True)
-class BestAxes:
-    """Axes of greatest separation: ``distance`` (p,) along them; ``axis`` (p,) 0-2 a face of the first box, 3-5 a face of the second, from
-    ``FIRST_EDGE_AXIS`` on edges i and j as ``6 + 3 i + j``."""
-
-    distance: FloatArray
-    axis: IntArray
-
-
-def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> BestAxes:
-    """The axis of greatest separation of each pair."""
+def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Greatest separation (p,) of each pair, and the axis (p,) along which it is: 0-2 a face of the first box, 3-5 a face of the second,
+    from ``FIRST_EDGE_AXIS`` on edges i and j as ``6 + 3 i + j``."""
     count = offset.shape[1]
     size = np.abs(rotation)
     separation = np.empty((15, count))
@@ -86,7 +78,7 @@ def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half
     axis = separation.argmax(axis=0)
     distance = pick(separation, axis)
     distance += FACE_PREFERENCE * (axis >= FIRST_EDGE_AXIS)
-    return BestAxes(distance, axis)
+    return distance, axis
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray, joined
 from .body_patches import PairPatches
 from .box_axes import axis_normals, best_axes
 from .boxes import BoxContacts, box_contacts
-from .cores import CoreTable, Kind
+from .cores import CoreTable, Kind, Size
 from .frames import COLUMN, product, relative, turned, turned_back
 
 
@@ -40,9 +40,7 @@ def _contacts(boxes: Boxes, limit: FloatArray) -> BoxContacts:
         part = slice(count * k // parts, count * (k + 1) // parts)
         placed = boxes.rotation[..., part], boxes.offset[:, part], boxes.half_a[:, part], boxes.half_b[:, part]
         found.append(box_contacts(*placed, limit[part]))
-    if parts == 1:
-        return found[0]
-    return BoxContacts(*(np.concatenate([getattr(part, f.name) for part in found], axis=-1) for f in fields(BoxContacts)))
+    return joined(found)
 
 
 class BoxPairs:
@@ -54,7 +52,7 @@ class BoxPairs:
         self._all = bool(self.is_box.all())
         self._placed = table.placed
         # By body, for those that are boxes.
-        self._sizes = np.stack([np.vstack([table.half, table.radius]), np.vstack([table.sharp_half, table.sharp_radius])])[..., first]
+        self._sizes = np.concatenate([table.half, table.radius[:, None]], axis=1)[..., first]
         self._authored = table.is_box[first]
         self._turn, self._shift = table.rotation[..., first], table.offset[:, first]
         self._outline = table.outline[:, first]
@@ -74,12 +72,13 @@ class BoxPairs:
             offset = turned_back(turn_a, offset + turned(rotation, shift) - self._shift[:, first])
             rotation = relative(turn_a, product(rotation, turn_b))
         sharp = self._authored[first] & self._authored[second]
-        size_a, size_b = (np.where(sharp, sizes[1], sizes[0]) for sizes in (self._sizes.take(body, axis=2) for body in (first, second)))
+        sizes = (self._sizes.take(body, axis=2) for body in (first, second))
+        size_a, size_b = (np.where(sharp, size[Size.SHARP], size[Size.USUAL]) for size in sizes)
         return Boxes(rows, rotation, offset, size_a[:3], size_b[:3], size_a[3], size_b[3])
 
     def clearances(self, boxes: Boxes) -> FloatArray:
         """Separations (k,) along the best axes: lower bounds on the distances that are positive only if those are."""
-        return best_axes(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b).distance - boxes.radius_a - boxes.radius_b
+        return best_axes(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b)[0] - boxes.radius_a - boxes.radius_b
 
     def directed_clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray] | None:
         """`clearances` and normals (3, p), or None unless all bodies are boxes at their own origins."""
@@ -89,8 +88,8 @@ class BoxPairs:
         if boxes is None:
             return None
         placed = boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b
-        best = best_axes(*placed)
-        return best.distance - (boxes.radius_a + boxes.radius_b), axis_normals(best.axis, *placed)
+        distance, axis = best_axes(*placed)
+        return distance - (boxes.radius_a + boxes.radius_b), axis_normals(axis, *placed)
 
     def patches(self, boxes: Boxes, pairs: IntArray, limit: FloatArray) -> PairPatches:
         """Patches of ``boxes``, those of ``pairs`` (k, 2) of bodies."""

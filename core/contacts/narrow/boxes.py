@@ -7,11 +7,11 @@ pairs are computed together.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray, replace_rows
 from .box_axes import FIRST_EDGE_AXIS, TURN, best_axes, edge_points
 from .frames import dot, pick, turned, turned_back
 from .manifold import PATCH_GAP, patch_gap
@@ -73,17 +73,15 @@ class BoxContacts:
 def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray, limit: FloatArray) -> BoxContacts:
     """Contacts of boxes: rotation (3, 3, p) and centre (3, p) of the second in the frame of the first, half extents (3, p) > 0. Beyond
     ``limit`` (p,) only a lower bound on the distance is given."""
-    best = best_axes(rotation, offset, half_a, half_b)
-    near = (best.distance <= limit).nonzero()[0]
+    distance, axis = best_axes(rotation, offset, half_a, half_b)
+    near = (distance <= limit).nonzero()[0]
     count = len(limit)
     if len(near) == count > 0:
-        return _near_contacts(best.distance, best.axis, rotation, offset, half_a, half_b)
-    result = BoxContacts(best.distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), np.ones(count, dtype=np.bool_))
+        return _near_contacts(distance, axis, rotation, offset, half_a, half_b)
+    result = BoxContacts(distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), np.ones(count, dtype=np.bool_))
     result.normal[2] = 1.0
     if len(near):
-        found = _near_contacts(best.distance[near], best.axis[near], *_rows(near, rotation, offset, half_a, half_b))
-        for field in fields(BoxContacts):
-            getattr(result, field.name)[..., near] = getattr(found, field.name)
+        replace_rows(result, near, _near_contacts(distance[near], axis[near], *_rows(near, rotation, offset, half_a, half_b)))
     return result
 
 

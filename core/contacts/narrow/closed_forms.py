@@ -7,7 +7,7 @@ its nearest face.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -236,9 +236,4 @@ def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray)
 
 def _merged(first: Separation, second: Separation, chosen: BoolArray) -> Separation:
     """``second`` in the pairs that are ``chosen`` (n,), ``first`` in the others."""
-    return Separation(
-        np.where(chosen, second.distance, first.distance),
-        np.where(chosen, second.normal, first.normal),
-        np.where(chosen, second.first, first.first),
-        np.where(chosen, second.second, first.second),
-    )
+    return Separation(*(np.where(chosen, getattr(second, f.name), getattr(first, f.name)) for f in fields(Separation)))

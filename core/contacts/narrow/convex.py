@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from functools import partial
 from typing import Any
 
@@ -14,7 +13,7 @@ from ...arrays import FloatArray
 from ..hull import Hull
 from ..motion import rotations
 from .closed_forms import Separation
-from .cores import Core, CoreTable, Kind
+from .cores import Core, CoreTable, Kind, Size
 from .penetration import Farthest, penetration, row_dots
 
 _POINT_RADIUS = 1e-9
@@ -37,14 +36,6 @@ _TURNS = (None, *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 
 _UPRIGHT = np.eye(3)
 
 
-class Size(Enum):
-    """The size in which a box is used."""
-
-    CORE = "core"
-    SHARP = "sharp"
-    THICK = "thick"
-
-
 @dataclass(frozen=True, slots=True)
 class Convex:
     """A convex body for queries, around its own origin. ``first`` and ``second``: FCL's objects for the first body of a pair, which stays
@@ -65,27 +56,15 @@ class ConvexDistances:
 
     def __init__(self, table: CoreTable) -> None:
         self._table = table
-        self._shared: dict[tuple[int, Size], Convex] = {}  # by the id of the core: equal bodies share theirs
-        self._cores: dict[Size, list[Convex | None]] = {size: [None] * len(table.cores) for size in Size}
+        self._cores: dict[tuple[int, int], Convex] = {}  # by the id of the core and the size: equal bodies share theirs
         self._triangles: dict[tuple[int, int], Convex] = {}
 
-    def core(self, number: int, size: Size = Size.CORE) -> Convex:
-        """The body of a core. ``size`` chooses among the sizes of a box."""
-        return self.cores([number], size)[0]
-
-    def cores(self, numbers: Sequence[int], size: Size) -> list[Convex]:
-        """The bodies of several cores."""
-        known = self._cores[size]
-        made = []
-        for number in numbers:
-            convex = known[number]
-            if convex is None:
-                core = self._table.cores[number]
-                key = id(core), size
-                if key not in self._shared:
-                    self._shared[key] = convex_of(core, size)
-                convex = known[number] = self._shared[key]
-            made.append(convex)
+    def core(self, number: int, size: int) -> Convex:
+        """The body of a core in one of its sizes."""
+        core = self._table.cores[number]
+        made = self._cores.get((id(core), size))
+        if made is None:
+            made = self._cores[id(core), size] = convex_of(core, size)
         return made
 
     def triangle(self, core: int, number: int, corners: FloatArray) -> Convex:
@@ -98,14 +77,14 @@ class ConvexDistances:
         return made
 
 
-def convex_of(core: Core, size: Size = Size.CORE) -> Convex:
+def convex_of(core: Core, size: int = Size.USUAL) -> Convex:
     """The body of a core that is not a mesh."""
     import fcl
 
     if core.kind is Kind.HULL:
         assert core.hull is not None
         return _polytope(core.hull)
-    half = {Size.CORE: core.half, Size.SHARP: core.sharp_half, Size.THICK: core.thick_half}[size]
+    half = core.half[size]
     x, _, z = (2 * half).tolist()
     geometry = {
         Kind.POINT: lambda: fcl.Sphere(_POINT_RADIUS),

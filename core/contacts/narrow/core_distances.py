@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray
+from ...arrays import BoolArray, FloatArray, chosen_of, replace_rows
 from .box_axes import best_axes
 from .closed_forms import (
     Separation,
@@ -17,23 +20,47 @@ from .closed_forms import (
     segment_to_segment,
     segment_to_triangle,
 )
-from .convex import Convex, ConvexDistances, Size, separations
+from .convex import Convex, ConvexDistances, separations
 from .core_pairs import CorePairing, CorePairs
-from .cores import CoreTable, Kind
+from .cores import CoreTable, Kind, Size
 from .frames import relative, turned, turned_back
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 
-_CLOSED_FORMS = {
-    (Kind.POINT, Kind.POINT),
-    (Kind.POINT, Kind.SEGMENT),
-    (Kind.POINT, Kind.BOX),
-    (Kind.POINT, Kind.CYLINDER),
-    (Kind.POINT, Kind.CONE),
-    (Kind.SEGMENT, Kind.SEGMENT),
-    (Kind.SEGMENT, Kind.BOX),
-    (Kind.BOX, Kind.BOX),
+
+class _Placed(NamedTuple):
+    """Cores in world space: rotation (3, 3, n), centre (3, n) and half extents (3, n)."""
+
+    rotation: FloatArray
+    centre: FloatArray
+    half: FloatArray
+
+
+def _ends(rotation: FloatArray, centre: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Both ends (3, n) of segments along local z."""
+    along = rotation[:, 2] * half[2]
+    return centre - along, centre + along
+
+
+def _segment_and_box(segment: _Placed, box: _Placed) -> Separation:
+    """Exact where they are apart; a segment through a box is a box without width and height."""
+    separation = segment_to_box(*_ends(*segment), *box)
+    through = np.flatnonzero(separation.distance < 1e-9)
+    if len(through):
+        deep = box_to_box(*(side[..., through] for side in (*segment, *box)))
+        replace_rows(separation, through, deep)
+    return separation
+
+
+_CLOSED_FORMS: dict[tuple[int, int], Callable[[_Placed, _Placed], Separation]] = {
+    (Kind.POINT, Kind.POINT): lambda a, b: between(a.centre, b.centre),
+    (Kind.POINT, Kind.SEGMENT): lambda a, b: segment_to_segment(a.centre, a.centre, *_ends(*b)),
+    (Kind.POINT, Kind.BOX): lambda a, b: point_to_box(a.centre, *b),
+    (Kind.POINT, Kind.CYLINDER): lambda a, b: point_to_cylinder(a.centre, *b),
+    (Kind.POINT, Kind.CONE): lambda a, b: point_to_cone(a.centre, *b),
+    (Kind.SEGMENT, Kind.SEGMENT): lambda a, b: segment_to_segment(*_ends(*a), *_ends(*b)),
+    (Kind.SEGMENT, Kind.BOX): _segment_and_box,
 }
-"""Pairs of kinds that need not go to FCL."""
+"""By kinds, those pairs that need neither separating axes nor FCL."""
 
 
 class CoreDistances:
@@ -44,58 +71,46 @@ class CoreDistances:
         self._pairing = pairing
         self._convex = ConvexDistances(table)
 
+    def _kinds(self, rows: CorePairs) -> tuple[int, int]:
+        return int(self._table.kind[rows.first[0]]), int(self._table.kind[rows.second[0]])
+
     def in_closed_form(self, rows: CorePairs) -> bool:
         """Whether a group without triangles needs no FCL."""
-        kind = self._table.kind
-        return (int(kind[rows.first[0]]), int(kind[rows.second[0]])) in _CLOSED_FORMS
+        kinds = self._kinds(rows)
+        return kinds in _CLOSED_FORMS or kinds == (Kind.BOX, Kind.BOX)
 
     def separated(self, rows: CorePairs, depths: bool = True) -> AxisSeparation:
         """Separations of the cores of one group. Without ``depths``, some that overlap may be said to be 0 apart."""
-        count = len(rows)
-        if count == 0:
+        if len(rows) == 0:
             empty = np.zeros((3, 0))
-            return AxisSeparation(Separation(np.zeros(0), empty, empty, empty), np.ones(0, dtype=np.bool_))
-        table = self._table
-        half_a, half_b = table.half[:, rows.first], table.half[:, rows.second]
-        kinds = Kind(int(table.kind[rows.first[0]])), Kind(int(table.kind[rows.second[0]]))
-        match kinds:
-            case (Kind.POINT, Kind.POINT):
-                return exact(between(rows.centre_a, rows.centre_b))
-            case (Kind.POINT, Kind.SEGMENT):
-                start, end = _ends(rows.rotation_b, rows.centre_b, half_b)
-                return exact(segment_to_segment(rows.centre_a, rows.centre_a, start, end))
-            case (Kind.SEGMENT, Kind.SEGMENT):
-                ends = (*_ends(rows.rotation_a, rows.centre_a, half_a), *_ends(rows.rotation_b, rows.centre_b, half_b))
-                return exact(segment_to_segment(*ends))
-            case (Kind.POINT, Kind.BOX):
-                return exact(point_to_box(rows.centre_a, rows.rotation_b, rows.centre_b, half_b))
-            case (Kind.POINT, Kind.CYLINDER):
-                return exact(point_to_cylinder(rows.centre_a, rows.rotation_b, rows.centre_b, half_b))
-            case (Kind.POINT, Kind.CONE):
-                return exact(point_to_cone(rows.centre_a, rows.rotation_b, rows.centre_b, half_b))
-            case (Kind.SEGMENT, Kind.BOX):
-                return _segment_and_box(rows, half_a, half_b)
-            case (Kind.BOX, Kind.BOX):
-                sharp = self._sharp(rows)
-                half_a = np.where(sharp, table.sharp_half[:, rows.first], half_a)
-                half_b = np.where(sharp, table.sharp_half[:, rows.second], half_b)
-                rows.radius_a = np.where(sharp, table.sharp_radius[rows.first], rows.radius_a)
-                rows.radius_b = np.where(sharp, table.sharp_radius[rows.second], rows.radius_b)
-                return box_to_box(rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
-            case (_, Kind.MESH):
-                return self._separated_from_triangles(rows, kinds[0])
-        return exact(self.by_fcl(rows, depths))
+            return exact(Separation(np.zeros(0), empty, empty, empty))
+        half, (first, second) = self._table.half[Size.USUAL], self._kinds(rows)
+        if second == Kind.MESH:
+            return self._separated_from_triangles(rows, first)
+        if first == second == Kind.BOX:
+            sharp = self._sharp(rows)
+            size = np.where(sharp, Size.SHARP, Size.USUAL)
+            half_a, half_b = (self._table.half[size, :, core].T for core in (rows.first, rows.second))
+            rows.radius_a = np.where(sharp, self._table.radius[Size.SHARP, rows.first], rows.radius_a)
+            rows.radius_b = np.where(sharp, self._table.radius[Size.SHARP, rows.second], rows.radius_b)
+            return box_to_box(rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
+        if (first, second) not in _CLOSED_FORMS:
+            return exact(self.by_fcl(rows, depths))
+        a = _Placed(rows.rotation_a, rows.centre_a, half[:, rows.first])
+        b = _Placed(rows.rotation_b, rows.centre_b, half[:, rows.second])
+        return exact(_CLOSED_FORMS[first, second](a, b))
 
-    def _separated_from_triangles(self, rows: CorePairs, kind: Kind) -> AxisSeparation:
+    def _separated_from_triangles(self, rows: CorePairs, kind: int) -> AxisSeparation:
         assert rows.triangle_b is not None
-        if kind in (Kind.POINT, Kind.SEGMENT, Kind.BOX):
-            corners = self._pairing.corners(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b)
-            if kind is Kind.POINT:
-                return exact(point_to_triangle(rows.centre_a, corners))
-            if kind is Kind.SEGMENT:
-                return exact(segment_to_triangle(*_ends(rows.rotation_a, rows.centre_a, self._table.half[:, rows.first]), corners))
-            return box_to_triangle(rows.rotation_a, rows.centre_a, self._table.thick_half[:, rows.first], corners)
-        return exact(self.by_fcl(rows))
+        if kind not in (Kind.POINT, Kind.SEGMENT, Kind.BOX):
+            return exact(self.by_fcl(rows))
+        corners = self._pairing.corners(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b)
+        if kind == Kind.POINT:
+            return exact(point_to_triangle(rows.centre_a, corners))
+        if kind == Kind.SEGMENT:
+            ends = _ends(rows.rotation_a, rows.centre_a, self._table.half[Size.USUAL][:, rows.first])
+            return exact(segment_to_triangle(*ends, corners))
+        return box_to_triangle(rows.rotation_a, rows.centre_a, self._table.half[Size.THICK][:, rows.first], corners)
 
     def near_by_fcl(self, rows: CorePairs, limit: FloatArray) -> Separation:
         """`by_fcl` of the rows whose bounding boxes are within ``limit`` of each other; lower bounds for the others."""
@@ -103,16 +118,14 @@ class CoreDistances:
         centre_a = rows.centre_a + turned(rows.rotation_a, table.bound_centre[:, rows.first])
         centre_b = rows.centre_b + turned(rows.rotation_b, table.bound_centre[:, rows.second])
         turn, offset = relative(rows.rotation_a, rows.rotation_b), turned_back(rows.rotation_a, centre_b - centre_a)
-        bound = best_axes(turn, offset, table.bound_half[:, rows.first], table.bound_half[:, rows.second]).distance
+        bound = best_axes(turn, offset, table.bound_half[:, rows.first], table.bound_half[:, rows.second])[0]
         near = bound <= rows.radius_a + rows.radius_b + limit[rows.owner]
         if near.all():
             return self.by_fcl(rows)
         result = Separation(bound, np.tile([[0.0], [0.0], [1.0]], len(rows)), centre_a, centre_b)
         chosen = np.flatnonzero(near)
         if len(chosen):
-            found = self.by_fcl(rows.chosen(chosen))
-            for name in ("distance", "normal", "first", "second"):
-                getattr(result, name)[..., chosen] = getattr(found, name)
+            replace_rows(result, chosen, self.by_fcl(chosen_of(rows, chosen)))
         return result
 
     def _sharp(self, rows: CorePairs) -> BoolArray:
@@ -122,9 +135,9 @@ class CoreDistances:
 
     def by_fcl(self, rows: CorePairs, depths: bool = True) -> Separation:
         """Separations by FCL, and by EPA where cores overlap."""
-        size = Size.CORE if rows.triangle_b is None else Size.THICK
+        size = Size.USUAL if rows.triangle_b is None else Size.THICK
         first, second = (
-            self._convex.cores(core.tolist(), size)
+            [self._convex.core(c, size) for c in core.tolist()]
             if triangle is None
             else [self._triangle_object(c, t) for c, t in zip(core.tolist(), triangle.tolist(), strict=True)]
             for core, triangle in ((rows.first, rows.triangle_a), (rows.second, rows.triangle_b))
@@ -143,23 +156,5 @@ class CoreDistances:
 
 def exact(separation: Separation) -> AxisSeparation:
     """A separation whose distances are all exact."""
-    return AxisSeparation(separation, np.ones(len(separation.distance), dtype=np.bool_))
-
-
-def _ends(rotation: FloatArray, centre: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Both ends (3, n) of segments along local z."""
-    along = rotation[:, 2] * half[2]
-    return centre - along, centre + along
-
-
-def _segment_and_box(rows: CorePairs, half_a: FloatArray, half_b: FloatArray) -> AxisSeparation:
-    """Exact where they are apart; a segment through a box is a box without width and height."""
-    start, end = _ends(rows.rotation_a, rows.centre_a, half_a)
-    separation = segment_to_box(start, end, rows.rotation_b, rows.centre_b, half_b)
-    through = np.flatnonzero(separation.distance < 1e-9)
-    if len(through):
-        sides = (rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
-        deep = box_to_box(*(side[..., through] for side in sides)).separation
-        for name in ("distance", "normal", "first", "second"):
-            getattr(separation, name)[..., through] = getattr(deep, name)
-    return exact(separation)
+    whole = np.ones(len(separation.distance), dtype=np.bool_)
+    return AxisSeparation(separation.distance, separation.normal, separation.first, separation.second, whole)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
-from .cores import CoreTable, Kind
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, ranges
+from .cores import CoreTable, Kind, Size
 from .frames import product, relative, turned, turned_back
 from .mesh_index import MeshIndex
 
@@ -41,12 +40,6 @@ class CorePairs:
     def __len__(self) -> int:
         return len(self.owner)
 
-    def chosen(self, rows: IntArray | BoolArray) -> CorePairs:
-        """Some of the rows."""
-        values: list[Any] = [getattr(self, f.name) for f in fields(self)]
-        picked: list[Any] = [None if value is None else value[..., rows] for value in values]
-        return CorePairs(*picked)
-
 
 class CorePairing:
     """Makes pairs of cores from pairs of the bodies of a table."""
@@ -67,10 +60,10 @@ class CorePairing:
         rotation_a, centre_a = self._world(first, np.where(flipped, turn, upright), np.where(flipped, place, 0.0))
         rotation_b, centre_b = self._world(second, np.where(flipped, upright, turn), np.where(flipped, 0.0, place))
         kinds = table.kind[first] * len(Kind) + table.kind[second]
-        radius_a, radius_b = table.radius[first], table.radius[second]
+        radius_a, radius_b = (table.radius[Size.USUAL, core] for core in (first, second))
         everything = CorePairs(owner, flipped, first, second, rotation_a, centre_a, rotation_b, centre_b, radius_a, radius_b)
         for value in np.unique(kinds).tolist():
-            rows = everything.chosen(np.flatnonzero(kinds == value)) if np.any(kinds != value) else everything
+            rows = chosen_of(everything, np.flatnonzero(kinds == value)) if np.any(kinds != value) else everything
             kind_a, kind_b = Kind(value // len(Kind)), Kind(value % len(Kind))
             if kind_a is Kind.MESH:
                 yield from self._meshes_on_meshes(rows, limit)
@@ -98,7 +91,7 @@ class CorePairing:
         """Convex cores against those triangles of their meshes that are near."""
         table = self._table
         if kind is Kind.BOX:
-            rows.radius_a = table.thick_radius[rows.first]
+            rows.radius_a = table.radius[Size.THICK, rows.first]
         if kind is Kind.POINT:
             rows.radius_b = np.array([table.cores[core].mesh_radius_to_points for core in rows.second.tolist()])
         turn = relative(rows.rotation_b, rows.rotation_a)
@@ -112,7 +105,7 @@ class CorePairing:
             box, near = self.mesh(core).near(bounds[mine])
             row.append(mine[box])
             triangle.append(near)
-        expanded = rows.chosen(np.concatenate(row))
+        expanded = chosen_of(rows, np.concatenate(row))
         expanded.triangle_b = np.concatenate(triangle)
         return expanded
 
@@ -120,7 +113,7 @@ class CorePairing:
         """Pairs of near triangles of two meshes, one pair of meshes at a time."""
         table = self._table
         for k in range(len(rows)):
-            row = rows.chosen(np.array([k]))
+            row = chosen_of(rows, np.array([k]))
             first, second = self.mesh(int(row.first[0])), self.mesh(int(row.second[0]))
             grown = float(row.radius_a[0] + row.radius_b[0] + max(limit[row.owner[0]], 0.0))
             back_b = row.rotation_b[..., 0].T
@@ -132,7 +125,7 @@ class CorePairing:
             corners = first.corners[near] @ turn.T + shift
             bounds = np.stack([corners.min(axis=1) - grown, corners.max(axis=1) + grown], axis=1)
             mine, theirs = second.near(bounds)
-            expanded = row.chosen(np.zeros(len(mine), dtype=np.int64))
+            expanded = chosen_of(row, np.zeros(len(mine), dtype=np.int64))
             expanded.triangle_a, expanded.triangle_b = near[mine], theirs
             yield expanded
 
@@ -145,28 +138,15 @@ class CorePairing:
         return turned(rotation, local) + centre[:, None]
 
 
-def joined(groups: list[CorePairs]) -> CorePairs:
-    """Groups without triangles as one."""
-    names = [f.name for f in fields(CorePairs) if not f.name.startswith("triangle")]
-    return (
-        groups[0] if len(groups) == 1 else CorePairs(*(np.concatenate([getattr(rows, name) for rows in groups], axis=-1) for name in names))
-    )
-
-
 def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Every core of each pair's first body with every core of its second: number of the pair, of either core."""
     count = np.diff(start)[pairs]
     many = count[:, 0] * count[:, 1]
     owner = np.repeat(np.arange(len(pairs)), many)
-    within = np.arange(len(owner)) - np.repeat(np.cumsum(many) - many, many)
+    within = ranges(np.zeros_like(many), many)
     return owner, start[pairs[owner, 0]] + within // count[owner, 1], start[pairs[owner, 1]] + within % count[owner, 1]
 
 
 def bounded(rows: CorePairs, gap: FloatArray, limit: FloatArray) -> FloatArray:
     """Gaps as lower bounds on the distances of the bodies: beyond ``limit`` not all triangles of a mesh are included."""
     return gap if rows.triangle_b is None else np.minimum(gap, limit[rows.owner] + BEYOND)
-
-
-def chosen_of(values: Any, rows: Any) -> Any:
-    """Some of the pairs of a dataclass of arrays."""
-    return type(values)(*(getattr(values, f.name)[..., rows] for f in fields(values)))

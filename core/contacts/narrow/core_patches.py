@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of
 from .closed_forms import Separation
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind
 from .manifold import Patches, patches
 from .sections import directions, reach, section_area
-from .supporting_feature import FEW, MANY, Features, triangle_polygons
+from .supporting_feature import FEW, MANY, Features
 
 _DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
 """Kinds whose features are polygons of fewer corners than they have."""
@@ -53,7 +53,7 @@ class CorePatches:
         area = result.area
         faceted = (self._table.kind[rows.second] == Kind.HULL) & np.isin(self._table.kind[rows.first], (Kind.BOX, Kind.HULL))
         if faceted.any():
-            some, place, around = rows.chosen(faceted), middle[:, faceted], directions(normal[:, faceted])
+            some, place, around = chosen_of(rows, faceted), middle[:, faceted], directions(normal[:, faceted])
             reaches = [
                 reach(self._table, core, rotation, centre, place, around)
                 for core, rotation, centre in ((some.first, some.rotation_a, some.centre_a), (some.second, some.rotation_b, some.centre_b))
@@ -68,9 +68,8 @@ class CorePatches:
     ) -> tuple[FloatArray, BoolArray, BoolArray]:
         if triangle is None:
             return self._features.polygons(core, rotation, centre, direction)
-        count = len(core)
-        corners = self._pairing.corners(core, triangle, rotation, centre)
-        return triangle_polygons(corners), np.zeros(count, dtype=np.bool_), np.ones(count, dtype=np.bool_)
+        corners = self._pairing.corners(core, triangle, rotation, centre)[:, np.minimum(np.arange(MANY), 2)]  # the last one repeated
+        return corners, np.zeros(len(core), dtype=np.bool_), np.ones(len(core), dtype=np.bool_)
 
 
 def _at_nearest_points(patch: Patches, rough: BoolArray) -> Patches:

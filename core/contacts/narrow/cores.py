@@ -30,21 +30,24 @@ class Kind(IntEnum):
     MESH = 6
 
 
+class Size(IntEnum):
+    """The sizes of a core, which differ for a box with rounded edges."""
+
+    USUAL = 0
+    SHARP = 1  # where two boxes meet
+    THICK = 2  # where a box meets a mesh
+
+
 @dataclass(frozen=True, slots=True)
 class Core:
-    """One primitive. ``half`` (3,): half extents of a box; (radius, radius, half height) of a round core; (0, 0, half length) of a segment.
-    ``matrix`` (4, 4): from core to body. ``radius`` by which it is grown. ``sharp_half`` and ``sharp_radius``: the same where two boxes
-    meet. ``thick_half`` and ``thick_radius``: where a box meets a mesh. ``outline`` (3,) half extents of its flat faces. ``is_box``:
-    authored as a box. ``hull``: of a HULL; ``sharp_hull``: whose faces are flat as far as those."""
+    """One primitive. ``matrix`` (4, 4): from core to body. By `Size`: ``half`` (3, 3), of a box its half extents, of a round core (radius,
+    radius, half height), of a segment (0, 0, half length); and the ``radius`` (3,) by which it is grown. ``outline`` (3,) half extents of
+    its flat faces. ``is_box``: authored as a box. ``hull``: of a HULL; ``sharp_hull``: whose faces are flat as far as those."""
 
     kind: Kind
     matrix: FloatArray
-    radius: float
+    radius: Sequence[float]
     half: FloatArray
-    sharp_half: FloatArray
-    sharp_radius: float
-    thick_half: FloatArray
-    thick_radius: float
     outline: FloatArray
     is_box: bool = False
     hull: Hull | None = None
@@ -58,17 +61,17 @@ class Core:
             return self.mesh.core_bounds()
         if self.hull is not None:
             return np.array([self.hull.points.min(axis=0), self.hull.points.max(axis=0)])
-        half = np.maximum(self.half, np.maximum(self.sharp_half, self.thick_half))
+        half = self.half.max(axis=0)
         return np.array([-half, half])
 
     def thickness(self) -> float:
         """Smallest extent [m]: of a mesh, which is hollow, that of its surface; of a hull, the smallest width square to a face."""
         if self.mesh is not None:
-            return 2 * min(self.radius, self.mesh_radius_to_points)
+            return 2 * min(self.radius[0], self.mesh_radius_to_points)
         if self.hull is not None:
             normals, _ = self.hull.planes()
-            return float(np.ptp(self.hull.points @ normals.T, axis=0).min(initial=np.inf)) + 2 * self.radius
-        return 2 * (float(self.half.min()) + self.radius)
+            return float(np.ptp(self.hull.points @ normals.T, axis=0).min(initial=np.inf)) + 2 * self.radius[0]
+        return 2 * (float(self.half[0].min()) + self.radius[0])
 
 
 def cores_of(shape: Shape, solid: bool = False) -> tuple[Core, ...]:
@@ -79,16 +82,15 @@ def cores_of(shape: Shape, solid: bool = False) -> tuple[Core, ...]:
 def _simple(kind: Kind, part: Part, half: Sequence[float], rounding: float = 0.0) -> Core:
     size = np.array(half, dtype=np.float64)
     inner = np.maximum(size - rounding, 0.0) if rounding else size
-    radius = part.radius + rounding
-    return Core(kind, part.matrix, radius, inner, inner, radius, inner, radius, size)
+    return Core(kind, part.matrix, 3 * [part.radius + rounding], np.tile(inner, (3, 1)), size)
 
 
 def _core(part: Part, solid: bool) -> Core:
     match part.shape:
         case Sphere(radius=radius):
-            return _simple(Kind.POINT, Part(part.shape, part.matrix, part.radius + radius), (0, 0, 0))
+            return _simple(Kind.POINT, replace(part, radius=part.radius + radius), (0, 0, 0))
         case Capsule(radius=radius, height=height):
-            return _simple(Kind.SEGMENT, Part(part.shape, part.matrix, part.radius + radius), (0, 0, height / 2))
+            return _simple(Kind.SEGMENT, replace(part, radius=part.radius + radius), (0, 0, height / 2))
         case Box(size=size, rounding=rounding):
             return _box(part.matrix, part.radius, np.array(size) / 2, rounding)
         case Cylinder(radius=radius, height=height, rounding=rounding):
@@ -109,19 +111,9 @@ def _core(part: Part, solid: bool) -> Core:
 
 def _box(matrix: FloatArray, radius: float, half: FloatArray, rounding: float, sharp_to_boxes: bool = True) -> Core:
     inner = min(rounding, float(np.min(half)))
-    core = half - inner
-    return Core(
-        Kind.BOX,
-        matrix,
-        radius + inner,
-        core,
-        half if sharp_to_boxes else core,
-        radius if sharp_to_boxes else radius + inner,
-        np.maximum(half - rounding, 0.0) if sharp_to_boxes else core,
-        radius + rounding if sharp_to_boxes else radius + inner,
-        half,
-        sharp_to_boxes,
-    )
+    roundings = [inner, 0.0, rounding] if sharp_to_boxes else 3 * [inner]
+    halves = np.array([np.maximum(half - each, 0.0) for each in roundings])
+    return Core(Kind.BOX, matrix, [radius + each for each in roundings], halves, half, sharp_to_boxes)
 
 
 def _hull(part: Part, points: FloatArray, rounding: float) -> Core:
@@ -135,21 +127,18 @@ def _hull(part: Part, points: FloatArray, rounding: float) -> Core:
         return _box(part.matrix @ matrix, part.radius, half, rounding, sharp_to_boxes=False)
     radius = part.radius + rounding
     if len(inner.points) == 2:
-        return _between(part.matrix, inner.points, radius)
-    return replace(
-        _simple(Kind.HULL, part, (0, 0, 0)), radius=radius, sharp_radius=radius, thick_radius=radius, hull=inner, sharp_hull=sharp
-    )
+        return _between(replace(part, radius=radius), inner.points)
+    return replace(_simple(Kind.HULL, replace(part, radius=radius), (0, 0, 0)), hull=inner, sharp_hull=sharp)
 
 
-def _between(matrix: FloatArray, ends: FloatArray, radius: float) -> Core:
+def _between(part: Part, ends: FloatArray) -> Core:
     """A segment between two points."""
     along = ends[1] - ends[0]
     length = float(np.linalg.norm(along))
     local = np.eye(4)
     local[:3, :3] = _basis(along / length)
     local[:3, 3] = ends.mean(axis=0)
-    half = np.array([0.0, 0.0, length / 2])
-    return Core(Kind.SEGMENT, matrix @ local, radius, half, half, radius, half, radius, half)
+    return _simple(Kind.SEGMENT, replace(part, matrix=part.matrix @ local), (0, 0, length / 2))
 
 
 def _basis(z: FloatArray) -> FloatArray:
@@ -203,7 +192,8 @@ def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatAr
 class CoreTable:
     """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``. ``rotation`` (3, 3, c) and ``offset`` (3, c)
     place a core in its body; ``placed`` is False where all of them are the identity. ``bound_centre`` and ``bound_half`` (3, c): box around
-    the core in its own frame. ``thickness`` (b,) of each body's thinnest core [m]. The rest are the fields of `Core`."""
+    the core in its own frame. ``thickness`` (b,) of each body's thinnest core [m]. The rest are the fields of `Core`: ``radius`` (3, c) and
+    ``half`` (3, 3, c) by size."""
 
     cores: tuple[Core, ...]
     start: IntArray
@@ -213,10 +203,6 @@ class CoreTable:
     placed: bool
     radius: FloatArray
     half: FloatArray
-    sharp_half: FloatArray
-    sharp_radius: FloatArray
-    thick_half: FloatArray
-    thick_radius: FloatArray
     outline: FloatArray
     is_box: BoolArray
     bound_centre: FloatArray
@@ -236,13 +222,10 @@ class CoreTable:
         thinnest = {key: min(core.thickness() for core in body) for key, body in known.items()}
         matrices = np.array([core.matrix for core in cores], dtype=np.float64).reshape(-1, 4, 4)
         bounds = [core.bounds() for core in cores]
-        numbers = {
-            name: np.array([getattr(core, name) for core in cores], dtype=np.float64) for name in ("radius", "sharp_radius", "thick_radius")
-        }
-        extents = {name: _columns([getattr(core, name) for core in cores]) for name in ("half", "sharp_half", "thick_half", "outline")}
         return cls(
-            **numbers,
-            **extents,
+            radius=_columns([core.radius for core in cores]),
+            half=np.array([_columns([core.half[size] for core in cores]) for size in Size]),
+            outline=_columns([core.outline for core in cores]),
             cores=cores,
             start=np.concatenate([[0], np.cumsum([len(body) for body in per_body])]).astype(np.int64),
             kind=np.array([core.kind for core in cores], dtype=np.int64),
@@ -256,5 +239,5 @@ class CoreTable:
         )
 
 
-def _columns(vectors: Sequence[FloatArray]) -> FloatArray:
+def _columns(vectors: Sequence[FloatArray | Sequence[float]]) -> FloatArray:
     return np.array(vectors, dtype=np.float64).reshape(-1, 3).T.copy()

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, chosen_of, joined
 from ..shapes import Shape
 from .body_patches import CoreContacts, PairPatches, PatchPoints, core_contacts, reduced
 from .box_pairs import BoxPairs
-from .closed_forms import Separation
 from .core_distances import CoreDistances, exact
-from .core_pairs import BEYOND, CorePairing, CorePairs, bounded, chosen_of, joined
+from .core_pairs import BEYOND, CorePairing, CorePairs, bounded
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind
 from .separating_axes import AxisSeparation
@@ -82,7 +80,7 @@ class NarrowPhase:
         distance = np.full(count, np.inf)
         normal = np.tile([[0.0], [0.0], [1.0]], count)
         for rows in self._pairing.groups(pairs, rotation, offset, limit):
-            separation = self._distances.separated(rows).separation
+            separation = self._distances.separated(rows)
             gap = bounded(rows, separation.distance - rows.radius_a - rows.radius_b, limit)
             outward = np.where(rows.flipped, -separation.normal, separation.normal)
             order = np.argsort(-gap, kind="stable")
@@ -96,7 +94,7 @@ class NarrowPhase:
         """Distances (p,) up to ``limit`` (p,), 0 where bodies overlap: cheaper than to find out how deep."""
         distance = np.full(len(pairs), np.inf)
         for rows in self._pairing.groups(pairs, rotation, offset, limit):
-            gap = self._distances.separated(rows, depths=False).separation.distance - rows.radius_a - rows.radius_b
+            gap = self._distances.separated(rows, depths=False).distance - rows.radius_a - rows.radius_b
             np.minimum.at(distance, rows.owner, bounded(rows, gap, limit))
         return np.where(np.isinf(distance), limit + BEYOND, np.maximum(distance, 0.0))
 
@@ -120,41 +118,30 @@ class NarrowPhase:
             rows = joined(others)
             closed.append((rows, exact(self._distances.near_by_fcl(rows, limit))))
         if closed:
-            rows, separated = _together(closed)
+            rows, separated = joined([group for group, _ in closed]), joined([separated for _, separated in closed])
             is_point = self._table.kind[rows.first] == Kind.POINT
             for chosen in (is_point.nonzero()[0], (~is_point).nonzero()[0]):
                 if len(chosen):
-                    part = AxisSeparation(chosen_of(separated.separation, chosen), separated.exact[chosen])
-                    self._finish(rows.chosen(chosen), part, limit, distance, found, points is not None)
+                    self._finish(chosen_of(rows, chosen), chosen_of(separated, chosen), limit, distance, found, points is not None)
         return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, points)
 
     def _finish(
         self, rows: CorePairs, separated: AxisSeparation, limit: FloatArray, distance: FloatArray, found: list[CoreContacts], corners: bool
     ) -> None:
         """Add the patches of rows within ``limit`` to ``found`` and lower bounds on the others to ``distance``."""
-        gap = bounded(rows, separated.separation.distance - rows.radius_a - rows.radius_b, limit)
+        gap = bounded(rows, separated.distance - rows.radius_a - rows.radius_b, limit)
         near = gap <= limit[rows.owner]
         np.minimum.at(distance, rows.owner[~near], gap[~near])
         if not near.any():
             return
         chosen = near.nonzero()[0]
-        rows = rows.chosen(chosen)
-        separation, known = chosen_of(separated.separation, chosen), separated.exact[chosen]
-        patch = self._patches.patches(rows, separation)
-        unsure = ~known & (patch.gap > _CERTAIN)
+        rows, separated = chosen_of(rows, chosen), chosen_of(separated, chosen)
+        patch = self._patches.patches(rows, separated)
+        unsure = ~separated.exact & (patch.gap > _CERTAIN)
         if unsure.any():
-            again = rows.chosen(unsure)
-            measured = self._distances.by_fcl(again)
-            self._finish(again, exact(measured), limit, distance, found, corners)
-            rows, separation, known, patch = rows.chosen(~unsure), chosen_of(separation, ~unsure), known[~unsure], chosen_of(patch, ~unsure)
+            again = chosen_of(rows, unsure)
+            self._finish(again, exact(self._distances.by_fcl(again)), limit, distance, found, corners)
+            rows, separated, patch = chosen_of(rows, ~unsure), chosen_of(separated, ~unsure), chosen_of(patch, ~unsure)
         if len(rows):
-            gap = separation.distance - rows.radius_a - rows.radius_b + np.where(known, 0.0, patch.gap)
-            found.append(core_contacts(rows, separation.normal, gap, patch, corners))
-
-
-def _together(groups: list[tuple[CorePairs, AxisSeparation]]) -> tuple[CorePairs, AxisSeparation]:
-    """Groups without triangles as one."""
-    if len(groups) == 1:
-        return groups[0]
-    parts = (np.concatenate([getattr(s.separation, f.name) for _, s in groups], axis=-1) for f in fields(Separation))
-    return joined([rows for rows, _ in groups]), AxisSeparation(Separation(*parts), np.concatenate([s.exact for _, s in groups]))
+            gap = separated.distance - rows.radius_a - rows.radius_b + np.where(separated.exact, 0.0, patch.gap)
+            found.append(core_contacts(rows, separated.normal, gap, patch, corners))

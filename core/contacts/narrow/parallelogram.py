@@ -10,8 +10,6 @@ pairs are computed together.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
@@ -30,18 +28,10 @@ _THIN = 5e-15
 """Area up to which the centre is the middle of the edges."""
 
 
-class Overlap(NamedTuple):
-    """Per pair: ``area`` (p,), ``centre`` (2, p), ``lowest`` height (p,), and whether there is any overlap: ``found`` (p,)."""
-
-    area: FloatArray
-    centre: FloatArray
-    lowest: FloatArray
-    found: BoolArray
-
-
-def overlap(centre: FloatArray, sides: FloatArray, within: FloatArray) -> Overlap:
+def overlap(centre: FloatArray, sides: FloatArray, within: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
     """The part of the square under the parallelogram ``centre + s sides[0] + t sides[1]``, |s|, |t| <= 1, of ``centre`` (3, p) and
-    ``sides`` (2, 3, p), as far as its height is ``within`` (p,) of the least there."""
+    ``sides`` (2, 3, p), as far as its height is ``within`` (p,) of the least there: area (p,), centre (2, p), least height (p,), and
+    whether there is any (p,)."""
     sides = sides * np.copysign(1.0, sides[:, 2:])  # both ascend
     lowest = _lowest(centre, sides)
     # Integrals about a point of the overlap, so that little is lost where it is small.
@@ -53,7 +43,7 @@ def overlap(centre: FloatArray, sides: FloatArray, within: FloatArray) -> Overla
     thin = ((area <= _THIN) & found).nonzero()[0]
     if len(thin):
         middle[:, thin] = _middle_of_edges(centre.take(thin, axis=1), sides.take(thin, axis=2))
-    return Overlap(area, np.minimum(np.maximum(middle, -1.0), 1.0), lowest[2], found)
+    return area, np.minimum(np.maximum(middle, -1.0), 1.0), lowest[2], found
 
 
 def _edges(centre: FloatArray, sides: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

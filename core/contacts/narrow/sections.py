@@ -58,7 +58,7 @@ def reach(table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatA
     alike: dict[tuple[int, float], list[int]] = {}
     for row in np.flatnonzero(table.kind[core] == Kind.HULL).tolist():
         item = table.cores[int(core[row])]
-        alike.setdefault((id(item.hull), item.radius), []).append(row)
+        alike.setdefault((id(item.hull), item.radius[0]), []).append(row)
     for rows in alike.values():
         item = table.cores[int(core[rows[0]])]
         assert item.hull is not None
@@ -67,7 +67,7 @@ def reach(table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatA
             continue
         size = max(1, _AT_ONCE // len(normals))
         for some in (rows[first : first + size] for first in range(0, len(rows), size)):
-            result[:, some] = _reach(normals, (offsets + item.radius)[:, None], local[:, some], ways[..., some])
+            result[:, some] = _reach(normals, (offsets + item.radius[0])[:, None], local[:, some], ways[..., some])
     return result
 
 

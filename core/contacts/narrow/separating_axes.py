@@ -19,10 +19,9 @@ _ON_FACE = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class AxisSeparation:
-    """A ``separation`` and, per pair, whether its distance is ``exact`` (else it is a lower bound)."""
+class AxisSeparation(Separation):
+    """A separation and, per pair, whether its distance is ``exact`` (else it is a lower bound)."""
 
-    separation: Separation
     exact: BoolArray
 
 
@@ -31,8 +30,7 @@ def box_to_box(
 ) -> AxisSeparation:
     """Boxes in world space: rotations (3, 3, n), centres (3, n), half extents (3, n), which may be 0."""
     rotation, offset = relative(rotation_a, rotation_b), turned_back(rotation_a, centre_b - centre_a)
-    best = best_axes(rotation, offset, half_a, half_b)
-    distance, axis = best.distance, best.axis
+    distance, axis = best_axes(rotation, offset, half_a, half_b)
     of_a, of_b = axis < 3, (axis >= 3) & (axis < FIRST_EDGE_AXIS)
     normal = np.where(of_a, axis == COLUMN, pick(rotation.reshape(9, -1), 3 * COLUMN + axis % 3))
     normal *= np.where(dot(normal, offset) < 0, -1.0, 1.0)
@@ -49,8 +47,8 @@ def box_to_box(
         points = edge_points(axis[edges], rotation[..., edges], offset[:, edges], half_a[:, edges], half_b[:, edges])
         normal[:, edges], first[:, edges], second[:, edges] = points.normal, points.first, points.second
         exact[edges] = points.within
-    ends = (turned(rotation_a, end) + centre_a for end in (first, second))
-    return AxisSeparation(Separation(distance, turned(rotation_a, normal), *ends), exact | (distance <= 0))
+    first, second = (turned(rotation_a, end) + centre_a for end in (first, second))
+    return AxisSeparation(distance, turned(rotation_a, normal), first, second, exact | (distance <= 0))
 
 
 def _support(direction: FloatArray, half: FloatArray, towards: FloatArray) -> FloatArray:
@@ -101,5 +99,5 @@ def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, 
     exact = (of_plane & over_triangle) | (of_box & over_box) | (distance <= 0)
     second = np.where(of_plane, foot, second)
     first = np.where(of_box, near_box, first)
-    ends = (turned(rotation, end) + centre for end in (first, second))
-    return AxisSeparation(Separation(distance, turned(rotation, normal), *ends), exact)
+    first, second = (turned(rotation, end) + centre for end in (first, second))
+    return AxisSeparation(distance, turned(rotation, normal), first, second, exact)

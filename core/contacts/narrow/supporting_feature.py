@@ -115,11 +115,6 @@ def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
     return normals, corners
 
 
-def triangle_polygons(corners: FloatArray) -> FloatArray:
-    """Triangles (3, 3, n) as polygons (3, ``MANY``, n) that repeat the last corner."""
-    return corners[:, np.minimum(np.arange(MANY), 2)]
-
-
 def _box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
     axis = np.abs(direction).argmax(axis=0)
     corners = np.empty((3, FEW, len(axis)))
