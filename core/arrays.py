@@ -5,6 +5,7 @@ A record is a dataclass of arrays whose last axis is the same; what is None stay
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any, TypeVar
@@ -32,6 +33,29 @@ def runs(numbers: IntArray) -> tuple[IntArray, IntArray]:
 def ranges(first: IntArray, size: IntArray) -> IntArray:
     """The numbers ``first[k], first[k] + 1, ...``, ``size[k]`` of them for each k, concatenated."""
     return np.asarray(np.arange(size.sum()) + (first - size.cumsum() + size).repeat(size))
+
+
+def portions(size: IntArray, most: int) -> list[IntArray]:
+    """Numbers of things of these sizes (n,), in groups of about ``most`` in all."""
+    return np.split(np.arange(len(size)), np.flatnonzero(np.diff(size.cumsum() // most)) + 1)
+
+
+def added_by(number: IntArray, values: FloatArray, count: int) -> FloatArray:
+    """Sums (..., count) of values (..., n) by their ``number`` (n,)."""
+    rows = values.reshape(math.prod(values.shape[:-1]), values.shape[-1])
+    sums = np.array([np.bincount(number, weights=row, minlength=count) for row in rows], dtype=np.float64)
+    return sums.reshape(*values.shape[:-1], count)
+
+
+def connected(pairs: IntArray, count: int) -> IntArray:
+    """Of each of ``count`` things the lowest number among those that ``pairs`` (k, 2) connect with it, directly or not."""
+    label = np.arange(count)
+    while (label[pairs[:, 0]] != label[pairs[:, 1]]).any():
+        joined = label[pairs]
+        np.minimum.at(label, joined.reshape(-1), joined.min(axis=1).repeat(2))
+        while (label[label] != label).any():
+            label = label[label]
+    return label
 
 
 def chosen_of(record: _Record, rows: IntArray | BoolArray) -> _Record:

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, connected
 from ..least_squares import bounded_least_squares
 from .contact_set import ContactSet
 
@@ -43,7 +43,7 @@ def contact_forces(
     forces = np.full(len(contacts), np.nan)
     movable = mass > 0
     known = np.isfinite(mass) & (np.isfinite(centre).all(axis=1) | ~movable)
-    group = _groups(contacts.pairs, movable)
+    group = connected(contacts.pairs[movable[contacts.pairs].all(axis=1)], len(movable))
     fixed = ~movable[contacts.pairs].any(axis=1)
     for label in np.unique(group[movable]).tolist():
         bodies = np.flatnonzero(movable & (group == label))
@@ -52,19 +52,6 @@ def contact_forces(
         if wanted and len(bodies) <= MOST_BODIES and known[contacts.pairs[rows]].all():
             forces[rows] = _of_group(contacts, rows, bodies, mass, centre, np.array(gravity))
     return forces
-
-
-def _groups(pairs: IntArray, movable: BoolArray) -> IntArray:
-    """A label (o,) for each object, the same for connected movable ones."""
-    label = np.arange(len(movable))
-    between = pairs[movable[pairs].all(axis=1)]
-    while True:
-        least = label[between].min(axis=1)
-        before = label.copy()
-        np.minimum.at(label, between.reshape(-1), np.repeat(least, 2))
-        label = label[label]
-        if np.array_equal(label, before):
-            return label
 
 
 def _of_group(

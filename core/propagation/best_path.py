@@ -12,7 +12,7 @@ from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from ..scene.choices import Strategy
 from ..scene.values import Settings
-from .connections import LARGEST, SLACK, PathConnections, bounded_exp, clusters, cost_limit, intra_costs
+from .connections import HOPS, LARGEST, SLACK, PathConnections, bounded_exp, clusters, cost_limit, intra_costs
 from .hop_constrained import HopConstrainedPaths, hop_constrained_paths
 from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import StrongestPaths
@@ -25,9 +25,6 @@ COSTS_AT_ONCE = 1 << 22
 
 EXPANSION = 32
 """Work of one partial path of this search, in the states that a budget counts."""
-
-HOPS_UNLIMITED = 64
-"""Most contacts on hop-constrained walks if gains exceed 1 and connections are not limited."""
 
 
 @dataclass(slots=True)
@@ -233,7 +230,7 @@ def _search_row(
     path."""
     roots = graph.sources[row].nodes
     most = min(crossings, graph.contact_count)
-    count = int(min(most, HOPS_UNLIMITED) if amplified and crossings == math.inf else most)
+    count = int(min(most, HOPS) if amplified and crossings == math.inf else most)
     walks = hop_constrained_paths(graph, roots, limit + SLACK, count)
     result.relaxed += walks.relaxed
     result.visited = max(result.visited, walks.visited())

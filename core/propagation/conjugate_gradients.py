@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, added_by
 
 ITERATIONS = 2000
 """Most iterations."""
@@ -53,9 +53,7 @@ class PowerBalance:
     diagonal: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        count = self.damping.shape[1]
-        coupled = [np.bincount(self.row, weights=coupling, minlength=count) for coupling in self.coupling]
-        diagonal = self.damping + self.leak + np.array(coupled).reshape(self.damping.shape)
+        diagonal = self.damping + self.leak + added_by(self.row, self.coupling, self.damping.shape[1])
         for begin, block in self.blocks:
             diagonal[:, begin : begin + block.shape[1]] += block.sum(axis=2)
         object.__setattr__(self, "diagonal", diagonal)

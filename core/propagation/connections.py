@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, connected
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 
@@ -20,6 +20,9 @@ SLACK = 1e-9
 
 LARGEST = 1e300
 """Largest gain and sum; larger ones are clamped, as lower bounds."""
+
+HOPS = 64
+"""Most contacts on hop-constrained walks if gains exceed 1 and connections are not limited."""
 
 PAIRS_EVALUATED = 1 << 18
 """Most intra-connections of one object that are evaluated to find gains above 1 if the bounds of its function allow them."""
@@ -52,6 +55,19 @@ def intra_gains(graph: HapticGraph, a: IntArray, b: IntArray) -> tuple[FloatArra
     """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in metres."""
     distance = graph.node_distances(a, b)
     return graph.table.gains(graph.node_object[a], distance), distance
+
+
+def lanes_of(graph: HapticGraph) -> int:
+    """Number of gains per pair: 1, or 1 and one per band where bands are used."""
+    return 1 + BAND_COUNT if graph.uses_bands else 1
+
+
+def intra_lanes(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
+    """Gains (n, lanes) of the intra-connections between nodes ``a[i]`` and ``b[i]``: the plain gain, then that of each band."""
+    gains, distance = intra_gains(graph, a, b)
+    if not graph.uses_bands:
+        return gains[:, None]
+    return np.concatenate([gains[:, None], gains[:, None] * band_factors(graph, graph.node_object[a], distance)], axis=1)
 
 
 def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> FloatArray:
@@ -123,14 +139,8 @@ def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
 
 def clusters(graph: HapticGraph) -> IntArray:
     """For each object (o,) the lowest number of an object in its connected component."""
-    label = np.arange(len(graph.start) - 1)
     crossed = (graph.partner >= 0).nonzero()[0]
-    one, other = graph.node_object[crossed], graph.node_object[graph.partner[crossed]]
-    while (label[one] != label[other]).any():
-        np.minimum.at(label, label[one], label[other])
-        while (label[label] != label).any():
-            label = label[label]
-    return label
+    return connected(graph.node_object[np.column_stack([crossed, graph.partner[crossed]])], len(graph.start) - 1)
 
 
 def amplifying(graph: HapticGraph) -> bool:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..graph.haptic_graph import HapticGraph
-from .connections import bounded_exp, cost_limit, path_delay
+from .connections import HOPS, bounded_exp, cost_limit, path_delay
 from .hop_constrained import hop_constrained_paths
 from .shortest_paths import shortest_paths
 from .strongest_paths import StrongestPaths
@@ -17,9 +17,6 @@ TAPS = 8
 
 SEARCHED = 4096
 """Most partial paths examined for one pair."""
-
-HOPS = 64
-"""Most contacts on a path if gains exceed 1."""
 
 
 def delay_taps(

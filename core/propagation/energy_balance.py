@@ -19,12 +19,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, ranges, runs
+from ..arrays import BoolArray, FloatArray, IntArray, added_by, ranges, runs
 from ..graph.contact_patches import nodes_of_contacts
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 from .conjugate_gradients import Balanced, PowerBalance, solve
-from .connections import band_factors
+from .connections import band_factors, lanes_of
 from .subsystems import subsystems
 
 HOPS = 24
@@ -140,7 +140,7 @@ class _Assembly:
 
     def __init__(self, graph: HapticGraph, here: _Ends, there: _Ends, hops: int) -> None:
         self._graph, self._here, self._there = graph, here, there
-        self._lanes = 1 + BAND_COUNT if graph.uses_bands else 1
+        self._lanes = lanes_of(graph)
         nodes = nodes_of_contacts(graph)
         nodes = nodes[(graph.transmission > 0) & (graph.share > 0)]
         objects = graph.node_object[nodes]
@@ -186,10 +186,10 @@ class _Assembly:
         count = len(parts.mass)
         self._border_part = self._border_couplings()
         region, _, value, _ = self._border_part
-        leak = _added(value, region, count) if len(region) else np.zeros((self._lanes, count))
+        leak = added_by(region, value, count) if len(region) else np.zeros((self._lanes, count))
         if not self._passes.all():
             blocked = ~self._passes[:, column]
-            leak += _added(np.where(blocked, coupling, 0.0), row, count)
+            leak += added_by(row, np.where(blocked, coupling, 0.0), count)
             coupling[blocked | ~self._passes[:, row]] = 0.0
         return PowerBalance(parts.mass * self._decay, leak, row, column, coupling, dense)
 
@@ -297,7 +297,7 @@ class _Assembly:
         weight = exit_.energy * there.part.repeat(exit_.size)
 
         def levels(energy: FloatArray) -> FloatArray:
-            return straight + _added(energy[:, :, exit_.region] * weight[:, None], felt, there.count)
+            return straight + added_by(felt, energy[:, :, exit_.region] * weight[:, None], there.count)
 
         def good_enough(energy: FloatArray) -> FloatArray:
             return np.asarray(np.maximum(INAUDIBLE, PRECISE * levels(energy)[:, :, heard].min(axis=2, initial=1.0)))
@@ -315,7 +315,7 @@ class _Assembly:
         if len(region) == 0:
             return np.zeros(found.energy.shape[:2])
         objects, which = np.unique(beyond, return_inverse=True)
-        flow = _added(found.energy[:, :, region] * weight, which, len(objects))
+        flow = added_by(which, found.energy[:, :, region] * weight, len(objects))
         return np.asarray(flow.max(axis=2, initial=0.0))
 
     def _straight(self) -> FloatArray:
@@ -334,19 +334,13 @@ class _Assembly:
         which = np.arange(len(a)).repeat(size)
         one, other = ranges(entry.first[a], size), ranges(exit_.first[b], size)
         region = entry.region[one]
-        left = _added(entry.share[one] * exit_.share[other] * (self._decay / self._total)[:, region], which, len(a))
+        left = added_by(which, entry.share[one] * exit_.share[other] * (self._decay / self._total)[:, region], len(a))
         left = np.where(size > 0, np.minimum(left, 1.0), 1.0)
-        spread = _added(entry.energy[:, one] * exit_.energy[:, other] / self._total[:, region], which, len(a))
+        spread = added_by(which, entry.energy[:, one] * exit_.energy[:, other] / self._total[:, region], len(a))
         directly = self._squares(graph.node_object[node_a[a]], graph.node_distances(node_a[a], node_b[b]))
         terms = (left * directly - spread) * here.part[a] * there.part[b]
-        return _added(terms, here.number[a] * there.count + there.number[b], here.count * there.count).reshape(-1, here.count, there.count)
-
-
-def _added(values: FloatArray, number: IntArray, count: int) -> FloatArray:
-    """Sums (..., count) of values (..., n) by their ``number`` (n,)."""
-    rows = values.reshape(-1, values.shape[-1]) if values.size else values.reshape(int(np.prod(values.shape[:-1])), 0)
-    sums = np.array([np.bincount(number, weights=row, minlength=count) for row in rows], dtype=np.float64)
-    return sums.reshape(*values.shape[:-1], count)
+        pair = here.number[a] * there.count + there.number[b]
+        return added_by(pair, terms, here.count * there.count).reshape(self._lanes, here.count, there.count)
 
 
 def _within(contacts: IntArray, starts: IntArray, count: int, hops: int) -> BoolArray:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray, ranges
+from ..arrays import FloatArray, IntArray, portions, ranges
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
@@ -89,7 +89,7 @@ def hop_constrained_paths(
             relaxed += _relax(graph, node[back], cost[back], limit, np.arange(len(back)), origin[node[back]], best, entry)
         node, cost, index = node[useful], cost[useful], index[useful]
         size = np.diff(graph.start)[index]
-        for chosen in _chunks(size):
+        for chosen in portions(size, CHUNK):
             which = np.repeat(chosen, size[chosen])
             other = ranges(graph.start[index[chosen]], size[chosen])
             relaxed += _relax(graph, node, cost, limit, which, other, best, entry)
@@ -103,11 +103,6 @@ def hop_constrained_paths(
         go = (onwards <= limit) & (onwards < math.inf)
         node, cost = graph.partner[changed[go]], onwards[go]
     return HopConstrainedPaths(tuple(changes), len(node) == 0, relaxed)
-
-
-def _chunks(size: IntArray) -> list[IntArray]:
-    """Numbers of entries in groups of about `CHUNK` connections."""
-    return np.split(np.arange(len(size)), np.flatnonzero(np.diff(np.cumsum(size) // CHUNK)) + 1)
 
 
 def _relax(

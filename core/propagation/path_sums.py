@@ -16,9 +16,8 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.contact_patches import MergedPatches
 from ..graph.haptic_graph import HapticGraph
-from .connections import LARGEST, ROUNDING, PathConnections, band_factors, bounded_exp, intra_gains
-from .exact import PathLimits, PathSums, lanes_of, sum_over_paths
-from .threshold_costs import ThresholdCosts
+from .connections import LARGEST, ROUNDING, PathConnections, bounded_exp, intra_lanes, lanes_of
+from .exact import PathLimits, PathSums, ThresholdCosts, sum_over_paths
 from .walk_radius import WalkOperator
 
 EXACT = 1e-11
@@ -119,8 +118,5 @@ def path_gain(graph: HapticGraph, patches: MergedPatches, path: tuple[int, ...],
 def _inside(graph: HapticGraph, entries: IntArray, exits: IntArray, values: FloatArray) -> FloatArray:
     """Values (exits, lanes) that arrive from values (entries, lanes) over the intra-connections of one object."""
     a, b = entries.repeat(len(exits)), np.tile(exits, len(entries))
-    gains, distance = intra_gains(graph, a, b)
-    factors = gains[:, None]
-    if values.shape[1] > 1:
-        factors = np.concatenate([factors, factors * band_factors(graph, graph.node_object[a], distance)], axis=1)
+    factors = intra_lanes(graph, a, b)
     return np.asarray((factors.reshape(len(entries), len(exits), -1) * values[:, None]).sum(axis=0))

@@ -17,14 +17,12 @@ from ..graph.contact_patches import merge_patches
 from ..graph.haptic_graph import HapticGraph, SourceNodes
 from ..scene.values import Settings
 from .best_path import crossings_of, most_connections
-from .connections import LARGEST, SLACK, amplifying, cost_limit
+from .connections import HOPS, LARGEST, SLACK, amplifying, cost_limit
 from .hop_constrained import hop_constrained_paths
 from .shortest_paths import shortest_paths
 
 ROWS_AT_ONCE = 1 << 20
 """Sources are treated together up to this number of pairs of source and node, a bound on memory."""
-HOPS_UNLIMITED = 64
-"""Most contacts on a path where gains exceed 1 and nothing limits the connections."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +108,7 @@ def _arrivals(graph: HapticGraph, roots: list[tuple[int, ...]], limit: float, cr
         trees = shortest_paths(graph, roots, np.full(len(roots), limit + SLACK))
         arrival, entry, contacts = trees.cost, trees.entry, contacts_crossed(graph, trees.entry)
         rows = np.flatnonzero((contacts > crossings).any(axis=1))
-    most = int(min(crossings, graph.contact_count, HOPS_UNLIMITED if crossings == math.inf else math.inf))
+    most = int(min(crossings, graph.contact_count, HOPS if crossings == math.inf else math.inf))
     for row in rows.tolist():
         arrival[row], entry[row], contacts[row] = math.inf, -1, 0
         for k, (nodes, cost, entered) in enumerate(hop_constrained_paths(graph, roots[row], limit + SLACK, most).changes):

@@ -16,15 +16,14 @@ from ..scene.bands import BAND_COUNT
 from ..scene.choices import Mode, SourceKind, Strategy
 from ..scene.values import Settings
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error, most_connections
-from .connections import LARGEST, ROUNDING, amplifying, bounded_exp, path_delay
+from .connections import LARGEST, ROUNDING, amplifying, bounded_exp, lanes_of, path_delay
 from .delay_taps import delay_taps
 from .energy_balance import energy_gains
-from .exact import PathLimits, lanes_of
+from .exact import PathLimits, ThresholdCosts, threshold_costs
 from .mean_power import over_volumes
 from .modes import direct_gains, localised, nearest_listener
 from .path_sums import bounded_sums, path_gain
 from .result import Propagation
-from .threshold_costs import ThresholdCosts, threshold_costs
 from .walk_radius import WalkOperator, WalkRadius
 
 BUDGET = 1_000_000
@@ -207,16 +206,11 @@ class _Run:
         """Set the gains of sources whose strategy is the energy balance."""
         if Strategy.ENERGY_BALANCE not in self.strategies:
             return
-        chosen = np.array([strategy is Strategy.ENERGY_BALANCE for strategy in self.strategies])
-        energies = energy_gains(self.graph, self.wanted & chosen[:, None])
-        gains = self.gains
-        for row, strategy in enumerate(self.strategies):
-            if strategy is Strategy.ENERGY_BALANCE:
-                columns = np.flatnonzero(self.wanted[row])
-                gains.gain[row, columns], gains.error[row, columns] = energies.gain[row, columns], energies.error[row, columns]
-                gains.paths[row, columns] = -1
-                if gains.bands is not None and energies.bands is not None:
-                    gains.bands[row, columns] = energies.bands[row, columns]
+        balanced = self.wanted & np.array([strategy is Strategy.ENERGY_BALANCE for strategy in self.strategies])[:, None]
+        energies, gains = energy_gains(self.graph, balanced), self.gains
+        gains.gain[balanced], gains.error[balanced], gains.paths[balanced] = energies.gain[balanced], energies.error[balanced], -1
+        if gains.bands is not None and energies.bands is not None:
+            gains.bands[balanced] = energies.bands[balanced]
 
     def _warnings(self, amplified: bool, best: BestPaths, sums: _Sums) -> tuple[Message, ...]:
         gains, warnings = self.gains, []

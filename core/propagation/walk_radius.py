@@ -233,10 +233,10 @@ class WalkOperator:
         Walks that begin like the walks of ``left_out`` (their last entries as nodes of the graph, and their gains) don't count. None where
         nothing bounds the sum.
         """
-        steps, ends = self._steps(roots), self._steps(listeners)
+        (_, entry, gain), ends = self._steps(roots), self._steps(listeners)
         contracted = self._contracted()
         first = np.zeros(len(self._entry))
-        np.add.at(first, self._other_side[steps.entry], steps.gain * self._crossing[steps.entry])
+        np.add.at(first, self._other_side[entry], gain * self._crossing[entry])
         sums = self._series(first, ends, len(listeners), contracted)
         if sums is None:
             return None
@@ -249,8 +249,8 @@ class WalkOperator:
             total = total if known is None else np.maximum(total - known[0], 0.0)
         return self._direct(roots, listeners) + total + rest
 
-    def _steps(self, nodes: Sequence[int]) -> _Steps:
-        """The intra-connections between ``nodes`` and the contact nodes of their objects."""
+    def _steps(self, nodes: Sequence[int]) -> tuple[IntArray, IntArray, FloatArray]:
+        """The intra-connections between ``nodes`` and the contact nodes of their objects: number of the node, entry, gain."""
         own = np.array(nodes, dtype=np.int64)
         object_of = self._graph.node_object[self._entry]
         begin = object_of.searchsorted(self._graph.node_object[own], side="left")
@@ -258,7 +258,7 @@ class WalkOperator:
         which = np.arange(len(own)).repeat(size)
         entry = ranges(begin, size)
         gain, _ = intra_gains(self._graph, own[which], self._entry[entry])
-        return _Steps(which, entry, gain)
+        return which, entry, gain
 
     def _direct(self, roots: Sequence[int], listeners: Sequence[int]) -> FloatArray:
         """Gains (l,) of the intra-connections from the roots to the listeners."""
@@ -269,14 +269,15 @@ class WalkOperator:
         return np.asarray(gains.reshape(len(roots), len(listeners)).sum(axis=0))
 
     def _series(
-        self, term: FloatArray, ends: _Steps, listeners: int, contracted: tuple[FloatArray, float]
+        self, term: FloatArray, ends: tuple[IntArray, IntArray, FloatArray], listeners: int, contracted: tuple[FloatArray, float]
     ) -> tuple[FloatArray, FloatArray] | None:
         """Neumann series from ``term`` (e,) to the listeners: the terms summed (l,), and a bound (l,) on the others; None without one."""
+        node, entry, gain = ends
+        vector, ratio = contracted
 
         def arriving(values: FloatArray) -> FloatArray:
-            return np.asarray(np.bincount(ends.node, weights=values[ends.entry] * ends.gain, minlength=listeners), dtype=np.float64)
+            return np.asarray(np.bincount(node, weights=values[entry] * gain, minlength=listeners), dtype=np.float64)
 
-        vector, ratio = contracted
         bound = (self._crossing * vector)[self._other_side]
         total, rest = np.zeros(listeners), np.zeros(listeners)
         for _ in range(TERMS):
@@ -290,15 +291,6 @@ class WalkOperator:
                 if np.all(rest <= NEGLIGIBLE * total):
                     break
         return (total, rest) if ratio < 1 else None
-
-
-@dataclass(frozen=True, slots=True)
-class _Steps:
-    """Intra-connections between given nodes and entries: number of the node, entry, gain."""
-
-    node: IntArray
-    entry: IntArray
-    gain: FloatArray
 
 
 def _on_cycles(ends: IntArray) -> IntArray:

@@ -7,7 +7,7 @@ from enum import Enum
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import FloatArray, IntArray, added_by
 from ..hull import hull_2d
 from .core_pairs import CorePairs
 from .frames import dot
@@ -102,9 +102,9 @@ def reduced(distance: FloatArray, found: list[CoreContacts], points: PatchPoints
         kept = weights > 0
         total = np.bincount(owner, weights, count)
         total = np.where(total > 0, total, 1.0)
-        centre = _sums(owner, centres * weights, count) / total
-        area = _sums(owner, (near * areas)[None], count)[0]
-        mean = _sums(owner, normals * weights, count)
+        centre = added_by(owner, centres * weights, count) / total
+        area = added_by(owner, near * areas, count)
+        mean = added_by(owner, normals * weights, count)
         length = np.sqrt(dot(mean, mean))
         # Where normals cancel, as those of a body in a narrow gap, use that of the nearest contact.
         order = np.argsort(-above, kind="stable")
@@ -136,11 +136,6 @@ def _inner(corners: FloatArray, centre: FloatArray, normal: FloatArray) -> Float
         square = (np.square(arm) + arm * after + np.square(after)).sum(axis=1) / 6  # mean square distance from the middle over a triangle
         share = float((twice * square).sum() / twice.sum()) / of_corners
     return np.asarray(centre + np.sqrt(share) * arm)
-
-
-def _sums(owner: IntArray, values: FloatArray, count: int) -> FloatArray:
-    """Sums (k, count) of ``values`` (k, n) by their ``owner`` (n,)."""
-    return np.stack([np.bincount(owner, row, count) for row in values])
 
 
 def _outlines(points: list[list[FloatArray]], normal: FloatArray) -> tuple[FloatArray, ...]:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...graph.haptic_graph import HapticGraph
-from ..threshold_costs import ThresholdCosts
 from .bridge_tree_sums import bridge_tree_sums
-from .path_sums import PathLimits, PathSums, lanes_of
-from .threshold_sums import threshold_sums
+from .path_sums import PathLimits, PathSums
+from .threshold_sums import ThresholdCosts, threshold_costs, threshold_sums
 
-__all__ = ["PathLimits", "PathSums", "lanes_of", "sum_over_paths"]
+__all__ = ["PathLimits", "PathSums", "ThresholdCosts", "sum_over_paths", "threshold_costs"]
 
 
 def sum_over_paths(

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...arrays import IntArray
+from ...arrays import IntArray, connected
 from ...graph.contact_patches import contact_patches
 from ...graph.haptic_graph import HapticGraph
 
@@ -78,22 +78,10 @@ def decompose(graph: HapticGraph, root: int, listeners: Iterable[int]) -> Compon
 
 def is_forest(graph: HapticGraph, entries: IntArray, patch: IntArray) -> bool:
     """Whether the patches that lead into ``entries`` close no cycle of objects: then at most one path joins any two nodes."""
-    joined: dict[int, int] = {}
-
-    def representative(index: int) -> int:
-        while (above := joined.setdefault(index, index)) != index:
-            joined[index] = joined[above]
-            index = above
-        return index
-
-    there = graph.node_object[graph.partner[entries]].tolist()
-    ends = dict(zip(patch[graph.contact[entries]].tolist(), zip(graph.node_object[entries].tolist(), there, strict=True), strict=True))
-    for one, other in ends.values():
-        a, b = representative(one), representative(other)
-        if a == b:
-            return False
-        joined[a] = b
-    return True
+    first = entries[np.unique(patch[graph.contact[entries]], return_index=True)[1]]
+    count = len(graph.table.names)
+    trees = np.unique(connected(graph.node_object[np.column_stack([first, graph.partner[first]])], count))
+    return len(trees) == count - len(first)
 
 
 def _edges(graph: HapticGraph) -> tuple[dict[int, tuple[tuple[int, int], ...]], dict[int, list[tuple[int, int]]]]:

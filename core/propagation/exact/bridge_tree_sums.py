@@ -11,10 +11,10 @@ import numpy as np
 from ...arrays import FloatArray
 from ...graph.contact_patches import contact_patches
 from ...graph.haptic_graph import HapticGraph
-from ..connections import LARGEST, band_factors, bounded_exp
+from ..connections import LARGEST, band_factors, bounded_exp, lanes_of
 from .bridge_decomposition import Component, decompose
 from .component_sums import ComponentSum
-from .path_sums import PathLimits, PathSums, lanes_of
+from .path_sums import PathLimits, PathSums
 
 
 def bridge_tree_sums(graph: HapticGraph, roots: Sequence[int], listeners: Sequence[int], limits: PathLimits) -> PathSums:

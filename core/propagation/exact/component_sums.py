@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from ...graph.haptic_graph import HapticGraph
-from ...scene.bands import BAND_COUNT
-from ..connections import LARGEST, band_factors, intra_gains
+from ..connections import LARGEST, intra_lanes, lanes_of
 from ..shortest_paths import shortest_paths
 from . import simpath
 from .bridge_decomposition import Component
@@ -44,22 +44,19 @@ ROUNDING = 1e-11
 """Relative allowance for rounding in the bound on a sum that is not exact."""
 
 
+@dataclass(frozen=True, slots=True)
 class ComponentSum:
     """The sum over the paths of a component from its entrance to its exits, over at most ``crossings`` contacts.
 
     ``patch`` (c,) as of `contact_patches`.
     """
 
-    def __init__(
-        self, graph: HapticGraph, component: Component, entrance: int, exits: Sequence[int], crossings: float, patch: IntArray
-    ) -> None:
-        self.graph = graph
-        self.component = component
-        self.entrance = entrance
-        self.exits = exits
-        self.crossings = crossings
-        self.patch = patch
-        self.lanes = 1 + BAND_COUNT if graph.uses_bands else 1
+    graph: HapticGraph
+    component: Component
+    entrance: int
+    exits: Sequence[int]
+    crossings: float
+    patch: IntArray
 
     @property
     def limited(self) -> bool:
@@ -128,7 +125,7 @@ class ComponentSum:
         return best, spent
 
     def _by_count(self, found: SearchResult) -> FloatArray:
-        sums = np.zeros((len(self.exits), self.steps, self.lanes))
+        sums = np.zeros((len(self.exits), self.steps, lanes_of(self.graph)))
         by_count = found.sums.transpose(1, 0, 2)
         if not self.limited:
             sums[:, 0] = by_count.sum(axis=1)
@@ -163,21 +160,10 @@ class ComponentSum:
         ways: dict[int, list[int]] = {}
         for a, b in pairs:
             ways.setdefault(a, []).append(b)
-        before = _hops(ways, [int(objects[self.entrance])])
-        behind = _hops(ways, [int(objects[node]) for node in self.exits])
+        before = simpath.hops(ways, [int(objects[self.entrance])])
+        behind = simpath.hops(ways, [int(objects[node]) for node in self.exits])
         far = len(nodes)
         return np.array([1 + before.get(b, far) + behind.get(a, far) for a, b in pairs], dtype=np.int64)
-
-
-def _hops(ways: dict[int, list[int]], starts: Sequence[int]) -> dict[int, int]:
-    reached = dict.fromkeys(starts, 0)
-    queue = list(reached)
-    for index in queue:
-        for other in ways.get(index, ()):
-            if other not in reached:
-                reached[other] = reached[index] + 1
-                queue.append(other)
-    return reached
 
 
 def _pairs(graph: HapticGraph, nodes: IntArray) -> int:
@@ -199,7 +185,7 @@ class SimpathSum:
     def __init__(self, problem: ComponentSum) -> None:
         self.problem = problem
         self.graph = problem.graph
-        self.lanes = problem.lanes
+        self.lanes = lanes_of(self.graph)
         self.exits = np.array(problem.exits, dtype=np.int64)
         component, entrance = problem.component, problem.entrance
         objects, position = self.graph.node_object, self.graph.node_position
@@ -217,21 +203,13 @@ class SimpathSum:
             self.crossings, self.width = [], math.inf
         self.running: simpath.SumOverPaths | None = None
 
-    def _factors(self, a: IntArray, b: IntArray) -> FloatArray:
-        """Factors (n, lanes) of intra-connections."""
-        gains, distance = intra_gains(self.graph, a, b)
-        if self.lanes == 1:
-            return gains[:, None]
-        bands = band_factors(self.graph, self.graph.node_object[a], distance)
-        return np.concatenate([gains[:, None], gains[:, None] * bands], axis=1)
-
     def _ends(self, nodes: IntArray) -> list[FloatArray | None]:
         """Of each node: the factors (exits, lanes) of ending at the exits, or None where there are none in its object."""
         objects = self.graph.node_object
         inside = (objects[nodes][:, None] == objects[self.exits]) & (nodes[:, None] != self.exits)
         which, number = np.nonzero(inside)
         table = np.zeros((*inside.shape, self.lanes))
-        table[which, number] = self._factors(nodes[which], self.exits[number])
+        table[which, number] = intra_lanes(self.graph, nodes[which], self.exits[number])
         return [row if some else None for row, some in zip(table, inside.any(axis=1).tolist(), strict=True)]
 
     def _weigh(self) -> list[simpath.Weights]:
@@ -241,7 +219,7 @@ class SimpathSum:
         sizes = [len(waiting) for _, waiting in sides]
         nodes = np.array([node for node, _ in sides], dtype=np.int64)
         others = np.array([node for _, waiting in sides for node, _ in waiting], dtype=np.int64)
-        joins = self._factors(np.repeat(nodes, sizes), others)
+        joins = intra_lanes(graph, np.repeat(nodes, sizes), others)
         ends = self._ends(nodes)
         contact = graph.contact[nodes[::2]]
         through = np.repeat((graph.transmission * graph.share)[contact][:, None], self.lanes, axis=1)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...arrays import FloatArray, IntArray
-from ...graph.haptic_graph import HapticGraph
-from ...scene.bands import BAND_COUNT
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +42,3 @@ class PathSums:
     paths: IntArray
     work: int
     recrossings: tuple[IntArray, FloatArray] | None = None
-
-
-def lanes_of(graph: HapticGraph) -> int:
-    """Number of gains per pair: 1, or 1 and one per band where bands are used."""
-    return 1 + BAND_COUNT if graph.uses_bands else 1

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray, ranges
+from ...arrays import FloatArray, IntArray, portions, ranges
 from ...graph.haptic_graph import HapticGraph
 from ..connections import band_factors, intra_gains
 
@@ -70,11 +70,6 @@ class SearchGraph:
         """1, or 1 and one per band."""
         return int(self.steps.weight.shape[1])
 
-    @property
-    def patches(self) -> int:
-        """Number of patches."""
-        return len(set(self.patch.tolist()) - {-1})
-
 
 def build_search_graph(
     graph: HapticGraph,
@@ -116,10 +111,9 @@ def _rows(
     size = there.searchsorted(index, side="right") - first
     before, behind, limit = (np.zeros(graph.node_count), np.zeros(graph.node_count), np.inf) if within is None else within
     parts = []
-    for begin, end in _chunks(size):
-        count = size[begin:end]
-        which = np.arange(begin, end).repeat(count)
-        place = ranges(first[begin:end], count)
+    for chosen in portions(size, CHUNK):
+        which = chosen.repeat(size[chosen])
+        place = ranges(first[chosen], size[chosen])
         a, b = nodes[which], targets[place]
         kept = (a != b).nonzero()[0]
         which, place, a, b = which[kept], place[kept], a[kept], b[kept]
@@ -146,12 +140,3 @@ def _rows(
     which, to, inside, gain, lanes = parts[0] if len(parts) == 1 else (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     size = np.bincount(which, minlength=len(nodes))
     return Arcs(np.concatenate([[0], size.cumsum()]), size, to, inside, gain, lanes)
-
-
-def _chunks(size: IntArray) -> list[tuple[int, int]]:
-    """Ranges (first, last) of entries with about `CHUNK` connections each."""
-    last = size.cumsum()
-    if len(size) == 0 or last[-1] < CHUNK:
-        return [(0, len(size))]
-    cuts = (np.flatnonzero(np.diff(last // CHUNK)) + 1).tolist()
-    return list(zip([0, *cuts], [*cuts, len(size)], strict=True))

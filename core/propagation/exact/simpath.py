@@ -127,7 +127,7 @@ def order_patches(patches: Sequence[tuple[int, int]], places: Mapping[int, Seque
         around.setdefault(other, []).append((number, one))
     if first not in around:
         return list(range(len(patches))), [math.inf] * len(patches)
-    far = _farthest(around, first)
+    far = list(hops({index: [other for _, other in ways] for index, ways in around.items()}, [first]))[-1]
     objects = [sorted(around, key=lambda index: (*places[index][axis:], *places[index][:axis], index)) for axis in range(3)]
     objects += [order for start in (first, far) if (order := _narrowest(around, start))]
     orders = [_finish_one_by_one(around, candidate) for candidate in objects]
@@ -136,15 +136,16 @@ def order_patches(patches: Sequence[tuple[int, int]], places: Mapping[int, Seque
     return orders[best], widths[best]
 
 
-def _farthest(around: Neighbours, start: int) -> int:
-    reached = {start}
-    queue = [start]
+def hops(neighbours: Mapping[int, Sequence[int]], starts: Sequence[int]) -> dict[int, int]:
+    """Distances, in edges, of all objects that are reached from ``starts``, the nearest first."""
+    reached = dict.fromkeys(starts, 0)
+    queue = list(reached)
     for index in queue:
-        for _, other in around[index]:
+        for other in neighbours.get(index, ()):
             if other not in reached:
-                reached.add(other)
+                reached[other] = reached[index] + 1
                 queue.append(other)
-    return queue[-1]
+    return reached
 
 
 def _may_wait(done: int, size: int) -> int:

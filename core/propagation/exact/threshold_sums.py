@@ -4,26 +4,41 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...graph.contact_patches import contact_patches
 from ...graph.haptic_graph import HapticGraph
-from ..connections import LARGEST, SLACK, PathConnections, cost_limit
+from ..connections import HOPS, LARGEST, SLACK, PathConnections, cost_limit, lanes_of
 from ..hop_constrained import hop_constrained_paths
-from ..shortest_paths import ShortestPaths
-from ..threshold_costs import ThresholdCosts
+from ..shortest_paths import ShortestPaths, shortest_paths
 from .bridge_decomposition import is_forest
 from .component_sums import ROUNDING
 from .path_search import ArcRanking, Limits, SearchResult, search
-from .path_sums import PathLimits, PathSums, lanes_of
+from .path_sums import PathLimits, PathSums
 from .search_graph import SearchGraph, build_search_graph
 from .walk_bounds import WalkBounds
 
-HOPS = 64
-"""Contacts up to which walks are examined where gains exceed 1, to leave out what no path reaches above the threshold; and the limit of
-contacts from which on a forest is not searched."""
+LONG = 64
+"""Contacts on a path from which on a forest is not searched."""
+
+
+@dataclass(frozen=True, slots=True)
+class ThresholdCosts:
+    """Shortest paths up to a threshold. ``forward``: those of each source (a row); ``behind`` (n,): least cost from entering at a node to
+    any listener."""
+
+    forward: ShortestPaths
+    behind: FloatArray
+
+
+def threshold_costs(graph: HapticGraph, sources: Sequence[Sequence[int]], threshold: float) -> ThresholdCosts:
+    """Costs from the nodes of each source and from all listeners together, up to the threshold. No gain may exceed 1."""
+    limit = cost_limit(threshold) + SLACK
+    trees = shortest_paths(graph, [*sources, graph.listener_nodes.tolist()], np.full(len(sources) + 1, limit), complete=True)
+    return ThresholdCosts(ShortestPaths(trees.cost[:-1], trees.entry[:-1], trees.relaxed), trees.cost[-1])
 
 
 def threshold_sums(
@@ -53,7 +68,7 @@ def threshold_sums(
     entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
     patch = contact_patches(graph)
     single_points = len(roots) == 1 and bool(np.all(graph.share == 1))
-    if known is not None and single_points and limits.crossings > HOPS and is_forest(graph, entries, patch):
+    if known is not None and single_points and limits.crossings > LONG and is_forest(graph, entries, patch):
         return _only_paths(graph, listeners, known[0].forward, known[1], limit)
     search_graph = build_search_graph(graph, entries, roots, listeners, patch, (before, behind, limit))
     ahead = np.full(len(search_graph.nodes), math.inf) if known is None else np.exp(-behind[search_graph.nodes])

@@ -43,7 +43,7 @@ class WalkBounds:
 
     def __init__(self, search_graph: SearchGraph, crossings: float, whole: bool = True) -> None:
         self._search_graph = search_graph
-        self._crossings = min(crossings, search_graph.patches)
+        self._crossings = min(crossings, len(set(search_graph.patch.tolist()) - {-1}))
         self._whole = whole
         self._sums: FloatArray | None = None
         self._strongest: FloatArray | None = None
