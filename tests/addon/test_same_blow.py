@@ -19,12 +19,21 @@ FRAME = 22
 """The hammer strikes at frame 20."""
 
 
+@pytest.fixture(scope="module")
+def tutorial_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the tutorial's scene is stored once it was made."""
+    return tmp_path_factory.mktemp("tutorial") / "hammer_nail.blend"
+
+
 @pytest.fixture
-def struck() -> Any:
+def struck(tutorial_file: Path) -> Any:
     """The tutorial's scene, stepped through to frame 22."""
-    bpy.ops.wm.read_homefile(use_factory_startup=True)
-    for step in tutorial.STEPS:
-        step()
+    if not tutorial_file.exists():
+        bpy.ops.wm.read_homefile(use_factory_startup=True)
+        for step in tutorial.STEPS:
+            step()
+        bpy.ops.wm.save_as_mainfile(filepath=str(tutorial_file), compress=False)
+    bpy.ops.wm.open_mainfile(filepath=str(tutorial_file))
     return stepped(bpy.context.scene, 1, FRAME)
 
 

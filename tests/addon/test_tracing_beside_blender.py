@@ -8,7 +8,6 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import session, timeline, worker
-from haptic_tracing.sample_scenes import build_sample
 
 FRAMES = 1, 40
 
@@ -18,8 +17,8 @@ def threads() -> list[str]:
 
 
 @pytest.fixture
-def bench(scene):
-    scene = build_sample("jackhammer_bench")
+def bench(build):
+    scene = build("jackhammer_bench")
     scene.haptics.tracing = True
     return scene
 

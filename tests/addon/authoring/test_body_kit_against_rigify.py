@@ -15,25 +15,33 @@ import sys
 import bpy  # which knows where add-ons are
 import addon_utils
 
-metarig, generated, path = sys.argv[1:]
-bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-addon_utils.enable("rigify", default_set=True)
-getattr(bpy.ops.object, metarig)()
-if generated == "True":
-    bpy.ops.pose.rigify_generate()
-bpy.ops.object.mode_set(mode="OBJECT")
-bpy.context.object.name = "rig in question"
-bpy.ops.wm.save_as_mainfile(filepath=path)
+for path in sys.argv[1:]:
+    metarig, _, generated = os.path.basename(path).removesuffix(".blend").partition(" ")
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    addon_utils.enable("rigify", default_set=True)
+    getattr(bpy.ops.object, metarig)()
+    if generated:
+        bpy.ops.pose.rigify_generate()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.object.name = "rig in question"
+    bpy.ops.wm.save_as_mainfile(filepath=path)
 os._exit(0)
 """
+RIGS = ("armature_human_metarig_add", "armature_basic_human_metarig_add", "armature_basic_human_metarig_add generated")
+"""The operator that adds each armature, and whether its control rig is generated."""
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """The armatures' files, drawn in a process of its own: Rigify leaves Blender 4.2 with a broken heap."""
+    files = {name: tmp_path_factory.mktemp("rigs") / f"{name}.blend" for name in RIGS}
+    subprocess.run([sys.executable, "-c", DRAW, *files.values()], check=True, stdout=subprocess.DEVNULL, timeout=300)
+    return files
 
 
 @pytest.fixture
-def rig(request, tmp_path):
-    """An armature, drawn in a process of its own: Rigify leaves Blender 4.2 with a broken heap."""
-    path = str(tmp_path / "rig.blend")
-    subprocess.run([sys.executable, "-c", DRAW, *map(str, request.param), path], check=True, stdout=subprocess.DEVNULL, timeout=300)
-    bpy.ops.wm.open_mainfile(filepath=path, use_scripts=False)
+def rig(request, drawn):
+    bpy.ops.wm.open_mainfile(filepath=str(drawn[request.param]), use_scripts=False)
     return bpy.data.objects["rig in question"]
 
 
@@ -41,9 +49,9 @@ def rig(request, tmp_path):
 @pytest.mark.parametrize(
     ("rig", "missing", "generated"),
     [
-        (("armature_human_metarig_add", False), set(), False),
-        (("armature_basic_human_metarig_add", False), FINGERS, False),
-        (("armature_basic_human_metarig_add", True), FINGERS, True),
+        (RIGS[0], set(), False),
+        (RIGS[1], FINGERS, False),
+        (RIGS[2], FINGERS, True),
     ],
     indirect=["rig"],
 )

@@ -2,38 +2,11 @@
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
-import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session
-from haptic_tracing.sample_scenes import build_sample
-
-
-@pytest.fixture(scope="session")
-def sample_files(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of samples that were built."""
-    return tmp_path_factory.mktemp("samples")
-
-
-@pytest.fixture
-def build(sample_files: Path) -> Callable[..., Any]:
-    """Opens a sample without tracing it: it is built and saved once."""
-
-    def built(name: str, count: int | None = None) -> Any:
-        path = sample_files / f"{name} {count}.blend"
-        with suspended():
-            if not path.exists():
-                bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-                build_sample(name, count)
-                bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=False)  # opened again and again
-            bpy.ops.wm.open_mainfile(filepath=str(path))
-        return bpy.context.scene
-
-    return built
 
 
 @pytest.fixture

@@ -45,7 +45,7 @@ def test_onsets_lie_within_ten_milliseconds_and_none_is_missed(ten, capsys):
     assert sum(false.values()) <= 0.05 * sum(len(true) for _, true in ten.values())
 
 
-def test_the_level_is_hilberts_envelope(ten):
+def test_the_level_is_hilberts_envelope():
     """Its root mean square over 10 ms, as SciPy computes it of the whole sound at once."""
     rng = np.random.default_rng(11)
     t = np.arange(3 * RATE) / RATE
