@@ -56,17 +56,13 @@ def place_on_mesh(body: Object, parts: Sequence[BodyPart], collection: Collectio
         attach(listener, body, "", body.matrix_world @ local)
 
 
-def bones_of(armature: Object) -> list[Bone]:
-    """The bones at rest, in armature space."""
-    return [Bone(bone.name, tuple(bone.head_local), tuple(bone.tail_local)) for bone in armature.data.bones]
-
-
 def place_on_bones(armature: Object, parts: Sequence[BodyPart], collection: Collection) -> list[BodyPart]:
     """Place empties as listeners, each parented to the bone of its part. Returns the parts without a bone.
 
     Raises ValueError if it is not the armature of a body.
     """
-    found: Mapping[str, Place] = places(bones_of(armature), parts)
+    at_rest = [Bone(bone.name, tuple(bone.head_local), tuple(bone.tail_local)) for bone in armature.data.bones]  # in armature space
+    found: Mapping[str, Place] = places(at_rest, parts)
     for part in parts:
         place = found.get(part.name)
         if place is not None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from bpy.types import Context, Object, Scene
 
-from ...core.scene.materials import MATERIALS, Material, guess, is_wide_and_flat
+from ...core.scene.materials import MATERIALS, Material, guess
 from ...core.scene.measured import physical
 from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
@@ -106,11 +106,6 @@ def guessed(obj: Object) -> Material | None:
     body = obj.rigid_body
     mass = body.mass if body is not None and body.mass != 1.0 else None  # 1 kg is Blender's default
     return guess(names, tuple(obj.dimensions), mass)
-
-
-def is_ground(obj: Object) -> bool:
-    """True for objects so wide and flat that they probably carry others."""
-    return is_wide_and_flat(tuple(obj.dimensions))
 
 
 def apply_guesses(scene: Scene, objects: Sequence[Object]) -> int:

@@ -78,3 +78,15 @@ class Edit(Action):
 
     bl_options = UNDO
     poll = classmethod(poll_object_mode)
+
+
+class OnSelected(Edit):
+    """Mixin: such an operator on the selected objects."""
+
+    poll = classmethod(poll_selected)
+
+
+class OnActive(Edit):
+    """Mixin: such an operator on the active object."""
+
+    poll = classmethod(poll_active)

@@ -15,7 +15,7 @@ from ...core.scene.materials import MATERIALS
 from ...sample_scenes import SAMPLES, build_sample
 from ..authoring import materials
 from ..blender.compatibility import animated_paths
-from ..blender.polling import Edit, poll_active
+from ..blender.polling import Edit, OnActive
 from ..scene_reader import triggers
 from ..scene_reader.roles import haptic_carrier
 from .tagging import make_source
@@ -79,7 +79,7 @@ def _link(context: Context, obj: Object) -> None:
     context.view_layer.objects.active = obj
 
 
-class HAPTIC_OT_make_one_shot(Edit, Operator):
+class HAPTIC_OT_make_one_shot(OnActive, Operator):
     """Have the source play a blast once per trigger, where it has no keyframe yet now; in a medium it spreads as a pressure front"""
 
     bl_label = "Play Once"
@@ -92,8 +92,6 @@ class HAPTIC_OT_make_one_shot(Edit, Operator):
             ("GUN", "Gun", "An overpressure of a millisecond, as at the muzzle"),
         ),
     )
-
-    poll = classmethod(poll_active)
 
     def apply(self, context: Context) -> None:
         source = context.object.haptics.source

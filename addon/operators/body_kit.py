@@ -9,7 +9,7 @@ from bpy.types import Context, Object, Operator
 from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
-from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, poll_active, poll_selected
+from ..blender.polling import SOLID_TYPES, UNDO, OnActive, OnSelected, editable
 from ..scene_reader.roles import haptic_carrier
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -17,7 +17,7 @@ _rpt = bpy.app.translations.pgettext_rpt
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
 
 
-class HAPTIC_OT_add_default_listeners(Edit, Operator):
+class HAPTIC_OT_add_default_listeners(OnActive, Operator):
     """Put listeners on the active object: on the bones of an armature, or where a standing body that fills the object has its parts"""
 
     bl_label = "Add Body Listeners"
@@ -32,8 +32,6 @@ class HAPTIC_OT_add_default_listeners(Edit, Operator):
             ("ALL", "All 25", "Every part of the body that a device may have an actuator for"),
         ),
     )
-
-    poll = classmethod(poll_active)
 
     def apply(self, context: Context) -> None:
         context.view_layer.update()
@@ -90,12 +88,10 @@ def _make_body(context: Context, body: Object, is_new: bool) -> None:
         materials.set_bodies([body], "physical")
 
 
-class HAPTIC_OT_mirror_listeners(Edit, Operator):
+class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
     """Give the other side of the body what the selected listeners have: their settings, and a listener where there is none"""
 
     bl_label = "Mirror Listeners"
-
-    poll = classmethod(poll_selected)
 
     def apply(self, context: Context) -> None:
         context.view_layer.update()

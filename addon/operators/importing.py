@@ -11,7 +11,7 @@ from bpy.types import Context, Event, Operator
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
-from ..blender.polling import SOLID_TYPES, Edit, poll_active
+from ..blender.polling import SOLID_TYPES, Edit, OnActive
 from ..io import scene_builder, vibration_signal
 from ..properties.kinds import switch
 from ..scene_reader import imported
@@ -21,18 +21,27 @@ from .exporting import MOST_REPORTED
 _rpt = bpy.app.translations.pgettext_rpt
 
 
-class HAPTIC_OT_import_scene(Edit, Operator):
+class _FromFile(Edit):
+    """Mixin: an import of a file that is chosen in the file browser, or dropped, after which there are only the options."""
+
+    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
+
+    def invoke(self: Any, context: Context, event: Event) -> set[str]:
+        manager = context.window_manager
+        if self.properties.is_property_set("filepath"):
+            return manager.invoke_props_dialog(self, title=Path(self.filepath).name, confirm_text=self.bl_label)
+        manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+
+class HAPTIC_OT_import_scene(_FromFile, Operator):
     """Make objects, sources and listeners of a haptic scene; what changes over time becomes keyframes"""
 
     bl_idname = "import_scene.haptic_scene"
     bl_label = "Import Haptic Scene"
 
-    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
     use_settings: switch("Settings", "Take over the settings of the file, its frame rate and its frames", True)
-
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        return ask(self, context)
 
     def apply(self, context: Context) -> None:
         export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
@@ -44,20 +53,14 @@ class HAPTIC_OT_import_scene(Edit, Operator):
         self.report({"INFO"}, _rpt("Haptic scene imported: {}").format(Path(self.filepath).name))
 
 
-class HAPTIC_OT_import_signal(Edit, Operator):
+class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
     """Let the active object emit the vibration in a file (.hjif, .haptic, .ahap, .haps, .tact, .wav); it is kept with this file"""
 
     bl_label = "Import Haptic Signal"
 
-    filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in READERS), options={"HIDDEN"})
     channel: IntProperty(name="Channel", description="Which one of the file's vibrations", default=1, min=1, soft_max=32)
     loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
-
-    poll = classmethod(poll_active)
-
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        return ask(self, context)
 
     def apply(self, context: Context) -> None:
         obj = context.object
@@ -77,12 +80,3 @@ class HAPTIC_OT_import_signal(Edit, Operator):
             self.report({"WARNING"}, loss)
         message = _rpt("'{}' emits {}") if len(reading.channels) == 1 else _rpt("'{}' emits {}, channel {} of {}")
         self.report({"INFO"}, message.format(obj.name, channel.name, self.channel, len(reading.channels)))
-
-
-def ask(operator: Any, context: Context) -> set[str]:
-    """Open the file browser, or only the options if a file was dropped."""
-    manager = context.window_manager
-    if operator.properties.is_property_set("filepath"):
-        return manager.invoke_props_dialog(operator, title=Path(operator.filepath).name, confirm_text=operator.bl_label)
-    manager.fileselect_add(operator)
-    return {"RUNNING_MODAL"}

@@ -9,7 +9,7 @@ from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
-from ..blender.polling import SOLID_TYPES, Edit, permitted, poll_active, poll_object_mode, poll_selected
+from ..blender.polling import SOLID_TYPES, Edit, OnActive, OnSelected, permitted, poll_object_mode
 from ..blender.progress import progress
 from ..properties.kinds import choice, switch, text
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
@@ -24,7 +24,7 @@ def _poll_material(cls: type[Operator], context: Context) -> bool:
     return poll_object_mode(cls, context) and permitted(cls, is_active, "Choose a material of the library first")
 
 
-class HAPTIC_OT_apply_material(Edit, Operator):
+class HAPTIC_OT_apply_material(OnSelected, Operator):
     """Assign a material to objects; they share it, so that editing it changes all of them"""
 
     bl_label = "Apply Material"
@@ -32,8 +32,6 @@ class HAPTIC_OT_apply_material(Edit, Operator):
     preset: choice("Material", "What the objects are made of", PRESET_ITEMS, default="stone")
     name: text("From Library", "A material of the scene's library instead of a preset", options={"SKIP_SAVE", "HIDDEN"})
     target: choice("Apply To", "What the material is applied to", TARGET_ITEMS)
-
-    poll = classmethod(poll_selected)
 
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:
@@ -58,12 +56,10 @@ class HAPTIC_OT_apply_material(Edit, Operator):
             self.report({"WARNING"}, _rpt("{} linked objects can't be changed; override them first").format(linked))
 
 
-class HAPTIC_OT_guess_material(Edit, Operator):
+class HAPTIC_OT_guess_material(OnSelected, Operator):
     """Guess from names, shapes and masses what the selected objects are made of"""
 
     bl_label = "Guess Material"
-
-    poll = classmethod(poll_selected)
 
     def apply(self, context: Context) -> set[str]:
         objects = [obj for obj in context.selected_objects if obj.type in SOLID_TYPES and obj.is_editable]
@@ -107,12 +103,10 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
             raise ValueError(_rpt("No haptic object is made of flesh; Add Body Listeners makes a body of it"))
 
 
-class HAPTIC_OT_new_material(Edit, Operator):
+class HAPTIC_OT_new_material(OnActive, Operator):
     """Add a material with the values of the active object to the library, and assign it to that object"""
 
     bl_label = "New Material"
-
-    poll = classmethod(poll_active)
 
     def apply(self, context: Context) -> None:
         obj = context.object
@@ -147,12 +141,10 @@ class HAPTIC_OT_remove_material(Edit, Operator):
         materials.active = max(0, min(materials.active, len(materials.items) - 1))
 
 
-class HAPTIC_OT_unlink_material(Edit, Operator):
+class HAPTIC_OT_unlink_material(OnActive, Operator):
     """Give the active object its own values, initially those of its material"""
 
     bl_label = "Own Values"
-
-    poll = classmethod(poll_active)
 
     def apply(self, context: Context) -> None:
         context.object.haptics.material.name = ""

@@ -10,7 +10,7 @@ from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
 from ..blender import job
-from ..blender.polling import Edit, permitted, poll_active
+from ..blender.polling import OnActive, permitted
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
 from ..scene_reader import imported
@@ -18,25 +18,19 @@ from ..scene_reader import imported
 _rpt = bpy.app.translations.pgettext_rpt
 
 
-class _OnSource(Edit):
-    """Mixin: an operator on the active source."""
-
-    poll = classmethod(poll_active)
-
-
-class _OnDrawing(_OnSource):
+class _OnDrawing(OnActive):
     """Mixin: an operator on the drawn signal of the active source."""
 
     @classmethod
     def poll(cls: Any, context: Context) -> bool:
         obj = context.object
-        if obj is None or not poll_active(cls, context):
+        if obj is None or not super().poll(context):
             return False
         tree = obj.haptics.source.drawing
         return permitted(cls, tree is not None and tree.is_editable, "Draw a signal of this file first")
 
 
-class HAPTIC_OT_draw_signal(_OnSource, Operator):
+class HAPTIC_OT_draw_signal(OnActive, Operator):
     """Draw the signal of the active source as curves: a new drawn signal that begins with what it emits now"""
 
     bl_label = "New"
@@ -89,7 +83,7 @@ class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
             emphases.add().place = last + 0.1
 
 
-class HAPTIC_OT_convert_sound(_OnSource, Operator):
+class HAPTIC_OT_convert_sound(OnActive, Operator):
     """Make vibration of the sound; it is kept with this file, so convert again after changing the sound or these settings"""
 
     bl_label = "Convert Sound"
@@ -104,7 +98,7 @@ class HAPTIC_OT_convert_sound(_OnSource, Operator):
         return job.run(self, context, job.Job("Converting", work.step_count, work.steps(), lambda running: written, "Convert Sound"))
 
 
-class HAPTIC_OT_hear_signal(_OnSource, Operator):
+class HAPTIC_OT_hear_signal(OnActive, Operator):
     """Hear a signal through the speaker"""
 
     bl_label = "Hear"
@@ -116,7 +110,7 @@ class HAPTIC_OT_hear_signal(_OnSource, Operator):
         preview.hear(signal_library.read(Path(self.filepath)) if self.filepath else drawings.signal_of(context.object, context.scene))
 
 
-class HAPTIC_OT_use_signal(_OnSource, Operator):
+class HAPTIC_OT_use_signal(OnActive, Operator):
     """Let the active source emit this signal of the library"""
 
     bl_label = "Use Signal"
@@ -133,7 +127,7 @@ class HAPTIC_OT_use_signal(_OnSource, Operator):
             source.drawing, source.signal = tree, "DRAWN"
 
 
-class HAPTIC_OT_save_signal(_OnSource, Operator):
+class HAPTIC_OT_save_signal(OnActive, Operator):
     """Keep the signal of the active source in the library, for all files"""
 
     bl_label = "Save to Library"

@@ -1,15 +1,17 @@
-"""Operators that assign and remove the haptic roles of objects."""
+"""Operators that assign and remove the haptic roles of objects, and that select an object."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import bpy
+from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Object, Operator, Scene
 
+from ...core.scene.materials import is_wide_and_flat
 from ..authoring import materials
 from ..authoring.signals import signal_for
-from ..blender.polling import SOLID_TYPES, UNDO, Edit, editable, linked_message, poll_active, poll_selected
+from ..blender.polling import SOLID_TYPES, UNDO, Edit, OnActive, OnSelected, Refused, editable, linked_message
 from ..blender.progress import progress
 from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch
@@ -26,7 +28,7 @@ def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     return materials.apply_guesses(scene, [obj for obj in new if not obj.haptics.material.name]) if guess else 0
 
 
-class HAPTIC_OT_make_objects(Edit, Operator):
+class HAPTIC_OT_make_objects(OnSelected, Operator):
     """Let vibration pass through the selected objects; what they are made of is guessed from their names, shapes and masses"""
 
     bl_label = "Make Haptic"
@@ -34,8 +36,6 @@ class HAPTIC_OT_make_objects(Edit, Operator):
 
     guess: switch("Guess Materials", "Choose materials by the names, shapes and masses of the objects", True)
     physics: switch("Add Physics", "Make the objects rigid bodies: wide and flat ones are passive, all others fall")
-
-    poll = classmethod(poll_selected)
 
     def apply(self, context: Context) -> None:
         chosen = context.selected_objects
@@ -62,10 +62,10 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
         if obj.rigid_body is None:
             world.collection.objects.link(obj)
         body: Any = obj.rigid_body
-        body.type = "PASSIVE" if materials.is_ground(obj) else "ACTIVE"
+        body.type = "PASSIVE" if is_wide_and_flat(tuple(obj.dimensions)) else "ACTIVE"
 
 
-class HAPTIC_OT_add_source(Edit, Operator):
+class HAPTIC_OT_add_source(OnActive, Operator):
     """Make the active object a haptic source: it emits a signal into the objects that it touches"""
 
     bl_label = "Add Source"
@@ -82,8 +82,6 @@ class HAPTIC_OT_add_source(Edit, Operator):
         ),
         default="AUTO",
     )
-
-    poll = classmethod(poll_active)
 
     def apply(self, context: Context) -> None:
         obj = context.object
@@ -106,12 +104,10 @@ def make_source(obj: Object, signal: str) -> None:
         source.signal = signal
 
 
-class HAPTIC_OT_add_listener(Edit, Operator):
+class HAPTIC_OT_add_listener(OnSelected, Operator):
     """Make the selected objects haptic listeners: what arrives at their origins is felt"""
 
     bl_label = "Add Listener"
-
-    poll = classmethod(poll_selected)
 
     def apply(self, context: Context) -> None:
         chosen = context.selected_objects
@@ -128,12 +124,10 @@ class HAPTIC_OT_add_listener(Edit, Operator):
             raise ValueError(linked_message(chosen))
 
 
-class HAPTIC_OT_clear(Edit, Operator):
+class HAPTIC_OT_clear(OnSelected, Operator):
     """Remove all haptic roles from the selected objects; their settings are kept"""
 
     bl_label = "Clear Haptics"
-
-    poll = classmethod(poll_selected)
 
     def apply(self, context: Context) -> None:
         own = editable(context.selected_objects)
@@ -141,3 +135,23 @@ class HAPTIC_OT_clear(Edit, Operator):
             obj.haptics.enabled = obj.haptics.source.enabled = obj.haptics.listener.enabled = False
         if not own:
             raise ValueError(linked_message(context.selected_objects))
+
+
+class HAPTIC_OT_select_object(Edit, Operator):
+    """Select the object and make it active"""
+
+    bl_label = "Select Object"
+    bl_options = {*UNDO, "INTERNAL"}
+
+    name: StringProperty(name="Object", description="Name of the object", options={"SKIP_SAVE"})
+    extend: BoolProperty(name="Extend", description="Keep what is selected", default=False, options={"SKIP_SAVE"})
+
+    def apply(self, context: Context) -> None:
+        found: Any = next((obj for obj in context.view_layer.objects if obj.name_full == self.name), None)
+        if found is None:
+            raise Refused(_rpt("There is no object '{}' in this view layer any more").format(self.name))
+        if not self.extend:
+            for obj in context.selected_objects:
+                obj.select_set(False)
+        found.select_set(True)
+        context.view_layer.objects.active = found

@@ -14,8 +14,8 @@ from ..session import sessions
 from ..translations.sentences import sentence
 from ..view import explanation, levels, paths, watched
 from .cures import draw_cure
-from .drawing import select_button
-from .texts import draw_sentence, fitted, source_title
+from .drawing import draw_level, select_button
+from .texts import draw_sentence, source_title
 
 
 def draw_progress(layout: UILayout, context: Context) -> None:
@@ -47,12 +47,8 @@ def draw_answer(layout: UILayout, context: Context) -> bool:
 
 
 def _draw_level(layout: UILayout, level: levels.Level) -> None:
-    split = layout.split(factor=0.5)
-    row = split.row()
-    row.alignment = "LEFT"
-    select_button(row, level.listener, fitted(level.listener, 0.5, icon=True), icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
     text = levels.decibels(level.rms)
-    split.progress(factor=level.place, text=text if level.is_silent else iface_("Level {}").format(text))
+    draw_level(layout, level, 0.5, text if level.is_silent else iface_("Level {}").format(text))
     if level.is_felt:
         layout.label(text=iface_("Felt: margin {}").format(level.margin_text()), icon="CHECKMARK", translate=False)
     elif level.is_silent:

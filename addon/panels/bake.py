@@ -12,7 +12,7 @@ from ..bake import playback, storage, takes
 from ..blender import job
 from ..blender.text import wrapped
 from ..view import levels
-from .drawing import ClosedPanel, HapticsPanel, draw_pair, settings_layout
+from .drawing import ClosedPanel, HapticsPanel, draw_each, draw_pair, settings_layout
 from .texts import fitted
 
 if TYPE_CHECKING:
@@ -37,9 +37,7 @@ class HAPTIC_PT_bake(ClosedPanel, Panel):
         column.active = bake.use_range
         column.prop(bake if bake.use_range else scene, "frame_start")
         column.prop(bake if bake.use_range else scene, "frame_end", text="End")
-        column = layout.column(heading="Also")
-        column.prop(bake, "write_curves")
-        column.prop(bake, "write_sound")
+        draw_each(layout.column(heading="Also"), bake, "write_curves", "write_sound")
         layout.operator("haptic.bake", text="Bake" if bake.track is None else "Bake Again", icon="REC")
         _draw_track(layout, scene, storage.track_of(scene))
 

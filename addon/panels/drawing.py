@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, UILayout
@@ -12,6 +12,9 @@ from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
 from .texts import draw_sentence, fitted
+
+if TYPE_CHECKING:
+    from ..view.levels import Level
 
 
 class HapticsPanel:
@@ -56,11 +59,24 @@ def settings_layout(panel: Any) -> UILayout:
     return layout
 
 
+def draw_each(layout: UILayout, owner: Any, *names: str, **look: Any) -> None:
+    """Draw properties one after the other."""
+    for name in names:
+        layout.prop(owner, name, **look)
+
+
 def draw_properties(layout: UILayout, owner: Any, *names: str) -> None:
     """Draw properties as a block, one under the other."""
-    column = layout.column(align=True)
-    for name in names:
-        column.prop(owner, name)
+    draw_each(layout.column(align=True), owner, *names)
+
+
+def draw_level(layout: UILayout, level: Level, share: float, text: str) -> None:
+    """Draw a listener's name on a ``share`` of the width, which selects it, and its level as a bar with ``text``."""
+    split = layout.split(factor=0.5)
+    row = split.row()
+    row.alignment = "LEFT"
+    select_button(row, level.listener, fitted(level.listener, share, icon=True), icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
+    split.progress(factor=level.place, text=text)
 
 
 def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:

@@ -1,8 +1,8 @@
-"""Panel "Export": the haptic entries of File > Export and File > Import."""
+"""Panel "Export", entries in File > Export and File > Import, exporters of collections, and files dropped into the viewport."""
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel
+from bpy.types import Context, FileHandler, Menu, Panel
 
 from ..blender import job
 from .drawing import ClosedPanel
@@ -22,3 +22,45 @@ class HAPTIC_PT_export(ClosedPanel, Panel):
         column = layout.column(align=True)
         column.operator("import_scene.haptic_scene", text="Haptic Scene", icon="IMPORT")
         column.operator("haptic.import_signal", icon="IMPORT")
+
+
+class HAPTIC_FH_scene(FileHandler):
+    """Haptic scenes"""
+
+    bl_label = "Haptic Scene"
+    bl_import_operator = "import_scene.haptic_scene"
+    bl_export_operator = "export_scene.haptic_scene"
+    bl_file_extensions = ".json;.gz"
+
+    @classmethod
+    def poll_drop(cls, context: Context) -> bool:
+        return _in_viewport(context)
+
+
+class HAPTIC_FH_tracks(FileHandler):
+    """What listeners feel; as signals on the way in"""
+
+    bl_label = "Haptic Tracks"
+    bl_import_operator = "haptic.import_signal"
+    bl_export_operator = "export_scene.haptic_tracks"
+    bl_file_extensions = ".hjif;.haptic;.ahap;.haps;.tact;.wav"
+
+    @classmethod
+    def poll_drop(cls, context: Context) -> bool:
+        return _in_viewport(context) and context.object is not None
+
+
+def _in_viewport(context: Context) -> bool:
+    return context.area is not None and context.area.type == "VIEW_3D"
+
+
+def draw_export(self: Menu, context: Context) -> None:
+    """Entries of File > Export."""
+    self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
+    self.layout.operator("export_scene.haptic_tracks", text="Haptic Tracks (.hjif/.wav/.haptic/.ahap/...)")
+
+
+def draw_import(self: Menu, context: Context) -> None:
+    """Entries of File > Import."""
+    self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
+    self.layout.operator("haptic.import_signal", text="Haptic Signal for the Active Object (.hjif/.wav/.haptic/.ahap/.haps/.tact)")

@@ -6,13 +6,13 @@ from functools import lru_cache
 from typing import Any
 
 import blf
-import bpy
 from bpy.types import UILayout
 
 from ...core.scene import functions
 from ..blender.text import wrapped
 from ..properties.function import CONTACT_PARAMETERS
 from ..translations.sentences import sentence
+from .texts import font_size, ui_scale
 
 
 @lru_cache(maxsize=256)
@@ -52,19 +52,13 @@ def draw_finding(layout: UILayout, source: str, finding: functions.Finding | Non
 
 def spaces_under(shown: str, place: int) -> int:
     """Number of spaces as wide as the text up to the middle of the character at ``place``, in the proportional font of panels."""
-    blf.size(0, _font_size())
+    blf.size(0, font_size() * ui_scale())
     space = (_width("x" + " " * _MANY + "x") - _width("xx")) / _MANY
     middle = (_width(shown[:place]) + _width(shown[: place + 1]) - _width("^")) / 2
     return max(round(middle / space), 0) if space > 0 else place
 
 
 _MANY = 40  # many at once, because widths are whole pixels
-
-
-def _font_size() -> float:
-    """The size of text in panels, in pixels."""
-    preferences = bpy.context.preferences
-    return preferences.ui_styles[0].widget.points * (preferences.system.ui_scale or 1.0)  # 0 where there is no window
 
 
 def _width(text: str) -> float:

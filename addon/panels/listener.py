@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.types import Context, Panel
 
 from ...core.render import mixing
-from .drawing import HapticsPanel, draw_carrier, draw_properties, poll_object
+from .drawing import HapticsPanel, draw_carrier, draw_each, draw_properties, poll_object
 from .formula import draw_finding
 
 
@@ -38,8 +38,7 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
             draw_finding(layout, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))
         layout.prop(listener, "ducking")
         draw_properties(layout, listener, "gain", "s_max")
-        layout.prop(listener, "limiter")
-        layout.prop(listener, "muted")
+        draw_each(layout, listener, "limiter", "muted")
         draw_carrier(layout, context.object, "Feels")
         row = layout.row(align=True)
         row.operator("haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE")

@@ -14,7 +14,7 @@ from ..live_output import handlers, outputs, player, preview
 from ..properties.preferences import preferences
 from ..session import sessions
 from ..translations.sentences import sentence
-from .drawing import ClosedPanel, HapticsPanel, draw_pair
+from .drawing import ClosedPanel, HapticsPanel, draw_each, draw_pair
 
 if TYPE_CHECKING:
     from ...core.devices.status import Status
@@ -91,8 +91,7 @@ def _draw_devices(layout: UILayout, scene: Scene) -> None:
             column = box.column(align=True)
             column.use_property_split = True
             column.use_property_decorate = False
-            for name in ("gain", "floor", "curve", "ceiling", "offset"):
-                column.prop(settings, name)
+            draw_each(column, settings, "gain", "floor", "curve", "ceiling", "offset")
     if inventory is None:
         return
     for found in inventory.devices:

@@ -12,7 +12,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS
 from ..blender import job
 from ..view import levels, watched
-from .drawing import ClosedPanel, draw_pair, settings_layout
+from .drawing import ClosedPanel, draw_each, draw_pair, settings_layout
 from .texts import draw_sentence, fitted
 from .thumbnails import cell
 
@@ -117,8 +117,7 @@ class HAPTIC_PT_fit(ClosedPanel, Panel):
         for pair in (keys[:2], keys[2:4], keys[4:6], keys[6:]):
             column = layout.column(align=True)
             column.active = pair != keys[6:] or fit.is_calibrated
-            for key in pair:
-                column.prop(fit, key)
+            draw_each(column, fit, *pair)
         if job.draw_running(layout):
             return
         layout.operator("haptic.fit_material", icon="FCURVE")

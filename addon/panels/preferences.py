@@ -7,7 +7,7 @@ from bpy.types import AddonPreferences, Context, KeyMapItem, UILayout
 
 from ..blender.extension import ROOT
 from ..properties.preferences import PreferenceProperties
-from .drawing import settings_layout
+from .drawing import draw_each, settings_layout
 
 _KEYMAPS = ("3D View", "Screen")
 
@@ -17,14 +17,8 @@ class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
-        column = layout.column(heading="Display")
-        column.prop(self, "gain_unit")
-        column.prop(self, "overlay_size")
-        column.prop(self, "curve_colour")
-        column = layout.column(heading="Devices")
-        column.prop(self, "default_device")
-        column.prop(self, "keep_awake")
-        column.prop(self, "haptic_players")
+        draw_each(layout.column(heading="Display"), self, "gain_unit", "overlay_size", "curve_colour")
+        draw_each(layout.column(heading="Devices"), self, "default_device", "keep_awake", "haptic_players")
         draw_shortcuts(layout, context)
 
 

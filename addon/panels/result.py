@@ -19,7 +19,7 @@ from ..session import sessions
 from ..translations.sentences import sentence
 from ..view import comparison, explanation, levels, masking, meter_layout, meter_pictures, meters, panel_picture, paths, watched
 from .cures import draw_cure
-from .drawing import ClosedPanel, HapticsPanel, draw_pair, select_button
+from .drawing import ClosedPanel, HapticsPanel, draw_level, draw_pair, select_button
 from .texts import draw_sentence, fitted, source_title
 
 if TYPE_CHECKING:
@@ -263,15 +263,11 @@ def _gain_text(gains: FloatArray, index: int) -> str:
 
 def _draw_level(layout: UILayout, level: levels.Level) -> None:
     """A listener's name, which selects it, its level as a bar, and its switches."""
-    line = layout.row(align=True)
-    split = line.split(factor=0.5)
-    row = split.row()
-    row.alignment = "LEFT"
-    text = fitted(level.listener, 0.5 * _BESIDE_SWITCHES, icon=True)
-    select_button(row, level.listener, text, icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
+    row = layout.row(align=True)
     too_weak = not level.is_silent and not level.is_felt
-    split.progress(factor=level.place, text=iface_("{}, weak" if too_weak else "{}").format(levels.decibels(level.rms)))
-    _draw_switches(line, level.listener, "listener")
+    text = iface_("{}, weak" if too_weak else "{}").format(levels.decibels(level.rms))
+    draw_level(row, level, 0.5 * _BESIDE_SWITCHES, text)
+    _draw_switches(row, level.listener, "listener")
 
 
 def _draw_switches(layout: UILayout, name: str, role: str) -> None:

@@ -8,7 +8,7 @@ from ..io import drawings, signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
-from .drawing import HapticsPanel, draw_carrier, draw_properties, poll_object
+from .drawing import HapticsPanel, draw_carrier, draw_each, draw_properties, poll_object
 from .object import draw_wave_speed, library_owner
 from .texts import draw_sentence
 from .thumbnails import cell
@@ -56,12 +56,10 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
             layout.template_curve_mapping(node, "mapping")
     drawing = tree.haptics
     if keyed:
-        layout.prop(source, "envelope")
-        layout.prop(source, "frequency")
+        draw_each(layout, source, "envelope", "frequency")
     else:
         draw_properties(layout, drawing, "lowest", "highest")
-    layout.prop(drawing, "duration")
-    layout.prop(drawing, "loops")
+    draw_each(layout, drawing, "duration", "loops")
     row = layout.row(align=True)
     if not keyed:
         row.operator("haptic.shape_envelope", icon="IPO_EASE_IN_OUT")
@@ -75,8 +73,7 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
             row.label(text=name)
     for number, emphasis in enumerate(drawing.emphases[:_SHOWN_EMPHASES]):
         row = column.row(align=True)
-        for key in ("place", "strength", "sharpness"):
-            row.prop(emphasis, key, text="")
+        draw_each(row, emphasis, "place", "strength", "sharpness", text="")
         row.operator("haptic.edit_emphasis", text="", icon="X").index = number
 
 
@@ -108,8 +105,7 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
             layout.prop(source, "frequency")
         _draw_faults(layout, context.scene, context.object, "signal")
         layout.operator("haptic.import_signal", icon="IMPORT")
-        for name in ("decay", "priority", "muted"):
-            layout.prop(source, name)
+        draw_each(layout, source, "decay", "priority", "muted")
         draw_carrier(layout, context.object, "Shakes")
         layout.prop(source, "one_shot")
         if source.one_shot:

@@ -33,7 +33,7 @@ def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
 def fitted(text: str, share: float = 1.0, icon: bool = False, button: bool = False) -> str:
     """A text for a ``share`` of the panel's width, shortened in the middle if it is longer."""
     width = content_width() * share - _ICON * icon - _BUTTON * button
-    return shortened(text, width, _font_size(), text_width) or text
+    return shortened(text, width, font_size(), text_width) or text
 
 
 def source_title(source: Source, share: float = 1.0) -> str:
@@ -49,7 +49,7 @@ def content_width() -> float:
     region = bpy.context.region
     if region is None or region.type != "UI":
         return _WIDTH
-    return region.width / _scale() - _BORDERS
+    return region.width / ui_scale() - _BORDERS
 
 
 @lru_cache(maxsize=512)
@@ -66,13 +66,14 @@ def _lines(text: str, width: float, size: float) -> tuple[str, ...]:
 
 def lines(text: str, width: float) -> tuple[str, ...]:
     """A text broken between words into lines of at most ``width`` points; a longer word has a line of its own."""
-    return _lines(text, width, _font_size())
+    return _lines(text, width, font_size())
 
 
-def _font_size() -> float:
+def font_size() -> float:
     """Size of texts in panels at a user interface scale of 1."""
     return float(bpy.context.preferences.ui_styles[0].widget.points)
 
 
-def _scale() -> float:
+def ui_scale() -> float:
+    """Pixels per point of the user interface."""
     return bpy.context.preferences.system.ui_scale or 1.0  # 0 where there is no window

@@ -59,9 +59,4 @@ def gain_text(gain: float) -> str:
     """A gain (0 or more) in the user's number format."""
     factor = f"{gain:.2f}" if gain >= 0.1 or gain == 0 else f"{gain:.2g}"
     decibel = f"{20 * math.log10(gain):.0f} dB" if gain > 0 else "-∞ dB"
-    match preferences().gain_unit:
-        case "FACTOR":
-            return factor
-        case "DECIBEL":
-            return decibel
-    return f"{factor}  {decibel}"
+    return {"FACTOR": factor, "DECIBEL": decibel, "BOTH": f"{factor}  {decibel}"}[preferences().gain_unit]

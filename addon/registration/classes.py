@@ -12,18 +12,16 @@ from ..operators import (
     design,
     exporting,
     gizmos,
-    graph_to_geometry,
     importing,
     live_output,
     materials,
     rules,
-    selection,
     signals,
     tagging,
     tracing,
 )
 from ..panels import bake as bake_panel
-from ..panels import export, file_menus, listener, object, object_menus, preferences, result, scene, source
+from ..panels import export, listener, object, object_menus, preferences, result, scene, source
 from ..panels import live_output as live_output_panels
 from ..panels import materials as materials_panels
 from ..panels import modalities as modalities_panels
@@ -32,13 +30,11 @@ from ..panels import sound as sound_panels
 from .module_classes import classes_of
 
 CLASSES = (
-    *classes_of(preferences, job, tagging, adding, tracing, selection, design, gizmos, materials, body_kit, rules),
-    *classes_of(
-        bake, exporting, importing, signals, graph_to_geometry, live_output, scene, object, source, sound_panels, listener, result, export
-    ),
+    *classes_of(preferences, job, tagging, adding, tracing, design, gizmos, materials, body_kit, rules),
+    *classes_of(bake, exporting, importing, signals, live_output, scene, object, source, sound_panels, listener, result, export),
     *classes_of(materials_panels),
     *modalities_panels.PANELS,
-    *classes_of(rules_panels, bake_panel, live_output_panels, file_menus, object_menus),
+    *classes_of(rules_panels, bake_panel, live_output_panels, object_menus),
 )
 """All classes, a panel before its subpanels."""
 

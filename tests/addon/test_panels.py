@@ -15,7 +15,8 @@ _spec.loader.exec_module(recording_layout)
 def _panels():
     from haptic_tracing.addon.panels import export, listener, object, result, scene, sound, source
 
-    return [panel for module in (scene, object, source, sound, listener, result, export) for panel in classes_of(module)]
+    every = classes_of(scene, object, source, sound, listener, result, export)
+    return [panel for panel in every if issubclass(panel, bpy.types.Panel)]
 
 
 def _draw(panel):
