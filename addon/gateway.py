@@ -25,7 +25,7 @@ _LENT = {
     "addon.properties": "actuators",
     "addon.scene_reader": "functions imported settings triggers",
     "addon.session": "session",
-    "addon.view": "comparison explanation gain_plot graph_mesh lane levels masking meter_layout meter_pictures meters overlay "
+    "addon.view": "comparison explanation gain_plot graph_mesh lane levels meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture watched",
     "core.design": "recordings wishes",
     "core.devices": "connection mapping profiles",

@@ -23,7 +23,7 @@ import bpy
 import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.panels import result as panels
-from haptic_tracing.addon.registration.module_classes import classes_of
+from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.addon.session import derived, session, worker
 
 from .report import publish, table

@@ -12,7 +12,7 @@ from ...core.scene.measured import physical
 from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
 from ..properties.function import PARAMETERS
-from ..properties.materials import HapticMaterial, add_material, values_of, write_values
+from ..properties.materials import SHARED, HapticMaterial, add_material, values_of, write_values
 
 
 def spread_all_around(haptics: Any, radius: float) -> None:
@@ -24,14 +24,8 @@ def spread_all_around(haptics: Any, radius: float) -> None:
 
 def preset_values(material: Material) -> dict[str, object]:
     """The values of a preset, in the form of the library."""
-    return {
-        "kappa": material.kappa,
-        "rho": material.rho,
-        "wave_speed": material.wave_speed,
-        "use_bands": False,  # initially only the paper's function, whose gains the overlay shows; delays also slow down tracing
-        "band_decays": material.band_decays,
-        "conductivity": material.conductivity,
-    }
+    values = {name: getattr(material, name) for name in SHARED if name != "use_bands"}
+    return {**values, "use_bands": False}  # initially only the paper's function, whose gains the overlay shows
 
 
 def preset_in(scene: Scene, material: Material) -> HapticMaterial:

@@ -33,17 +33,13 @@ LINE = 34
 """Width of the file browser's sidebar in characters."""
 MOST_REPORTED = 12
 
-_RANGE = {
-    "frame_start": IntProperty(name="Start", description="First frame", default=1),
-    "frame_end": IntProperty(name="End", description="Last frame", default=250),
-    "collection": text("Collection", "Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"}),
-}
-
 
 class RangeExport(Action, ExportHelper):
     """Mixin: an export of a range of frames, optionally of one collection, with its losses shown beforehand."""
 
-    __annotations__ = dict(_RANGE)
+    frame_start: IntProperty(name="Start", description="First frame", default=1)
+    frame_end: IntProperty(name="End", description="Last frame", default=250)
+    collection: text("Collection", "Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"})
     endings: Collection[str] = ()
     """File name endings; any of them is replaced by that of the chosen options."""
 

@@ -17,7 +17,7 @@ from ..blender.playing import is_playing
 from ..live_output import unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
-from ..view import comparison, explanation, levels, masking, meter_layout, meter_pictures, meters, panel_picture, paths, watched
+from ..view import comparison, explanation, levels, meter_layout, meter_pictures, meters, panel_picture, paths, watched
 from .cures import draw_cure
 from .drawing import ClosedPanel, HapticsPanel, draw_level, draw_pair, select_button
 from .texts import draw_sentence, fitted, source_title
@@ -105,7 +105,7 @@ class HAPTIC_PT_felt(ClosedPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        latest = masking.felt_at_watched(context.scene)
+        latest = watched.felt_at_watched(context.scene)
         if latest is None or latest.value is None:
             layout.label(text="Nothing traced yet")
             return

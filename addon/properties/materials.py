@@ -24,7 +24,7 @@ TARGET_ITEMS = (
     ("COLLECTION", "Collection", "All objects of the active object's collection", "OUTLINER_COLLECTION", 2),
 )
 
-_SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
+SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
 """The values that materials of the library and their objects have."""
 
 
@@ -79,7 +79,7 @@ def holders(obj: Object) -> dict[str, Any]:
 
 def values_of(item: HapticMaterial) -> dict[str, Any]:
     """The shared values of a material of the library."""
-    values = {name: _value(item, name) for name in _SHARED}
+    values = {name: _value(item, name) for name in SHARED}
     return {**values, "wave_speed": item.wave_speed if item.use_delay else 0.0}
 
 

@@ -27,7 +27,7 @@ from ..panels import materials as materials_panels
 from ..panels import modalities as modalities_panels
 from ..panels import rules as rules_panels
 from ..panels import sound as sound_panels
-from .module_classes import classes_of
+from .properties import classes_of
 
 CLASSES = (
     *classes_of(preferences, job, tagging, adding, tracing, design, gizmos, materials, body_kit, rules),

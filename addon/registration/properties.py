@@ -1,13 +1,25 @@
-"""The properties that node groups, objects and scenes have in `haptics`."""
+"""The property groups, and the properties that node groups, objects and scenes have in `haptics`."""
 
 from __future__ import annotations
+
+from types import ModuleType
 
 import bpy
 from bpy.props import PointerProperty
 from bpy.types import NodeTree, Object, Scene
 
 from ..properties import bake, drawing, listener, live_output, materials, modalities, object, rules, scene, sound, source
-from .module_classes import classes_of
+
+
+def classes_of(*modules: ModuleType) -> tuple[type, ...]:
+    """The Blender classes defined in modules, in the order of definition, so that a class follows those that it needs."""
+    return tuple(
+        value
+        for module in modules
+        for value in vars(module).values()
+        if isinstance(value, type) and issubclass(value, bpy.types.bpy_struct) and value.__module__ == module.__name__
+    )
+
 
 CLASSES = (
     *classes_of(bake, live_output, materials),

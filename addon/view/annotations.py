@@ -111,8 +111,8 @@ def _placed_legend(data: RenderData, free: Rectangle, scale: float, measure: Mea
     shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
     names = tuple(iface_(name) for name in NAMES.values())
     margin = _MARGIN * scale
-    small = _small_legend(data.scale, iface_("Gain"), scale, measure)
-    for legend in (_legend(data.scale, shapes, names, scale, measure), small) if shapes else (small,):
+    for some in dict.fromkeys((shapes, ())):
+        legend = _legend(data.scale, iface_("Gain"), some, names, scale, measure)
         ((_, _, width, height),) = legend.bounds
         left = round(free[0] + margin if at_left else free[2] - margin - width)
         bottoms = [free[1], *(top for _, _, _, top in occupied)]
@@ -130,11 +130,13 @@ def _legend_width(names: Sequence[str], scale: float, measure: Measure) -> float
     return widths + (len(names) * _SYMBOL_WIDTH + (len(names) - 1) * _NAME_GAP + 2 * _LEGEND_PADDING) * scale
 
 
-@lru_cache(maxsize=8)
-def _legend(gains: GainScale, shapes: tuple[Shape, ...], names: tuple[str, ...], scale: float, measure: Measure) -> Hud:
-    """The legend, its lower left corner at the origin: ``shapes`` with their names, and the colours of gains. ``names``: of all shapes."""
+@lru_cache(maxsize=16)
+def _legend(gains: GainScale, title: str, shapes: tuple[Shape, ...], names: tuple[str, ...], scale: float, measure: Measure) -> Hud:
+    """The legend, its lower left corner at the origin: ``shapes`` with their names, and the colours of gains; a small one without shapes.
+    ``names``: of all shapes."""
     builder = HudBuilder(scale)
-    width, height = _legend_width(names, scale, measure), _LEGEND_HEIGHT * scale
+    width = _legend_width(names, scale, measure) if shapes else _SMALL_WIDTH * scale
+    height = (_LEGEND_HEIGHT if shapes else _SMALL_HEIGHT) * scale
     builder.panel((0, 0), (width, height), 6.0)
     x, base = _LEGEND_PADDING * scale, height - 20 * scale
     for shape, name in zip(NAMES, names, strict=True):
@@ -144,16 +146,7 @@ def _legend(gains: GainScale, shapes: tuple[Shape, ...], names: tuple[str, ...],
         builder.symbol((x + (_SYMBOL_WIDTH / 2 - 2) * scale, base + 4 * scale), shape, 8.0 if shape == Shape.CONTACT else 17.0, colour)
         builder.text(name, (x + _SYMBOL_WIDTH * scale, base), INK)
         x += (_SYMBOL_WIDTH + _NAME_GAP) * scale + measure(name, TEXT_SIZE * scale)
-    _add_colours(builder, gains, iface_("Gain"), width, gains.ticks(), measure)
-    return builder.build()
-
-
-@lru_cache(maxsize=8)
-def _small_legend(gains: GainScale, title: str, scale: float, measure: Measure) -> Hud:
-    """The colours of gains alone, with the lower left corner at the origin."""
-    builder = HudBuilder(scale)
-    builder.panel((0, 0), (_SMALL_WIDTH * scale, _SMALL_HEIGHT * scale), 6.0)
-    _add_colours(builder, gains, title, _SMALL_WIDTH * scale, gains.ticks()[:1], measure)
+    _add_colours(builder, gains, title, width, gains.ticks() if shapes else gains.ticks()[:1], measure)
     return builder.build()
 
 

@@ -41,25 +41,19 @@ class ListenerPath:
         return self.amplitude - sum(hop.loss for hop in self.hops)
 
 
-@dataclass(frozen=True, slots=True)
-class _Question:
-    """A listener and the watched source, "" for the strongest."""
-
-    listener: str
-    source: str
-
-
-def listener_path(traced: Traced, question: _Question, before: ListenerPath | None = None) -> ListenerPath | None:
-    """Computed on the worker: the path from the watched source, or the strongest one, to the listener; None if there is none."""
+def listener_path(traced: Traced, ends: tuple[str, str], before: ListenerPath | None = None) -> ListenerPath | None:
+    """Computed on the worker: the best path to a listener from a source, or from the strongest one if that does not reach it; None if there
+    is none. ``ends``: the names of listener and source."""
+    listener, chosen = ends
     result = traced.result
-    names = [listener.name for listener in result.listeners]
-    if question.listener not in names:
-        return None  # the question was about the frame before
-    column = names.index(question.listener)
+    names = [item.name for item in result.listeners]
+    if listener not in names:
+        return None  # it was one in the frame before
+    column = names.index(listener)
     reaching = [row for row in range(len(result.sources)) if result.gains[row, column] > 0]
     if not reaching:
         return None
-    named = [row for row in reaching if result.sources[row].name == question.source]
+    named = [row for row in reaching if result.sources[row].name == chosen]
     row = named[0] if named else max(reaching, key=lambda row: float(result.gains[row, column]))
     nodes = result.propagation.best_path.get((row, column), ())
     hops: tuple[Hop, ...] = ()
@@ -67,13 +61,13 @@ def listener_path(traced: Traced, question: _Question, before: ListenerPath | No
         graph = distance_only(result.graph) if traced.settings.mode is Mode.SD else result.graph
         hops = tuple(Hop(*loss) for loss in object_losses(graph.in_band(graph.sources[row].band), nodes))
     source = result.sources[row]
-    return ListenerPath(question.listener, source, float(result.gains[row, column]), 20 * math.log10(source.amplitude), hops)
+    return ListenerPath(listener, source, float(result.gains[row, column]), 20 * math.log10(source.amplitude), hops)
 
 
-_PATH: Derived[_Question, ListenerPath | None] = Derived(listener_path, every_frame=True)
+_PATH: Derived[tuple[str, str], ListenerPath | None] = Derived(listener_path, every_frame=True)
 
 
 def path_of(scene: Scene) -> Latest[ListenerPath | None] | None:
     """The path to the watched listener, from the active object if that is a source; without waiting."""
     listener = watched(scene)
-    return _PATH.latest(scene, _Question(listener, active_name())) if listener else None
+    return _PATH.latest(scene, (listener, active_name())) if listener else None

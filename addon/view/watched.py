@@ -1,12 +1,15 @@
-"""The watched listener, whose level, scope and path are shown, and the levels of all listeners."""
+"""The watched listener, whose level, scope and path are shown, the sources that it feels, and the levels of all listeners."""
 
 from __future__ import annotations
 
 import bpy
 from bpy.types import Scene
 
+from ...core.render.masking import FeltSources, felt_sources, shown_sounding
 from ..blender.playing import is_playing
 from ..session import sessions
+from ..session.derived import Derived, Latest
+from ..session.sessions import Traced
 from .levels import LEVELS, Level
 
 
@@ -35,3 +38,19 @@ def active_name() -> str:
     """The full name of the active object, "" for none."""
     active = bpy.context.view_layer.objects.active
     return "" if active is None else active.name_full
+
+
+def _felt(traced: Traced, listener: str, before: FeltSources | None = None) -> FeltSources | None:
+    """Computed on the worker; None if the frame does not have that listener."""
+    result = traced.result
+    names = [item.name for item in result.listeners]
+    return felt_sources(shown_sounding(result), names.index(listener), result.sample_rate) if listener in names else None
+
+
+_FELT: Derived[str, FeltSources | None] = Derived(_felt)
+
+
+def felt_at_watched(scene: Scene) -> Latest[FeltSources | None] | None:
+    """The last result for the watched listener, without waiting."""
+    listener = watched(scene)
+    return _FELT.latest(scene, listener) if listener else None

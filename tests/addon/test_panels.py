@@ -5,7 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
-from haptic_tracing.addon.registration.module_classes import classes_of
+from haptic_tracing.addon.registration.properties import classes_of
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)

@@ -10,7 +10,7 @@ import haptic_tracing
 import pytest
 from haptic_tracing.addon.panels import formula
 from haptic_tracing.addon.properties import preferences
-from haptic_tracing.addon.registration.module_classes import classes_of
+from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.addon.session import session
 from haptic_tracing.core.scene.functions import check_expression
 

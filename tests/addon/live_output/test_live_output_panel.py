@@ -12,7 +12,7 @@ from fake_hid import until
 from haptic_tracing.addon.live_output import handlers, outputs
 from haptic_tracing.addon.panels import live_output
 from haptic_tracing.addon.properties.preferences import preferences
-from haptic_tracing.addon.registration.module_classes import classes_of
+from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.core.devices.status import Status
 
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
-from haptic_tracing.addon.registration.module_classes import classes_of
+from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import explanation, meter_pictures, meters, watched
 from haptic_tracing.core.message import Cause, Message

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from haptic_tracing.addon.session.sessions import Traced
-from haptic_tracing.addon.view.paths import ListenerPath, _Question, listener_path
+from haptic_tracing.addon.view.paths import ListenerPath, listener_path
 from haptic_tracing.addon.view.render_data import Options, listener_gains, path_steps
 from haptic_tracing.core.propagation.spread import spread
 from haptic_tracing.core.render.filter_bank import bank_response
@@ -72,7 +72,7 @@ def test_lines_are_coloured_by_the_band_of_the_tone(frequency):
 
 def test_losses_of_a_path_add_up_to_the_gain_beside_them():
     result = rumbling_bridge(100.0)
-    path = listener_path(Traced(1, result, BRIDGE.settings, np.zeros((len(result.listeners), 0))), _Question("walker", ""))
+    path = listener_path(Traced(1, result, BRIDGE.settings, np.zeros((len(result.listeners), 0))), ("walker", ""))
     assert isinstance(path, ListenerPath)
     assert [hop.object for hop in path.hops] == ["deck", "pier", "ground"]
     per_metre = 20 * math.log10(math.e) * loss_per_metre(100.0)

@@ -26,11 +26,11 @@ def steps(window):
     window.seen["a new listener feels the strongest of its volume"] = listener.extent == "strongest"
     window.open_only("HAPTIC_PT_listener", "HAPTIC_PT_result", "HAPTIC_PT_felt")
     yield from window.show_sidebar()
-    masking, session = window.module("addon.view.masking"), window.module("addon.session.session")
+    watched, session = window.module("addon.view.watched"), window.module("addon.session.session")
     scene = bpy.context.scene
 
     def felt():
-        latest = masking.felt_at_watched(scene)
+        latest = watched.felt_at_watched(scene)
         return latest.value.counts() if latest is not None and latest.is_current and latest.value else None
 
     yield from window.wait_until(lambda: felt() is not None)
