@@ -42,6 +42,11 @@ def device_profiles() -> Mapping[str, profiles.Profile]:
     return profiles.load_profiles((profiles.BUILT_IN, *profile_folders()))[0]
 
 
+def _matching_devices(self: PropertyGroup, context: Context, typed: str) -> list[str]:
+    """What the search field of devices offers; Blender chooses those that match what was ``typed``."""
+    return sorted(device_profiles())
+
+
 def _edited(self: HapticSoundProperties, context: Context) -> None:
     self.is_edited, self.fault = True, ""
     try:
@@ -66,7 +71,7 @@ class HapticSoundProperties(PropertyGroup):
     frequency: limited(
         "Frequency (Hz)", "Frequency of the carrier in hertz; if it follows the pitch, that of sounds without pitch", 160.0, (10.0, 1000.0)
     )
-    device: text("Device", "The profile of the device", "dualsense", search=lambda self, context, text: sorted(device_profiles()))
+    device: text("Device", "The profile of the device", "dualsense", search=_matching_devices)
     band: FloatVectorProperty(
         name="Band (Hz)", description="Lowest and highest frequency of the carrier, in hertz; other pitches are brought into it by octaves",
         size=2, default=(40.0, 400.0), min=10.0, max=1000.0

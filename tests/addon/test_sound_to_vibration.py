@@ -324,6 +324,12 @@ def test_the_picture_has_the_sound_and_over_it_its_vibration(convert, tmp_path):
     assert heights[192, 0] <= 2
 
 
+def test_the_search_of_a_device_offers_the_profiles(machine):
+    definition = type(machine.haptics.source.sound).__annotations__["device"]
+    offered = definition.keywords["search"](machine.haptics.source.sound, bpy.context, "")
+    assert "dualsense" in offered and offered == sorted(offered)
+
+
 @pytest.mark.slow
 def test_ten_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, aud, tmp_path):
     """No step takes long: each is one of 8 seconds of sound, with no more than 150 MB above the sound itself."""
