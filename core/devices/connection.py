@@ -6,13 +6,13 @@ import os
 import sys
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol
 
-from .families.family import BUS_USB, AnyFamily, HidDevice, Interface, is_gamepad
+from .families.family import AnyFamily, HidDevice, Interface, is_gamepad
 from .families.registry import families_of
 
 UDEV_FILE = "/etc/udev/rules.d/70-haptic-tracing.rules"
@@ -28,9 +28,9 @@ class DeviceError(OSError):
 
 
 class HidModule(Protocol):
-    """The part of cython-hidapi's module that is used."""
+    """The part of cython-hidapi's module that is used. A replacement may enumerate interfaces instead of dictionaries."""
 
-    def enumerate(self, vendor_id: int = 0, product_id: int = 0) -> Iterable[Mapping[str, Any]]: ...
+    def enumerate(self) -> Iterable[Mapping[str, Any] | Interface]: ...
     def device(self) -> HidDevice: ...
 
 
@@ -86,10 +86,18 @@ class StandInDevice(ABC):
         return self._error
 
 
-def stand_in_entry(path: str, title: str = "", serial: str = "", bus: int = BUS_USB, number: int = 0) -> dict[str, Any]:
-    """An entry of hidapi's ``enumerate`` for a `StandInDevice`. number: of the USB interface."""
-    names = {"path": path.encode(), "serial_number": serial, "product_string": title, "bus_type": bus, "interface_number": number}
-    return names | dict.fromkeys(("vendor_id", "product_id", "usage_page", "usage"), 0)
+@dataclass(frozen=True, slots=True)
+class StandInModule:
+    """Replacement for hidapi's module with one device, whether or not it is present. make: makes a `StandInDevice` that is not open yet."""
+
+    interface: Interface
+    make: Callable[[], StandInDevice]
+
+    def enumerate(self) -> Iterable[Interface]:
+        return [self.interface]
+
+    def device(self) -> HidDevice:
+        return self.make()
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +120,8 @@ def interfaces(hid: HidModule) -> tuple[Interface, ...]:
     """All HID interfaces, by path."""
     with _hidapi:
         entries = list(hid.enumerate())
-    return tuple(sorted((Interface.of(entry) for entry in entries), key=lambda interface: (interface.path, interface.usage)))
+    found = [entry if isinstance(entry, Interface) else Interface.of(entry) for entry in entries]
+    return tuple(sorted(found, key=lambda interface: (interface.path, interface.usage)))
 
 
 def connected(hid: HidModule) -> tuple[Connected, ...]:

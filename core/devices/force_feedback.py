@@ -9,14 +9,13 @@ from __future__ import annotations
 import os
 import struct
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from .connection import StandInDevice, stand_in_entry
-from .families.family import BUS_BLUETOOTH, BUS_USB, HidDevice, RumbleFamily, any_interface
+from .connection import StandInDevice, StandInModule
+from .families.family import Interface, RumbleFamily, any_interface
 from .profiles import Actuator, Calibration, Channel, Profile
 from .report import Report, Tones, Transport, unsigned16
 
@@ -33,24 +32,7 @@ _LENGTH = 500  # ms
 _UPLOAD = 1 << 30 | _EFFECT_SIZE << 16 | ord("E") << 8 | 0x80  # EVIOCSFF
 
 
-@dataclass(frozen=True, slots=True)
-class EventNode:
-    """An event device that supports rumble. serial: may be empty; the address over Bluetooth."""
-
-    path: str
-    title: str
-    vendor: int
-    product: int
-    serial: str
-    transport: Transport
-
-    @property
-    def may_be_opened(self) -> bool:
-        """Whether this user may open it."""
-        return os.access(self.path, os.R_OK | os.W_OK)
-
-
-def event_nodes(system: Path = _SYSTEM) -> tuple[EventNode, ...]:
+def event_nodes(system: Path = _SYSTEM) -> tuple[Interface, ...]:
     """The event devices that support rumble, by path; none on systems other than Linux."""
     if not sys.platform.startswith("linux") or not system.is_dir():
         return ()
@@ -70,28 +52,23 @@ def _takes_rumble(capabilities: str) -> bool:
     return bool(value >> _RUMBLE_BIT & 1)
 
 
-def _node(name: str, device: Path) -> EventNode:
+def _node(name: str, device: Path) -> Interface:
     vendor, product, bus = (int((device / "id" / key).read_text(), 16) for key in ("vendor", "product", "bustype"))
     title, serial = ((device / key).read_text().strip() if (device / key).exists() else "" for key in ("name", "uniq"))
-    return EventNode(f"/dev/input/{name}", title, vendor, product, serial, "bt" if bus == _SYSTEM_BUS_BLUETOOTH else "usb")
+    transport: Transport = "bt" if bus == _SYSTEM_BUS_BLUETOOTH else "usb"
+    return Interface(f"/dev/input/{name}".encode(), vendor, product, serial, title, 0, 0, -1, transport)
 
 
-@dataclass(frozen=True, slots=True)
-class ForceFeedbackModule:
-    """Replacement for hidapi's module with one event device."""
+class ForceFeedbackModule(StandInModule):
+    """Replacement for hidapi's module with one event device, while it is connected."""
 
-    node: EventNode
+    __slots__ = ()
 
-    def enumerate(self, vendor_id: int = 0, product_id: int = 0) -> Iterable[Mapping[str, Any]]:
-        """The one device, while it is connected."""
-        if not os.access(self.node.path, os.F_OK):
-            return []
-        bus = BUS_BLUETOOTH if self.node.transport == "bt" else BUS_USB
-        return [stand_in_entry(self.node.path, self.node.title, self.node.serial, bus, -1)]
+    def __init__(self, node: Interface) -> None:
+        super().__init__(replace(node, vendor=0, product=0), _EventDevice)
 
-    def device(self) -> HidDevice:
-        """A device that is not open yet."""
-        return _EventDevice()
+    def enumerate(self) -> Iterable[Interface]:
+        return [self.interface] if os.access(self.interface.path, os.F_OK) else []
 
 
 class _EventDevice(StandInDevice):
@@ -142,7 +119,7 @@ FORCE_FEEDBACK = RumbleFamily(
 )
 
 
-def force_feedback_profile(node: EventNode) -> Profile:
+def force_feedback_profile(node: Interface) -> Profile:
     """The profile of such a gamepad: a strong, slow motor and a weak, fast one, which shake the whole pad."""
     channels = (Channel("left", (10.0, 100.0)), Channel("right", (100.0, 1000.0)))
     actuator = Actuator("both motors", ("hand.L", "hand.R"), "ERM", (30.0, 250.0), 0.06, 1.0, channels, Calibration())

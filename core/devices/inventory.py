@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from .connection import Connected, connected, hid_module, missing_permission, udev_rule
+from .connection import Connected, StandInModule, connected, hid_module, missing_permission, udev_rule
 from .families.family import Interface
-from .force_feedback import EventNode, ForceFeedbackModule, event_nodes, force_feedback_profile
-from .loopback import PlayerModule
+from .force_feedback import ForceFeedbackModule, event_nodes, force_feedback_profile
 from .mapping import ActuatedDevice
 from .network import bhaptics, intiface
 from .output import DeviceOutput, SoundCardOutput
@@ -89,17 +88,19 @@ def _force_feedback(profiles: Sequence[Profile], gamepads: Sequence[Connected]) 
     """Devices driven by the kernel's force feedback, without those that are driven as HID devices (``gamepads``)."""
     drivable = [device for device in gamepads if _matching(profiles, device) and not all(map(missing_permission, device.interfaces))]
     return [
-        _event_device(node) for node in event_nodes() if node.may_be_opened and not any(_is_same(node, device.first) for device in drivable)
+        _event_device(node)
+        for node in event_nodes()
+        if missing_permission(node) is None and not any(_is_same(node, device.first) for device in drivable)
     ]
 
 
-def _is_same(node: EventNode, pad: Interface) -> bool:
+def _is_same(node: Interface, pad: Interface) -> bool:
     """Whether an event device and a HID interface belong to the same pad by their serial numbers."""
     alike = (node.vendor, node.product) == (pad.vendor, pad.product)
     return alike and (not node.serial or not pad.serial or node.serial.lower() == pad.serial.lower())
 
 
-def _event_device(node: EventNode) -> Found:
+def _event_device(node: Interface) -> Found:
     profile, module = force_feedback_profile(node), ForceFeedbackModule(node)
     key = " ".join(filter(None, ("force-feedback", node.title, node.serial)))
     return Found(key, profile.title, f"{_BUS[node.transport]}, kernel", profile, partial(DeviceOutput, profile, hid=module))
@@ -128,7 +129,7 @@ def _sound_cards() -> list[Found]:
     ]
 
 
-def _players(look: Callable[[], Iterable[tuple[Profile, PlayerModule]]]) -> list[Found]:
+def _players(look: Callable[[], Iterable[tuple[Profile, StandInModule]]]) -> list[Found]:
     return [
         Found(f"player {profile.title}", profile.title, "haptic player", profile, partial(DeviceOutput, profile, hid=module))
         for profile, module in look()

@@ -9,17 +9,18 @@ from __future__ import annotations
 import json
 import socket
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from time import monotonic
 from typing import Any
 from urllib.parse import urlsplit
 
 from .checked_json import parse_json
-from .connection import DeviceError, StandInDevice, stand_in_entry
-from .families.family import HidDevice
+from .connection import DeviceError, StandInDevice, StandInModule
+from .families.family import Interface
 
 ANSWER_WITHIN = 2.0
 """Time-out of a player for opening a connection and for an answer [s]."""
@@ -194,20 +195,10 @@ _lock = threading.Lock()
 _connections: dict[str, Connection] = {}
 
 
-@dataclass(frozen=True, slots=True)
-class PlayerModule:
+def player_module(player: Player, device_name: str) -> StandInModule:
     """Replacement for hidapi's module with one device of a player, called ``device_name`` there."""
-
-    player: Player
-    device_name: str
-
-    def enumerate(self, vendor_id: int = 0, product_id: int = 0) -> Iterable[Mapping[str, Any]]:
-        """The one device, whether or not it is present."""
-        return [stand_in_entry(f"{self.player.url} {self.device_name}")]
-
-    def device(self) -> HidDevice:
-        """A device that is not open yet."""
-        return _PlayerDevice(self.player)
+    interface = Interface(f"{player.url} {device_name}".encode(), 0, 0, "", "", 0, 0, 0, "usb")
+    return StandInModule(interface, partial(_PlayerDevice, player))
 
 
 class _PlayerDevice(StandInDevice):

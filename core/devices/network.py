@@ -14,9 +14,9 @@ from typing import Any
 from ..scene.bhaptics import DEVICES, region
 from ..scene.body import BODY_PARTS
 from .checked_json import schema_fault
-from .connection import DeviceError
+from .connection import DeviceError, StandInModule
 from .families.family import RESEND, RumbleFamily, any_interface
-from .loopback import Connection, Player, PlayerModule
+from .loopback import Connection, Player, player_module
 from .profiles import Actuator, Calibration, Channel, Profile
 from .report import Report, Tones, Transport
 
@@ -34,7 +34,7 @@ _TAKES = (10.0, 1000.0)
 _MOTORS = tuple((position, index) for device in DEVICES.values() for position, places in device.items() for index in range(len(places)))
 
 
-def bhaptics(url: str = BHAPTICS) -> tuple[Profile, PlayerModule]:
+def bhaptics(url: str = BHAPTICS) -> tuple[Profile, StandInModule]:
     """bHaptics Player: every motor is an actuator. Raises DeviceError if it does not run."""
     Connection(url).close()
     names = [f"{position} {index + 1}" for position, index in _MOTORS]
@@ -45,7 +45,7 @@ def bhaptics(url: str = BHAPTICS) -> tuple[Profile, PlayerModule]:
         for position, index in _MOTORS
     ]
     profile = _profile(family, dict(zip(names, felt, strict=True)), [places[position][index] for position, index in _MOTORS])
-    return profile, PlayerModule(Player(url, _no_greeting, b"turnOffAll"), family.name)
+    return profile, player_module(Player(url, _no_greeting, b"turnOffAll"), family.name)
 
 
 def _no_greeting(connection: Connection) -> None:
@@ -71,7 +71,7 @@ def _release_bhaptics(transport: Transport, sequence: int) -> tuple[Report, ...]
     return (Report(json.dumps({"Submit": [{"Type": "turnOffAll"}]}).encode()),)
 
 
-def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, PlayerModule], ...]:
+def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, StandInModule], ...]:
     """The devices of Intiface: every motor is an actuator without a body part. Raises DeviceError if it does not run."""
     player = Player(url, _greet, b"StopDeviceCmd")
     connection = player.open()
@@ -82,7 +82,7 @@ def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, PlayerModule], ...]:
     return devices_of(player, listed)
 
 
-def devices_of(player: Player, listed: dict[str, Any]) -> tuple[tuple[Profile, PlayerModule], ...]:
+def devices_of(player: Player, listed: dict[str, Any]) -> tuple[tuple[Profile, StandInModule], ...]:
     """The devices with motors in Intiface's DeviceList. Raises DeviceError where it is malformed."""
     devices = _checked(listed, "DeviceList")["Devices"]
     return tuple(_intiface_device(player, device) for device in devices if _motors(device))
@@ -115,13 +115,13 @@ def _motors(device: Mapping[str, Any]) -> list[int]:
     return [number for number, command in enumerate(commands) if command.get("ActuatorType") == "Vibrate"]
 
 
-def _intiface_device(player: Player, device: Mapping[str, Any]) -> tuple[Profile, PlayerModule]:
+def _intiface_device(player: Player, device: Mapping[str, Any]) -> tuple[Profile, StandInModule]:
     index, motors = int(device["DeviceIndex"]), _motors(device)
     names = [f"motor {number + 1}" for number in range(len(motors))]
     gap = max((device.get("DeviceMessageTimingGap") or 0) / 1000, _INTERVAL)
     encode, release = partial(_encode_intiface, index, motors), partial(_release_intiface, index)
     family = _family(f"intiface {index}", device["DeviceName"], names, encode, release, interval=gap)
-    return _profile(family, dict.fromkeys(names, ())), PlayerModule(player, family.name)
+    return _profile(family, dict.fromkeys(names, ())), player_module(player, family.name)
 
 
 def _encode_intiface(index: int, motors: Sequence[int], drive: Tones, transport: Transport, sequence: int) -> Report:

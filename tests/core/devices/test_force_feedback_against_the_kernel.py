@@ -74,7 +74,7 @@ def test_only_devices_that_take_rumble_are_listed(tmp_path):
         (device / "uniq").write_text(XBOX_BT.serial + "\n")
     (tmp_path / "event8").mkdir()
     first, second = event_nodes(tmp_path)
-    assert [node.path for node in (first, second)] == ["/dev/input/event3", "/dev/input/event5"]
+    assert [node.path for node in (first, second)] == [b"/dev/input/event3", b"/dev/input/event5"]
     assert (first.vendor, first.product, first.transport, first.title) == (0x045E, 0x0B13, "bt", "Xbox Wireless Controller")
     assert first.serial == XBOX_BT.serial
     assert event_nodes(tmp_path / "nowhere") == ()
