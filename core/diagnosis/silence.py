@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
+from functools import cache
 
 import numpy as np
 
@@ -46,8 +47,11 @@ def reasons(
     if arriving:
         return _arrival_messages(result, listener, arriving, recent)
     loudest = sorted(range(len(result.sources)), key=lambda row: -result.sources[row].amplitude)[:_MOST_SOURCES]
-    search = _Search(result, settings, listener, surroundings)
-    found = [_source_message(result, settings, row, listener, frozenset(muted)) or search.message(row) for row in loudest]
+    graph = cache(lambda: complete_graph(result, settings, surroundings))  # once, for the first source that needs it
+    found = [
+        _source_message(result, settings, row, listener, muted) or _interruption(result, settings, row, listener, surroundings, graph)
+        for row in loudest
+    ]
     return tuple(dict.fromkeys(found))
 
 
@@ -72,22 +76,13 @@ def _arrival_messages(result: FrameResult, listener: int, arriving: Sequence[int
     return (Message.of(Cause.NOT_FELT, name, source=name, gain=level, frequency=frequency, margin=Decibels(-margin)),)
 
 
-class _Search:
-    """Search for the interruption between a listener and its sources; the complete graph is built once, for the first source that needs
-    it."""
-
-    def __init__(self, result: FrameResult, settings: Settings, listener: int, surroundings: Surroundings | None) -> None:
-        self._result, self._settings, self._listener, self._surroundings = result, settings, listener, surroundings
-        self._graph: HapticGraph | None = None
-
-    def message(self, row: int) -> Message:
-        """Why nothing of source ``row`` arrives."""
-        if self._settings.mode in (Mode.MD, Mode.MN):
-            return straight_line_message(self._result, self._settings, row, self._listener)
-        if self._graph is None:
-            self._graph = complete_graph(self._result, self._settings, self._surroundings)
-        found = loss_message(self._graph, self._settings, row, self._listener)
-        return found or gap_message(self._result, self._graph, row, self._listener, self._surroundings)
+def _interruption(
+    result: FrameResult, settings: Settings, row: int, listener: int, surroundings: Surroundings | None, graph: Callable[[], HapticGraph]
+) -> Message:
+    """Why nothing of source ``row`` arrives. ``graph``: gives the complete graph."""
+    if settings.mode in (Mode.MD, Mode.MN):
+        return straight_line_message(result, settings, row, listener)
+    return loss_message(graph(), settings, row, listener) or gap_message(result, graph(), row, listener, surroundings)
 
 
 def _source_message(result: FrameResult, settings: Settings, row: int, listener: int, muted: Collection[str]) -> Message | None:

@@ -36,11 +36,7 @@ class DirectPaths:
     """Paths without delay: all listeners get the same samples times their gains, so a sum over voices is a matrix product."""
 
     def __init__(self, frame: Frame, group: Group) -> None:
-        heard = np.any(group.audible, axis=1).tolist()
-        group = group.chosen(
-            [index for index, stream in enumerate(group.streams) if heard[index] and stream.sounds(frame.start, frame.end)]
-        )
-        self.group = group
+        self.group = group = _sounding(frame, group)
         self._factors, self._curves = group.gains.terms(frame)
         sample_brief(group.streams)
         rows = [stream.rows(frame.first, frame.last) for stream in group.streams]
@@ -80,18 +76,8 @@ class DelayedPaths:
     """Paths with a delay each: the signal at an earlier time, which moves as the delay changes."""
 
     def __init__(self, frame: Frame, group: Group) -> None:
+        self.group = group = _sounding(frame, group)
         assert group.delays_before is not None and group.delays is not None
-        longest = group.longest_delays().tolist()
-        heard = np.any(group.audible, axis=1).tolist()
-        group = group.chosen(
-            [
-                index
-                for index, stream in enumerate(group.streams)
-                if heard[index] and frame.count and stream.sounds(frame.start - longest[index], frame.end)
-            ]
-        )
-        assert group.delays_before is not None and group.delays is not None
-        self.group = group
         factors, curves = group.gains.terms(frame)
         self._voices = np.zeros((len(group.streams), group.audible.shape[1], frame.count))
         for number, voice in enumerate(self._voices):
@@ -133,6 +119,14 @@ class SteadyPaths(TonePaths):
         start = frequency * (frame.times[0] - onset - late) + phase
         step = frequency * (1.0 / rate - lag_step)
         super().__init__(start.T, step.T, (factors[..., 0] * amplitude).transpose(0, 2, 1), curves, count)
+
+
+def _sounding(frame: Frame, group: Group) -> Group:
+    """Return the streams that are heard in a frame with samples."""
+    heard, longest = np.any(group.audible, axis=1).tolist(), group.longest_delays().tolist()
+    late = zip(group.streams, longest, strict=True)
+    sounds = [frame.count > 0 and stream.sounds(frame.start - delay, frame.end) for stream, delay in late]
+    return group.chosen([index for index, is_heard in enumerate(heard) if is_heard and sounds[index]])
 
 
 def _travelled(stream: Stream, times: FloatArray, factors: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:

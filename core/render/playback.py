@@ -139,13 +139,14 @@ class Playback:
         before, begun = self._current(mixes), self._time
         if begun is None or not 0.0 < time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds) or self._renderer not in (None, before):
             return None
-        renderer = before or Renderer(mixes, result.sample_rate)
+        rate = result.sample_rate
+        renderer = before or Renderer(mixes, rate)
         samples = renderer.render_frame(begun, time, self._voices(result, begun))
         start = begun if time - begun < 1.5 * frame_seconds else time - frame_seconds
         played = self._shown is not None and self._shown.time == begun
         self._in_step = played and result.time == time and result.before is not None and result.before.time == begun
         self._renderer, self._time, self._shown = renderer, time, result
-        return samples[:, samples.shape[1] - _count(start, time, result.sample_rate) :]
+        return samples[:, samples.shape[1] - sample_index(time, rate) + sample_index(start, rate) :]
 
     def _elsewhere(self, mixes: tuple[ListenerMix, ...], result: FrameResult, frame_seconds: float) -> FloatArray:
         """The samples up to ``result`` at another place of the timeline."""
@@ -236,7 +237,3 @@ def _shaped(samples: FloatArray, sample_rate: float) -> FloatArray:
     rise, fall = np.clip(seconds / _GRAIN_RISE, 0.0, 1.0), np.clip((seconds[-1] - seconds) / _GRAIN_FALL, 0.0, 1.0)
     silence = np.zeros((samples.shape[0], round(_GRAIN_SILENCE * sample_rate)))
     return np.concatenate([samples * np.sin(0.5 * np.pi * np.minimum(rise, fall)) ** 2, silence], axis=1)
-
-
-def _count(start: float, end: float, sample_rate: float) -> int:
-    return sample_index(end, sample_rate) - sample_index(start, sample_rate)

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from ...scene.references import named
+from .asked import EIGHTBITDO, SINPUT
 from .dualsense import DUALSENSE, DUALSENSE_PCM
-from .eightbitdo import EIGHTBITDO
 from .family import AnyFamily, Interface
 from .pads import pad
-from .sinput import SINPUT
 from .steam import STEAM_CONTROLLER, STEAM_CONTROLLER_PCM, STEAM_DECK
 from .switch import JOYCON_LEFT, JOYCON_RIGHT, SWITCH_PRO
 

@@ -26,8 +26,7 @@ def validate(document: Any, schema: str, file: str | Path) -> None:
     """Raise FormatError unless ``document``, read from ``file``, is valid by ``schemas/<schema>.schema.json``."""
     fault = _fault(document, schema)
     if fault is not None:
-        place, key, reason = fault.place, fault.key, fault.reason
-        raise FormatError(file, json_pointer(place if key is None else (*place, key)), reason)
+        raise FormatError(file, json_pointer(fault.place), fault.reason)
 
 
 def without_unknown_keys(document: dict[str, Any], schema: str, file: str | Path) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -38,11 +37,11 @@ def without_unknown_keys(document: dict[str, Any], schema: str, file: str | Path
     document = copy.deepcopy(document)
     unknown: list[str] = []
     while (fault := _fault(document, schema)) is not None:
-        if not fault.unknown or fault.key is None or len(unknown) == MOST_UNKNOWN:
-            raise FormatError(file, json_pointer(fault.place if fault.key is None else (*fault.place, fault.key)), fault.reason)
+        if not fault.unknown or len(unknown) == MOST_UNKNOWN:
+            raise FormatError(file, json_pointer(fault.place), fault.reason)
         pattern = [None if isinstance(part, int) else part for part in fault.place]
-        _remove(document, pattern, fault.key)
-        unknown.append(json_pointer("*" if part is None else part for part in (*pattern, fault.key)))
+        _remove(document, pattern[:-1], str(fault.place[-1]))
+        unknown.append(json_pointer("*" if part is None else part for part in pattern))
     return document, tuple(unknown)
 
 
@@ -60,10 +59,9 @@ def _remove(value: Any, pattern: Sequence[str | None], key: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Fault:
-    """The first fault of a document: ``key`` of the value at ``place``, None for that value itself. ``unknown``: the key is undefined."""
+    """The first fault of a document, of the value at ``place``. ``unknown``: its key is undefined."""
 
     place: Place
-    key: str | None
     reason: str
     unknown: bool
 
@@ -76,7 +74,8 @@ def _fault(document: Any, schema: str) -> _Fault | None:
     except fastjsonschema.JsonSchemaValueException as error:
         name = (error.name or "data").removeprefix("data")
         place = next((parts for parts, value in _readings(document, name, ()) if value is error.value), ())
-        return _Fault(place, *_reason(error), unknown=error.rule == "additionalProperties")
+        key, reason = _reason(error)
+        return _Fault(place if key is None else (*place, key), reason, unknown=error.rule == "additionalProperties")
     return None
 
 
@@ -148,10 +147,9 @@ def _reason(error: Any) -> tuple[str | None, str]:
         case "minimum" | "exclusiveMinimum" | "maximum" | "exclusiveMaximum":
             words = {"minimum": "at least", "exclusiveMinimum": "more than", "maximum": "at most", "exclusiveMaximum": "less than"}
             return None, f"must be {words[rule]} {limit:g}, got {_shown(value)}"
-        case "minItems" | "maxItems":
-            return None, f"must have at {rule[:3].replace('min', 'least').replace('max', 'most')} {limit} items, has {len(value)}"
-        case "minLength" | "maxLength":
-            return None, f"must have at {rule[:3].replace('min', 'least').replace('max', 'most')} {limit} characters, has {len(value)}"
+        case "minItems" | "maxItems" | "minLength" | "maxLength":
+            least, parts = "least" if rule[:3] == "min" else "most", "items" if rule[3:] == "Items" else "characters"
+            return None, f"must have at {least} {limit} {parts}, has {len(value)}"
         case "propertyNames":
             known = limit["enum"]
             return next(key for key in value if key not in known), "does not belong here; known are " + ", ".join(known)

@@ -64,14 +64,14 @@ def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
     return b"".join(pieces)
 
 
-def read_json_beside(path: Path, max_bytes: int = MAX_BYTES) -> Any:
+def read_json_beside(path: Path) -> Any:
     """The document in a side-car file; anything but a regular file counts as absent.
 
     Raises FormatError, FileNotFoundError or OSError.
     """
     if not path.is_file():
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
-    return read_json(path, max_bytes)
+    return read_json(path)
 
 
 def without_trailing_commas(data: bytes) -> bytes:
@@ -111,12 +111,9 @@ def parse_json(data: bytes, file: str | Path) -> Any:
         result = dict(pairs)
         if len(result) == len(pairs):
             return result
-        seen: set[str] = set()
-        for key, _ in pairs:
-            if key in seen:
-                return mark(f"the key {key!r} occurs twice")
-            seen.add(key)
-        raise AssertionError("unreachable: some key occurs twice")
+        keys = [key for key, _ in pairs]
+        first = {key: place for place, key in reversed([*enumerate(keys)])}
+        return mark(f"the key {next(key for place, key in enumerate(keys) if place > first[key])!r} occurs twice")
 
     try:
         document = json.loads(text, object_pairs_hook=members, parse_constant=lambda name: mark(f"{name} is not a JSON number"))

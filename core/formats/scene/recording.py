@@ -17,7 +17,7 @@ from ...contacts.shapes import pose_matrix
 from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
 from ...scene.functions import ModulationFunction
-from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind, Trigger, TriggerKind, Vector
+from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind, Trigger, TriggerKind, Vector
 from ...tracer import Frame, Tracer
 from .poses import POSE_DIGITS, PoseRow, Poses
 
@@ -228,15 +228,14 @@ class SceneRecorder:
     as the times at which it played.
     """
 
-    def __init__(self, frame_rate: float, frame_start: int, settings: Settings | None = None) -> None:
+    def __init__(self, frame_rate: float, frame_start: int) -> None:
         self._rate, self._start = frame_rate, frame_start
-        self._settings = settings or Settings()
         self._objects: dict[str, tuple[HapticObject, PoseRow | None]] = {}
         self._sources: dict[str, Source] = {}
         self._listeners: dict[str, Listener] = {}
         self._contacts: dict[Pair, bytes] = {}
         self._functions: dict[ModulationFunction, int] = {}
-        self._first = HapticScene(settings=self._settings)
+        self._first = HapticScene()
         self._frames: list[RecordedFrame] = []
         self._shots: set[Shot] = set()
 
@@ -270,7 +269,7 @@ class SceneRecorder:
         of_objects, of_listeners = self._changed_objects(objects), self._changed_listeners(listeners)
         new, of_sources = self._changed_sources(sources)
         if begun:
-            self._first = HapticScene(objects=appearing, contacts=moved, sources=new, listeners=hearing, settings=self._settings)
+            self._first = HapticScene(objects=appearing, contacts=moved, sources=new, listeners=hearing)
             self._frames.append(RecordedFrame(number))
         else:
             change = RecordedFrame(number, *of_objects, *of_sources, *of_listeners, moved, parted, new, appearing, hearing, gone, removed)

@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from ..io.error import FormatError
 from ..tracks.listener_tracks import ListenerTrack, Tracks
-from ..tracks.wav import FULL_SCALE, StoredSamples, encoded
+from ..tracks.wav import FULL_SCALE, TYPES, StoredSamples, encoded
 
 MAX_INLINE = 192 * 2**20
 """Maximum number of bytes of samples in a scene file itself."""
-
-_TYPES = {"pcm16": "<i2", "float32": "<f4"}
 
 
 def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[str, Any]:
@@ -32,7 +30,7 @@ def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[s
     ]
     if sidecar is not None:
         return {**form, "file": sidecar, "listeners": listeners}
-    size = len(listeners) * tracks.count * np.dtype(_TYPES[encoding]).itemsize
+    size = len(listeners) * tracks.count * np.dtype(TYPES[encoding]).itemsize
     if size > MAX_INLINE:
         raise ValueError(f"tracks: {size / 2**20:.0f} MiB are too many for the scene file: write them into a WAV file beside it")
     blocks = list(encoded(tracks, encoding))
@@ -68,10 +66,8 @@ def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
         if path.exists() and not path.is_file():
             raise ValueError("is not a regular file")
         stored = StoredSamples(path)
-    except OSError as error:
-        raise FormatError(file, "/tracks/file", f"{name}: {error.strerror}") from None
-    except ValueError as error:
-        raise FormatError(file, "/tracks/file", f"{name}: {error}") from None
+    except (OSError, ValueError) as error:
+        raise FormatError(file, "/tracks/file", f"{name}: {error.strerror if isinstance(error, OSError) else error}") from None
     channels, count = stored.shape
     if stored.rate != form["sample_rate"] or channels != len(form["listeners"]):
         wanted = f"{len(form['listeners'])} channels at {form['sample_rate']} Hz"
@@ -80,7 +76,7 @@ def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
 
 
 def _inline(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
-    kind = np.dtype(_TYPES[form["encoding"]])
+    kind = np.dtype(TYPES[form["encoding"]])
     rows: list[NDArray[Any]] = []
     for i, listener in enumerate(form["listeners"]):
         try:

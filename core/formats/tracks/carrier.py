@@ -42,21 +42,14 @@ class Carrier:
     wave: str = "sine"
 
     def sampled(self, first: int, last: int, rate: float) -> FloatArray:
-        """The values at the times ``first / rate`` to before ``last / rate`` seconds."""
-        begin, end = max(_index(self.start, rate), first), min(_index(self.end, rate), last)
-        if begin >= end:
-            return np.zeros(last - first)
-        local = np.arange(begin, end) / rate - self.start
+        """The values at the times ``first / rate`` to before ``last / rate`` seconds, all within the carrier, in order."""
+        local = np.arange(first, last) / rate - self.start
         oscillator, offset = _OSCILLATORS[self.wave]
         cycles = _integral(self.frequency_times, self.frequencies, local, rate)
         cycles += self.phase / (2 * math.pi) + offset
         values = oscillator.wave(cycles, 0.0)
         values *= _line(self.amplitude_times, self.amplitudes, local, rate)
-        if end - begin == last - first:
-            return values
-        result = np.zeros(last - first)
-        result[begin - first : end - first] = values
-        return result
+        return values
 
     def cycles(self, times: FloatArray) -> FloatArray:
         """Cycles since the start at ``times`` (seconds from the start, n)."""
@@ -152,12 +145,8 @@ def _automation(times: FloatArray, values: FloatArray) -> float | Automation:
     return float(values[0]) if (values == values[0]).all() else Automation(times, values)
 
 
-def rendered(carriers: Iterable[Carrier], count: int, sample_rate: float) -> FloatArray:
-    """The sum of the carriers as ``count`` samples from time 0."""
-    return _sum(carriers, 0, count, sample_rate)
-
-
-def _sum(carriers: Iterable[Carrier], first: int, last: int, rate: float) -> FloatArray:
+def rendered(carriers: Iterable[Carrier], first: int, last: int, rate: float) -> FloatArray:
+    """The sum of the carriers at the times ``first / rate`` to before ``last / rate`` seconds."""
     samples = np.zeros(last - first)
     for carrier in carriers:
         begin, end = max(_index(carrier.start, rate), first), min(_index(carrier.end, rate), last)
@@ -195,7 +184,7 @@ class Player:
         last = count if math.isinf(time) else min(math.floor(time * rate) * thinning, count)
         while self._done < last:
             first, end = self._done, min(self._done + CHUNK // thinning * thinning, last)
-            played = _sum(self._carriers, first // thinning, -(-end // thinning), rate)
+            played = rendered(self._carriers, first // thinning, -(-end // thinning), rate)
             self._measured.add(self._listener, self._original.read(first, end), np.clip(played, -1.0, 1.0))
             self._done = end
             self._carriers = [carrier for carrier in self._carriers if carrier.end * self._original.sample_rate > end]

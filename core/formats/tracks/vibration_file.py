@@ -53,12 +53,12 @@ class Channel:
         if sum(carrier.end - carrier.start for carrier in self.carriers) * sample_rate > MOST_LAYERS * MOST_SAMPLES:
             raise ValueError(f"{self.name}: {len(self.carriers)} oscillations are too many at once")
         if self.samples is None:
-            return rendered(self.carriers, math.ceil(self.duration * sample_rate), sample_rate)
+            return rendered(self.carriers, 0, math.ceil(self.duration * sample_rate), sample_rate)
         samples = np.asarray(self.samples[:], dtype=np.float64)
         samples = samples if self.sample_rate == sample_rate else resample(samples, self.sample_rate, sample_rate)
         if self.carriers:
             count = max(math.ceil(self.duration * sample_rate), len(samples))
-            samples = np.pad(samples, (0, count - len(samples))) + rendered(self.carriers, count, sample_rate)
+            samples = np.pad(samples, (0, count - len(samples))) + rendered(self.carriers, 0, count, sample_rate)
         return samples
 
     def to_signal(self) -> Signal:

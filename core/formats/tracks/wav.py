@@ -28,7 +28,7 @@ ROUNDING = "what lies below 1/65,536 of full scale"
 
 _REST_OF_GUID = bytes.fromhex("000000001000800000aa00389b71")
 _CODES = {"pcm16": 1, "float32": 3}
-_BYTES = {"pcm16": 2, "float32": 4}
+TYPES = {"pcm16": "<i2", "float32": "<f4"}
 FULL_SCALE = {"pcm16": 32768.0, "float32": 1.0}
 MAX_SAMPLE = MAX_PEAK / 4
 """Largest magnitude of samples that are read; larger ones may overflow in interpolation."""
@@ -100,7 +100,7 @@ def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
 
 def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16") -> None:
     """Write the samples as ``pcm16`` or ``float32``, in pieces. Raises ValueError for more than a WAV file can hold."""
-    channels, width = len(tracks.listeners), _BYTES[encoding]
+    channels, width = len(tracks.listeners), np.dtype(TYPES[encoding]).itemsize
     size = channels * tracks.count * width
     header = _header(channels, tracks.sample_rate, width, _CODES[encoding], tracks.count, size)
     if channels > 65535 // width or len(header) + size - 8 > MAX_RIFF:

@@ -1,4 +1,4 @@
-"""8BitDo pads, as SDL sets them up."""
+"""Pads that are asked whether they can rumble, as SDL does: those of 8BitDo, and those that speak SInput (HandheldLegend and others)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from ..report import Report
-from .family import HidDevice, Interface
+from .family import HidDevice, Interface, answer_of
 from .pads import pad
 
 _ULTIMATE_2_WIRELESS, _ULTIMATE_3 = 0x6012, 0x202F
@@ -17,7 +17,7 @@ _ATTEMPTS = 5
 _LONG_INPUT = 34
 
 
-def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
+def _prepare_8bitdo(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
     if not _rumbles(device, interface.product):
         name = interface.title or "8BitDo controller"
         raise OSError(f"{name} does not say that it can rumble: its firmware is too old, or it is in another mode than SDL drives it in")
@@ -45,4 +45,24 @@ def _feature(device: HidDevice, report: int) -> list[int]:
     return []
 
 
-EIGHTBITDO = pad("8bitdo", prepare=_prepare)
+EIGHTBITDO = pad("8bitdo", prepare=_prepare_8bitdo)
+
+_ANSWER, _FEATURES = 0x02, 0x02
+_ASK_FEATURES = Report(bytes([0x03, _FEATURES]).ljust(48, b"\0"))
+# The answer to the query of features: report id, command, version of the protocol (2 bytes), capabilities.
+_CAPABILITIES, _CAN_RUMBLE = 4, 0x01
+
+
+def _prepare_sinput(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
+    """Query the pad's capabilities, as SDL does. A pad that does not answer is driven nevertheless."""
+    write(_ASK_FEATURES)
+    answer = answer_of(device, _describes_features)
+    if answer is not None and not answer[_CAPABILITIES] & _CAN_RUMBLE:
+        raise OSError(f"{interface.title or 'SInput controller'} says that it can't rumble")
+
+
+def _describes_features(report: bytes) -> bool:
+    return len(report) > _CAPABILITIES and report[:2] == bytes([_ANSWER, _FEATURES])
+
+
+SINPUT = pad("sinput", prepare=_prepare_sinput)
