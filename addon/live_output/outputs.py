@@ -11,10 +11,10 @@ from pathlib import Path
 
 from ...core.arrays import FloatArray
 from ...core.devices import guard, loopback
+from ...core.devices.guard import GuardedOutput
 from ...core.devices.inventory import Found, Inventory, look
 from ...core.devices.mapping import ActuatedDevice
 from ...core.devices.profiles import Adjustment, Calibration
-from ...core.devices.status import Output
 from ..properties.live_output import HapticDeviceProperties
 
 
@@ -25,7 +25,7 @@ class _State:
 
     inventory: Inventory | None = None
     finder: threading.Thread | None = None
-    running: dict[str, Output] = field(default_factory=dict)
+    running: dict[str, GuardedOutput] = field(default_factory=dict)
     driven: dict[str, Found] = field(default_factory=dict)
     version: int = 0
     renderer: ThreadPoolExecutor | None = None
@@ -69,7 +69,7 @@ def wait_until_found(timeout: float = 5.0) -> None:
         _state.finder.join(timeout)
 
 
-def running() -> dict[str, Output]:
+def running() -> dict[str, GuardedOutput]:
     """The driven devices by key."""
     return _state.running
 
@@ -137,7 +137,7 @@ def expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, fl
     _state.job = _state.renderer.submit(_expect, render, sent, dict(_state.running))
 
 
-def _expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, float], running: Mapping[str, Output]) -> None:
+def _expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, float], running: Mapping[str, GuardedOutput]) -> None:
     begun = time.monotonic()
     for key, ahead in render().items():
         if key in sent:

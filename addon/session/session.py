@@ -14,7 +14,7 @@ from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
 from ...core.collisions import EXACT_FRAMES
-from ...core.modalities.propagation import Felt, ModalityScene, feel
+from ...core.modalities.propagation import Felt, ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.render.mixdown import block_of
@@ -299,9 +299,8 @@ def _felt(begun: _Begun, result: FrameResult) -> tuple[tuple[Felt, ...], tuple[s
     """The values of the modalities other than vibration at the listeners of a frame, through the same contacts, and all errors."""
     felt, errors = [], [*begun.errors]
     for own in begun.modalities:
-        values, settings = own.values, begun.reading.settings
         try:
-            felt.append(feel(own.modality, result.objects, values, result.contacts, own.emitters, result.listeners, settings, own.forms))
+            felt.append(own.felt(result.objects, result.contacts, result.listeners, begun.reading.settings))
         except ValueError as error:
             errors.append(f"{own.modality.title}: {error}")
     return tuple(felt), tuple(errors)

@@ -28,7 +28,7 @@ from .actuation import checked_block
 from .guard_process import HEARTBEAT, packed, started_threads
 from .mapping import ActuatedDevice
 from .profiles import Adjustment, check_adjustment
-from .status import Output, Status, stop_together
+from .status import Status, ThreadedOutput, stop_together
 
 _PACKAGE = __package__.removesuffix(".core.devices")
 # Importing the package would import Blender's modules: an empty module of its name, with its folder as the path, takes its place.
@@ -83,14 +83,14 @@ class Guard:
         # Guarded by _condition:
         self._orders: dict[tuple[int, str], tuple[Any, ...]] = {}
         self._unwritten = memoryview(b"")
-        self._makers: dict[int, Callable[[], Output]] = {}
+        self._makers: dict[int, Callable[[], ThreadedOutput]] = {}
         self._statuses: dict[int, Status] = {}
         self._replaced: dict[int, int] = {}
         self._closing = False
         self._lost = ""
         self._threads = started_threads(orders=self._write, statuses=self._read)
 
-    def open(self, number: int, make: Callable[[], Output], name: str = "open") -> bool:
+    def open(self, number: int, make: Callable[[], ThreadedOutput], name: str = "open") -> bool:
         """Let the guard create and start an output. Returns False if the guard is ending."""
         with self._condition:
             if self._closing or self._lost:
@@ -217,7 +217,7 @@ class _State:
         self._numbers = itertools.count()
         self.outputs: set[GuardedOutput] = set()  # started and not ended
 
-    def open(self, make: Callable[[], Output]) -> tuple[Guard, int]:
+    def open(self, make: Callable[[], ThreadedOutput]) -> tuple[Guard, int]:
         """Let a guard drive one more output. Raises OSError if none can be started."""
         with self._lock:
             number = next(self._numbers)
@@ -226,7 +226,7 @@ class _State:
                 self._guard.open(number, make)
             return self._guard, number
 
-    def quieten(self, makers: list[Callable[[], Output]]) -> None:
+    def quieten(self, makers: list[Callable[[], ThreadedOutput]]) -> None:
         """Silence devices whose guard ended while it drove them, by a new guard."""
         try:
             guard = Guard()
@@ -247,7 +247,7 @@ _state = _State()
 class GuardedOutput:
     """An output that the guard process drives."""
 
-    def __init__(self, profile: ActuatedDevice, make: Callable[[], Output]) -> None:
+    def __init__(self, profile: ActuatedDevice, make: Callable[[], ThreadedOutput]) -> None:
         """make: makes the output inside the guard; it is pickled. Raises ValueError as ``make`` does."""
         make()
         self.profile = profile

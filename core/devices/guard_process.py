@@ -22,7 +22,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..arrays import FloatArray
-from .status import Output, Status, stop_together
+from .status import Status, ThreadedOutput, stop_together
 
 HEARTBEAT = 0.010
 """Greatest time between two lists of orders [s]."""
@@ -44,7 +44,7 @@ class Service:
     def __init__(self, orders: BinaryIO, statuses: BinaryIO, program: int) -> None:
         """orders, statuses: pipes from and to the program. program: its process id."""
         self._orders, self._statuses, self._program = orders, statuses, program
-        self._outputs: dict[int, Output] = {}
+        self._outputs: dict[int, ThreadedOutput] = {}
         self._failed: dict[int, Status] = {}
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -73,7 +73,7 @@ class Service:
         elif number in self._outputs:
             getattr(self._outputs[number], name)(*map(_unpacked, arguments))
 
-    def _open(self, number: int, name: str, make: Callable[[], Output]) -> None:
+    def _open(self, number: int, name: str, make: Callable[[], ThreadedOutput]) -> None:
         try:
             output = make()
             output.start()
@@ -110,7 +110,7 @@ class Service:
         except (OSError, ValueError):
             pass  # the program has ended
 
-    def _all(self) -> list[Output]:
+    def _all(self) -> list[ThreadedOutput]:
         with self._lock:
             return list(self._outputs.values())
 
@@ -136,7 +136,7 @@ def _unpacked(argument: Any) -> Any:
     return np.frombuffer(argument[1]).reshape(argument[0], -1) if isinstance(argument, tuple) else argument
 
 
-def _quieten(output: Output) -> None:
+def _quieten(output: ThreadedOutput) -> None:
     """Open a device, which writes zero, and close it again."""
     deadline = time.perf_counter() + _QUIETEN_SECONDS
     while output.status.state == "searching" and time.perf_counter() < deadline:

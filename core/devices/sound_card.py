@@ -120,10 +120,6 @@ class SoundCardWriter(ThreadedOutput):
         self._latency = 0.0
         self.adjust(adjustment or Adjustment())
 
-    def start(self) -> None:
-        """Open the card and begin to play."""
-        self._thread.start()
-
     def adjust(self, adjustment: Adjustment) -> None:
         """Follow these settings from the next block on."""
         self._adjustment = adjustment

@@ -1,4 +1,4 @@
-"""The status of an output, and the interface of all outputs."""
+"""The status of an output, and what all outputs that a thread drives have in common."""
 
 from __future__ import annotations
 
@@ -10,11 +10,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from statistics import median
 from typing import Literal, Protocol
-
-from numpy.typing import ArrayLike
-
-from .mapping import ActuatedDevice
-from .profiles import Adjustment
 
 State = Literal["searching", "open", "stopped", "failed"]
 
@@ -49,19 +44,9 @@ class Status:
         return self.state in ("stopped", "failed")
 
 
-class Output(Protocol):
-    """The interface of an output. Only ``stop`` blocks."""
+class Stoppable(Protocol):
+    """An output that can be stopped. Only ``stop`` blocks."""
 
-    @property
-    def profile(self) -> ActuatedDevice: ...
-    @property
-    def status(self) -> Status: ...
-    def start(self) -> None: ...
-    def adjust(self, adjustment: Adjustment) -> None: ...
-    def send(self, block: ArrayLike, sent: float | None = None) -> float: ...
-    def expect(self, ahead: ArrayLike, sent: float) -> None: ...
-    def silence(self) -> None: ...
-    def rest(self) -> None: ...
     def request_stop(self) -> None: ...
     def stop(self, timeout: float = 1.0) -> bool: ...
 
@@ -86,8 +71,16 @@ class ThreadedOutput(ABC):
         """Seconds by which touch lags behind the picture for a delay of the report."""
 
     @abstractmethod
+    def silence(self) -> None:
+        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next block plays again. Never blocks."""
+
+    @abstractmethod
     def request_stop(self) -> None:
-        """Begin to stop, without waiting."""
+        """Begin to stop, without waiting. Never blocks."""
+
+    def start(self) -> None:
+        """Search for the device and drive it from now on. Raises RuntimeError if started before."""
+        self._thread.start()
 
     def stop(self, timeout: float = 1.0) -> bool:
         """Silence and close the device. Returns after at most ``timeout`` seconds whether that is done.
@@ -121,7 +114,7 @@ class ThreadedOutput(ABC):
         )
 
 
-def stop_together(outputs: Iterable[Output], timeout: float) -> bool:
+def stop_together(outputs: Iterable[Stoppable], timeout: float) -> bool:
     """Stop outputs within ``timeout`` seconds together. Returns whether all are done."""
     stopping = tuple(outputs)
     for output in stopping:

@@ -79,9 +79,8 @@ class DeviceWriter(ThreadedOutput):
         self._adjustment = adjustment
 
     def start(self) -> None:
-        """Search for the device and drive it from now on. Raises RuntimeError if started before."""
         _running.add(self)
-        self._thread.start()
+        super().start()
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
         """Play a block, whose first sample is to be felt now; the rest of the block before is dropped. Never blocks.

@@ -55,41 +55,6 @@ def propagation_function(modality: Modality, values: Mapping[str, float], form: 
     return function_from_dict({"function": name, **{key: values[key] for key in known}, **(form or {})}, functions)
 
 
-def feel(
-    modality: Modality,
-    names: Sequence[str],
-    values: Mapping[str, Mapping[str, float]],
-    contacts: ContactSet,
-    emitters: Sequence[Emitter],
-    listeners: Sequence[Listener],
-    settings: Settings,
-    forms: Mapping[str, Mapping[str, Any]] | None = None,
-) -> Felt:
-    """Propagate a modality through the contacts that the tracer found.
-
-    names: objects in the (sorted) order of the numbers in ``contacts``. values: those of each object, the modality's defaults for all
-    others; forms: functions other than the default. Raises ValueError with the reason.
-    """
-    if modality.sampled:
-        raise ValueError(f"modality: {modality.name!r} has sampled signals, which the tracer renders")
-    own = {name: {**modality.defaults(), **values.get(name, {})} for name in names}
-    objects = [HapticObject(name, 0.0, 1.0, propagation_function(modality, own[name], (forms or {}).get(name))) for name in names]
-    sources = tuple(Source(emitter.name, emitter.object, emitter.position) for emitter in emitters)
-    table = ObjectTable.of(objects, settings.epsilon)
-    middles = tuple(replace(listener, extent=Extent.NONE) for listener in listeners)
-    graph = build_graph(table, _with_transmission(modality, names, own, contacts), sources, middles)
-    found = propagate(graph, replace(settings, strategy=modality.strategy, threshold=0.0, max_connections=None))
-    strengths = np.array([emitter.value for emitter in emitters], dtype=np.float64)
-    return Felt(
-        modality=modality,
-        emitters=tuple(emitters),
-        listeners=tuple(listener.name for listener in listeners),
-        gains=found.gain,
-        values=strengths @ found.gain,
-        paths={pair: objects_on(graph, nodes) for pair, nodes in found.best_path.items()},
-    )
-
-
 def _with_transmission(
     modality: Modality, names: Sequence[str], values: Mapping[str, Mapping[str, float]], contacts: ContactSet
 ) -> ContactSet:
@@ -122,7 +87,26 @@ class ModalityScene:
         return not (self.values or self.forms or self.emitters or self.enabled)
 
     def felt_in(self, scene: HapticScene) -> Felt:
-        """Propagate the modality to the listeners of ``scene`` through its listed contacts. Raises ValueError as `feel` does."""
+        """Propagate the modality to the listeners of ``scene`` through its listed contacts. Raises ValueError as `felt` does."""
         names = sorted(item.name for item in scene.objects)
         contacts = ContactSet.from_contacts(scene.contacts, {name: number for number, name in enumerate(names)})
-        return feel(self.modality, names, self.values, contacts, self.emitters, scene.listeners, scene.settings, self.forms)
+        return self.felt(names, contacts, scene.listeners, scene.settings)
+
+    def felt(self, names: Sequence[str], contacts: ContactSet, listeners: Sequence[Listener], settings: Settings) -> Felt:
+        """Propagate the modality through the contacts that the tracer found.
+
+        names: objects in the (sorted) order of the numbers in ``contacts``. Raises ValueError with the reason.
+        """
+        modality = self.modality
+        if modality.sampled:
+            raise ValueError(f"modality: {modality.name!r} has sampled signals, which the tracer renders")
+        own = {name: {**modality.defaults(), **self.values.get(name, {})} for name in names}
+        objects = [HapticObject(name, 0.0, 1.0, propagation_function(modality, own[name], self.forms.get(name))) for name in names]
+        sources = tuple(Source(emitter.name, emitter.object, emitter.position) for emitter in self.emitters)
+        table = ObjectTable.of(objects, settings.epsilon)
+        middles = tuple(replace(listener, extent=Extent.NONE) for listener in listeners)
+        graph = build_graph(table, _with_transmission(modality, names, own, contacts), sources, middles)
+        found = propagate(graph, replace(settings, strategy=modality.strategy, threshold=0.0, max_connections=None))
+        strengths = np.array([emitter.value for emitter in self.emitters], dtype=np.float64)
+        paths = {pair: objects_on(graph, nodes) for pair, nodes in found.best_path.items()}
+        return Felt(modality, self.emitters, tuple(listener.name for listener in listeners), found.gain, strengths @ found.gain, paths)

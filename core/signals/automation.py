@@ -39,37 +39,29 @@ class Automation:
 
     def at(self, times: FloatArray) -> FloatArray:
         """Return the values at `times` (seconds, any shape)."""
-        segment = self._common_segment(times)
-        if segment is not None:
-            value, slope = self.values[segment], self._slopes[segment]
-            if slope == 0.0:
-                return np.full(np.shape(times), value)
-            return np.asarray(slope * np.maximum(times - self.times[segment], 0.0) + value)
-        index, since = self._locate(times)
-        return np.asarray(self.values[index] + self._slopes[index] * np.maximum(since, 0.0))
+        key, since = self._located(times)
+        value, slope = self.values[key], self._slopes[key]
+        if np.ndim(slope) == 0 and slope == 0.0:
+            return np.full(np.shape(times), value)
+        return np.asarray(value + slope * np.maximum(since, 0.0))
 
     def integral(self, times: FloatArray) -> FloatArray:
         """Return the integral from 0 to each of `times`, exact for straight lines."""
-        segment = self._common_segment(times)
-        if segment is not None:
-            since = times - self.times[segment]
-            rate = np.maximum(since, 0.0) * self._slopes[segment] / 2 + self.values[segment]
-            return np.asarray(since * rate + self._areas[segment] - self._origin)
-        index, since = self._locate(times)
-        return self._areas[index] + since * (self.values[index] + self._slopes[index] * np.maximum(since, 0.0) / 2) - self._origin
+        key, since = self._located(times)
+        rate = self.values[key] + np.maximum(since, 0.0) * self._slopes[key] / 2
+        return np.asarray(self._areas[key] + since * rate - self._origin)
 
-    def _common_segment(self, times: FloatArray) -> int | None:
-        """Return the number of the key that all of `times` follow, None where they follow several."""
+    def _located(self, times: FloatArray) -> tuple[int | NDArray[np.intp], FloatArray]:
+        """Return the number of the key that each of `times` follows, one number where all follow the same, and the seconds since."""
         if len(self.times) == 1:
-            return 0
-        if np.size(times) == 0:
-            return None
-        first, last = np.searchsorted(self.times, (times.min(), times.max()), side="right").tolist()
-        return max(first - 1, 0) if max(first, 1) == max(last, 1) else None
-
-    def _locate(self, times: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
-        index = np.maximum(np.searchsorted(self.times, times, side="right") - 1, 0)
-        return index, times - self.times[index]
+            return 0, times - self.times[0]
+        if np.size(times):
+            first, last = np.searchsorted(self.times, (times.min(), times.max()), side="right").tolist()
+            if max(first, 1) == max(last, 1):
+                key = max(first - 1, 0)
+                return key, times - self.times[key]
+        keys = np.maximum(np.searchsorted(self.times, times, side="right") - 1, 0)
+        return keys, times - self.times[keys]
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Automation):

@@ -1,6 +1,7 @@
 """Warmth against the differential equation of the plates, solved by finite differences, and against closed forms."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import haptic_tracing
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.modalities import MODALITIES, THERMAL, VIBROTACTILE
-from haptic_tracing.core.modalities.propagation import Emitter, feel
+from haptic_tracing.core.modalities.propagation import Emitter, ModalityScene
 from haptic_tracing.core.modalities.thermal import JOINT
 from haptic_tracing.core.scene.functions import FUNCTIONS, Conduction
 from haptic_tracing.core.scene.values import Contact, Listener, Settings
@@ -62,8 +63,9 @@ def _bench(values, temperature=60.0):
     """A fire on a stone hearth, on which a stone bench lies; a listener 0.8 m along the bench."""
     contact = Contact(("bench", "hearth"), ((0.4, 0, 0), (0.4, 0, 0)), area=0.1)
     contacts = ContactSet.from_contacts((contact,), {"bench": 0, "hearth": 1})
-    emitters = [Emitter("fire", "hearth", (0, 0, 0), temperature)]
-    return feel(THERMAL, ("bench", "hearth"), values, contacts, emitters, [Listener("seat", "bench", (1.2, 0, 0))], Settings())
+    emitters = (Emitter("fire", "hearth", (0, 0, 0), temperature),)
+    fire = ModalityScene(THERMAL, values, {}, emitters)
+    return fire.felt(("bench", "hearth"), contacts, [Listener("seat", "bench", (1.2, 0, 0))], Settings())
 
 
 def test_a_fire_is_felt_through_a_stone_bench():
@@ -85,17 +87,18 @@ def test_cold_sources_and_many_sources_add_up():
 
 def test_an_author_may_choose_another_function_of_the_modality():
     contacts = ContactSet.empty()
-    emitters, listeners = [Emitter("fire", "a", (0, 0, 0), 10.0)], [Listener("skin", "a", (2, 0, 0))]
-    felt = feel(THERMAL, ("a",), {}, contacts, emitters, listeners, Settings(), {"a": {"function": "linear", "range": 4.0}})
+    emitters, listeners = (Emitter("fire", "a", (0, 0, 0), 10.0),), [Listener("skin", "a", (2, 0, 0))]
+    fire = ModalityScene(THERMAL, {}, {"a": {"function": "linear", "range": 4.0}}, emitters)
+    felt = fire.felt(("a",), contacts, listeners, Settings())
     assert felt.values[0] == pytest.approx(5.0)
     with pytest.raises(ValueError, match="function: unknown 'haptic_tracing'"):
-        feel(THERMAL, ("a",), {}, contacts, emitters, listeners, Settings(), {"a": {"function": "haptic_tracing"}})
+        replace(fire, forms={"a": {"function": "haptic_tracing"}}).felt(("a",), contacts, listeners, Settings())
     with pytest.raises(ValueError, match="sampled"):
-        feel(VIBROTACTILE, (), {}, contacts, [], [], Settings())
+        ModalityScene(VIBROTACTILE).felt((), contacts, [], Settings())
 
 
 def test_nothing_is_felt_where_nobody_emits():
-    felt = feel(THERMAL, ("a",), {}, ContactSet.empty(), [], [Listener("skin", "a")], Settings())
+    felt = ModalityScene(THERMAL).felt(("a",), ContactSet.empty(), [Listener("skin", "a")], Settings())
     assert felt.values.tolist() == [0.0]
 
 
@@ -124,8 +127,7 @@ def test_a_third_modality_is_one_value():
     wind = names["WIND"]
     contact = Contact(("hall", "room"), ((2, 0, 0), (2, 0, 0)))
     contacts = ContactSet.from_contacts((contact,), {"hall": 0, "room": 1})
-    felt = feel(
-        wind, ("hall", "room"), {}, contacts, [Emitter("door", "hall", (0, 0, 0), 4.0)], [Listener("ear", "room", (3, 0, 0))], Settings()
-    )
+    door = ModalityScene(wind, emitters=(Emitter("door", "hall", (0, 0, 0), 4.0),))
+    felt = door.felt(("hall", "room"), contacts, [Listener("ear", "room", (3, 0, 0))], Settings())
     assert felt.values[0] == pytest.approx(4.0 * (1 - 2 / 5) * (1 - 1 / 5))
     assert wind.sensation(felt.values[0]) == "a breath"
