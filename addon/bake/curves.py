@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...core.formats.tracks.envelopes import coarse_envelope
 from ...core.formats.tracks.listener_tracks import Row
 from ..blender import compatibility
-from ..blender.keys import write_keys
+from ..blender.arrays import write_keys
 from .track import HapticTrack
 
 INTENSITY, FREQUENCY = "haptics.felt.intensity", "haptics.felt.frequency"

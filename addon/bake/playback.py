@@ -25,14 +25,13 @@ _REST = 20.0  # pause after a comparison of scene and track, in times as long as
 class _Compared:
     """When a scene was last compared with its track, how long that took, and what had changed."""
 
-    stamp: str
     version: int
     at: float
     seconds: float
     changes: tuple[Change, ...]
 
 
-_compared: dict[int, _Compared] = {}  # by session id of the scene
+_compared: dict[tuple[int, str], _Compared] = {}  # by session id of the scene and stamp of the track
 _to_compare: set[int] = set()  # session ids of scenes whose panel waits for a comparison
 
 
@@ -79,9 +78,7 @@ def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
 
     For draw callbacks: after an edit, scene and track are compared after the redraw, with pauses between comparisons.
     """
-    known = _compared.get(scene.session_uid)
-    if known is not None and known.stamp != storage.stamp(scene):
-        known = None
+    known = _compared.get((scene.session_uid, storage.stamp(scene)))
     if known is None or known.version != revisions.edits():
         _to_compare.add(scene.session_uid)
         if not bpy.app.timers.is_registered(_compare_shown):
@@ -104,10 +101,10 @@ def stale_reasons(scene: Scene) -> tuple[str, ...]:
     track = storage.track_of(scene)
     if track is None:
         return ()
-    mark, version, started = storage.stamp(scene), revisions.edits(), time.perf_counter()
+    key, version, started = (scene.session_uid, storage.stamp(scene)), revisions.edits(), time.perf_counter()
     found = compare(scene, track)
     ended = time.perf_counter()
-    _compared[scene.session_uid] = _Compared(mark, version, ended, ended - started, found)
+    _compared[key] = _Compared(version, ended, ended - started, found)
     return tuple(words_for(change) for change in found)
 
 

@@ -63,17 +63,14 @@ def _fcurve_owners(datablock: Any) -> list[Any]:
 
 def ensure_fcurve(datablock: Any, data_path: str, group: str = "", index: int = 0) -> Any:
     """The F-curve of a property in the datablock's action; both are created if missing."""
-    if datablock.animation_data is None:
-        datablock.animation_data_create()
-    data = datablock.animation_data
+    data = datablock.animation_data or datablock.animation_data_create()
     if data.action is None:
         data.action = bpy.data.actions.new(f"{datablock.name}Action")
     ensure = data.action.bl_rna.functions.get("fcurve_ensure_for_datablock")
     if ensure is not None:
         named = {"group_name": group} if group and "group_name" in ensure.parameters else {}
         return data.action.fcurve_ensure_for_datablock(datablock, data_path, index=index, **named)
-    found = data.action.fcurves.find(data_path, index=index)
-    return found or data.action.fcurves.new(data_path, index=index, action_group=group)
+    return data.action.fcurves.find(data_path, index=index) or data.action.fcurves.new(data_path, index=index, action_group=group)
 
 
 STRIPS = "strips" if "strips" in bpy.types.SequenceEditor.bl_rna.properties else "sequences"

@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 from bpy.types import Object
 
-from ...core.formats.scene.values_json import item_to_dict, read_listener, read_object, read_source
+from ...core.formats.scene.values_json import item_to_dict, json_value, read_listener, read_object, read_source
 from ...core.scene.values import HapticScene
 from ..scene_reader.imported import text_of
 from .frame_scene import scene_of_frame
@@ -50,9 +50,9 @@ class glTF2ExportUserExtension:
         """Called for the scene: the settings."""
         self._form("", export_settings)
         if self.properties.use_extras and self._scene is not None:
-            settings = {key: getattr(self._scene.settings, key) for key in ("max_connections", "threshold", "epsilon", "tolerance")}
-            modes = {"mode": self._scene.settings.mode.value, "strategy": self._scene.settings.strategy.value}
-            scene.extras = {**(scene.extras or {}), KEY: {"version": VERSION, "settings": {**modes, **settings}}}
+            keys = ("mode", "strategy", "max_connections", "threshold", "epsilon", "tolerance")
+            settings = {key: json_value(getattr(self._scene.settings, key)) for key in keys}
+            scene.extras = {**(scene.extras or {}), KEY: {"version": VERSION, "settings": settings}}
 
     def gather_gltf_extensions_hook(self, gltf: Any, export_settings: dict[str, Any]) -> None:
         """Called for the whole file: the haptic materials."""

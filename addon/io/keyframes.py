@@ -14,8 +14,8 @@ from ...core.contacts.shapes import pose_matrix
 from ...core.formats.scene.poses import PoseRow
 from ...core.formats.scene.recording import RecordedFrame, Recording
 from ...core.scene.values import HapticScene, Listener, Pose, Source, SourceKind, Vector
+from ..blender.arrays import write_keys
 from ..blender.compatibility import ensure_fcurve
-from ..blender.keys import write_keys
 
 Keys = dict[int, tuple[float, ...]]
 """Values by frame."""

@@ -11,6 +11,7 @@ from bpy.types import Object, Scene
 
 from ...core.arrays import FloatArray
 from ...core.signals import Automation
+from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
 from ..properties.drawing import HERTZ
 
@@ -73,11 +74,9 @@ def corners(curve: Any) -> FloatArray:
 def _description(curve: Any, scene: Scene) -> tuple[Any, ...]:
     """The values that the automation of a curve depends on."""
     points = curve.keyframe_points
-    values = np.empty((3, 2 * len(points)), dtype=np.float32)
-    for row, name in zip(values, ("co", "handle_left", "handle_right"), strict=True):
-        points.foreach_get(name, row)
+    values = [read_array(points, name, 2).tobytes() for name in ("co", "handle_left", "handle_right")]
     kinds = [point.interpolation for point in points]
-    return values.tobytes(), kinds, scene.frame_start, scene.frame_end, scene.render.fps, scene.render.fps_base
+    return values, kinds, scene.frame_start, scene.frame_end, scene.render.fps, scene.render.fps_base
 
 
 def _evaluated(curve: Any, scene: Scene, path: str) -> Automation:

@@ -16,6 +16,7 @@ from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.bullet_shapes import DEFAULT_MARGIN, convex_hull_shape, mesh_shape, shape_from_bounding_box
 from ...core.contacts.shapes import Compound, ConvexHull, Shape
 from ...core.scene.values import Pose
+from ..blender.arrays import read_array
 
 LARGEST = 1e7
 """Largest extent of an object from its origin [m]; beyond it contacts are not accurate to a metre."""
@@ -108,13 +109,7 @@ def _surface(obj: Object, depsgraph: Depsgraph, source: str) -> Iterator[Any]:
 def vertices_of(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
     """Corners (n, 3) of the surface of an object in its own space, see `_surface`."""
     with _surface(obj, depsgraph, source) as mesh:
-        return _vertices(mesh)
-
-
-def _vertices(mesh: Any) -> FloatArray:
-    values = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", values)
-    return values.reshape(-1, 3).astype(np.float64)
+        return read_array(mesh.vertices, "co", 3).astype(np.float64)
 
 
 def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArray, IntArray]:
@@ -122,9 +117,8 @@ def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArr
         mesh.calc_loop_triangles()
         if len(mesh.loop_triangles) == 0:
             raise ValueError(iface_("its mesh has no faces"))
-        triangles = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
-        mesh.loop_triangles.foreach_get("vertices", triangles)
-        return _vertices(mesh), triangles.reshape(-1, 3).astype(np.int64)
+        triangles = read_array(mesh.loop_triangles, "vertices", 3, np.int32)
+        return read_array(mesh.vertices, "co", 3).astype(np.float64), triangles.astype(np.int64)
 
 
 def _bounding_box(obj: Object, depsgraph: Depsgraph) -> FloatArray:

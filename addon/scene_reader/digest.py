@@ -9,10 +9,10 @@ import zlib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Object, Scene
 
+from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
 from .roles import is_tagged, regions_of
 from .triggers import marker_frames
@@ -47,6 +47,11 @@ _VIEW = {"tracing", "show_overlay", "show_intra", "show_best_paths", "show_label
 _NAMES = {"rna_type", "name"}
 _LONG = 60  # characters of a text that a digest holds
 _TRANSFORM = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+
+_BODY = (
+    *("type", "enabled", "kinematic", "collision_shape", "mesh_source", "mass", "friction", "restitution", "use_margin"),
+    *("collision_margin", "linear_damping", "angular_damping"),
+)
 
 
 def digest_of(scene: Scene) -> Digest:
@@ -142,29 +147,18 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
     keys = getattr(obj.data, "shape_keys", None)
     if keys is not None:
         animation += _animation(keys)[1] + _sum([(key.name, round(key.value, 5)) for key in keys.key_blocks if not keys.animation_data])
-    pose = [list(getattr(obj, key)) for key in _TRANSFORM if key not in paths]
     body = obj.rigid_body
-    physics = (
-        []
-        if body is None
-        else _properties(
-            body,
-            ("type", "enabled", "kinematic", "collision_shape", "mesh_source", "mass", "friction", "restitution", "use_margin",
-             "collision_margin", "linear_damping", "angular_damping"),
-        )
-    )  # fmt: skip
     parent, body_of_it = (item.name_full if item is not None else "" for item in (obj.parent, obj.haptics.body))
     relations = [
         [body_of_it, parent, obj.parent_type, obj.parent_bone, [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse]],
         [(item.name, item.type, item.mute) for item in obj.constraints],
         [(item.name, item.type, item.show_viewport) for item in obj.modifiers],
     ]
-    shape = _shape(obj) if is_tagged(obj) or body is not None else ""
     return {
-        "pose": _sum(pose),
-        "shape": shape,
+        "pose": _sum([list(getattr(obj, key)) for key in _TRANSFORM if key not in paths]),
+        "shape": _shape(obj) if is_tagged(obj) or body is not None else "",
         "animation": animation,
-        "physics": _sum(physics),
+        "physics": _sum(_properties(body, _BODY) if body is not None else []),
         "relations": _sum(relations),
     }
 
@@ -195,8 +189,7 @@ def _shape(obj: Object) -> str:
     mesh = obj.data if obj.type == "MESH" else None
     if mesh is None:
         return _sum([round(v, 5) for corner in obj.bound_box for v in corner])
-    places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", places)  # attributes are those of the edited mesh in Edit Mode, which has no positions
+    places = read_array(mesh.vertices, "co", 3)  # attributes are those of the edited mesh in Edit Mode, which has no positions
     return f"{len(mesh.polygons)}:{zlib.crc32(places.tobytes()):08x}"
 
 
@@ -212,8 +205,7 @@ def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozense
         if curve.data_path.startswith(ignored):
             continue
         paths.add(curve.data_path)
-        keys = np.empty(2 * len(curve.keyframe_points), dtype=np.float32)
-        curve.keyframe_points.foreach_get("co", keys)
+        keys = read_array(curve.keyframe_points, "co", 2)
         parts.append((curve.data_path, curve.array_index, zlib.crc32(keys.tobytes()), curve.mute, len(curve.modifiers)))
     for driver in data.drivers:
         if driver.data_path.startswith(ignored):

@@ -12,6 +12,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ...core.arrays import FloatArray
 from ...core.signals import Automation, Drawing, Emphasis
 from ...core.signals.drawn import EMPHASIS_SECONDS
+from ..blender.arrays import read_array
 from ..blender.single_precision import shortest
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 
@@ -52,9 +53,7 @@ def mapping_of(tree: Any, name: str) -> Any:
 def points_of(mapping: Any) -> tuple[FloatArray, list[str]]:
     """Coordinates of a curve's points, shape (n, 2), and the handle type of each: VECTOR (a corner), AUTO or AUTO_CLAMPED."""
     points = mapping.curves[0].points
-    places = np.empty(2 * len(points), dtype=np.float32)
-    points.foreach_get("location", places)
-    return places.reshape(-1, 2).astype(np.float64), [point.handle_type for point in points]
+    return read_array(points, "location", 2).astype(np.float64), [point.handle_type for point in points]
 
 
 def _automation(mapping: Any, seconds: float, low: float, high: float) -> Automation:

@@ -15,12 +15,10 @@ def read_function(haptics: Any) -> ModulationFunction:
     """The propagation function of an object's properties: the imported one until one of its properties is edited, and except in frames in
     which one is animated to another value. Raises ValueError."""
     imported = imported_object(haptics.imported).function
-    if imported is None:
-        return function_of_properties(haptics)
-    if haptics.id_data.animation_data is not None:
-        function = function_of_properties(haptics)
-        return imported if stands_for(function, imported) else function
-    return imported
+    if imported is not None and haptics.id_data.animation_data is None:
+        return imported
+    function = function_of_properties(haptics)
+    return imported if imported is not None and stands_for(function, imported) else function
 
 
 def stands_for(function: ModulationFunction, imported: ModulationFunction) -> bool:

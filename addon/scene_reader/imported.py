@@ -25,7 +25,7 @@ from ...core.scene.functions import Identity, ModulationFunction, function_from_
 from ...core.scene.rules import Motion
 from ...core.scene.values import Contact, Pose, SourceKind, Trigger, Vector
 from ...core.signals import Signal, signal_from_dict
-from ..blender.single_precision import shortest
+from ..blender.single_precision import authored, shortest
 
 RULES = {
     "contact_tolerance": "tolerance",
@@ -103,17 +103,14 @@ def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tole
     return text_of(contacts=forms[0], later=forms[1], tolerance=tolerance, patch_points=patch_points)
 
 
-def exact(owner: Any, name: str, numbers: Numbers) -> float:
-    """A property's value with the author's precision: the imported number if there is one, otherwise the shortest decimal of the
-    single-precision value. Editing the property removes the number; for an animated property it is used only in frames in which both
-    agree."""
+def exact(owner: Any, name: str, numbers: Numbers) -> Any:
+    """A property's value with the author's precision: the imported number if there is one, otherwise as `authored`. Editing the property
+    removes the number; for an animated property it is used only in frames in which both agree."""
     number = numbers.get(name)
-    if number is None:
-        return shortest(getattr(owner, name))
-    if owner.id_data.animation_data is None:
+    if number is not None and owner.id_data.animation_data is None:
         return number
-    value = shortest(getattr(owner, name))
-    return number if shortest(number) == value else value
+    value = authored(getattr(owner, name))
+    return number if number is not None and shortest(number) == value else value
 
 
 def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> str:

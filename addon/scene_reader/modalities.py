@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 from bpy.types import Object, Scene
 
@@ -42,7 +41,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
             values[obj.name_full] = {key: value for key, value in own.items() if value != modality.defaults()[key]}
             if group.function != modality.default_function:
                 parameters = PARAMETERS.get(group.function, {}).items()
-                forms[obj.name_full] = {"function": group.function} | {key: _parameter(group, name, numbers) for key, name in parameters}
+                forms[obj.name_full] = {"function": group.function} | {key: exact(group, name, numbers) for key, name in parameters}
         emitter = _emitter(modality, obj, kept, numbers, names)
         if emitter is not None:
             emitters.append(emitter)
@@ -59,10 +58,6 @@ def numbers_of(modality: Modality, kept: Imported) -> dict[str, float]:
     """The exact numbers of a modality's properties among those stored with an object."""
     prefix = f"{modality.name}."
     return {name.removeprefix(prefix): value for name, value in kept.numbers.items() if name.startswith(prefix)}
-
-
-def _parameter(group: Any, name: str, numbers: Mapping[str, float]) -> Any:
-    return exact(group, name, numbers) if isinstance(getattr(group, name), float) else getattr(group, name)
 
 
 def _emitter(modality: Modality, obj: Object, kept: Imported, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:

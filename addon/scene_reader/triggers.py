@@ -11,6 +11,7 @@ from bpy.types import Object, Scene
 
 from ...core.scene.rule_table import Side
 from ...core.scene.values import Pose, Trigger, TriggerKind
+from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
 from ..blender.time import seconds_of
 from .imported import imported_source
@@ -71,9 +72,8 @@ def _of_property(obj: Object, scene: Scene, faults: list[tuple[str, str]]) -> It
     elif driver is not None or (curve is not None and len(curve.modifiers)) or (data is not None and len(data.nla_tracks)):
         yield Trigger(TriggerKind.LEVEL, value=obj.haptics.source.trigger)
     elif curve is not None:
-        keys = np.empty(2 * len(curve.keyframe_points), dtype=np.float32)
-        curve.keyframe_points.foreach_get("co", keys)
-        above = [(frame, value) for frame, value in keys.reshape(-1, 2)[:_MOST].tolist() if value > 0]
+        keys = read_array(curve.keyframe_points, "co", 2)[:_MOST].tolist()
+        above = [(frame, value) for frame, value in keys if value > 0]
         times, strengths = (tuple(column) for column in zip(*above, strict=True)) if above else ((), ())
         yield Trigger(TriggerKind.TIMES, tuple(seconds_of(scene, frame) for frame in times), tuple(min(s, 1.0) for s in strengths))
 

@@ -9,20 +9,17 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ...core.scene.values import Pose
+from ..blender.arrays import read_array
 
 
 def session_ids() -> NDArray[np.int32]:
     """(n,) session ids of all objects of the file."""
-    ids = np.empty(len(bpy.data.objects), dtype=np.int32)
-    bpy.data.objects.foreach_get("session_uid", ids)
-    return ids
+    return read_array(bpy.data.objects, "session_uid", 1, np.int32)[:, 0]
 
 
-def raw_matrices(count: int) -> NDArray[np.float32]:
+def raw_matrices() -> NDArray[np.float32]:
     """(n, 16) world matrices of all objects of the file, column by column."""
-    values = np.empty(16 * count, dtype=np.float32)
-    bpy.data.objects.foreach_get("matrix_world", values)
-    return values.reshape(count, 16)
+    return read_array(bpy.data.objects, "matrix_world", 16)
 
 
 def pose_of(transform: FloatArray) -> Pose:
