@@ -23,7 +23,7 @@ from ..properties.actuators import MUTED as ACTUATORS_MUTED
 from ..properties.materials import add_material, own_values
 from ..properties.modalities import SHOWN
 from ..scene_reader.functions import read_function, read_transmission, stands_for
-from ..scene_reader.imported import RULES, file_contacts, near, text_of, text_of_contacts, text_with
+from ..scene_reader.imported import OF_PROPAGATION, RULES, file_contacts, near, text_of, text_of_contacts, text_with
 from ..scene_reader.rules import TEMPLATES
 from .devices import take_devices
 from .frame_scene import EXTRAS, MUTED
@@ -176,7 +176,7 @@ class _Builder:
         haptics, settings = self.scene.haptics, self.haptic.settings
         haptics.mode, haptics.strategy = settings.mode.value, settings.strategy.value
         haptics.max_connections = settings.max_connections or 0
-        numbers = write_numbers(haptics, threshold=settings.threshold, epsilon=settings.epsilon, localise=settings.localise)
+        numbers = write_numbers(haptics, **{name: getattr(settings, name) for name in OF_PROPAGATION})
         if settings.max_connections == 0:
             self.lose("max_connections", "0 means no limit here")
         extras = dict(self.haptic.extras)

@@ -36,7 +36,7 @@ def surface(shape: Shape) -> Surface:
         case Mesh(points=points, triangles=triangles):
             return np.array(points), [tuple(face) for face in triangles.tolist()]
         case Compound(children=children):
-            return _joined([_placed(surface(child), pose_matrix(pose)) for child, pose in children])
+            return _joined([(*surface(child), pose_matrix(pose)) for child, pose in children])
     raise ValueError(f"There is no surface for a {shape.type}")
 
 
@@ -66,11 +66,8 @@ def _turned(profile: list[tuple[float, float]]) -> Surface:
     return points, faces
 
 
-def _placed(form: Surface, matrix: FloatArray) -> Surface:
-    return form[0] @ matrix[:3, :3].T + matrix[:3, 3], form[1]
-
-
-def _joined(forms: list[Surface]) -> Surface:
-    starts = np.cumsum([0, *(len(points) for points, _ in forms)]).tolist()
-    faces = [tuple(start + i for i in face) for start, (_, own) in zip(starts, forms, strict=False) for face in own]
-    return np.concatenate([points for points, _ in forms]), faces
+def _joined(parts: list[tuple[FloatArray, list[tuple[int, ...]], FloatArray]]) -> Surface:
+    """The surfaces of several parts, each with its transform (4, 4), as one."""
+    starts = np.cumsum([0, *(len(points) for points, _, _ in parts)]).tolist()
+    faces = [tuple(start + i for i in face) for start, (_, own, _) in zip(starts, parts, strict=False) for face in own]
+    return np.concatenate([points @ matrix[:3, :3].T + matrix[:3, 3] for points, _, matrix in parts]), faces

@@ -48,6 +48,7 @@ _NAMES = {"rna_type", "name"}
 _LONG = 60  # characters of a text that a digest holds
 _TRANSFORM = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
+_WORLD = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
 _BODY = (
     *("type", "enabled", "kinematic", "collision_shape", "mesh_source", "mass", "friction", "restitution", "use_margin"),
     *("collision_margin", "linear_damping", "angular_damping"),
@@ -102,29 +103,26 @@ def _mapping(value: Any) -> Mapping[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
+def _acts(obj: Object) -> bool:
+    """Whether an object has a rigid body or deforms others."""
+    return obj.rigid_body is not None or obj.type in {"ARMATURE", "LATTICE"}
+
+
 def _matters(obj: Object) -> bool:
-    """Whether an object has a role or a rigid body, deforms others or moves: cameras, lights and scenery are ignored."""
-    return (
-        is_tagged(obj)
-        or obj.rigid_body is not None
-        or obj.type in {"ARMATURE", "LATTICE"}
-        or (obj.type in {"MESH", "EMPTY"} and obj.animation_data is not None)
-    )
+    """Whether an object has a role, acts or moves: cameras, lights and scenery are ignored."""
+    return is_tagged(obj) or _acts(obj) or (obj.type in {"MESH", "EMPTY"} and obj.animation_data is not None)
 
 
 def _may_hit(obj: Object) -> bool:
-    if obj.haptics.enabled or obj.rigid_body is not None or obj.type in {"ARMATURE", "LATTICE"}:
-        return True
-    return obj.type in {"MESH", "EMPTY"} and bool(_animation(obj, "haptics.")[1])
+    return obj.haptics.enabled or _acts(obj) or (obj.type in {"MESH", "EMPTY"} and bool(_animation(obj, "haptics.")[1]))
 
 
 def _physics(scene: Scene) -> Digest:
     render, world = scene.render, scene.rigidbody_world
-    world_keys = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
     return {
         "frame rate": [render.fps, round(render.fps_base, 6)],
         "gravity": [round(v, 6) for v in scene.gravity] if scene.use_gravity else None,
-        "physics": None if world is None else _sum(_properties(world, world_keys)),
+        "physics": None if world is None else _sum(_properties(world, _WORLD)),
     }
 
 
@@ -199,24 +197,16 @@ def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozense
     data = datablock.animation_data
     if data is None:
         return frozenset(), ""
-    paths: set[str] = set()
-    parts: list[tuple[Any, ...]] = []
-    for curve in fcurves_of(datablock):
-        if curve.data_path.startswith(ignored):
-            continue
-        paths.add(curve.data_path)
-        keys = read_array(curve.keyframe_points, "co", 2)
-        parts.append((curve.data_path, curve.array_index, zlib.crc32(keys.tobytes()), curve.mute, len(curve.modifiers)))
-    for driver in data.drivers:
-        if driver.data_path.startswith(ignored):
-            continue
-        paths.add(driver.data_path)
-        parts.append((driver.data_path, driver.array_index, driver.driver.expression, driver.mute))
+    curves = [curve for curve in fcurves_of(datablock) if not curve.data_path.startswith(ignored)]
+    drivers = [driver for driver in data.drivers if not driver.data_path.startswith(ignored)]
+    keys = [zlib.crc32(read_array(curve.keyframe_points, "co", 2).tobytes()) for curve in curves]
+    parts: list[Any] = [(c.data_path, c.array_index, key, c.mute, len(c.modifiers)) for c, key in zip(curves, keys, strict=True)]
+    parts += [(d.data_path, d.array_index, d.driver.expression, d.mute) for d in drivers]
     parts += [
         (track.mute, [(s.frame_start, s.frame_end, s.mute, s.action.name if s.action else "") for s in track.strips])
         for track in data.nla_tracks
     ]
-    return frozenset(paths), _sum(parts) if parts else ""
+    return frozenset(item.data_path for item in (*curves, *drivers)), _sum(parts) if parts else ""
 
 
 def _sum(value: Any) -> str:

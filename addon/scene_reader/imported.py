@@ -35,6 +35,8 @@ RULES = {
 }
 """Numbers of `ContactSettings` by the properties of a scene that hold them."""
 
+OF_PROPAGATION = ("threshold", "epsilon", "localise")
+"""Numbers of `Settings`, which have the same names in a scene's properties."""
 OF_IMPACTS, LIMITS = ("bend", "variation"), ("least_energy", "full_energy", "refractory")
 """Numbers of a rule for impacts and of its limits, which have the same names in properties and in the core."""
 

@@ -29,13 +29,13 @@ def read_modalities(scene: Scene, objects: Iterable[HapticObject]) -> tuple[tupl
 
 def read_modality(modality: Modality, scene: Scene, names: set[str]) -> ModalityScene:
     """The values of the haptic objects ``names`` of a scene. Raises ValueError if imported data is damaged."""
-    values, forms, emitters = {}, {}, []
+    values, forms, emitters, prefix = {}, {}, [], f"{modality.name}."
     for obj in scene.objects:
         group = getattr(obj.haptics.modalities, modality.name)
         if obj.name_full not in names and not group.is_source:
             continue
         kept = imported_object(obj.haptics.imported)
-        numbers = numbers_of(modality, kept)
+        numbers = {name.removeprefix(prefix): value for name, value in kept.numbers.items() if name.startswith(prefix)}
         if obj.name_full in names:
             own = {quantity.name: exact(group, quantity.name, numbers) for quantity in modality.object_values}
             values[obj.name_full] = {key: value for key, value in own.items() if value != modality.defaults()[key]}
@@ -52,12 +52,6 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
         emitters=tuple(sorted(emitters, key=lambda emitter: emitter.name)),
         enabled=getattr(scene.haptics.modalities, modality.name).enabled,
     )
-
-
-def numbers_of(modality: Modality, kept: Imported) -> dict[str, float]:
-    """The exact numbers of a modality's properties among those stored with an object."""
-    prefix = f"{modality.name}."
-    return {name.removeprefix(prefix): value for name, value in kept.numbers.items() if name.startswith(prefix)}
 
 
 def _emitter(modality: Modality, obj: Object, kept: Imported, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:

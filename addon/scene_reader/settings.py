@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
@@ -14,13 +13,11 @@ from ...core.scene.choices import Mode, Strategy
 from ...core.scene.rules import ImpactEnergy
 from ...core.scene.values import Settings
 from ..blender.single_precision import shortest
-from .imported import Imported, exact, imported_scene
+from .imported import OF_PROPAGATION, RULES, Imported, exact, imported_scene
 from .rules import TEMPLATES
 
-_HAPTICS = attrgetter(
-    *("mode", "strategy", "max_connections", "threshold", "epsilon", "localise", "contact_tolerance", "minimum_energy", "maximum_energy"),
-    *("impact_energy", "refractory_time", "patch_points", "impacts", "impact_signal", "imported"),
-)
+_CHOICES = ("mode", "strategy", "max_connections", "impact_energy", "patch_points", "impacts", "impact_signal", "imported")
+_HAPTICS = attrgetter(*_CHOICES, *OF_PROPAGATION, *RULES)
 
 
 def setting_values(scene: Scene) -> tuple[Any, ...]:
@@ -36,9 +33,7 @@ def read_settings(scene: Scene) -> Settings:
         mode=Mode(haptics.mode),
         strategy=Strategy(haptics.strategy),
         max_connections=haptics.max_connections or None,
-        threshold=exact(haptics, "threshold", imported.numbers),
-        epsilon=exact(haptics, "epsilon", imported.numbers),
-        localise=exact(haptics, "localise", imported.numbers),
+        **{name: exact(haptics, name, imported.numbers) for name in OF_PROPAGATION},
         **({} if imported.tolerance is None else {"tolerance": imported.tolerance}),
     )
 
@@ -47,12 +42,13 @@ def read_contact_settings(scene: Scene, tables: Mapping[str, Any]) -> ContactSet
     """The settings of contacts and impacts of a scene with these tables, see `rules.read_tables`."""
     haptics, imported = scene.haptics, _imported(scene)
     x, y, z = (shortest(g) for g in scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
-    settings = ContactSettings(
-        tolerance=exact(haptics, "contact_tolerance", imported.numbers),
-        least_energy=exact(haptics, "minimum_energy", imported.numbers),
-        full_energy=max(exact(haptics, "maximum_energy", imported.numbers), 1e-3),
+    numbers: dict[str, Any] = {name: exact(haptics, own, imported.numbers) for own, name in RULES.items()}
+    numbers["full_energy"] = max(numbers["full_energy"], 1e-3)
+    if imported.slack is not None:
+        numbers["slack"] = imported.slack
+    return ContactSettings(
+        **numbers,
         energy=ImpactEnergy(haptics.impact_energy),
-        refractory=exact(haptics, "refractory_time", imported.numbers),
         patch_points=haptics.patch_points,
         gravity=(x, y, z),
         time_scale=max(shortest(scene.rigidbody_world.time_scale), 1e-3) if scene.rigidbody_world is not None else 1.0,
@@ -60,7 +56,6 @@ def read_contact_settings(scene: Scene, tables: Mapping[str, Any]) -> ContactSet
         templates=TEMPLATES[haptics.impact_signal],
         **tables,
     )
-    return settings if imported.slack is None else replace(settings, slack=imported.slack)
 
 
 def _imported(scene: Scene) -> Imported:

@@ -105,6 +105,7 @@ class Background(Generic[Value]):
             self._computed = _Computed(key, value, time.perf_counter() - started)
 
 
+@dataclass(frozen=True, eq=False)
 class Derived(Generic[Choice, Value]):
     """A value of each traced frame of a scene, computed once per frame and choice, and only while it is drawn.
 
@@ -114,12 +115,9 @@ class Derived(Generic[Choice, Value]):
         hears: it is made of samples, so that these must be rendered while it is shown.
     """
 
-    def __init__(
-        self, compute: Callable[[sessions.Traced, Choice, Value | None], Value], every_frame: bool = False, hears: bool = False
-    ) -> None:
-        self._compute = compute
-        self._every_frame = every_frame
-        self.hears = hears
+    compute: Callable[[sessions.Traced, Choice, Value | None], Value]
+    every_frame: bool = False
+    hears: bool = False
 
     def latest(self, scene: Scene, choice: Choice) -> Latest[Value] | None:
         """The last value, without waiting; None before there is one, or if nothing is traced."""
@@ -131,17 +129,17 @@ class Derived(Generic[Choice, Value]):
         traced = own.shown
         background = own.derived.setdefault(self, Background())
         background.choice = choice
-        key, compute = (traced.serial, choice), partial(self._compute, traced, choice)
-        may_start = self._every_frame or background.is_brief or _rests(own)
+        key, compute = (traced.serial, choice), partial(self.compute, traced, choice)
+        may_start = self.every_frame or background.is_brief or _rests(own)
         return background.latest(key, compute, may_start=may_start)
 
     def follow(self, own: sessions.Session) -> None:
         """Compute the value of the frame that has just been traced if it is shown; called on the worker."""
         background, traced = own.derived.get(self), own.shown
-        if not self._every_frame or background is None or traced is None or time.monotonic() - background.shown > _SHOWN_SECONDS:
+        if not self.every_frame or background is None or traced is None or time.monotonic() - background.shown > _SHOWN_SECONDS:
             return
         choice = background.choice
-        background.want((traced.serial, choice), partial(self._compute, traced, choice))
+        background.want((traced.serial, choice), partial(self.compute, traced, choice))
         background.update()
 
 
