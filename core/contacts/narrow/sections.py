@@ -2,7 +2,8 @@
 
 Round bodies are given by hulls of many faces, of which any two that face each other are slivers. Where the bodies overlap, the plane across
 the normal, midway between their deepest points, cuts both; the area of what lies in both cuts is that of the contact. From the point
-between the deepest ones it is seen in directions all around, so the area is a continuous function of the poses.
+between the deepest ones it is seen in directions all around, so the area is a continuous function of the poses and the normal. The normal
+of overlapping polyhedra jumps where they are equally deep in each other along two directions.
 """
 
 from __future__ import annotations

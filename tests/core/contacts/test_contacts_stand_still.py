@@ -179,7 +179,9 @@ def test_overlapping_round_hulls_have_the_area_of_their_common_section(overlap, 
 @pytest.mark.slow
 @settings(max_examples=30, derandomize=True, deadline=None)
 @given(overlap=st.floats(0.01, 0.03), seed=st.integers(0, 10**6))
+@example(overlap=0.014599683589925673, seed=29)  # the direction of the least depth changes by 4 degrees in the first step
 def test_the_area_of_overlapping_round_hulls_is_continuous(overlap, seed):
+    """Between any two poses in which the bodies are deepest in each other along the same direction: it is the area across this one."""
     generator = np.random.default_rng(seed)
     way, turn = generator.normal(size=3), generator.uniform(-3, 3, 3)
     way /= np.linalg.norm(way)
@@ -187,6 +189,11 @@ def test_the_area_of_overlapping_round_hulls_is_continuous(overlap, seed):
     place = way * (0.4 - overlap) if seed % 2 else np.array([0.0, 0.0, -(0.4 - overlap)])
     if seed % 2 == 0:
         turns = [turn, (0, 0, 0)]
-    areas = [contact(shapes, [(0, 0, 0), place + way * STEP * k], [turns[0], np.array(turns[1]) + STEP * k])[1] for k in range(6)]
+    bodies = [Body("a", shapes[0]), Body("b", shapes[1])]
+    poses = [placed([(0, 0, 0), place + way * STEP * k], [turns[0], np.array(turns[1]) + STEP * k]) for k in range(6)]
+    found = [ContactTracker(bodies).update(0.0, pose).contacts for pose in poses]
+    areas, normals = np.array([each.area[0] for each in found]), np.array([each.normal[0] for each in found])
+    same = np.linalg.norm(np.diff(normals, axis=0), axis=1) < 100 * STEP
+    assert same.sum() >= 4
     # A circle of area A over a step s of depth changes by 2 pi R s; turned facets by less.
-    assert np.abs(np.diff(areas)).max() < 20 * STEP
+    assert np.abs(np.diff(areas)[same]).max() < 20 * STEP
