@@ -10,7 +10,7 @@ from __future__ import annotations
 from hashlib import sha256
 from time import perf_counter
 
-from .collisions import CollisionDetector, Collisions, Frame
+from .collisions import CollisionDetector, Frame
 from .contacts.settings import ContactSettings
 from .contacts.tracker import STILL
 from .graph.haptic_graph import ObjectTable, build_graph
@@ -93,7 +93,7 @@ class Tracer:
             first_sample=sample_index(self._start, self.sample_rate),
             sample_rate=self.sample_rate,
             milliseconds=watch.milliseconds,
-            statistics=_statistics(propagated, collisions),
+            statistics={**collisions.statistics, **propagation.statistics},
             warnings=(*collisions.warnings, *propagation.warnings),
             before=None if again else self._mixdown.before,
             shots=collisions.shots,
@@ -131,8 +131,3 @@ class _Stopwatch:
         now = perf_counter()
         self.milliseconds[stage] = 1000 * (now - self._last)
         self._last = now
-
-
-def _statistics(propagated: Propagated, collisions: Collisions) -> dict[str, int | float]:
-    """Return the counts of a frame's items and of computed and skipped work."""
-    return {**collisions.statistics, **propagated.propagation.statistics}

@@ -63,7 +63,8 @@ def _of_group(
     strength = float(np.linalg.norm(gravity))
     points, offsets = _pressed_points(contacts, rows)
     directions = _directions(contacts.normal[rows])
-    unit, size = float(mass[bodies].mean()) * max(strength, 1e-9), _spread(points, rows)
+    unit = float(mass[bodies].mean()) * max(strength, 1e-9)
+    size = max(float(np.linalg.norm(np.ptp(points, axis=0))) / math.sqrt(len(rows)), 1e-3)  # a length [m] of the size of the levers
     # A column per direction and point: 4 points press along the normal, and friction acts at the middle.
     matrix = np.zeros((6 * len(bodies), 6 * len(rows)))
     for side, sign in ((0, -1.0), (1, 1.0)):
@@ -116,8 +117,3 @@ def _directions(normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]
     first = np.cross(normal, axis)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     return normal, first, np.cross(normal, first)
-
-
-def _spread(points: FloatArray, rows: IntArray) -> float:
-    """A length [m] of the size of the levers."""
-    return max(float(np.linalg.norm(np.ptp(points, axis=0))) / math.sqrt(len(rows)), 1e-3)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,10 +36,6 @@ class GainBound:
             raise ValueError(f"decay: {len(self.decay)} values for {len(self.factor)} of factor")
         if not 0 <= self.threshold < np.inf:
             raise ValueError(f"threshold: must be finite and >= 0, got {self.threshold!r}")
-
-    def started_at(self, bodies: IntArray, positions: FloatArray) -> GainBound:
-        """The bound for signals that start only at ``positions`` (m, 3) on ``bodies`` (m,), with strength 1."""
-        return replace(self, bodies=bodies, positions=positions, strengths=np.ones(len(bodies)))
 
     def wanted(self, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
         """Which possible contacts of bodies ``first`` and ``second`` (p,), somewhere between ``low`` and ``high`` (3, p) [world], a signal

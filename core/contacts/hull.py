@@ -268,7 +268,7 @@ def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
     """The hull with every face moved inwards by ``depth`` metres (outwards where negative); None where it vanishes."""
     if depth == 0:
         return hull
-    if not _is_solid(hull):
+    if len(hull.triangles) == 0 or len(hull.planes()[0]) <= 3:  # a flat hull has two faces in opposite directions at the same place
         return None
     normals, offsets = hull.planes()
     offsets = offsets - depth
@@ -281,11 +281,6 @@ def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
     dual = convex_hull(normals / slack[:, None])
     dual_normals, dual_offsets = dual.planes()
     return convex_hull(centre + dual_normals / dual_offsets[:, None])
-
-
-def _is_solid(hull: Hull) -> bool:
-    """Whether the hull encloses a volume: a flat hull has two faces in opposite directions at the same place."""
-    return len(hull.triangles) > 0 and len(hull.planes()[0]) > 3
 
 
 def _deep_point(normals: FloatArray, offsets: FloatArray, start: FloatArray) -> FloatArray:

@@ -175,7 +175,10 @@ def _moving_contacts(bodies: Sequence[Body], contacts: ContactSet, poses: _Poses
     """The touching pairs with a texture that move along each other, each once, wherever it touches."""
     moved = (poses.before != poses.now).any(axis=(1, 2))
     rows = np.flatnonzero(moved[contacts.pairs].any(axis=1))
-    textured = [_has_texture(bodies[a], bodies[b], settings.textures) for a, b in contacts.pairs[rows].tolist()]
+    textured = [
+        not (bodies[a].medium or bodies[b].medium) and settings.textures.of(bodies[a].named, bodies[b].named) is not None
+        for a, b in contacts.pairs[rows].tolist()
+    ]
     rows = rows[np.array(textured, dtype=np.bool_)]
     speeds = np.stack(_surface_speeds(contacts, rows, poses))
     speeds = np.where(speeds * poses.step > STILL, speeds, 0.0)
@@ -192,10 +195,6 @@ def _moving_contacts(bodies: Sequence[Body], contacts: ContactSet, poses: _Poses
         slides, rolls = (speeds[:, points] @ weights).tolist()
         found.append(_Moving((a, b), (bodies[a].name, bodies[b].name), (first, second), (slides, rolls), float(forces[points].sum())))
     return tuple(found)
-
-
-def _has_texture(first: Body, second: Body, textures: RuleTable[Texture]) -> bool:
-    return not (first.medium or second.medium) and textures.of(first.named, second.named) is not None
 
 
 def _surface_speeds(contacts: ContactSet, rows: IntArray, poses: _Poses) -> tuple[FloatArray, FloatArray]:

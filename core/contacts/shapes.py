@@ -88,6 +88,11 @@ class Shape:
 
     def core_bounds(self) -> FloatArray:
         """(2, 3) lowest and highest corner of the core's bounding box in local space."""
+        half = np.array(self.half())
+        return np.array([-half, half])
+
+    def half(self) -> ArrayLike:
+        """(3,) half extents of a core that is centred."""
         raise NotImplementedError
 
     def local_bounds(self) -> FloatArray:
@@ -124,9 +129,8 @@ class Box(Shape):
         object.__setattr__(self, "size", tuple(_length("size", length, True) for length in (x, y, z)))
         Shape.__post_init__(self)
 
-    def core_bounds(self) -> FloatArray:
-        half = np.maximum(np.array(self.size) / 2, self.rounding)
-        return np.array([-half, half])
+    def half(self) -> ArrayLike:
+        return np.maximum(np.array(self.size) / 2, self.rounding)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,8 +141,8 @@ class Sphere(Shape):
     radius: float
     margin: float = 0.0
 
-    def core_bounds(self) -> FloatArray:
-        return np.array([[-self.radius] * 3, [self.radius] * 3])
+    def half(self) -> ArrayLike:
+        return [self.radius] * 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,9 +153,8 @@ class _Upright(Shape):
     height: float
     margin: float = 0.0
 
-    def core_bounds(self) -> FloatArray:
-        half = np.array([self.radius, self.radius, self.height / 2])
-        return np.array([-half, half])
+    def half(self) -> ArrayLike:
+        return [self.radius, self.radius, self.height / 2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,9 +164,8 @@ class Capsule(_Upright):
     type: ClassVar[str] = "capsule"
     positive: ClassVar[frozenset[str]] = frozenset({"radius"})
 
-    def core_bounds(self) -> FloatArray:
-        half = np.array([self.radius, self.radius, self.height / 2 + self.radius])
-        return np.array([-half, half])
+    def half(self) -> ArrayLike:
+        return [self.radius, self.radius, self.height / 2 + self.radius]
 
 
 @dataclass(frozen=True, slots=True)

@@ -267,9 +267,6 @@ class ContactTracker:
         larger = self._radius[first] >= self._radius[second]
         return np.where(larger, first, second), np.where(larger, second, first)
 
-    def _keys(self, first: IntArray, second: IntArray) -> IntArray:
-        return np.asarray(np.minimum(first, second) * len(self.bodies) + np.maximum(first, second))
-
     def _numbers(self, key: IntArray) -> IntArray:
         """Pairs (k, 2), smaller number first."""
         return np.stack([key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)], axis=1)
@@ -673,7 +670,7 @@ class ContactTracker:
         if len(hits):
             hits = hits.chosen(confirmed(hits, paths, self.settings.tolerance))
         if len(arrived):
-            arrived = arrived[~_among(arrived, np.sort(self._keys(*hits.pairs.T)))]
+            arrived = arrived[~_among(arrived, np.sort(hits.pairs @ (len(self.bodies), 1)))]
         if len(arrived):
             pairs = self._numbers(arrived)
             expected = self._time_of_impact.final_distances(paths, pairs, np.full(len(pairs), self.settings.tolerance))
@@ -737,9 +734,10 @@ class ContactTracker:
 
 
 def _from_impacts(bound: GainBound, impacts: Sequence[Impact]) -> GainBound:
-    """The bound for signals that start at ``impacts``, on both sides of the contact."""
+    """The bound for signals that start at ``impacts``, on both sides of the contact, with strength 1."""
     positions = np.array([impact.positions for impact in impacts], dtype=np.float64).reshape(-1, 3)
-    return bound.started_at(np.array([impact.objects for impact in impacts], dtype=np.int64).reshape(-1), positions)
+    bodies = np.array([impact.objects for impact in impacts], dtype=np.int64).reshape(-1)
+    return replace(bound, bodies=bodies, positions=positions, strengths=np.ones(len(bodies)))
 
 
 def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:

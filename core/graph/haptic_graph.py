@@ -475,8 +475,8 @@ def _check(
 
 def _canonical(contacts: ContactSet) -> ContactSet:
     """Each pair's smaller object first, contacts sorted by objects, then by position and all other fields."""
-    swapped = contacts.pairs[:, 0] > contacts.pairs[:, 1]
-    if not swapped.any() and _ascending(contacts.pairs):
+    swapped, key = contacts.pairs[:, 0] > contacts.pairs[:, 1], _keys(contacts.pairs)
+    if not swapped.any() and (key[1:] > key[:-1]).all():
         return contacts
     pairs = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
     positions = np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions)
@@ -497,12 +497,6 @@ def _keys(pairs: IntArray) -> IntArray:
     return np.asarray(pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1])
 
 
-def _ascending(pairs: IntArray) -> bool:
-    """Whether every pair comes after the one before it."""
-    key = _keys(pairs)
-    return bool((key[1:] > key[:-1]).all())
-
-
 def _forces(table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, gravity: Vector) -> FloatArray | None:
     """Forces of the contacts, None if no function uses them. A medium carries no weight."""
     asks = np.array([function.uses_force for function in contacts.transmissions])[contacts.transmission]
@@ -520,38 +514,31 @@ def _transmissions(
 ) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
     """Gain, loss, band gains and delay of each inter-connection, including the weights of the contacts. A function of kappa and rho uses
     the mean of the two objects; ``angle`` is the contact normal's angle to the vertical."""
-    gains, losses, band_gains, delay = _function_gains(table, contacts, forces)
+    gains = np.ones(len(contacts), dtype=np.float64)
+    losses = np.zeros(len(contacts), dtype=np.float64)
+    band_gains = delay = None
+    if not all(function.name == "identity" and function.spectrum.is_plain for function in contacts.transmissions):
+        distance = distances(contacts.positions[:, 0], contacts.positions[:, 1])
+        for number, function in enumerate(contacts.transmissions):
+            if function.name == "identity":
+                continue
+            chosen = np.flatnonzero(contacts.transmission == number)
+            gains[chosen] = _transmission_gains(table, contacts, function, chosen, distance[chosen], forces)
+            with np.errstate(divide="ignore"):
+                losses[chosen] = -np.log(gains[chosen])
+            if function.name in ("constant", "exponential", "resilient"):  # their logarithm is more accurate than that of a rounded gain
+                _, decay = function.log_linear(0.0, 0.0, table.epsilon) or (0.0, 0.0)
+                losses[chosen] = function.loss(0.0, 0.0, table.epsilon) + decay * distance[chosen]
+        bands, decays, slowness = _spectrum_arrays(contacts.transmissions, [f.spectrum.band_decays for f in contacts.transmissions])
+        kind = contacts.transmission
+        band_gains = None if bands is None else bands[kind]
+        if decays is not None:
+            band_gains = np.exp(-decays[kind] * distance[:, None]) * (1.0 if band_gains is None else band_gains)
+        delay = None if slowness is None else slowness[kind] * distance
     if np.any(contacts.weight < 1):
         with np.errstate(divide="ignore"):
             gains, losses = gains * contacts.weight, losses - np.log(contacts.weight)
     return gains, losses, band_gains, delay
-
-
-def _function_gains(
-    table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
-) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
-    """The same values of the transmission functions, without weights."""
-    gains = np.ones(len(contacts), dtype=np.float64)
-    losses = np.zeros(len(contacts), dtype=np.float64)
-    if all(function.name == "identity" and function.spectrum.is_plain for function in contacts.transmissions):
-        return gains, losses, None, None
-    distance = distances(contacts.positions[:, 0], contacts.positions[:, 1])
-    for number, function in enumerate(contacts.transmissions):
-        if function.name == "identity":
-            continue
-        chosen = np.flatnonzero(contacts.transmission == number)
-        gains[chosen] = _transmission_gains(table, contacts, function, chosen, distance[chosen], forces)
-        with np.errstate(divide="ignore"):
-            losses[chosen] = -np.log(gains[chosen])
-        if function.name in ("constant", "exponential", "resilient"):  # their logarithm is more accurate than that of a rounded gain
-            _, decay = function.log_linear(0.0, 0.0, table.epsilon) or (0.0, 0.0)
-            losses[chosen] = function.loss(0.0, 0.0, table.epsilon) + decay * distance[chosen]
-    bands, decays, slowness = _spectrum_arrays(contacts.transmissions, [f.spectrum.band_decays for f in contacts.transmissions])
-    kind = contacts.transmission
-    band_gains = None if bands is None else bands[kind]
-    if decays is not None:
-        band_gains = np.exp(-decays[kind] * distance[:, None]) * (1.0 if band_gains is None else band_gains)
-    return gains, losses, band_gains, None if slowness is None else slowness[kind] * distance
 
 
 def _transmission_gains(

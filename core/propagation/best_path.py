@@ -13,7 +13,7 @@ from ..graph.haptic_graph import HapticGraph
 from ..scene.choices import Strategy
 from ..scene.values import Settings
 from .connections import HOPS, LARGEST, SLACK, PathConnections, bounded_exp, clusters, cost_limit, intra_costs
-from .hop_constrained import HopConstrainedPaths, hop_constrained_paths
+from .hop_constrained import hop_constrained_paths
 from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import StrongestPaths
 
@@ -237,42 +237,29 @@ def _search_row(
     certain = walks.complete or count == most
     share = budget // (EXPANSION * len(columns))
     for column in columns:
-        target = int(graph.listener_nodes[column])
+        pair, target = (row, column), int(graph.listener_nodes[column])
         path = walks.walk(graph, target)
-        if path and certain and not crosses_twice(graph, path):
-            _accept(graph, {(row, column): path}, limit, result)
-        elif path or not certain:
-            _search_pair(graph, (row, column), walks, crossings, limit, share, certain, result)
-
-
-def _search_pair(
-    graph: HapticGraph,
-    pair: Pair,
-    walks: HopConstrainedPaths,
-    crossings: float,
-    limit: float,
-    budget: int,
-    certain: bool,
-    result: BestPaths,
-) -> None:
-    target = int(graph.listener_nodes[pair[1]])
-    if certain:
-        back = hop_constrained_paths(graph, (target,), math.inf, len(walks.changes) - 1, complete=True)
-        result.relaxed += back.relaxed
-        ahead = back.costs(graph.node_count)
-    else:
-        ahead = np.full((1, graph.node_count), -amplification(graph))
-    search = StrongestPaths(graph, graph.sources[pair[0]].nodes, target, ahead, crossings, limit + SLACK, budget)
-    found = next(search, None)
-    result.searched += search.expanded
-    if found is not None:
-        _accept(graph, {pair: found.nodes}, limit, result)
-    elif search.bound < math.inf:
-        simple = {path for k in range(len(walks.changes)) if (path := walks.walk(graph, target, k)) and not crosses_twice(graph, path)}
-        ranked = sorted(zip(PathConnections(graph, sorted(simple)).costs(), sorted(simple), strict=True))
-        if ranked:
-            _accept(graph, {pair: ranked[0][1]}, limit, result)
-        result.bound[pair] = search.bound
+        if certain and not (path and crosses_twice(graph, path)):
+            if path:
+                _accept(graph, {pair: path}, limit, result)
+            continue
+        if not certain:
+            ahead = np.full((1, graph.node_count), -amplification(graph))
+        else:
+            back = hop_constrained_paths(graph, (target,), math.inf, len(walks.changes) - 1, complete=True)
+            result.relaxed += back.relaxed
+            ahead = back.costs(graph.node_count)
+        search = StrongestPaths(graph, roots, target, ahead, crossings, limit + SLACK, share)
+        found = next(search, None)
+        result.searched += search.expanded
+        if found is not None:
+            _accept(graph, {pair: found.nodes}, limit, result)
+        elif search.bound < math.inf:
+            simple = {path for k in range(len(walks.changes)) if (path := walks.walk(graph, target, k)) and not crosses_twice(graph, path)}
+            ranked = sorted(zip(PathConnections(graph, sorted(simple)).costs(), sorted(simple), strict=True))
+            if ranked:
+                _accept(graph, {pair: ranked[0][1]}, limit, result)
+            result.bound[pair] = search.bound
 
 
 def amplification(graph: HapticGraph) -> float:

@@ -19,10 +19,18 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph
-from .connections import cost_of, intra_costs
+from .connections import HOPS, bounded_exp, cost_limit, cost_of, intra_costs, path_delay
+from .hop_constrained import hop_constrained_paths
+from .shortest_paths import shortest_paths
 
 WALKED = 64
 """Nodes of the path so far that are examined in about the time of one partial path."""
+
+TAPS = 8
+"""Most paths whose delays are given."""
+
+SEARCHED = 4096
+"""Most partial paths examined for one pair."""
 
 _NOTHING = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
 
@@ -140,3 +148,26 @@ class StrongestPaths(Iterator[FoundPath]):
     def _push(self, partial: _Partial, place: int) -> None:
         if place < len(partial.ends):
             heapq.heappush(self._queue, (float(partial.bounds[place]), next(self._numbers), partial, place))
+
+
+def delay_taps(
+    graph: HapticGraph, row: int, column: int, crossings: float, threshold: float, amplified: bool
+) -> tuple[tuple[float, float], ...]:
+    """Delays of a sum over paths: (delay [s], gain) of up to `TAPS` of the strongest paths of a pair within both limits, strongest first.
+
+    The gain of a path through points of patches includes their shares.
+    """
+    target = int(graph.listener_nodes[column])
+    limit = cost_limit(threshold)
+    if amplified:
+        most = int(min(crossings, graph.contact_count, HOPS))
+        ahead = hop_constrained_paths(graph, (target,), math.inf, most, complete=True).costs(graph.node_count)
+        crossings = min(crossings, most)
+    else:
+        ahead = shortest_paths(graph, [(target,)], np.array([limit]), complete=True).cost
+    taps: list[tuple[float, float]] = []
+    for path in StrongestPaths(graph, graph.sources[row].nodes, target, ahead, crossings, limit, SEARCHED):
+        taps.append((path_delay(graph, path.nodes), path.share * bounded_exp(-path.cost)))
+        if len(taps) == TAPS:
+            break
+    return tuple(taps)

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Literal
 
 from .references import named
 
@@ -47,12 +47,9 @@ class BodyPart:
 
 _TABLE = json.loads(Path(__file__).with_name("body_parts.json").read_text("utf-8"))
 
-
-def _body_part(row: Mapping[str, Any]) -> BodyPart:
-    return BodyPart(**{**row, "mpeg_mask": int(row["mpeg_mask"], 16), "mpeg_target": tuple(row["mpeg_target"])})
-
-
-BODY_PARTS: tuple[BodyPart, ...] = tuple(map(_body_part, _TABLE["parts"]))
+BODY_PARTS: tuple[BodyPart, ...] = tuple(
+    BodyPart(**{**row, "mpeg_mask": int(row["mpeg_mask"], 16), "mpeg_target": tuple(row["mpeg_target"])}) for row in _TABLE["parts"]
+)
 
 BODY_PART: Mapping[str, BodyPart] = MappingProxyType({part.name: part for part in BODY_PARTS})
 """Body parts by name."""

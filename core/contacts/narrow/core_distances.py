@@ -20,7 +20,7 @@ from .closed_forms import (
     segment_to_segment,
     segment_to_triangle,
 )
-from .convex import Convex, ConvexDistances, separations
+from .convex import ConvexDistances, separations
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind, Size
 from .frames import relative, turned, turned_back
@@ -139,7 +139,9 @@ class CoreDistances:
         first, second = (
             [self._convex.core(c, size) for c in core.tolist()]
             if triangle is None
-            else [self._triangle_object(c, t) for c, t in zip(core.tolist(), triangle.tolist(), strict=True)]
+            else [
+                self._convex.triangle(c, t, self._pairing.mesh(c).corners[t]) for c, t in zip(core.tolist(), triangle.tolist(), strict=True)
+            ]
             for core, triangle in ((rows.first, rows.triangle_a), (rows.second, rows.triangle_b))
         )
         for k in np.flatnonzero(self._sharp(rows)).tolist():
@@ -149,9 +151,6 @@ class CoreDistances:
         found = separations(first, second, turn, turned_back(rows.rotation_a, rows.centre_b - rows.centre_a), depths)
         ends = (turned(rows.rotation_a, end) + rows.centre_a for end in (found.first, found.second))
         return Separation(found.distance, turned(rows.rotation_a, found.normal), *ends)
-
-    def _triangle_object(self, core: int, number: int) -> Convex:
-        return self._convex.triangle(core, number, self._pairing.mesh(core).corners[number])
 
 
 def exact(separation: Separation) -> AxisSeparation:

@@ -74,11 +74,6 @@ class Core:
         return 2 * (float(self.half[0].min()) + self.radius[0])
 
 
-def cores_of(shape: Shape, solid: bool = False) -> tuple[Core, ...]:
-    """The cores of a shape, compounds resolved. ``solid``: a mesh counts as the volume of its convex hull."""
-    return tuple(_core(part, solid) for part in parts_of(shape))
-
-
 def _simple(kind: Kind, part: Part, half: Sequence[float], rounding: float = 0.0) -> Core:
     size = np.array(half, dtype=np.float64)
     inner = np.maximum(size - rounding, 0.0) if rounding else size
@@ -86,6 +81,7 @@ def _simple(kind: Kind, part: Part, half: Sequence[float], rounding: float = 0.0
 
 
 def _core(part: Part, solid: bool) -> Core:
+    """The core of a part. ``solid``: a mesh counts as the volume of its convex hull."""
     match part.shape:
         case Sphere(radius=radius):
             return _simple(Kind.POINT, replace(part, radius=part.radius + radius), (0, 0, 0))
@@ -216,7 +212,7 @@ class CoreTable:
         per_body = []
         for key in zip(shapes, solid, strict=True):
             if key not in known:
-                known[key] = cores_of(*key)
+                known[key] = tuple(_core(part, key[1]) for part in parts_of(key[0]))
             per_body.append(known[key])
         cores = tuple(core for body in per_body for core in body)
         thinnest = {key: min(core.thickness() for core in body) for key, body in known.items()}

@@ -32,9 +32,6 @@ class Features:
 
     def __init__(self, table: CoreTable) -> None:
         self._table = table
-        self._faces: list[tuple[FloatArray, FloatArray]] = []
-        self._hulls: dict[int, int] = {}  # number of the faces by core
-        self._numbers: dict[int, int] = {}  # and by the id of the hull: equal bodies share theirs
 
     def polygons(
         self, core: IntArray, rotation: FloatArray, centre: FloatArray, direction: FloatArray
@@ -80,22 +77,16 @@ class Features:
         return turned(rotation, corners) + centre[:, None], many, wide
 
     def _by_hull(self, cores: IntArray) -> list[tuple[IntArray, tuple[FloatArray, FloatArray]]]:
-        """Rows of hulls that are the same, and normals and corners of their faces."""
-        numbers = []
-        for core in cores.tolist():
-            number = self._hulls.get(core)
-            if number is None:
-                hull = self._table.cores[core].sharp_hull
-                assert hull is not None
-                number = self._hulls[core] = self._numbers.setdefault(id(hull), len(self._faces))
-                if number == len(self._faces):
-                    self._faces.append(merged_faces(hull))
-            numbers.append(number)
-        kept = np.array(numbers, dtype=np.int64)
-        return [(np.flatnonzero(kept == number), self._faces[number]) for number in np.unique(kept).tolist()]
+        """Rows of hulls that are the same, as equal bodies have them, and normals and corners of their faces."""
+        alike: dict[Hull, list[int]] = {}
+        for row, core in enumerate(cores.tolist()):
+            hull = self._table.cores[core].sharp_hull
+            assert hull is not None
+            alike.setdefault(hull, []).append(row)
+        return [(np.array(rows), merged_faces(hull)) for hull, rows in alike.items()]
 
 
-@lru_cache(1024)
+@lru_cache(4096)
 def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
     """Outward normals (f, 3) and corners in order (f, k, 3) of a hull's faces, triangles of one plane merged; short ones repeat their last
     corner, and k is ``FEW`` or ``MANY``. Shared by all trackers."""

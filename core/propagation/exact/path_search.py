@@ -243,13 +243,34 @@ class _Search:
         allowed = SPENT_ON_LEVEL * (limits.work - self._work) if level else math.inf
         needed = len(states) + float(sizes.sum()) * self._each
         if level and (limits.tolerance > 0 or len(states) > self._room or needed > allowed):
-            cost = 1.0 + sizes.astype(np.float64) * self._each
-            total = np.maximum(self._total, limits.known)
-            kept = _kept(states, limits, self._bounds, level, total, self._missing, self._room, cost, allowed)
+            kept = self._kept(level, 1.0 + sizes.astype(np.float64) * self._each, allowed)
             self._states, sizes = states.pick(kept), sizes[kept]
             needed = len(kept) + float(sizes.sum()) * self._each
         self._work += int(needed)
         return sizes
+
+    def _kept(self, level: int, cost: FloatArray, allowed: float) -> IntArray:
+        """Numbers of the states that stay. Those of least weight are dropped: as many as the tolerance allows at this level, and all for
+        which there is no room or no work ``allowed`` (each state takes its ``cost``). What they might have added counts as missing."""
+        limits, bounds, states, missing = self._limits, self._bounds, self._states, self._missing
+        total = np.maximum(self._total, limits.known)
+        value = states.value[:, :1]
+        left = np.minimum(value * bounds.sums(level)[states.entry], LARGEST)
+        with np.errstate(divide="ignore", over="ignore"):
+            score = (value * (bounds.importance(level) * np.minimum(1 / total, LARGEST))[states.entry]).max(axis=1)
+        order = np.argsort(score, kind="stable")
+        affordable = int(np.searchsorted(np.cumsum(cost[order[::-1]]), allowed, side="right"))
+        cut = len(states) - min(self._room, affordable)
+        if limits.tolerance > 0:
+            tolerated = np.maximum(limits.tolerance / (1 + limits.tolerance) * total - missing, 0.0)
+            lost = np.cumsum(left[order], axis=0)
+            if (lost[-1] <= tolerated).all():
+                cut = len(states)
+            else:
+                cut = max(cut, int(np.searchsorted(~(lost <= SPENT_PER_LEVEL * tolerated).all(axis=1), True)))
+        missing += left[order[:cut]].sum(axis=0)
+        np.minimum(missing, LARGEST, out=missing)
+        return np.sort(order[cut:])
 
     def _end_paths(self, level: int) -> None:
         """End paths at the listeners: of many states at once, and of each level where the sum so far decides what is dropped."""
@@ -403,35 +424,3 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
     merged = states.pick(order[begin])
     merged.value = np.add.reduceat(states.value.take(order, axis=0), begin, axis=0)
     return merged
-
-
-def _kept(
-    states: _States,
-    limits: Limits,
-    bounds: WalkBounds,
-    level: int,
-    total: FloatArray,
-    missing: FloatArray,
-    most: int,
-    cost: FloatArray,
-    allowed: float,
-) -> IntArray:
-    """Numbers of the states that stay. Those of least weight are dropped: as many as the tolerance allows at this level, and all beyond the
-    number ``most`` or the work ``allowed`` (each state takes its ``cost``). What they might have added is added to ``missing``."""
-    value = states.value[:, :1]
-    left = np.minimum(value * bounds.sums(level)[states.entry], LARGEST)
-    with np.errstate(divide="ignore", over="ignore"):
-        score = (value * (bounds.importance(level) * np.minimum(1 / total, LARGEST))[states.entry]).max(axis=1)
-    order = np.argsort(score, kind="stable")
-    affordable = int(np.searchsorted(np.cumsum(cost[order[::-1]]), allowed, side="right"))
-    cut = len(states) - min(most, affordable)
-    if limits.tolerance > 0:
-        tolerated = np.maximum(limits.tolerance / (1 + limits.tolerance) * total - missing, 0.0)
-        lost = np.cumsum(left[order], axis=0)
-        if (lost[-1] <= tolerated).all():
-            cut = len(states)
-        else:
-            cut = max(cut, int(np.searchsorted(~(lost <= SPENT_PER_LEVEL * tolerated).all(axis=1), True)))
-    missing += left[order[:cut]].sum(axis=0)
-    np.minimum(missing, LARGEST, out=missing)
-    return np.sort(order[cut:])

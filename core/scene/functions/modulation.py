@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields
 from functools import cache
 from typing import Any, ClassVar
 
@@ -57,14 +57,8 @@ class Spectrum:
 
     def to_dict(self) -> dict[str, Any]:
         """The non-default values by the keys of the scene file."""
-        used: dict[str, Any] = {}
-        if self.band_gains:
-            used["band_gains"] = list(self.band_gains)
-        if self.band_decays:
-            used["band_decays"] = list(self.band_decays)
-        if self.wave_speed:
-            used["wave_speed"] = self.wave_speed
-        return used
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return {key: list(value) if isinstance(value, tuple) else value for key, value in values.items() if value}
 
 
 def require(key: str, value: float) -> None:
@@ -74,9 +68,9 @@ def require(key: str, value: float) -> None:
 
 
 @cache
-def _numbers(cls: type[ModulationFunction]) -> tuple[tuple[str, str], ...]:
-    """Names of a function's numeric parameters, each with its key in files."""
-    return tuple((entry.name, entry.metadata.get("key", entry.name)) for entry in fields(cls) if entry.type == "float")
+def parameters_of(cls: type[ModulationFunction]) -> Mapping[str, Field[Any]]:
+    """The parameters of a function by their keys in files."""
+    return {entry.metadata.get("key", entry.name): entry for entry in fields(cls) if entry.init and entry.name != "spectrum"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,10 +83,11 @@ class ModulationFunction:
     spectrum: Spectrum = field(default_factory=Spectrum)
 
     def __post_init__(self) -> None:
-        for name, key in _numbers(type(self)):  # type: ignore[arg-type]
-            require(key, getattr(self, name))
-            if name in self.positive and getattr(self, name) == 0:
-                raise ValueError(f"{key}: must be greater than 0")
+        for key, entry in parameters_of(type(self)).items():  # type: ignore[arg-type]
+            if entry.type == "float":
+                require(key, getattr(self, entry.name))
+                if entry.name in self.positive and getattr(self, entry.name) == 0:
+                    raise ValueError(f"{key}: must be greater than 0")
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
         """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of `spreading_law`; None for another form."""
@@ -151,8 +146,8 @@ class ModulationFunction:
 
     def to_dict(self) -> dict[str, Any]:
         """The form of the scene file: ``{"function": name, parameters...}``."""
-        parameters = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "spectrum" and f.init}
-        return {"function": self.name, **parameters, **self.spectrum.to_dict()}
+        values = {key: getattr(self, entry.name) for key, entry in parameters_of(type(self)).items()}  # type: ignore[arg-type]
+        return {"function": self.name, **values, **self.spectrum.to_dict()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,9 +169,6 @@ class Constant(ModulationFunction):
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return self.gain_value, 0.0
-
-    def to_dict(self) -> dict[str, Any]:
-        return {"function": self.name, "gain": self.gain_value, **self.spectrum.to_dict()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

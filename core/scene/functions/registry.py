@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import Any
 
 from .contacts import Impedance, NormalForce, Resilient
-from .modulation import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum
+from .modulation import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum, parameters_of
 from .physical import Physical
 
 FUNCTIONS: dict[str, type[ModulationFunction]] = {
@@ -28,11 +27,11 @@ def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[Mod
     cls = functions.get(name) if isinstance(name, str) else None
     if cls is None:
         raise ValueError(f"function: unknown {name!r}; one of {', '.join(functions)}")
-    parameters: dict[str, Any] = {f.metadata.get("key", f.name): f.name for f in fields(cls) if f.init and f.name != "spectrum"}
+    parameters = parameters_of(cls)  # type: ignore[arg-type]
     arguments: dict[str, Any] = {}
     for key, value in form.items():
         if key in parameters:
-            arguments[parameters[key]] = value
+            arguments[parameters[key].name] = value
         elif key not in ("function", *_SPECTRUM_KEYS):
             raise ValueError(f"{key}: unknown parameter of function {name!r}")
     spectrum = Spectrum(
