@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -251,7 +252,7 @@ class CollisionDetector:
             self._rubbing.clear()
             return ()
         if not again:
-            span, middles = None if previous is None else (previous, frame.time), self._numbering.middles()
+            span, middles = None if previous is None else (previous, frame.time), self._numbering.middles
             self._rubbing.follow(frame.number, span, frame.bodies, found.contacts, transforms, middles, self.settings)
         if kept is not None and kept.rubbed is not None:
             self._rubbing.recall(kept.rubbed)
@@ -300,7 +301,8 @@ class CollisionDetector:
         if self._rules != rules:
             self.forget_impacts()
             self._rules = rules
-        if tracker is None or tracker.settings != self._tracked or not _same_names(tracker.bodies, bodies):
+        same = tracker is not None and (tracker.bodies is bodies or [b.name for b in tracker.bodies] == [b.name for b in bodies])
+        if tracker is None or tracker.settings != self._tracked or not same:
             tracker = self._tracker = ContactTracker(bodies, self._tracked)
             self._sources.clear()
             self._rubbing.clear()
@@ -362,17 +364,15 @@ class _Numbering:
         index = table.index()
         self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
         self._bounds: tuple[Settings, tuple[FloatArray, FloatArray]] | None = None
-        self._centres: FloatArray | None = None
 
     def frames(self, transforms: FloatArray) -> ObjectFrames:
         """Return the frames of reference of the objects for rigid ``transforms`` (n, 4, 4) of the bodies."""
-        return ObjectFrames.unknown(len(self.table.names)).placed(self.objects, self.middles(), transforms)
+        return ObjectFrames.unknown(len(self.table.names)).placed(self.objects, self.middles, transforms)
 
+    @cached_property
     def middles(self) -> FloatArray:
-        """Return the centres (n, 3) of the bodies' local bounding boxes."""
-        if self._centres is None:
-            self._centres = local_centres([body.shape for body in self.bodies])
-        return self._centres
+        """The centres (n, 3) of the bodies' local bounding boxes."""
+        return local_centres([body.shape for body in self.bodies])
 
     def gain_bounds(self, settings: Settings) -> tuple[FloatArray, FloatArray]:
         """Return factor and decay (n,) of each body such that its gain over d metres is at most ``factor * exp(-decay * d)``."""
@@ -391,7 +391,3 @@ def _places(frame: Frame) -> dict[str, FloatArray]:
 
 def _asks_for_frames(settings: Settings, contacts: ContactSet) -> bool:
     return settings.strategy is Strategy.ENERGY_BALANCE or any(function.uses_force for function in contacts.transmissions)
-
-
-def _same_names(first: Sequence[Body], second: Sequence[Body]) -> bool:
-    return first is second or [body.name for body in first] == [body.name for body in second]

@@ -304,9 +304,8 @@ class HapticScene:
     rules: ContactSettings = field(default_factory=ContactSettings)
 
     def __post_init__(self) -> None:
-        require_unique([item.name for item in self.objects], "object", "objects")
-        require_unique([item.name for item in self.sources], "source", "sources")
-        require_unique([item.name for item in self.listeners], "listener", "listeners")
+        for kind in ("object", "source", "listener"):
+            require_unique([item.name for item in getattr(self, f"{kind}s")], kind, f"{kind}s")
         known = {item.name for item in self.objects}
         for i, contact in enumerate(self.contacts):
             for k, name in enumerate(contact.objects):

@@ -58,6 +58,10 @@ _OUTWARD = np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
 _CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]).T[:, :, None]
 
 
+_Boxes = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+"""Pairs of boxes: rotation (3, 3, p) and centre (3, p) of the second in the frame of the first, half extents (3, p) of both."""
+
+
 @dataclass(frozen=True, slots=True)
 class BoxContacts:
     """Per pair: signed ``distance`` (p,), ``normal`` (3, p) from first to second, ``centre`` (3, p) of the patch midway between the
@@ -73,39 +77,36 @@ class BoxContacts:
 def box_contacts(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray, limit: FloatArray) -> BoxContacts:
     """Contacts of boxes: rotation (3, 3, p) and centre (3, p) of the second in the frame of the first, half extents (3, p) > 0. Beyond
     ``limit`` (p,) only a lower bound on the distance is given."""
-    distance, axis = best_axes(rotation, offset, half_a, half_b)
+    boxes = rotation, offset, half_a, half_b
+    distance, axis = best_axes(*boxes)
     near = (distance <= limit).nonzero()[0]
     count = len(limit)
     if len(near) == count > 0:
-        return _near_contacts(distance, axis, rotation, offset, half_a, half_b)
+        return _near_contacts(distance, axis, boxes)
     result = BoxContacts(distance, np.zeros((3, count)), np.zeros((3, count)), np.zeros(count), np.ones(count, dtype=np.bool_))
     result.normal[2] = 1.0
     if len(near):
-        replace_rows(result, near, _near_contacts(distance[near], axis[near], *_rows(near, rotation, offset, half_a, half_b)))
+        replace_rows(result, near, _near_contacts(distance[near], axis[near], _rows(near, boxes)))
     return result
 
 
-def _rows(
-    rows: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _rows(rows: IntArray, boxes: _Boxes) -> _Boxes:
     """Some of the pairs."""
+    rotation, offset, half_a, half_b = boxes
     return rotation.take(rows, axis=2), offset.take(rows, axis=1), half_a.take(rows, axis=1), half_b.take(rows, axis=1)
 
 
-def _near_contacts(
-    distance: FloatArray, axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
-) -> BoxContacts:
+def _near_contacts(distance: FloatArray, axis: IntArray, boxes: _Boxes) -> BoxContacts:
     """Contacts of boxes with their ``distance`` along their best ``axis``, which is overwritten."""
     edges = (axis >= FIRST_EDGE_AXIS).nonzero()[0]
-    boxes = rotation, offset, half_a, half_b
     if len(edges):
-        crossing = _rows(edges, *boxes)
+        crossing = _rows(edges, boxes)
         points = edge_points(axis[edges], *crossing)
         # Where the faces that the edges belong to are nearly parallel, the patch is theirs.
         alignment = np.abs(np.concatenate([points.normal, turned_back(crossing[0], points.normal)]))
         axis[edges] = face = alignment.argmax(axis=0)
         aligned = pick(alignment, face) > _FACING
-    found, thin = _faces(distance, axis, edges, *boxes)
+    found, thin = _faces(distance, axis, edges, boxes)
     # Each centre is moved by ``share`` of the way from where the faces overlap to the mean of the nearest corners.
     share, lying = thin * found.exact, found.centre
     if len(edges):
@@ -118,20 +119,13 @@ def _near_contacts(
         lying = found.centre.copy()
         found.centre[:, edges] = middle
         lying[:, edges] = np.where(patched, lying[:, edges], middle)
-    return replace(found, centre=_with_nearest_corners(found, lying, share, *boxes))
+    return replace(found, centre=_with_nearest_corners(found, lying, share, boxes))
 
 
-def _faces(
-    distance: FloatArray,
-    axis: IntArray,
-    edges: IntArray,
-    rotation: FloatArray,
-    offset: FloatArray,
-    half_a: FloatArray,
-    half_b: FloatArray,
-) -> tuple[BoxContacts, FloatArray]:
+def _faces(distance: FloatArray, axis: IntArray, edges: IntArray, boxes: _Boxes) -> tuple[BoxContacts, FloatArray]:
     """Contacts of faces, of the first box where ``axis`` < 3, and the parts (p,) by which each is a sliver; where ``edges`` are nearest,
     their distance is left as it is."""
+    rotation, offset, half_a, half_b = boxes
     count = len(axis)
     number = np.arange(count)
     rows = np.empty((_ROWS, count))
@@ -227,15 +221,7 @@ def _added(terms: FloatArray) -> FloatArray:
     return np.asarray(terms[..., 0, :] + terms[..., 1, :])
 
 
-def _with_nearest_corners(
-    found: BoxContacts,
-    centre: FloatArray,
-    share: FloatArray,
-    rotation: FloatArray,
-    offset: FloatArray,
-    half_a: FloatArray,
-    half_b: FloatArray,
-) -> FloatArray:
+def _with_nearest_corners(found: BoxContacts, centre: FloatArray, share: FloatArray, boxes: _Boxes) -> FloatArray:
     """The ``centre`` (3, p), moved by ``share`` (p,) of the way to the mean of the corners whose distance to the other box, or depth in it
     along the normal, is nearly the least; this mean lies in the plane of the centre ``found``, which has a small weight of its own.
 
@@ -245,7 +231,7 @@ def _with_nearest_corners(
     rows = ((share > 0) | ~found.exact).nonzero()[0]
     if len(rows) == 0:
         return centre
-    corners = _Corners.of(*_rows(rows, rotation, offset, half_a, half_b))
+    corners = _Corners.of(*_rows(rows, boxes))
     least, normal, middle = found.distance[rows], found.normal.take(rows, axis=1), found.centre.take(rows, axis=1)
     exact, part = found.exact[rows], share[rows]
     if not exact.all():

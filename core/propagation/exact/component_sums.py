@@ -110,7 +110,7 @@ class ComponentSum:
     def _strongest(self, search_graph: SearchGraph, bounds: WalkBounds, best: SearchResult, budget: int) -> tuple[SearchResult, int]:
         """The sum over the strongest paths, as far down as the budget allows, if it is more than ``best``; the upper bound stays."""
         upper = best.sums.sum(axis=0)[:, 0] + best.missing
-        ahead = bounds.strongest().max(axis=1)
+        ahead = bounds.strongest.max(axis=1)
         threshold = float(ahead[-1])
         ranking = ArcRanking.of(search_graph, ahead)
         spent = 0

@@ -23,7 +23,7 @@ from .search_graph import Arcs, SearchGraph
 from .walk_bounds import WalkBounds
 
 KeyArray = NDArray[np.uint64]
-BitArray = NDArray[np.uint8] | NDArray[np.uint64]
+BitArray = NDArray[np.uint8]
 
 PAIRS = 4
 """Steps examined in the time of one unit of work."""
@@ -37,8 +37,8 @@ BINS, TABLE = 64, 1 << 20
 BITES = 256
 """Bytes of crossed patches copied in the time of one unit of work."""
 
-WORD = 64
-"""Patches that fit the bits of one number."""
+NUMBERED = 64
+"""Up to so many patches, sets have a bit for each patch of the graph, otherwise for those of the search."""
 
 BYTES = 1 << 28
 """Most bytes that the states may take."""
@@ -140,7 +140,7 @@ _SCALE = 1024.0
 @dataclass(slots=True)
 class _States:
     """Partial paths: the entry where each stands, its gain, its value (n, lanes) with shares and bands, the bit set of the patches crossed
-    ((n, bytes), or (n,) where they are few), and the hash of that set where states are merged."""
+    (n, bytes), and the hash of that set where states are merged."""
 
     entry: IntArray
     gain: FloatArray
@@ -326,39 +326,31 @@ class _Search:
 
 
 class _PatchSets:
-    """Bit sets of patches: one number per set of up to 64 patches, a row of bytes for more."""
+    """Bit sets of patches, a row of bytes each."""
 
     def __init__(self, patch: IntArray) -> None:
         which, count = patch, int(patch.max()) + 1
-        if count > WORD:
+        if count > NUMBERED:
             numbers, which = np.unique(patch, return_inverse=True)
             none = int(numbers[0] == -1)
             which, count = which - none, len(numbers) - none
         self.size = count // 8 + 1
         """Bytes per set."""
-        self._few = count <= WORD
-        if self._few:
-            self._bit = np.where(patch == -1, 0, np.left_shift(1, which.astype(np.uint64) & np.uint64(63), dtype=np.uint64))
-        else:
-            self._bit = np.where(patch == -1, 0, 1 << (which & 7)).astype(np.uint8)
-            self._place = np.maximum(which, 0) >> 3
+        self._bit = np.where(patch == -1, 0, 1 << (which & 7)).astype(np.uint8)
+        self._place = np.maximum(which, 0) >> 3
 
     def none(self, count: int) -> BitArray:
         """``count`` empty sets."""
-        return np.zeros(count, dtype=np.uint64) if self._few else np.zeros((count, self.size), dtype=np.uint8)
+        return np.zeros((count, self.size), dtype=np.uint8)
 
     def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BoolArray:
         """Whether the patch that leads into ``entry[k]`` is missing from the set ``crossed[which[k]]``."""
-        there = crossed[which] if self._few else crossed.reshape(-1)[which * self.size + self._place[entry]]
-        return np.asarray((there & self._bit[entry]) == 0)
+        return np.asarray((crossed.reshape(-1)[which * self.size + self._place[entry]] & self._bit[entry]) == 0)
 
     def added(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BitArray:
         """Sets with the patches that lead into the entries added."""
         sets = crossed.take(which, axis=0)
-        if self._few:
-            sets |= self._bit[entry]
-        else:
-            sets.reshape(-1)[np.arange(0, sets.size, self.size) + self._place[entry]] |= self._bit[entry]
+        sets.reshape(-1)[np.arange(0, sets.size, self.size) + self._place[entry]] |= self._bit[entry]
         return sets
 
 
@@ -417,7 +409,7 @@ def _merge(states: _States, entry_key: KeyArray) -> _States:
         return states
     pairs = np.flatnonzero(same)
     a, b = order[pairs], order[pairs + 1]
-    really = (states.entry[a] == states.entry[b]) & (states.crossed[a] == states.crossed[b]).reshape(len(a), -1).all(axis=1)
+    really = (states.entry[a] == states.entry[b]) & (states.crossed[a] == states.crossed[b]).all(axis=1)
     first = np.ones(len(order), dtype=np.bool_)
     first[pairs[really] + 1] = False
     begin = np.flatnonzero(first)

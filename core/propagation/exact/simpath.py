@@ -208,15 +208,15 @@ def _width(patches: Sequence[tuple[int, int]], around: Neighbours, order: Sequen
     return list(itertools.accumulate(states))
 
 
+@dataclass(slots=True)
 class _Layer:
     """The states after some patches, without (``opened``) and with (``closed``) the fragment that ends at a listener: row of each state in
     the values (rows, contacts crossed, lanes) and (rows, listeners, contacts crossed, lanes)."""
 
-    def __init__(self, listeners: int, steps: int, lanes: int) -> None:
-        self.opened: dict[int, int] = {}
-        self.closed: dict[int, int] = {}
-        self.open_values = np.zeros((0, steps, lanes))
-        self.closed_values = np.zeros((0, listeners, steps, lanes))
+    opened: dict[int, int]
+    closed: dict[int, int]
+    open_values: FloatArray
+    closed_values: FloatArray
 
 
 class _Moves:
@@ -250,9 +250,7 @@ class SumOverPaths:
         self._crossings, self._weights, self._limited, self._expected = crossings, weights, limited, expected
         self._place = 0
         self._total = at_start[:, None] * start
-        self._layer = self._following = _Layer(listeners, steps, lanes)
-        self._layer.opened[SOURCE] = 0
-        self._layer.open_values = start[None]
+        self._layer = self._following = _Layer({SOURCE: 0}, {}, start[None], np.zeros((0, listeners, steps, lanes)))
         self._cost = 1 + listeners * steps * lanes / ELEMENTS
 
     def run(self, allowed: float) -> FloatArray | None:
@@ -271,10 +269,8 @@ class SumOverPaths:
 
     def _take(self, crossing: Crossing, weight: Weights) -> None:
         if crossing.first:
-            layer, following = self._following, _Layer(0, 0, 0)
-            following.opened, following.closed = dict(layer.opened), dict(layer.closed)
-            following.open_values, following.closed_values = layer.open_values, layer.closed_values
-            self._layer, self._following = layer, following
+            layer = self._layer = self._following
+            self._following = _Layer(dict(layer.opened), dict(layer.closed), layer.open_values, layer.closed_values)
         following = self._following
         self.work += self._cost * _cross(self._layer, following, self._total, crossing, weight, self._limited)
         for slots, most in crossing.most:

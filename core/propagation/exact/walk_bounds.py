@@ -10,6 +10,8 @@ patch at most once, which bounds the number of terms.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from ...arrays import FloatArray
@@ -45,31 +47,29 @@ class WalkBounds:
         self._search_graph = search_graph
         self._crossings = min(crossings, len(set(search_graph.patch.tolist()) - {-1}))
         self._whole = whole
-        self._sums: FloatArray | None = None
-        self._strongest: FloatArray | None = None
+
+    @cached_property
+    def _sums(self) -> FloatArray:
+        return walk_sums(self._search_graph, int(self._crossings)) if self._whole else np.full((1, *self.strongest.shape), LARGEST)
 
     def sums(self, level: int) -> FloatArray:
         """(e, l) for paths that have crossed ``level`` contacts. A path crosses each patch once, so only the others are left."""
-        if self._sums is None:
-            self._sums = (
-                walk_sums(self._search_graph, int(self._crossings)) if self._whole else np.full((1, *self.strongest().shape), LARGEST)
-            )
         return np.asarray(self._sums[min(int(self._crossings) - level, len(self._sums) - 1)])
 
+    @cached_property
     def strongest(self) -> FloatArray:
         """(e, l) largest gain of any walk over a few contacts from each entry to each listener."""
-        if self._strongest is None:
-            self._strongest = _ends(self._search_graph)
-            for _ in range(min(int(self._crossings), FEW)):
-                better = np.minimum(np.maximum(self._strongest, _step(self._search_graph, self._strongest, np.maximum)), LARGEST)
-                if np.array_equal(better, self._strongest):
-                    break
-                self._strongest = better
-        return self._strongest
+        strongest = _ends(self._search_graph)
+        for _ in range(min(int(self._crossings), FEW)):
+            better = np.minimum(np.maximum(strongest, _step(self._search_graph, strongest, np.maximum)), LARGEST)
+            if np.array_equal(better, strongest):
+                break
+            strongest = better
+        return strongest
 
     def importance(self, level: int) -> FloatArray:
         """(e, l) rank of paths that have crossed ``level`` contacts: the bounds, or where they are no use the strongest continuation."""
-        sums, strongest = self.sums(level), self.strongest()
+        sums, strongest = self.sums(level), self.strongest
         return strongest if np.any(sums[-1] > MEANINGLESS * strongest[-1]) else sums
 
 

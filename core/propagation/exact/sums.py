@@ -1,4 +1,4 @@
-"""Sums over the paths whose gain stays at a threshold or above, by breadth-first search."""
+"""Sums over paths: of those whose gain stays at a threshold or above by breadth-first search, of all by the bridge tree."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ..connections import HOPS, LARGEST, SLACK, PathConnections, cost_limit, lan
 from ..hop_constrained import hop_constrained_paths
 from ..shortest_paths import ShortestPaths, shortest_paths
 from .bridge_decomposition import is_forest
+from .bridge_tree_sums import bridge_tree_sums
 from .component_sums import ROUNDING
 from .path_search import ArcRanking, Limits, SearchResult, search
 from .path_sums import PathLimits, PathSums
@@ -41,19 +42,26 @@ def threshold_costs(graph: HapticGraph, sources: Sequence[Sequence[int]], thresh
     return ThresholdCosts(ShortestPaths(trees.cost[:-1], trees.entry[:-1], trees.relaxed), trees.cost[-1])
 
 
-def threshold_sums(
+def sum_over_paths(
     graph: HapticGraph,
     roots: Sequence[int],
     listeners: Sequence[int],
     limits: PathLimits,
-    known: tuple[ThresholdCosts, int] | None,
-    recrossings: bool,
+    known: tuple[ThresholdCosts, int] | None = None,
+    recrossings: bool = False,
 ) -> PathSums:
-    """Sum over the paths from the nodes ``roots`` of a source to each of the nodes ``listeners``, within the limits.
+    """Sum of the products of gains over the paths from the nodes ``roots`` of a source to each of the nodes ``listeners``.
 
-    Exact unless that takes more than the budget; then to the tolerance if that is within the budget. ``known`` and
-    ``recrossings`` as in `sum_over_paths`.
+    With a threshold, whether a path counts depends on its own gain, so paths are searched one by one, as arrays. Without one, the sum
+    factorises over the bridges of the contacts, and inside a component it is found without enumeration (`bridge_tree_sums`). The result is
+    exact, or an interval: a lower bound that was summed, and a bound on the rest.
+
+    Args:
+        known: costs up to the threshold and the source's row in them; None if some gain exceeds 1.
+        recrossings: whether the result includes the walks that were stopped because they cross a patch twice.
     """
+    if limits.threshold == 0:
+        return bridge_tree_sums(graph, roots, listeners, limits)
     limit = cost_limit(limits.threshold) + SLACK
     if known is None:
         most = int(min(limits.crossings, graph.contact_count))
