@@ -31,12 +31,6 @@ class GainBound:
     transmission: float = 1.0
     from_impacts: bool = False
 
-    def __post_init__(self) -> None:
-        if len(self.factor) != len(self.decay):
-            raise ValueError(f"decay: {len(self.decay)} values for {len(self.factor)} of factor")
-        if not 0 <= self.threshold < np.inf:
-            raise ValueError(f"threshold: must be finite and >= 0, got {self.threshold!r}")
-
     def wanted(self, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
         """Which possible contacts of bodies ``first`` and ``second`` (p,), somewhere between ``low`` and ``high`` (3, p) [world], a signal
         can reach.

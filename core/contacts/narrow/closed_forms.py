@@ -49,26 +49,14 @@ def point_to_box(point: FloatArray, rotation: FloatArray, centre: FloatArray, ha
     side = np.where(pick(local, axis) < 0, -1.0, 1.0)
     facing = axis == COLUMN
     face = np.where(facing, side * half, local)
-    return _placed(outside, inside, -pick(room, axis), np.where(facing, -side, 0.0), local, face, rotation, centre)
+    within = Separation(-pick(room, axis), np.where(facing, -side, 0.0), local, face)
+    return _in_world(_merged(outside, within, inside), rotation, centre)
 
 
-def _placed(
-    outside: Separation,
-    inside: BoolArray,
-    depth: FloatArray,
-    normal: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    rotation: FloatArray,
-    centre: FloatArray,
-) -> Separation:
-    """World separation from local ones, those ``inside`` replaced."""
-    return Separation(
-        np.where(inside, depth, outside.distance),
-        turned(rotation, np.where(inside, normal, outside.normal)),
-        turned(rotation, np.where(inside, first, outside.first)) + centre,
-        turned(rotation, np.where(inside, second, outside.second)) + centre,
-    )
+def _in_world(local: Separation, rotation: FloatArray, centre: FloatArray) -> Separation:
+    """The separation in world space of one in the space of its second cores."""
+    ends = (turned(rotation, end) + centre for end in (local.first, local.second))
+    return Separation(local.distance, turned(rotation, local.normal), *ends)
 
 
 def _radial(local: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -91,7 +79,7 @@ def point_to_cylinder(point: FloatArray, rotation: FloatArray, centre: FloatArra
     inside = (to_side > 0) & (to_end > 0)
     out = np.where(to_side <= to_end, direction, _UP * np.where(local[2] < 0, -1.0, 1.0))
     depth = np.minimum(to_side, to_end)
-    return _placed(outside, inside, -depth, -out, local, local + out * depth, rotation, centre)
+    return _in_world(_merged(outside, Separation(-depth, -out, local, local + out * depth), inside), rotation, centre)
 
 
 def point_to_cone(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
@@ -111,7 +99,7 @@ def point_to_cone(point: FloatArray, rotation: FloatArray, centre: FloatArray, h
     by_floor = to_floor < to_slant
     nearest = direction * np.where(by_floor, floor_radius, slant_radius) + _UP * np.where(by_floor, -height, slant_z)
     outside = between(local, nearest)
-    return _placed(outside, inside, -outside.distance, -outside.normal, local, nearest, rotation, centre)
+    return _in_world(_merged(outside, Separation(-outside.distance, -outside.normal, local, nearest), inside), rotation, centre)
 
 
 def nearest_on_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
@@ -170,10 +158,7 @@ def segment_to_box(start: FloatArray, end: FloatArray, rotation: FloatArray, cen
     share = np.where(falling > 0, -low / np.where(falling > 0, falling, 1.0), 1.0)
     begin = pick(times, early)
     first = a + way * (begin + np.clip(share, 0.0, 1.0) * (pick(times, late) - begin))
-    local = between(first, np.clip(first, -half, half))
-    return Separation(
-        local.distance, turned(rotation, local.normal), turned(rotation, first) + centre, turned(rotation, local.second) + centre
-    )
+    return _in_world(between(first, np.clip(first, -half, half)), rotation, centre)
 
 
 def nearest_on_triangle(point: FloatArray, corners: FloatArray) -> FloatArray:

@@ -59,9 +59,7 @@ class CorePatches:
                 for core, rotation, centre in ((some.first, some.rotation_a, some.centre_a), (some.second, some.rotation_b, some.centre_b))
             ]
             area[faceted] = np.maximum(area[faceted], section_area(reaches))
-        return Patches(
-            middle + result.centre, area, result.found, result.gap, middle[:, None] + result.corners, result.used, wide_a & wide_b
-        )
+        return replace(result, centre=middle + result.centre, area=area, corners=middle[:, None] + result.corners, wide=wide_a & wide_b)
 
     def _polygons(
         self, core: IntArray, triangle: IntArray | None, rotation: FloatArray, centre: FloatArray, direction: FloatArray

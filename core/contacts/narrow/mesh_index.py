@@ -41,7 +41,7 @@ class MeshIndex:
 
     def near(self, bounds: FloatArray) -> tuple[IntArray, IntArray]:
         """Pairs of boxes ``bounds`` (n, 2, 3) [local space] and triangles with overlapping bounds: numbers of both, sorted."""
-        boxes, triangles = [], []
+        boxes, triangles = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
         step = max(1, _CHUNK // max(len(self.block_low), 1))
         for begin in range(0, len(bounds), step):
             box, block = _overlapping(bounds[begin : begin + step], self.block_low, self.block_high)
@@ -51,8 +51,6 @@ class MeshIndex:
                 found = self._in_blocks(bounds, box[chosen], block[chosen])
                 boxes.append(found[0])
                 triangles.append(found[1])
-        if not boxes:
-            return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
         return np.concatenate(boxes), np.concatenate(triangles)
 
     def _in_blocks(self, bounds: FloatArray, box: IntArray, block: IntArray) -> tuple[IntArray, IntArray]:

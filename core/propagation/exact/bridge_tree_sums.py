@@ -8,13 +8,49 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, IntArray
 from ...graph.contact_patches import contact_patches
 from ...graph.haptic_graph import HapticGraph
 from ..connections import LARGEST, band_factors, bounded_exp, lanes_of
 from .bridge_decomposition import Component, decompose
 from .component_sums import ComponentSum
-from .path_sums import PathLimits, PathSums
+
+
+@dataclass(frozen=True, slots=True)
+class PathLimits:
+    """Limits of the paths, and required accuracy of the sum.
+
+    Attributes:
+        crossings: most contacts on a path.
+        threshold: least gain of a path.
+        tolerance: relative error requested if the exact sum exceeds the budget.
+        budget: most work: partial paths, states and transitions.
+    """
+
+    crossings: float
+    threshold: float
+    tolerance: float
+    budget: int
+
+
+@dataclass(slots=True)
+class PathSums:
+    """Sums of one source.
+
+    Attributes:
+        gain: (l, lanes) of each listener: the plain gain, then that of each band if bands are used.
+        error: (l,) the true plain gain lies in ``[gain, gain + error]``; `LARGEST` without a bound.
+        paths: (l,) number of paths summed, -1 if they were not counted.
+        work: work done.
+        recrossings: last entries (nodes) and gains of the walks that were not continued because they cross a patch twice; None if not
+        requested or unknown.
+    """
+
+    gain: FloatArray
+    error: FloatArray
+    paths: IntArray
+    work: int
+    recrossings: tuple[IntArray, FloatArray] | None = None
 
 
 def bridge_tree_sums(graph: HapticGraph, roots: Sequence[int], listeners: Sequence[int], limits: PathLimits) -> PathSums:

@@ -15,7 +15,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -219,13 +219,13 @@ class _Layer:
     closed_values: FloatArray
 
 
+@dataclass(slots=True)
 class _Moves:
     """Transitions of one contact, as parallel lists: from which row, to which row, with which factor."""
 
-    def __init__(self) -> None:
-        self.source: list[int] = []
-        self.target: list[int] = []
-        self.factor: list[int] = []
+    source: list[int] = field(default_factory=list)
+    target: list[int] = field(default_factory=list)
+    factor: list[int] = field(default_factory=list)
 
 
 class SumOverPaths:

@@ -15,10 +15,9 @@ from ..connections import HOPS, LARGEST, SLACK, PathConnections, cost_limit, lan
 from ..hop_constrained import hop_constrained_paths
 from ..shortest_paths import ShortestPaths, shortest_paths
 from .bridge_decomposition import is_forest
-from .bridge_tree_sums import bridge_tree_sums
+from .bridge_tree_sums import PathLimits, PathSums, bridge_tree_sums
 from .component_sums import ROUNDING
 from .path_search import ArcRanking, Limits, SearchResult, search
-from .path_sums import PathLimits, PathSums
 from .search_graph import SearchGraph, build_search_graph
 from .walk_bounds import WalkBounds
 
