@@ -52,9 +52,7 @@ class ContactSet:
             normal=np.array([c.normal for c in contacts], dtype=np.float64).reshape(count, 3),
             depth=np.array([max(c.depth, 0.0) for c in contacts], dtype=np.float64),
             distance=np.array([-c.depth for c in contacts], dtype=np.float64),
-            area=np.array([c.area for c in contacts], dtype=np.float64),
-            share=np.array([c.share for c in contacts], dtype=np.float64),
-            weight=np.array([c.weight for c in contacts], dtype=np.float64),
+            **{key: np.array([getattr(c, key) for c in contacts], dtype=np.float64) for key in ("area", "share", "weight")},
             transmission=np.array([functions.setdefault(c.transmission, len(functions)) for c in contacts], dtype=np.int64),
             transmissions=tuple(functions) or (Identity(),),
         )

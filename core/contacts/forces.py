@@ -61,8 +61,11 @@ def _of_group(
     place = np.full(len(mass), -1)
     place[bodies] = np.arange(len(bodies))
     strength = float(np.linalg.norm(gravity))
-    points, offsets = _pressed_points(contacts, rows)
-    directions = _directions(contacts.normal[rows])
+    _, first, second = directions = _directions(contacts.normal[rows])
+    # The middle of each contact, and the ways from there to the corners of half the square that has the patch's area.
+    half = np.sqrt(contacts.area[rows])[:, None] / 2
+    points = contacts.positions[rows].mean(axis=1)
+    offsets = np.stack([half * (a * first + b * second) for a in (-1, 1) for b in (-1, 1)])
     unit = float(mass[bodies].mean()) * max(strength, 1e-9)
     size = max(float(np.linalg.norm(np.ptp(points, axis=0))) / math.sqrt(len(rows)), 1e-3)  # a length [m] of the size of the levers
     # A column per direction and point: 4 points press along the normal, and friction acts at the middle.
@@ -73,10 +76,10 @@ def _of_group(
         for column in range(6):
             push = sign * directions[max(column - 3, 0)][moved]
             arm = points[moved] + (offsets[column][moved] if column < 4 else 0.0) - centre[body[moved]]
-            first = 6 * place[body[moved]]
+            row = 6 * place[body[moved]]
             for axis in range(3):
-                matrix[first + axis, column * len(rows) + moved] = push[:, axis]
-                matrix[first + 3 + axis, column * len(rows) + moved] = _TORQUE / size * np.cross(arm, push)[:, axis]
+                matrix[row + axis, column * len(rows) + moved] = push[:, axis]
+                matrix[row + 3 + axis, column * len(rows) + moved] = _TORQUE / size * np.cross(arm, push)[:, axis]
     target = np.zeros((len(bodies), 6))
     target[:, :3] = -mass[bodies, None] * gravity / unit
     falls = np.zeros(len(mass), dtype=np.bool_)
@@ -102,13 +105,6 @@ def _balanced(matrix: FloatArray, target: FloatArray, count: int, most: FloatArr
     low = np.concatenate([np.zeros(4 * count), -most / _RELUCTANCE])
     high = np.concatenate([np.full(4 * count, np.inf), most / _RELUCTANCE])
     return np.asarray(scale * bounded_least_squares(matrix * scale, target, low, high, _SOFTNESS))
-
-
-def _pressed_points(contacts: ContactSet, rows: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Middles (k, 3) of contacts, and offsets (4, k, 3) to the corners of half the square that has the patch's area."""
-    _, first, second = _directions(contacts.normal[rows])
-    half = np.sqrt(contacts.area[rows])[:, None] / 2
-    return contacts.positions[rows].mean(axis=1), np.stack([half * (a * first + b * second) for a in (-1, 1) for b in (-1, 1)])
 
 
 def _directions(normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -148,7 +148,8 @@ class Rubbing:
             if texture is None or not amplitude:
                 continue
             name = _NAMES[rolls][now.number % 2].format(*item.names)
-            signal = texture.piece(speed, self._cycles(item, rolls, speed, texture.period), now.step, _seed(name, now.number))
+            seed = int.from_bytes(blake2b(f"{name}\0{now.number}".encode(), digest_size=6).digest(), "big")
+            signal = texture.piece(speed, self._cycles(item, rolls, speed, texture.period), now.step, seed)
             found.append(_source(name, item, amplitude, signal, now.start))
         return found
 
@@ -259,7 +260,3 @@ def _source(name: str, item: _Moving, amplitude: float, signal: Signal, onset: f
     (x, y, z), (u, v, w) = item.positions
     first, second = item.names
     return Source(name, first, (x, y, z), amplitude, signal=signal, second_object=second, second_position=(u, v, w), onset=onset)
-
-
-def _seed(name: str, frame: int) -> int:
-    return int.from_bytes(blake2b(f"{name}\0{frame}".encode(), digest_size=6).digest(), "big")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray, runs
+from ..arrays import FloatArray, IntArray, added_by, runs
 from .haptic_graph import HapticGraph
 
 
@@ -120,6 +120,5 @@ class _PatchMeans:
     def of(self, values: FloatArray) -> FloatArray:
         """The mean of ``values`` (c, ...) over the patch of each contact; unchanged if the patch has one point."""
         columns = values.reshape(len(values), -1)
-        count = len(values)
-        means = [np.bincount(self._patch, weights=self._weight * column, minlength=count)[self._patch] for column in columns.T]
-        return np.where(self.single[:, None], columns, np.stack(means, axis=1)).reshape(values.shape)
+        means = added_by(self._patch, self._weight * columns.T, len(values))[:, self._patch].T
+        return np.where(self.single[:, None], columns, means).reshape(values.shape)

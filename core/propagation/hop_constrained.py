@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray, portions, ranges
+from ..arrays import FloatArray, IntArray, portions, ranges, runs
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
@@ -111,9 +111,7 @@ def _relax(
     candidate = cost[which] + intra_costs(graph, node[which], other)
     better = np.flatnonzero((candidate < best[other]) & (candidate <= limit) & (other != node[which]))
     order = better[np.lexsort((node[which[better]], candidate[better], other[better]))]
-    first = np.ones(len(order), dtype=np.bool_)
-    first[1:] = other[order[1:]] != other[order[:-1]]
-    chosen = order[first]
+    chosen = order[runs(other[order])[0]]
     best[other[chosen]] = candidate[chosen]
     entry[other[chosen]] = node[which[chosen]]
     return len(other)

@@ -57,8 +57,6 @@ def _same_frames(one: ObjectFrames | None, other: ObjectFrames | None, still: fl
 
 
 def _same_item(a: Source | Listener, b: Source | Listener, still: float) -> bool:
-    if type(a) is not type(b):
-        return False
     for key in _FIELDS[type(a)]:
         one, other = getattr(a, key), getattr(b, key)
         if one is other:

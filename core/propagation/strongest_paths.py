@@ -32,8 +32,6 @@ TAPS = 8
 SEARCHED = 4096
 """Most partial paths examined for one pair."""
 
-_NOTHING = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
-
 
 @dataclass(frozen=True, slots=True)
 class FoundPath:
@@ -56,15 +54,15 @@ class _Partial:
     bounds: FloatArray
     costs: FloatArray
 
-    def trail(self) -> list[int]:
-        """Its nodes, from the last one back to the root."""
-        nodes = [self.node]
-        before = self.before
-        while before is not None:
-            partial, place = before
-            nodes += [int(partial.ends[place]), partial.node]
-            before = partial.before
-        return nodes
+
+def _trail(node: int, before: tuple[_Partial, int] | None) -> list[int]:
+    """Nodes of a partial path, from the last one back to the root."""
+    nodes = [node]
+    while before is not None:
+        partial, place = before
+        nodes += [int(partial.ends[place]), partial.node]
+        before = partial.before
+    return nodes
 
 
 class StrongestPaths(Iterator[FoundPath]):
@@ -110,7 +108,7 @@ class StrongestPaths(Iterator[FoundPath]):
             end = int(partial.ends[place])
             cost = float(partial.costs[place])
             if end == self._target:
-                return FoundPath(cost, math.exp(-partial.share_cost), (*reversed(partial.trail()), end))
+                return FoundPath(cost, math.exp(-partial.share_cost), (*reversed(_trail(partial.node, partial.before)), end))
             self._expand(int(self._graph.partner[end]), cost, (partial, place))
         raise StopIteration
 
@@ -118,14 +116,14 @@ class StrongestPaths(Iterator[FoundPath]):
         """Find the continuations of a partial path that has just entered an object through ``node``."""
         graph = self._graph
         share_cost = 0.0 if before is None else before[0].share_cost + float(self._share_cost[node])
-        partial = _Partial(node, before, 0 if before is None else before[0].contacts + 1, share_cost, *_NOTHING)
-        crossed = partial.trail()[1:]
+        contacts = 0 if before is None else before[0].contacts + 1
+        crossed = _trail(node, before)[1:]
         self.expanded += 1 + len(crossed) // WALKED
         nodes = graph.nodes_of(int(graph.node_object[node]))
         others = np.arange(nodes.start, nodes.stop)
         inside = cost + intra_costs(graph, np.full(len(others), node), others)
         costs = inside + self._crossing[others]
-        left = self._crossings - partial.contacts - 1
+        left = self._crossings - contacts - 1
         if left >= 0:
             row = self._ahead[int(min(left, len(self._ahead) - 1))]
             bounds = costs + row[graph.partner[others]]  # partner -1 only where the crossing costs infinity
@@ -142,8 +140,7 @@ class StrongestPaths(Iterator[FoundPath]):
         bounds += share_cost + self._share_cost[others]
         useful = np.flatnonzero(bounds < math.inf)
         order = useful[np.lexsort((useful, bounds[useful]))]
-        partial.ends, partial.bounds, partial.costs = others[order], bounds[order], costs[order]
-        self._push(partial, 0)
+        self._push(_Partial(node, before, contacts, share_cost, others[order], bounds[order], costs[order]), 0)
 
     def _push(self, partial: _Partial, place: int) -> None:
         if place < len(partial.ends):

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray, runs
+from ..arrays import FloatArray, IntArray, added_by, runs
 from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances
 
@@ -135,10 +135,7 @@ def _centroids(position: FloatArray, strength: FloatArray, slot: IntArray, count
     """Centroid (count, 3) of the contacts of each object."""
     weight = np.maximum(strength, np.finfo(np.float64).tiny)
     total = np.bincount(slot, weights=weight, minlength=count)
-    middle = np.empty((count, 3))
-    for axis in range(3):
-        np.divide(np.bincount(slot, weights=weight * position[:, axis], minlength=count), total, out=middle[:, axis])
-    return middle
+    return (added_by(slot, weight * position.T, count) / total).T.copy()
 
 
 def _lattice(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:

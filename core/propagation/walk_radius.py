@@ -141,13 +141,10 @@ class WalkOperator:
         each = size.repeat(size)
         self._first = each.cumsum() - each
         self._column = ranges(begin.repeat(size), each)
-        self._gain = self._gains(self._row.repeat(each), self._column)
-
-    def _gains(self, a: IntArray, b: IntArray) -> FloatArray:
-        """Gains from entries ``a`` to exits ``b`` of the same objects; 0 within a patch."""
-        gains, _ = intra_gains(self._graph, self._entry[a], self._entry[b])
-        gains[self._patch[a] == self._patch[b]] = 0.0
-        return np.minimum(gains, LARGEST)
+        row = self._row.repeat(each)
+        gains, _ = intra_gains(graph, self._entry[row], self._entry[self._column])
+        gains[self._patch[row] == self._patch[self._column]] = 0.0
+        self._gain = np.minimum(gains, LARGEST)
 
     def _inside(self, values: FloatArray) -> FloatArray:
         """The symmetric matrix of the intra-connections' gains, times ``values`` (e,)."""

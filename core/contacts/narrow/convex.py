@@ -85,16 +85,10 @@ def convex_of(core: Core, size: int = Size.USUAL) -> Convex:
         assert core.hull is not None
         return _polytope(core.hull)
     half = core.half[size]
-    x, _, z = (2 * half).tolist()
-    geometry = {
-        Kind.POINT: lambda: fcl.Sphere(_POINT_RADIUS),
-        Kind.SEGMENT: lambda: fcl.Capsule(_POINT_RADIUS, z),
-        Kind.BOX: lambda: fcl.Box(*(2 * half).tolist()),
-        Kind.CYLINDER: lambda: fcl.Cylinder(x / 2, z),
-        Kind.CONE: lambda: fcl.Cone(x / 2, z),
-    }[core.kind]()
+    made, farthest = _MADE[core.kind]
+    geometry = made(fcl, *(2 * half).tolist())
     curved = core.kind in (Kind.CYLINDER, Kind.CONE)
-    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), partial(_FARTHEST[core.kind], half), curved)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), partial(farthest, half), curved)
 
 
 def _polytope(hull: Hull) -> Convex:
@@ -133,13 +127,14 @@ def _farthest_of_points(points: FloatArray, directions: FloatArray) -> FloatArra
     return np.asarray(points[(directions @ points.T).argmax(axis=1)])
 
 
-_FARTHEST: dict[Kind, Callable[[FloatArray, FloatArray], FloatArray]] = {
-    Kind.POINT: _farthest_of_box,
-    Kind.SEGMENT: _farthest_of_box,
-    Kind.BOX: _farthest_of_box,
-    Kind.CYLINDER: _farthest_of_cylinder,
-    Kind.CONE: _farthest_of_cone,
+_MADE: dict[Kind, tuple[Callable[[Any, float, float, float], Any], Callable[[FloatArray, FloatArray], FloatArray]]] = {
+    Kind.POINT: (lambda fcl, x, y, z: fcl.Sphere(_POINT_RADIUS), _farthest_of_box),
+    Kind.SEGMENT: (lambda fcl, x, y, z: fcl.Capsule(_POINT_RADIUS, z), _farthest_of_box),
+    Kind.BOX: (lambda fcl, x, y, z: fcl.Box(x, y, z), _farthest_of_box),
+    Kind.CYLINDER: (lambda fcl, x, y, z: fcl.Cylinder(x / 2, z), _farthest_of_cylinder),
+    Kind.CONE: (lambda fcl, x, y, z: fcl.Cone(x / 2, z), _farthest_of_cone),
 }
+"""By kind: how FCL's geometry is made from the extents of a core, and the points farthest along directions from its half extents."""
 
 
 def separations(
