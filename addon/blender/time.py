@@ -1,7 +1,8 @@
-"""Frames and seconds of a scene."""
+"""Frames and seconds of a scene, and whether its timeline plays."""
 
 from __future__ import annotations
 
+import bpy
 from bpy.types import Scene
 
 
@@ -13,3 +14,9 @@ def frame_seconds(scene: Scene) -> float:
 def seconds_of(scene: Scene, frame: float) -> float:
     """Time of a frame in seconds from the scene's first frame."""
     return (frame - scene.frame_start) * scene.render.fps_base / scene.render.fps
+
+
+def is_playing() -> bool:
+    """True while the timeline plays in the context's screen."""
+    screen = bpy.context.screen
+    return screen is not None and screen.is_animation_playing

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import InitVar, dataclass, replace
 
 import bpy
 import numpy as np
@@ -23,6 +23,7 @@ from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
 
 
+@dataclass
 class Capture:
     """The frames ``start`` to ``end`` of ``scene``, traced one after the other.
 
@@ -36,19 +37,17 @@ class Capture:
         read: Reads a frame of the range from a baked track instead of tracing it; only if the scene itself is not captured.
     """
 
-    def __init__(
-        self,
-        scene: bpy.types.Scene,
-        start: int,
-        end: int,
-        recorded: bool,
-        felt: bool,
-        names: Collection[str] | None = None,
-        read: Callable[[int], FrameResult | None] | None = None,
-    ) -> None:
-        self.scene, self.start, self.end, self.names = scene, start, end, names
-        self._read = read
-        self._recorder = SceneRecorder(scene.render.fps / scene.render.fps_base, scene.frame_start) if recorded else None
+    scene: bpy.types.Scene
+    start: int
+    end: int
+    recorded: InitVar[bool]
+    felt: InitVar[bool]
+    names: Collection[str] | None = None
+    read: Callable[[int], FrameResult | None] | None = None
+
+    def __post_init__(self, recorded: bool, felt: bool) -> None:
+        rate = self.scene.render.fps / self.scene.render.fps_base
+        self._recorder = SceneRecorder(rate, self.scene.frame_start) if recorded else None
         self._tracks = TrackRecorder() if felt else None
         self._first: Export | None = None
 
@@ -81,13 +80,13 @@ class Capture:
         return replace(self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording())
 
     def _results(self) -> Generator[FrameResult, None, None]:
-        if self._read is None:
+        if self.read is None:
             with closing(timeline.steps(self.scene, self.start, self.end, self._tracks is None)) as steps:
                 for step in steps:
                     yield step.result
             return
         for frame in range(self.start, self.end + 1):
-            result = self._read(frame)
+            result = self.read(frame)
             assert result is not None  # the track contains the range
             # The samples of the first frame precede its time.
             yield replace(result, block=None) if frame == self.start else result
@@ -124,17 +123,14 @@ def contacts_within(contacts: ContactSet, objects: Collection[str], names: Colle
     inside = np.array([name in names for name in objects], dtype=np.bool_)
     if inside.all():
         return contacts
-    chosen = np.asarray(inside[contacts.pairs].all(axis=1))
-    return rows_of(contacts, chosen)
+    return rows_of(contacts, np.asarray(inside[contacts.pairs].all(axis=1)))
 
 
 def expected(scene: bpy.types.Scene, ranged: bool, collection: str = "") -> Export:
     """The export without samples, which suffices to determine the losses of a format."""
     inside = bpy.data.collections.get(collection)
     objects = scene.objects if inside is None else inside.all_objects
-    tagged = [obj for obj in objects if obj.haptics.listener.enabled]
-    parts = [(obj.name_full, obj.haptics.listener.body_part) for obj in tagged]
-    listeners = tuple(ListenerTrack(name, "" if part == "NONE" else part) for name, part in parts)
+    listeners = tuple(ListenerTrack(obj.name_full, obj.haptics.listener.part) for obj in objects if obj.haptics.listener.enabled)
     tracks = Tracks(listeners, 8000, np.zeros((len(listeners), 1))) if ranged and listeners else None
     modalities = tuple(ModalityScene(item) for item in SHOWN if getattr(scene.haptics.modalities, item.name).enabled)
     return Export("scene", HapticScene(), tracks, Recording(1.0, 1, ()) if ranged else None, modalities=modalities)

@@ -65,10 +65,8 @@ def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapp
                 setattr(own, key, adjusted[key])
         profile = device.profile if device.profile != profile_name(device.name) else None
         own.imported = text_of(profile=profile, extras=extras)
-    parts = {name: obj.haptics.listener.body_part for name, obj in listeners.items()}
-    found = automatic(
-        {name: "" if part == "NONE" else part for name, part in parts.items()}, {device.name: device.profile for device in devices}
-    )
+    parts = {name: obj.haptics.listener.part for name, obj in listeners.items()}
+    found = automatic(parts, {device.name: device.profile for device in devices})
     for name, obj in listeners.items() if devices else ():
         if is_muted(obj):
             continue
@@ -114,7 +112,6 @@ def _choice(obj: Object | None) -> str:
 def _adjusted(settings: Any) -> dict[str, Any]:
     if settings is None:
         return {}
-    changed = {key: shortest(getattr(settings, key)) for key in ADJUSTED if settings.is_property_set(key)}
     defaults = {key: shortest(settings.bl_rna.properties[key].default) for key in ADJUSTED}
-    used = {key: value for key, value in changed.items() if value != defaults[key]}
+    used = {key: value for key in ADJUSTED if (value := shortest(getattr(settings, key))) != defaults[key]}
     return {EXTRAS: used} if used else {}

@@ -11,7 +11,6 @@ from bpy.types import Object
 
 from ...core.arrays import FloatArray
 from ...core.contacts.shapes import pose_matrix
-from ...core.formats.scene.poses import PoseRow
 from ...core.formats.scene.recording import RecordedFrame, Recording
 from ...core.scene.values import HapticScene, Listener, Pose, Source, SourceKind, Vector
 from ..blender.arrays import write_keys
@@ -83,7 +82,8 @@ def _changed(change: RecordedFrame) -> Iterator[tuple[Any, ...]]:
     yield from ((LISTENS, f"listener {name}", 0.0) for name in change.removed_listeners)
     for item in change.objects:
         yield ENABLED, f"object {item.name}", 1.0
-        yield POSE, f"object {item.name}", *_row(item.pose)
+        pose = item.pose or Pose()
+        yield POSE, f"object {item.name}", *pose.position, *pose.rotation
         yield KAPPA, f"object {item.name}", item.kappa
         yield RHO, f"object {item.name}", item.rho
     for listener in change.listeners:
@@ -105,11 +105,6 @@ def _attached(change: RecordedFrame) -> Iterator[tuple[str, Source | Listener]]:
     """The sources and listeners that appear in a frame, by owner as in `_changes`."""
     yield from ((f"source {item.name}", item) for item in change.sources)
     yield from ((f"listener {item.name}", item) for item in change.listeners)
-
-
-def _row(pose: Pose | None) -> PoseRow:
-    pose = pose or Pose()
-    return (*pose.position, *pose.rotation)
 
 
 def _held(keys: Keys) -> tuple[FloatArray, FloatArray]:

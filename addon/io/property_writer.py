@@ -100,8 +100,7 @@ def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[s
     listener.limiter, listener.extent = item.limiter, item.extent.value
     if item.mixing == "custom":
         listener.mixing_expression = item.mixing_expression
-    limited = [name for name in ("gain", "s_max") if not takes(listener, name, getattr(item, name))]
-    losses = [f"{name} {getattr(item, name):g}" for name in limited]
+    losses = [f"{name} {value:g}" for name, value in (("gain", item.gain), ("s_max", item.s_max)) if not takes(listener, name, value)]
     if item.body_part and not _choose(listener, "body_part", item.body_part):
         losses.append(f"body part {item.body_part!r}")
     if not _choose(listener, "mixing", item.mixing):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import atexit
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -25,12 +26,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class _State:
-    """``started``: the scene (its session id) and the time [s] at which playback began, None while it does not play. ``chosen``: the last
-    result of `choices`, ``chosen_for``: its arguments."""
+    """``started``: the scene (its session id) and the time [s] at which playback began, None while it does not play."""
 
     started: tuple[int, float] | None = None
-    chosen_for: Any = None
-    chosen: dict[str, str] = field(default_factory=dict)
 
 
 _state = _State()
@@ -119,12 +117,14 @@ def load_pre(*_: Any) -> None:
 
 def choices(result: Any) -> dict[str, str]:
     """The actuators chosen for the listeners of a frame, by name; without automatic choices. Cached until a change."""
-    key = (revisions.actuators(), tuple(listener.name for listener in result.listeners))
-    if _state.chosen_for != key:
-        objects = ((name, bpy.data.objects.get(name)) for name in key[1])
-        found = {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None}
-        _state.chosen_for, _state.chosen = key, {name: actuators for name, actuators in found.items() if actuators}
-    return _state.chosen
+    return _choices(revisions.actuators(), tuple(listener.name for listener in result.listeners))
+
+
+@lru_cache(maxsize=1)
+def _choices(revision: int, listeners: tuple[str, ...]) -> dict[str, str]:
+    objects = ((name, bpy.data.objects.get(name)) for name in listeners)
+    found = {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None}
+    return {name: actuators for name, actuators in found.items() if actuators}
 
 
 @persistent

@@ -100,7 +100,10 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
         return
     with _state.lock:
         _state.result, _state.ahead = result, None
-        samples = _samples(result, frame_seconds, recorded)
+        if _state.playing:
+            samples = _state.playback.recorded(result) if recorded else _state.playback.block(result, frame_seconds)
+        else:
+            samples = recorded_grain(result) if recorded else grain(result, frame_seconds)
         if not samples.shape[1]:
             return
         _send(result, samples, choices, recorded)
@@ -172,12 +175,6 @@ def spots() -> tuple[Spot, ...]:
                 within = (places - places.min(axis=0)) / np.maximum(np.ptp(places, axis=0), 1e-9)
                 found += [Spot(listener.body_part, x, y, part) for (x, y), part in zip(within.tolist(), parts, strict=True)]
     return tuple(found)
-
-
-def _samples(result: FrameResult, frame_seconds: float, recorded: bool) -> FloatArray:
-    if _state.playing:
-        return _state.playback.recorded(result) if recorded else _state.playback.block(result, frame_seconds)
-    return recorded_grain(result) if recorded else grain(result, frame_seconds)
 
 
 def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMapping:

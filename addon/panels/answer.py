@@ -9,7 +9,7 @@ from bpy.types import Context, UILayout
 
 from ...core.message import Chain
 from ...core.sentences import written
-from ..blender.playing import is_playing
+from ..blender.time import is_playing
 from ..session import sessions
 from ..translations.sentences import sentence
 from ..view import explanation, levels, paths, watched

@@ -13,7 +13,7 @@ from ...core.message import Metres
 from ...core.scene.choices import Mode
 from ...core.sentences import written
 from ..bake import playback
-from ..blender.playing import is_playing
+from ..blender.time import is_playing
 from ..live_output import unfelt
 from ..session import sessions
 from ..translations.sentences import sentence

@@ -85,3 +85,8 @@ class HapticListenerProperties(Imported, PropertyGroup):
         "Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of cutting it off, which distorts. "
         "All listeners then feel 5 ms later",
     )
+
+    @property
+    def part(self) -> str:
+        """The body part that it stands for, "" for none."""
+        return "" if self.body_part == "NONE" else self.body_part

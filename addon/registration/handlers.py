@@ -14,7 +14,7 @@ from bpy.types import Depsgraph, Scene
 from ..bake import playback
 from ..blender import job
 from ..blender.handlers import Handlers
-from ..blender.playing import is_playing
+from ..blender.time import is_playing
 from ..changes import events
 from ..changes.redraw import redraw_viewports
 from ..changes.revisions import mark_changed, mark_edited

@@ -57,9 +57,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
 def _emitter(modality: Modality, obj: Object, kept: Imported, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
     """The object as a source if it is one on any of the objects ``names``, else None."""
     group = getattr(obj.haptics.modalities, modality.name)
-    if not group.is_source:
-        return None
-    carrier = haptic_carrier(obj)
+    carrier = haptic_carrier(obj) if group.is_source else None
     if carrier is None or carrier.name_full not in names:
         return None
     position = tuple(obj.matrix_world.translation)

@@ -65,7 +65,7 @@ def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Liste
         name=obj.name_full,
         object=carrier,
         position=imported.position or (0.0, 0.0, 0.0),
-        body_part="" if properties.body_part == "NONE" else properties.body_part,
+        body_part=properties.part,
         radius=exact(properties, "radius", imported.numbers),
         gain=0.0 if is_silenced else exact(properties, "gain", imported.numbers),
         mixing=properties.mixing,

@@ -217,25 +217,23 @@ class SceneReader:
                 problems.append(Problem(name, str(error)))
         carrier = haptic_carrier(obj)
         for role in ("source", "listener"):
-            if not getattr(haptics, role).enabled:
-                continue
+            if not getattr(haptics, role).enabled or (carrier == obj and haptic_object is None):
+                continue  # the object's own problem reports it
             if carrier is None:
                 problems.append(_without_carrier(obj, role))
-            elif carrier == obj and haptic_object is None:
-                continue  # the object's own problem reports it
-            else:
-                try:
-                    silenced = is_silenced(obj, role, self.solo_roles)
-                    if role == "listener":
-                        listener = read_listener(obj, carrier.name_full, silenced)
-                    else:
-                        triggers, wrong = read_triggers(obj, depsgraph.scene)
-                        problems += wrong
-                        curves = self._curves.of_source(obj, depsgraph.scene)
-                        source = replace(read_source(obj, carrier.name_full, curves, silenced), triggers=triggers)
-                except (OSError, ValueError) as error:
-                    rule = ("signal", 0) if role == "source" else None
-                    problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula"), rule))
+                continue
+            try:
+                silenced = is_silenced(obj, role, self.solo_roles)
+                if role == "listener":
+                    listener = read_listener(obj, carrier.name_full, silenced)
+                else:
+                    triggers, wrong = read_triggers(obj, depsgraph.scene)
+                    problems += wrong
+                    curves = self._curves.of_source(obj, depsgraph.scene)
+                    source = replace(read_source(obj, carrier.name_full, curves, silenced), triggers=triggers)
+            except (OSError, ValueError) as error:
+                rule = ("signal", 0) if role == "source" else None
+                problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula"), rule))
         animated = compatibility.animated_paths(obj)
         deforming = any(animated != () or modifier.type not in _STEADY for modifier in obj.modifiers)
         return Tagged(row, animated, deforming, tuple(scale.tolist()), haptic_object, body, home, source, listener, tuple(problems))

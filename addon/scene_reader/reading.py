@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from mathutils import Matrix
+
 from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.settings import Body, ContactSettings
-from ...core.scene.values import HapticObject, Listener, Settings, Source
+from ...core.scene.values import HapticObject, Listener, Pose, Settings, Source
 from .problem import Problem
-from .world_transforms import pose_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,12 @@ class Reading:
     def posed_objects(self) -> tuple[HapticObject, ...]:
         """The objects with the shape and pose that they have in this frame."""
         return tuple(
-            replace(item, shape=body.shape, pose=pose_of(transform))
+            replace(item, shape=body.shape, pose=_pose_of(transform))
             for item, body, transform in zip(self.objects, self.bodies, self.transforms, strict=True)
         )
+
+
+def _pose_of(transform: FloatArray) -> Pose:
+    """The pose of a rigid transform (4, 4)."""
+    rotation = Matrix(transform[:3, :3].tolist()).to_quaternion()
+    return Pose(tuple(transform[:3, 3].tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))

@@ -9,10 +9,6 @@ from bpy.types import Object, Scene
 from ..blender.compatibility import animated_paths
 from ..changes import revisions
 
-_MOST_SCENES = 64
-"""Number of scenes stored as untagged."""
-
-
 _SWITCHES = frozenset({"haptics.enabled", "haptics.source.enabled", "haptics.listener.enabled"})
 
 
@@ -53,8 +49,6 @@ def is_any_tagged(scene: Scene) -> bool:
         return False
     if any(map(is_tagged, scene.objects)):
         return True
-    if len(_untagged) > _MOST_SCENES:
-        _untagged.clear()
     _untagged[scene.session_uid] = revisions.authored()
     return False
 

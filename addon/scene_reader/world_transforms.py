@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
-from ...core.scene.values import Pose
 from ..blender.arrays import read_array
 
 
@@ -20,12 +18,6 @@ def session_ids() -> NDArray[np.int32]:
 def raw_matrices() -> NDArray[np.float32]:
     """(n, 16) world matrices of all objects of the file, column by column."""
     return read_array(bpy.data.objects, "matrix_world", 16)
-
-
-def pose_of(transform: FloatArray) -> Pose:
-    """The pose of a rigid transform (4, 4)."""
-    rotation = Matrix(transform[:3, :3].tolist()).to_quaternion()
-    return Pose(tuple(transform[:3, 3].tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
 
 
 def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:

@@ -11,7 +11,7 @@ from typing import Any, Generic, TypeVar
 
 from bpy.types import Scene
 
-from ..blender.playing import is_playing
+from ..blender.time import is_playing
 from . import sessions, worker
 
 Choice = TypeVar("Choice", bound=Hashable)

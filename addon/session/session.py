@@ -19,8 +19,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.render.mixdown import block_of
 from ...core.tracer import Frame, Tracer
-from ..blender.playing import is_playing
-from ..blender.time import frame_seconds, seconds_of
+from ..blender.time import frame_seconds, is_playing, seconds_of
 from ..changes import revisions
 from ..changes.events import file_changed
 from ..changes.suspension import is_stepped

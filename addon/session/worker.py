@@ -19,8 +19,8 @@ from typing import Any, TypeVar
 
 import bpy
 
-from ..blender.playing import is_playing
 from ..blender.progress import show
+from ..blender.time import is_playing
 from ..changes.redraw import redraw_sidebars, redraw_viewports
 
 Value = TypeVar("Value")

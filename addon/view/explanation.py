@@ -13,7 +13,7 @@ from ...core.diagnosis.gaps import Surroundings
 from ...core.diagnosis.silence import reasons
 from ...core.message import Message
 from ...core.scene.values import Listener, Source
-from ..blender.playing import is_playing
+from ..blender.time import is_playing
 from ..scene_reader.roles import is_silenced, solo_roles
 from ..session import sessions
 from ..session.derived import Derived

@@ -11,8 +11,8 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene
 
 from ...core.scene.body_map import Spot
-from ..blender.playing import is_playing
 from ..blender.text import text_width
+from ..blender.time import is_playing
 from ..changes.events import file_changed
 from ..changes.redraw import SIDEBAR_TAB
 from ..session import sessions

@@ -6,7 +6,7 @@ import bpy
 from bpy.types import Scene
 
 from ...core.render.masking import FeltSources, felt_sources, shown_sounding
-from ..blender.playing import is_playing
+from ..blender.time import is_playing
 from ..session import sessions
 from ..session.derived import Derived, Latest
 from ..session.sessions import Traced
