@@ -85,8 +85,7 @@ def add_listener(part: BodyPart, name: str, collection: Collection) -> Object:
     listener = empty.haptics.listener
     listener.enabled = True
     listener.body_part = part.name
-    listener.radius = part.radius
-    empty.empty_display_size = part.radius
+    listener.radius = part.radius  # and so is the empty displayed
     return empty
 
 

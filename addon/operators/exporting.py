@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.props import IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator, UILayout
 from bpy_extras.io_utils import ExportHelper
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import FORMATS, named
+from ...core.formats.io.options import Option, Value
 from ..bake import playback
 from ..blender import job
 from ..blender.polling import Action
+from ..blender.single_precision import shortest
 from ..blender.text import wrapped
 from ..io import capture, frame_scene
 from ..properties.kinds import choice, switch, text
-from .format_options import chosen, draw_options, option_properties
 
 if TYPE_CHECKING:
     from ...core.formats.export import Export
@@ -32,6 +34,8 @@ SCENE_ENDINGS = (".json.gz", ".json")
 LINE = 34
 """Width of the file browser's sidebar in characters."""
 MOST_REPORTED = 12
+LARGEST = 2**31 - 1
+"""Largest bound of a property."""
 
 
 class RangeExport(Action, ExportHelper):
@@ -153,6 +157,45 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
 
     def _options(self) -> dict[str, Any]:
         return {"tracks": self.tracks if self.frames == "RANGE" else "none", "encoding": self.encoding}
+
+
+def option_properties(names: tuple[str, ...]) -> dict[str, Any]:
+    """Annotations of an operator: ``<format>_<option>`` for every option of the formats ``names``."""
+    return {_key(name, option): _property(option) for name in names for option in named(name).options}
+
+
+def chosen(operator: Any, name: str) -> dict[str, Value]:
+    """The chosen options of a format."""
+    return {option.name: _value(option, getattr(operator, _key(name, option))) for option in named(name).options}
+
+
+def draw_options(layout: UILayout, operator: Any, name: str) -> None:
+    """Draw the options of a format in a column."""
+    for option in named(name).options:
+        layout.prop(operator, _key(name, option))
+
+
+def _key(name: str, option: Option) -> str:
+    return f"{name}_{option.name}"
+
+
+def _value(option: Option, value: Any) -> Value:
+    return min(max(shortest(value), option.minimum), option.maximum) if isinstance(option.default, float) else value
+
+
+def _property(option: Option) -> Any:
+    text: dict[str, Any] = {"name": option.label, "description": option.description}
+    if isinstance(option.default, bool):
+        return BoolProperty(default=option.default, **text)
+    if isinstance(option.default, str):
+        return EnumProperty(items=[(choice, choice, "") for choice in option.choices], default=option.default, **text)
+    bounds: dict[str, Any] = {
+        key: value for key, value in (("min", option.minimum), ("max", option.maximum)) if math.isfinite(value) and abs(value) <= LARGEST
+    }
+    if isinstance(option.default, int):
+        bounds = {key: int(value) for key, value in bounds.items()}
+        return IntProperty(default=option.default, **bounds, **text)
+    return FloatProperty(default=option.default, precision=3, **bounds, **text)
 
 
 class HAPTIC_OT_export_tracks(Operator, RangeExport):

@@ -3,6 +3,7 @@ lane."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -17,31 +18,26 @@ from ..view import lane, meters, overlay
 _handlers: list[tuple[Any, Any, str]] = []
 
 
-def _draw_view() -> None:
+def _draw(what: Callable[[], None]) -> None:
+    """Draw, once anything has been traced."""
     if is_loaded(session):
-        overlay.draw_view()
+        what()
 
 
 def _draw_pixels() -> None:
-    if is_loaded(session):
-        meters.draw_pixels(player.spots() if is_loaded(player) else ())
-        overlay.draw_pixels()
-
-
-def _draw_redo_panel() -> None:
-    if is_loaded(session):
-        meters.draw_redo_panel()
+    meters.draw_pixels(player.spots() if is_loaded(player) else ())
+    overlay.draw_pixels()
 
 
 def _draw_lane() -> None:
-    if is_loaded(session) and bpy.context.scene is not None:
+    if bpy.context.scene is not None:
         lane.draw(waves.waves_of(bpy.context.scene))
 
 
-_STAGES = (
-    (SpaceView3D, _draw_view, "WINDOW", "POST_VIEW"),
+_STAGES: tuple[tuple[Any, Callable[[], None], str, str], ...] = (
+    (SpaceView3D, lambda: overlay.draw_view(), "WINDOW", "POST_VIEW"),
     (SpaceView3D, _draw_pixels, "WINDOW", "POST_PIXEL"),
-    (SpaceView3D, _draw_redo_panel, "HUD", "POST_PIXEL"),
+    (SpaceView3D, lambda: meters.draw_redo_panel(), "HUD", "POST_PIXEL"),
     (SpaceDopeSheetEditor, _draw_lane, "WINDOW", "POST_PIXEL"),
 )
 
@@ -49,7 +45,7 @@ _STAGES = (
 def register() -> None:
     """Start drawing, once."""
     if not _handlers:
-        _handlers.extend((space, space.draw_handler_add(function, (), region, stage), region) for space, function, region, stage in _STAGES)
+        _handlers.extend((space, space.draw_handler_add(_draw, (what,), region, stage), region) for space, what, region, stage in _STAGES)
 
 
 def unregister() -> None:

@@ -31,28 +31,21 @@ class Explanation:
     is_current: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class _Question:
-    """A listener, the sources that are muted, and whether the timeline plays."""
-
-    listener: str
-    muted: frozenset[str]
-    is_playing: bool
-
-
-def _reasons(traced: Traced, question: _Question, before: tuple[Message, ...] | None) -> tuple[Message, ...]:
-    """Computed on the worker: why a listener feels nothing."""
+def _reasons(traced: Traced, question: tuple[str, frozenset[str], bool], before: tuple[Message, ...] | None) -> tuple[Message, ...]:
+    """Computed on the worker: why a listener feels nothing. ``question``: the listener, the sources that are muted, and whether the
+    timeline plays."""
+    listener, muted, plays = question
     result, reading = traced.result, traced.reading
-    index = [item.name for item in result.listeners].index(question.listener)
+    index = [item.name for item in result.listeners].index(listener)
     waiting = [] if reading is None else [source.name for source in reading.sources if source.triggers is not None]
     around = None
     if reading is not None and {body.name for body in reading.bodies} <= set(result.objects):
         around = Surroundings(reading.bodies, reading.transforms, reading.contact_settings)
-    recent = felt_samples(traced, question.is_playing)[index]
-    return reasons(result, traced.settings, index, around, question.muted, recent if len(recent) else None, waiting)
+    recent = felt_samples(traced, plays)[index]
+    return reasons(result, traced.settings, index, around, muted, recent if len(recent) else None, waiting)
 
 
-_REASONS: Derived[_Question, tuple[Message, ...]] = Derived(_reasons)
+_REASONS: Derived[tuple[str, frozenset[str], bool], tuple[Message, ...]] = Derived(_reasons)
 
 
 def why_silent(scene: Scene, listener: str) -> Explanation:
@@ -68,7 +61,7 @@ def why_silent(scene: Scene, listener: str) -> Explanation:
     if listener in _silenced(traced.result.listeners, "listener"):
         return Explanation(iface_("It is muted, or others are solo: see the buttons beside it in Result"))
     notice = "" if scene.haptics.tracing else iface_("Tracing is switched off: this is how the scene was before.")
-    latest = _REASONS.latest(scene, _Question(listener, _silenced(traced.result.sources, "source"), is_playing()))
+    latest = _REASONS.latest(scene, (listener, _silenced(traced.result.sources, "source"), is_playing()))
     return Explanation(notice, (), False) if latest is None else Explanation(notice, latest.value, latest.is_current)
 
 

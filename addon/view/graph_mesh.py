@@ -68,11 +68,9 @@ def _emptied_collection(scene: Scene) -> Collection:
         collection = bpy.data.collections.new(NAME)
         collection[_MARK] = True
         scene.collection.children.link(collection)
-    for obj in list(collection.objects):
-        data = obj.data
-        bpy.data.objects.remove(obj)
-        if data is not None and data.users == 0:
-            (bpy.data.meshes if isinstance(data, Mesh) else bpy.data.curves).remove(data)
+    shapes = {obj.data for obj in collection.objects} - {None}
+    bpy.data.batch_remove(list(collection.objects))
+    bpy.data.batch_remove([shape for shape in shapes if shape.users == 0])
     return collection
 
 

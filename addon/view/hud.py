@@ -92,7 +92,7 @@ class HudBuilder:
         strokes = np.array(self._strokes, dtype=np.float32).reshape(-1, 16)
         symbols = np.array(self._symbols, dtype=np.float32).reshape(-1, 8)
         position, colour = strokes[:, :6].reshape(-1, 2, 3), strokes[:, 6:14].reshape(-1, 2, 4)
-        lines = lines_of(position, colour, strokes[:, 14], shape=strokes[:, 15])
+        lines = lines_of(position, colour[..., :3], colour[..., 3], strokes[:, 14], shape=strokes[:, 15])
         points = points_of(symbols[:, :3], symbols[:, 3:6], 1.0, symbols[:, 6], symbols[:, 7])
         return Hud(lines, points, tuple(self._texts), tuple(self._bounds))
 

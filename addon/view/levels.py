@@ -106,9 +106,7 @@ def shown_levels(traced: Traced, is_playing: bool, before: tuple[Level, ...] | N
     The level of a still frame therefore does not depend on earlier frames. Playback of less than a quarter second counts as a still frame;
     a baked track has only samples.
     """
-    if _shows_still(traced, is_playing):
-        return levels(traced.result, still_samples(traced.result, LEVEL_SECONDS), LEVEL_SECONDS)
-    return levels(traced.result, traced.samples)
+    return levels(traced.result, felt_samples(traced, is_playing), LEVEL_SECONDS if _shows_still(traced, is_playing) else PEAK_SECONDS)
 
 
 def felt_samples(traced: Traced, is_playing: bool) -> FloatArray:

@@ -31,6 +31,7 @@ MOST_ROWS = 12
 _SCOPE_COLUMNS = 160
 _CAPTION = 14.0  # points of the scope's height
 
+VIEWS: tuple[View, ...] = ("front", "back")
 _TRACK = (0.20, 0.20, 0.22, 1.0)
 _ABSENT = (0.26, 0.26, 0.28, 1.0)
 _NOT_FELT = (0.42, 0.42, 0.44, 1.0)
@@ -262,8 +263,7 @@ def _add_body(
     scale, size = builder.scale, SMALL_TEXT * builder.scale
     unit = height / HEIGHT * scale
     x, y = corner
-    views: tuple[View, ...] = ("front", "back")
-    for number, view in enumerate(views):
+    for number, view in enumerate(VIEWS):
         middle = x + (2 * number + 1) * HALF_WIDTH * unit
         for limb in figure(view):
             colour = colour_of(parts[limb.part]) if limb.part in parts else _ABSENT

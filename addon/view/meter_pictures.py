@@ -9,15 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
-from ...core.scene.body_map import HALF_WIDTH, HEIGHT, View, figure
+from ...core.scene.body_map import HALF_WIDTH, HEIGHT, figure
 from .levels import Level
-from .meter_layout import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
+from .meter_layout import SCOPE_COLOUR, VIEWS, Scope, colour_of, full_scale, spans
 from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
 
 _MARGIN = 6
 _FAINT = 0.22
 _UNIT = (SIZE - 2 * _MARGIN) / (4 * HALF_WIDTH)  # pixels: both figures side by side
-_VIEWS: tuple[View, ...] = ("front", "back")
 
 _scope, _body = Picture(), Picture()
 
@@ -72,7 +71,7 @@ def _limbs() -> tuple[tuple[str, ...], NDArray[np.intp], FloatArray]:
     y, x = np.mgrid[0:SIZE, 0:SIZE] + 0.5
     bottom = (SIZE - HEIGHT * _UNIT) / 2
     names, distances = [], []
-    for place, view in enumerate(_VIEWS):
+    for place, view in enumerate(VIEWS):
         middle = _MARGIN + (2 * place + 1) * HALF_WIDTH * _UNIT
         for limb in figure(view):
             start, end = (np.array((middle + at[0] * _UNIT, bottom + at[1] * _UNIT)) for at in (limb.start, limb.end))

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -108,26 +109,35 @@ def points_of(
     size: FloatArray | Drawn | float,
     shape: IntArray | Drawn | Shape,
 ) -> Points:
-    """Points at ``position`` (n, 3) with ``colour`` (n, 3); ``opacity``, ``size`` and ``shape`` of all together or (n,)."""
-    count = len(position)
-    alpha, sizes, shapes = (np.broadcast_to(np.asarray(value, dtype=np.float32), count) for value in (opacity, size, shape))
-    return Points(np.asarray(position, dtype=np.float32), np.column_stack([colour, alpha]).astype(np.float32), sizes, shapes)
+    """Points at ``position`` (n, 3) with the other values of `Points`, of each or of all together; ``colour`` without opacity."""
+    count, places = len(position), np.asarray(position, dtype=np.float32)
+    return Points(places, _with_opacity((count, 4), colour, opacity), _filled(count, size), _filled(count, shape))
 
 
 def lines_of(
     position: FloatArray | Drawn,
     colour: FloatArray | Drawn,
-    width: FloatArray | Drawn,
+    opacity: FloatArray | Drawn | float,
+    width: FloatArray | Drawn | float,
     arc_length: FloatArray | float = -1.0,
     shape: Drawn | Shape = Shape.LINE,
 ) -> Lines:
-    """Lines from the values of `Lines`; ``arc_length`` and ``shape`` may be the same for all."""
-    count = len(position)
-    lengths, shapes = np.broadcast_to(arc_length, (count, 2)), np.broadcast_to(shape, count)
-    return Lines(*(np.asarray(values, dtype=np.float32) for values in (position, colour, width, lengths, shapes)))
+    """Lines at ``position`` (n, 2, 3) with the other values of `Lines`, of each or of all together; ``colour`` without opacity."""
+    count, places = len(position), np.asarray(position, dtype=np.float32)
+    colours = _with_opacity((count, 2, 4), colour, opacity)
+    return Lines(places, colours, _filled(count, width), _filled((count, 2), arc_length), _filled(count, shape))
 
 
-NO_LINES = lines_of(np.zeros((0, 2, 3)), np.zeros((0, 2, 4)), np.zeros(0))
+def _with_opacity(shape: tuple[int, ...], colour: FloatArray | Drawn, opacity: FloatArray | Drawn | float) -> Drawn:
+    colours = np.empty(shape, dtype=np.float32)
+    colours[..., :3], colours[..., 3] = colour, opacity
+    return colours
+
+
+_filled = partial(np.full, dtype=np.float32)
+
+
+NO_LINES = lines_of(np.zeros((0, 2, 3)), HALO_COLOUR, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,10 +211,8 @@ def _tree_lines(graph: HapticGraph, spreading: Spread, scale: GainScale, opacity
     nodes = np.stack([spreading.predecessor[ends], ends], axis=1)
     gain = spreading.gain[nodes]
     place = scale.place(gain[:, 1])
-    colour = np.concatenate(
-        [scale.colour(gain), np.broadcast_to((opacity * (0.35 + 0.5 * place))[:, None, None], (len(ends), 2, 1))], axis=2
-    )
-    return lines_of(graph.node_position[nodes], colour, _between(THIN_LINE, place))
+    opacities = (opacity * (0.35 + 0.5 * place))[:, None]
+    return lines_of(graph.node_position[nodes], scale.colour(gain), opacities, _between(THIN_LINE, place))
 
 
 def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: GainScale) -> Lines:
@@ -217,8 +225,7 @@ def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: Bool
     _, first = np.unique(np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True)
     kept = strongest[np.sort(first)[::-1]]
     steps, gain, arc_length = steps[kept], gain[kept], arc_length[kept]
-    colour = np.concatenate([scale.colour(gain), np.ones((len(steps), 2, 1))], axis=2)
-    return lines_of(graph.node_position[steps], colour, _between(PATH_LINE, scale.place(gain[:, 1])), arc_length)
+    return lines_of(graph.node_position[steps], scale.colour(gain), 1.0, _between(PATH_LINE, scale.place(gain[:, 1])), arc_length)
 
 
 def _highlight_lines(result: FrameResult, options: Options) -> Lines:
@@ -236,14 +243,12 @@ def _highlight_lines(result: FrameResult, options: Options) -> Lines:
     ]
     if not steps:
         return NO_LINES
-    colour = np.broadcast_to(np.array([*HIGHLIGHT_COLOUR, 1.0]), (len(steps), 2, 4))
-    return lines_of(graph.node_position[np.array(steps)], colour, np.full(len(steps), HIGHLIGHT_LINE))
+    return lines_of(graph.node_position[np.array(steps)], HIGHLIGHT_COLOUR, 1.0, HIGHLIGHT_LINE)
 
 
 def halos(lines: Lines) -> Lines:
     """A dark rim around lines, to be drawn under them."""
-    colour = np.broadcast_to(np.array([*HALO_COLOUR, 0.85]), (len(lines.width), 2, 4))
-    return lines_of(lines.position, colour, lines.width + 2 * HALO)
+    return lines_of(lines.position, HALO_COLOUR, 0.85, lines.width + 2 * HALO)
 
 
 _LEAST = 1e-300

@@ -81,7 +81,7 @@ class TextAtlas:
             position[k, :, :2] = corner, (corner[0] + width, corner[1] + height)
             colour[k, 0, :3] = text.colour
             colour[k, 1] = left / SIZE[0], bottom / SIZE[1], (left + width) / SIZE[0], (bottom + height) / SIZE[1]
-        return lines_of(position, colour, np.zeros(len(cells)), shape=Shape.TEXT)
+        return lines_of(position, colour[..., :3], colour[..., 3], 0.0, shape=Shape.TEXT)
 
     def clear(self) -> None:
         """Clear the atlas."""

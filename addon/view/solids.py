@@ -152,8 +152,8 @@ def _listeners(points: Points, unit: float) -> Solid:
     corners = points.position[:, None, :] + (points.size * unit / 2)[:, None, None] * vertices
     ends, joints = corners[:, edges].reshape(-1, 2, 3), corners.reshape(-1, 3)
     thickness = np.float32(0.11) * points.size
-    bars = lines_of(ends, np.broadcast_to([*WHITE, 1.0], (len(ends), 2, 4)), np.repeat(thickness, len(edges)))
-    balls = points_of(joints, np.broadcast_to(WHITE, joints.shape), 1.0, np.repeat(thickness, len(vertices)), Shape.LISTENER)
+    bars = lines_of(ends, WHITE, 1.0, np.repeat(thickness, len(edges)))
+    balls = points_of(joints, WHITE, 1.0, np.repeat(thickness, len(vertices)), Shape.LISTENER)
     diamonds = _copies((vertices, triangles), points, unit, smooth=False)
     return joined([diamonds, tubes(bars, unit), _copies(sphere(1), balls, unit, smooth=True)])
 
