@@ -33,7 +33,9 @@ def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tup
 def start_of(scene: Scene, origin: Origin, number: int) -> int:
     """The frame that a part is traced from."""
     begin = timeline.tracing_start(scene, origin.frames[0])
-    return begin if number == 1 else max(timeline.warm_start(scene, origin.range_of(number)[0]), begin)
+    if number == 1:
+        return begin
+    return max(timeline.warm_start(scene, origin.range_of(number)[0], timeline.sounding_seconds(scene)), begin)
 
 
 def _is_there(path: Path, origin: Origin, number: int) -> bool:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Generator
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import product
 
 import bpy
@@ -85,19 +86,30 @@ def _frames(scene: Scene, start: int, end: int, looks_back: bool = True) -> Gene
         scene.frame_set(before)
 
 
-def warm_start(scene: Scene, first: int) -> int:
-    """The frame from which frames are traced so that ``first`` knows all that is moving, all pairs that have just hit each other, and all
-    impacts and triggers that still sound: the last of the `EXACT_FRAMES` before that, at which nothing is held from earlier frames, and
-    where something may slide or roll, the one before that: `Rubbing` has a block of frames, and the one before."""
+def sounding_seconds(scene: Scene) -> float:
+    """The longest time for which an impact or trigger of a scene may sound, with its way to the listeners, and keep its pair from hitting
+    each other again."""
     reading = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get())
     rules = reading.contact_settings.impact_rules()
-    signals = [DEFAULT_IMPACT, *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2))]
-    signals += [rule.template for rule in rules if isinstance(rule.template, Signal)]
-    signals += [source.signal for source in reading.sources if source.triggers is not None and source.signal is not None]
-    seconds = max(signal.duration for signal in signals) / min(rule.slowest for rule in rules)
+    durations = [_longest_template(), *(rule.template.duration for rule in rules if isinstance(rule.template, Signal))]
+    durations += [item.signal.duration for item in reading.sources if item.triggers is not None and item.signal is not None]
+    seconds = max(durations) / min(rule.slowest for rule in rules)
     seconds += max(limits.refractory for limits in reading.contact_settings.all_limits())
     slow = ((item.propagation.spectrum.wave_speed, body.shape) for item, body in zip(reading.objects, reading.bodies, strict=True))
-    seconds += min(sum(math.dist(*shape.local_bounds()) / speed for speed, shape in slow if speed), MAX_DELAY)
+    return seconds + min(sum(math.dist(*shape.local_bounds()) / speed for speed, shape in slow if speed), MAX_DELAY)
+
+
+@cache
+def _longest_template() -> float:
+    """Duration of the longest impact without a rule of its own [s]."""
+    return max(signal.duration for signal in (DEFAULT_IMPACT, *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2))))
+
+
+def warm_start(scene: Scene, first: int, seconds: float) -> int:
+    """The frame from which frames are traced so that ``first`` knows all that is moving, and with ``seconds`` of `sounding_seconds`, all
+    pairs that have just hit each other, and all impacts and triggers that still sound: the last of the `EXACT_FRAMES` before that, at which
+    nothing is held from earlier frames, and where something may slide or roll, the one before that: `Rubbing` has a block of frames, and
+    the one before."""
     blocks = (first - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))) // EXACT_FRAMES
     return (blocks - bool(scene.haptics.textures.items)) * EXACT_FRAMES
 
@@ -115,7 +127,9 @@ def tracing_start(scene: Scene, start: int) -> int:
     if start <= scene.frame_start:
         return start
     shoots = any(obj.haptics.source.enabled and obj.haptics.source.one_shot for obj in scene.objects)
-    return max(warm_start(scene, start), scene.frame_start) if shoots or scene.haptics.textures.items else start
+    if not shoots and not scene.haptics.textures.items:
+        return start
+    return max(warm_start(scene, start, sounding_seconds(scene)), scene.frame_start)
 
 
 def _from(start: int, result: FrameResult) -> FrameResult:
