@@ -7,8 +7,9 @@ PLATFORMS = ("linux_x64", "macos_arm64", "macos_x64", "windows_x64")
 TOP_LEVEL = {"blender_manifest.toml", "__init__.py", "LICENSE", "addon", "core", "manual", "sample_scenes", "wheels"}
 WHEEL_PLATFORM = {"linux_x64": "manylinux", "macos_arm64": "macosx", "macos_x64": "macosx", "windows_x64": "win_amd64"}
 
+pytestmark = pytest.mark.slow  # building the zips takes a second
 
-@pytest.mark.slow
+
 def test_one_zip_per_platform(zips):
     assert sorted(zips) == sorted(PLATFORMS)
 

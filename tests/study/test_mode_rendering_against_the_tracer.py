@@ -30,6 +30,7 @@ def test_same_gains_and_samples_as_traced_in_that_mode(mine_ride):
     mine_ride.haptics.mode = "HT"
 
 
+@pytest.mark.slow
 def test_a_jump_starts_afresh(mine_ride):
     rendering = ModeRendering(Mode.MD)
     settings = None

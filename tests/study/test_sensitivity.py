@@ -51,6 +51,7 @@ def test_a_variation_is_the_ride_with_edited_properties(mine_ride):
     assert varied.renditions[Mode.HT].rms == pytest.approx(edited.renditions[Mode.HT].rms, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_checks_of_a_section(bake):
     ride = bake(2100, 2130)
     sounding = next(s for s in ride.soundings if s.began)

@@ -144,6 +144,7 @@ def test_lines_on_a_surface_are_not_hidden_by_it(off_screen, scene, camera, brid
     assert np.abs(in_front - among).max() <= 3
 
 
+@pytest.mark.slow
 def test_lines_that_pass_behind_the_viewer_are_cut_not_turned(off_screen, scene, camera, bridge):
     """From inside the graph: no stroke across the sky."""
     camera.location = (0, -0.1, -0.2)
@@ -156,6 +157,7 @@ def test_lines_that_pass_behind_the_viewer_are_cut_not_turned(off_screen, scene,
     assert np.abs(above - above[0, 0]).max() <= 12
 
 
+@pytest.mark.slow
 def test_picture_leaves_viewport_and_preferences_as_they_were(off_screen, scene, camera, bridge):
     area = next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
     space, system = area.spaces.active, bpy.context.preferences.system

@@ -80,6 +80,7 @@ def test_refined_patches(seed, limits):
     check(connected_scene(seed, METRIC[:2], extra=2, refined=True), *limits, "recursion")
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(SEEDS, LIMITS)
 def test_gains_above_1(seed, limits):

@@ -94,6 +94,7 @@ def heap(count: int = 120) -> HapticScene:
     return HapticScene(tuple(objects), tuple(contacts), sources, listeners)
 
 
+@pytest.mark.slow
 def test_same_bits_in_a_heap():
     scene = heap()
     for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE):

@@ -63,6 +63,7 @@ def close(got: float, exact: mpmath.mpf, tolerance: float = 1e-12) -> bool:
     return exact < 1e-300 or abs(mpmath.mpf(got) - exact) <= tolerance * exact
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([1e-9, 1.0, 30.0]), st.sampled_from([0.0, 1e9]))
 def test_random_scenes(seed, size, offset):
