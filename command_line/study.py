@@ -12,6 +12,7 @@ from ..addon.changes.suspension import suspended
 from ..core.formats.tracks.wav import write_wav
 from ..pictures.picture import starts_gpu
 from ..sample_scenes import build_sample
+from ..sample_scenes.mine_ride import FRAMES
 from ..study import baking, physical_scenes, plots
 from ..study.checks import Check, checks_of
 from ..study.rendition import Ride
@@ -25,12 +26,12 @@ NAME = "mine_ride"
 
 def run(args: argparse.Namespace) -> int:
     """Play, render, measure, write, print. Exit code 0."""
+    first, last = args.frames or (1, FRAMES)
+    if last > FRAMES:
+        raise ValueError(f"--frames: the ride ends with frame {FRAMES}, not {last}")
     start_blender()
     with suspended():
         scene = build_sample(NAME)
-    first, last = args.frames or (scene.frame_start, scene.frame_end)
-    if last > scene.frame_end:
-        raise ValueError(f"--frames: the ride ends with frame {scene.frame_end}, not {last}")
     args.out.mkdir(parents=True, exist_ok=True)
     notes = []
     with tqdm(total=last - first + 1, desc="Tracing", unit="frame") as bar:

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from import_graph import Import, imports
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -29,6 +30,12 @@ def pins(root) -> dict[str, str]:
     """Version by distribution name."""
     text = (root / "packaging" / "wheels.txt").read_text(encoding="utf-8")
     return dict(re.findall(r"^([\w-]+)==([\w.]+)", text, flags=re.MULTILINE))
+
+
+@pytest.fixture(scope="session")
+def found(root) -> list[Import]:
+    """Every import statement of the package."""
+    return imports(root)
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import importlib.util
 import sys
 
 import pytest
-from import_graph import FLOORS, Import, cycles, floor, imports, modules
+from import_graph import FLOORS, cycles, floor, modules
 
 LATE = {
     "bpy": "the command line's help lists the samples where there is no Blender",
@@ -31,11 +31,6 @@ BLENDER = {"bpy", "mathutils", "bmesh", "gpu", "gpu_extras", "aud", "blf", "bpy_
 
 def height(part: str) -> int:
     return next((k for k, row in enumerate(FLOORS) if part in row), -1)
-
-
-@pytest.fixture(scope="module")
-def found(root) -> list[Import]:
-    return imports(root)
 
 
 def test_every_module_is_on_a_floor(root):
