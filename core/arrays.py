@@ -37,6 +37,8 @@ def ranges(first: IntArray, size: IntArray) -> IntArray:
 
 def portions(size: IntArray, most: int) -> list[IntArray]:
     """Numbers of things of these sizes (n,), in groups of about ``most`` in all."""
+    if size.sum() < most:
+        return [np.arange(len(size))]
     return np.split(np.arange(len(size)), np.flatnonzero(np.diff(size.cumsum() // most)) + 1)
 
 
