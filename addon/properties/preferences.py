@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_type_hints
 
 import bpy
 from bpy.props import FloatVectorProperty
@@ -44,9 +44,7 @@ class PreferenceProperties:
     )
 
 
-_DEFAULTS = SimpleNamespace(
-    gain_unit="BOTH", curve_colour=(1.0, 0.62, 0.2), overlay_size=1.0, default_device="", keep_awake=False, haptic_players=False
-)
+_DEFAULTS = SimpleNamespace(**{name: own.keywords["default"] for name, own in get_type_hints(PreferenceProperties).items()})
 
 
 def preferences() -> Any:

@@ -76,16 +76,12 @@ def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
         tint(pixels[inside, _place(part)], ink, 0.5 if part == 0 else 0.2)
     columns = np.arange(_MARGIN, SIZE - _MARGIN)
     at = np.linspace(0, curve.length, len(columns))
-    for gains, width, filled in _lines(curve):
+    bands = () if curve.bands is None else curve.bands
+    for gains, width, filled in [(curve.gains, 1.6, True), *((band, 0.7, False) for band in bands)]:
         decibels = 20 * np.log10(np.maximum(np.interp(at, curve.distances, gains), 1e-9))
         heights = _MARGIN + np.clip(1 - decibels / FLOOR, -0.02, 1) * (SIZE - 2 * _MARGIN - 1)
         _draw(pixels, columns, heights, colour, width, filled)
     return pixels
-
-
-def _lines(curve: Curve) -> list[tuple[FloatArray, float, bool]]:
-    bands = [] if curve.bands is None else [(gains, 0.7, False) for gains in curve.bands]
-    return [(curve.gains, 1.6, True), *bands]
 
 
 def _place(part: float) -> int:
