@@ -159,7 +159,6 @@ def test_gains_too_large_for_a_number(seed, gain, limits, budget):
             assert error == math.inf or most <= (mpmath.mpf(got) + error) * (1 + 1e-9)
 
 
-@pytest.mark.slow
 def test_amplification_without_a_contact_on_the_way():
     """The only object amplifies, and no path crosses a contact: the sum is the gain of that object alone."""
     thing = HapticObject("thing", 0.1, 0.9, Constant(gain_value=1.5))
@@ -168,6 +167,7 @@ def test_amplification_without_a_contact_on_the_way():
     assert result.gain.tolist() == [[1.5]]
 
 
+@pytest.mark.slow
 def test_long_amplifying_chain_ends():
     """More contacts than layers are looked at: a bound instead of a path, and no memory of all the ways so far."""
     count = 3000

@@ -147,6 +147,7 @@ def test_every_onset_is_a_burst_of_two_cycles_from_phase_zero(ten):
         assert np.abs(played - expected).max() < 2e-3, name
 
 
+@pytest.mark.slow
 def test_the_vibration_is_the_same_every_time_and_survives_json(ten):
     for sound, _ in ten.values():
         for feel in (Feel(), Feel(pitch=True)):
