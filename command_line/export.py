@@ -15,9 +15,8 @@ from ..core.contacts.scene_contacts import contacts_of_scene
 from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.formats.haptic_scene import read_export
-from ..core.formats.io.catalogue import named
+from ..core.formats.io.catalogue import Value, named
 from ..core.formats.io.file_names import file_stem
-from ..core.formats.io.options import Value
 from ..core.formats.scene.recording import frame_of, traced
 from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.formats.tracks.track_recorder import TrackRecorder

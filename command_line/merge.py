@@ -5,18 +5,16 @@ from __future__ import annotations
 import argparse
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 
-from ..core.arrays import FloatArray
 from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.formats.tracks.listener_tracks import Tracks
-from ..core.formats.tracks.track_recorder import TrackRecorder
+from ..core.formats.tracks.track_recorder import Heard, TrackRecorder
 from ..core.render.arrival import arriving
 from ..core.render.mixdown import Mixdown
 from ..core.render.renderer import sample_index
-from ..core.scene.values import Listener, Source
 from . import say
 from .export import chosen_formats, chosen_options
 from .part_file import HeardFrame, Origin, Part, checksum_of, read_part
@@ -29,19 +27,6 @@ _SAME = {
     "parts": "another number of parts",
     "programs": "other versions",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class _Rendered:
-    """A rendered frame in the form that `TrackRecorder` needs."""
-
-    number: int
-    sources: tuple[Source, ...]
-    listeners: tuple[Listener, ...]
-    gains: FloatArray
-    block: FloatArray | None
-    first_sample: int
-    sample_rate: float
 
 
 def run(args: argparse.Namespace) -> int:
@@ -123,8 +108,8 @@ def _tracks(parts: Sequence[Part]) -> Tracks:
     return recorder.tracks()
 
 
-def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> _Rendered:
+def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> Heard:
     block = mixdown.render(before, frame.time, frame.sources, frame.listeners, frame.propagation)
     first = sample_index(frame.time if before is None else before, mixdown.sample_rate)
     gains = arriving(frame.sources, frame.propagation)
-    return _Rendered(frame.number, frame.sources, frame.listeners, gains, block, first, mixdown.sample_rate)
+    return Heard(frame.number, frame.sources, frame.listeners, gains, block, first, mixdown.sample_rate)

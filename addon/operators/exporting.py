@@ -14,7 +14,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import FORMATS, named
-from ...core.formats.io.options import Option, Value
+from ...core.formats.io.catalogue import Option, Value
 from ..bake import playback
 from ..blender import job
 from ..blender.polling import Action

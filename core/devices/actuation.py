@@ -93,18 +93,13 @@ class SpectralDescription:
         # (steps, channels, bins): a tone goes entirely to the channel with its peak, any other spectrum is divided by bins.
         shares = taken[:, None, :]
         if len(masks) > 1:
-            shares = np.where(is_tone[:, None, None], shares * self._holds(masks, peak)[:, :, None], power[:, None, :] * masks)
+            holds: BoolArray = masks[:, np.searchsorted(self._frequencies, peak[:, 0])].T  # (steps, channels)
+            shares = np.where(is_tone[:, None, None], shares * holds[:, :, None], power[:, None, :] * masks)
         sums = shares.sum(axis=2)
         weights = np.where(is_tone[:, None, None], np.minimum(shares, near[:, None, :]), shares)
         divisor = weights.sum(axis=2)
         centroids = np.divide(weights @ self._frequencies, divisor, out=np.zeros_like(divisor), where=divisor > 0.0)
         return np.sqrt(sums), centroids
-
-    def _holds(self, masks: BoolArray, peak: FloatArray) -> BoolArray:
-        """Whether a channel takes the peak's frequency: (steps, channels)."""
-        bins = np.searchsorted(self._frequencies, peak[:, 0])
-        held: BoolArray = masks[:, bins].T
-        return held
 
 
 class ToneActuation:

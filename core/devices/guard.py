@@ -121,12 +121,8 @@ class Guard:
 
     def wait_until_over(self, number: int, timeout: float) -> bool:
         """Wait for the end of an output. Returns whether it has ended."""
-
-        def is_over() -> bool:
-            return bool(self._lost) or self._statuses.get(number, Status()).is_over
-
         with self._condition:
-            return self._condition.wait_for(is_over, timeout)
+            return self._condition.wait_for(lambda: self.status(number).is_over, timeout)
 
     def join(self, timeout: float) -> None:
         """Wait for the guard's end, which comes after that of the last output."""

@@ -16,9 +16,8 @@ from typing import Any, cast
 from .export import Export
 from .io.catalogue import FORMATS as FORMATS
 from .io.catalogue import READERS as READERS
-from .io.catalogue import Format, named
+from .io.catalogue import Format, Value, complete, named
 from .io.error import FormatError
-from .io.options import Value, complete
 from .io.staging import staging
 from .tracks.comparison import Comparison, Fidelity
 from .tracks.comparison import sentences as sentences

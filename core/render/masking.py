@@ -67,7 +67,7 @@ def felt_sources(sounding: Sounding, listener: int, sample_rate: float = SAMPLE_
 
 def source_samples(sounding: Sounding, listener: int, seconds: float, sample_rate: float) -> FloatArray:
     """Samples (s, n) of each source at a listener, after ducking, before mixing."""
-    voices = source_voices(sounding.sources, sounding.listeners, sounding.propagation)
+    voices = source_voices(sounding)
     apart = [
         voice._replace(
             gains=np.multiply.outer(one, voice.gains[listener]),

@@ -65,9 +65,9 @@ class Mixdown:
             self._skipped = True
             return None
         if self._skipped and self.before is not None:
-            earlier = source_voices(self.before.sources, self.before.listeners, self.before.propagation)
+            earlier = source_voices(self.before)
             self._renderer, self._skipped = primed(mixes, self.sample_rate, self.before.time, earlier), False
-        return self._renderer.render_frame(start, end, source_voices(sources, listeners, propagation))
+        return self._renderer.render_frame(start, end, source_voices(self._last))
 
 
 def block_of(result: FrameResult) -> FloatArray | None:
@@ -75,9 +75,9 @@ def block_of(result: FrameResult) -> FloatArray | None:
     before = result.before
     if result.block is not None or before is None:
         return result.block
-    earlier = source_voices(before.sources, before.listeners, before.propagation)
+    earlier = source_voices(before)
     renderer = primed(listener_mixes(result.listeners), result.sample_rate, before.time, earlier)
-    return renderer.render_frame(before.time, result.time, source_voices(result.sources, result.listeners, result.propagation))
+    return renderer.render_frame(before.time, result.time, source_voices(result))
 
 
 def primed(mixes: tuple[ListenerMix, ...], sample_rate: float, time: float, voices: Sequence[Voice]) -> Renderer:
@@ -119,8 +119,9 @@ def ducked(sources: Sequence[Source], listeners: Sequence[Listener], level: Floa
     return np.asarray(10.0 ** (-np.array([item.ducking for item in listeners]) * strongest / 20.0))
 
 
-def source_voices(sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation) -> list[Voice]:
+def source_voices(state: Sounding | FrameResult) -> list[Voice]:
     """One voice per source for a `Renderer`, with its gains at the listeners, ducked."""
+    sources, listeners, propagation = state.sources, state.listeners, state.propagation
     listener_gain = np.array([item.gain for item in listeners])
     gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
     if any(item.ducking for item in listeners):

@@ -94,10 +94,8 @@ class Playback:
         if played is None or listener_mixes(played.result.listeners) != mixes:
             return None
         now = played.start + elapsed
-        voices = source_voices(result.sources, result.listeners, result.propagation)
-        if now >= played.end or _are_alike(
-            voices, source_voices(played.result.sources, played.result.listeners, played.result.propagation)
-        ):
+        voices = source_voices(result)
+        if now >= played.end or _are_alike(voices, source_voices(played.result)):
             return None
         self._renderer = _primed(played.result, now, self._late)
         samples = self._renderer.render_frame(now, played.end, self._voices(result, now))
@@ -114,7 +112,7 @@ class Playback:
         time, late = self._time, dict(self._late)
 
         def render() -> FloatArray:
-            voices = _moved(source_voices(result.sources, result.listeners, result.propagation), late)
+            voices = _moved(source_voices(result), late)
             return _primed(result, time, late).render_frame(time, time + seconds, voices)
 
         return render
@@ -165,10 +163,10 @@ class Playback:
     def _voices(self, result: FrameResult, begun: float) -> list[Voice]:
         """The voices of a result in a block that begins at ``begun``: those that began after the last result, but before this block, begin
         with it."""
-        voices = source_voices(result.sources, result.listeners, result.propagation)
+        voices = source_voices(result)
         shown = self._shown
         if shown is not None and shown.time < begun:
-            known = {voice.key for voice in source_voices(shown.sources, shown.listeners, shown.propagation)} | self._late.keys()
+            known = {voice.key for voice in source_voices(shown)} | self._late.keys()
             self._late.update({voice.key: begun for voice in voices if shown.time <= voice.onset < begun and voice.key not in known})
         if self._late:
             self._late = {voice.key: self._late[voice.key] for voice in voices if voice.key in self._late}
@@ -203,12 +201,12 @@ def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
 
 def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> Renderer:
     """A renderer that stands at ``time`` with the gains of ``shown``, and whose limiter has worked for a while."""
-    voices = _moved(source_voices(shown.sources, shown.listeners, shown.propagation), late)
+    voices = _moved(source_voices(shown), late)
     times, earlier = [time], voices
     if shown.block is not None and shown.time <= time:  # its lines of gains may bend here
         before = shown.before
         times = [shown.first_sample / shown.sample_rate if before is None else before.time, shown.time, time]
-        earlier = [] if before is None else source_voices(before.sources, before.listeners, before.propagation)
+        earlier = [] if before is None else source_voices(before)
     renderer = primed(listener_mixes(shown.listeners), shown.sample_rate, times[0], earlier)
     for begun, end in pairwise(times):
         if begun < end:
@@ -219,7 +217,7 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
 def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
     """A short touch of a frame, (listeners, n), that begins and ends in silence: its interval and a continuation."""
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
-    voices = source_voices(result.sources, result.listeners, result.propagation)
+    voices = source_voices(result)
     return _shaped(steady(renderer, result.time - frame_seconds, GRAIN, voices), result.sample_rate)
 
 

@@ -17,7 +17,6 @@ LEAVES = {
     "formats",
     "formats.io",
     "formats.io.catalogue",
-    "formats.io.options",
     "message",
     "modalities",
     "modalities.modality",

@@ -7,36 +7,19 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from ...scene.functions import ModulationFunction
 from ...scene.references import Place, PlacedError, require_known, require_new
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
 from ..io.error import errors_in
 from .motion import unpacked
 from .poses import Poses
 from .recording import RecordedFrame, Recording, is_on, pair_of
-from .values_json import item_to_dict, read_contact, read_function, read_listener, read_object, read_source, read_value
+from .values_json import json_value, read_contact, read_function, read_listener, read_object, read_source, read_value
 
 
 def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
     """The JSON object of a frame, without unchanged values."""
     changes = {key.name: getattr(frame, key.name) for key in fields(frame) if key.name != "number"}
-    return {"frame": frame.number, **{key: _form(value) for key, value in changes.items() if value}}
-
-
-def _form(value: Any) -> Any:
-    """A change as JSON: by name, or a list of items, pairs or names."""
-    match value:
-        case Poses():
-            return dict(value)
-        case (float() | int(), *_) | float() | int() | str():
-            return value
-        case tuple():
-            return [_form(change) for change in value]
-        case Mapping():
-            return {name: _form(change) for name, change in value.items()}
-        case ModulationFunction():
-            return value.to_dict()
-    return item_to_dict(value)
+    return {"frame": frame.number, **{key: dict(v) if isinstance(v, Poses) else json_value(v) for key, v in changes.items() if v}}
 
 
 def _as_tuples(value: Any) -> Any:

@@ -137,15 +137,18 @@ def current_document(document: Any, file: str | Path) -> tuple[dict[str, Any], t
 
 def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     """The document of a scene, keys in the order of the definition; defaults are left out, except positions and settings."""
-    settings = {key.name: json_value(getattr(scene.settings, key.name)) for key in fields(Settings)}
-    if not scene.settings.localise:
-        del settings["localise"]
-    rules = {key.name: json_value(getattr(scene.rules, key.name)) for key in fields(ContactSettings)}
-    for table in ("impact_table", "transmission_table", "textures"):
-        if not rules[table]:
-            del rules[table]
-    document = {"format": FORMAT, "version": VERSION, "convention": CONVENTION, "settings": settings, "rules": rules, **scene_items(scene)}
+    head = {"format": FORMAT, "version": VERSION, "convention": CONVENTION}
+    document = {**head, "settings": _all_values(scene.settings), "rules": _all_values(scene.rules), **scene_items(scene)}
     return {**document, "extras": json_value(scene.extras)} if scene.extras else document
+
+
+def _all_values(item: Settings | ContactSettings) -> dict[str, Any]:
+    """The JSON object of an item with all its values but empty optional ones."""
+    values = {key.name: json_value(getattr(item, key.name)) for key in fields(item)}
+    return {name: value for name, value in values.items() if value or name not in _OPTIONAL}
+
+
+_OPTIONAL = ("localise", "impact_table", "transmission_table", "textures")
 
 
 def _lines(document: Mapping[str, Any]) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import partial
 from typing import Any, TypeVar
@@ -148,8 +148,6 @@ def json_value(value: Any) -> Any:
             return {"position": list(value.position), "rotation": list(value.rotation)}
         case ModulationFunction() | Shape() | Signal():
             return value.to_dict()
-        case ImpactLimits() | Trigger():
-            return item_to_dict(value)
         case RuleTable():
             return [{"between": [item_to_dict(side) for side in row.between], **_does_to_dict(row.does)} for row in value.rows]
         case Mapping():
@@ -158,5 +156,7 @@ def json_value(value: Any) -> Any:
             return [json_value(member) for member in value]
         case np.generic() | np.ndarray():
             return value.tolist()
+        case _ if is_dataclass(value):
+            return item_to_dict(value)
         case _:
             raise TypeError(f"{type(value).__name__} has no form in a scene file")

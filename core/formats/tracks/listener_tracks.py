@@ -102,7 +102,7 @@ class Tracks:
             raise ValueError("listeners: names must differ")
         if not np.isfinite(self.start):
             raise ValueError(f"start: must be finite, got {self.start!r}")
-        for _, block in self.blocks():
+        for block in self.blocks():
             if not np.isfinite(block).all():
                 raise ValueError("samples: must be finite")
 
@@ -120,12 +120,12 @@ class Tracks:
         """The samples of one listener."""
         return Row(self.samples[number], self.sample_rate)
 
-    def blocks(self) -> Iterator[tuple[int, NDArray[np.floating]]]:
-        """The samples in pieces (n_listeners, k), each with the index of its first sample."""
+    def blocks(self) -> Iterator[NDArray[np.floating]]:
+        """The samples in pieces (n_listeners, k)."""
         size = max(CHUNK // max(len(self.listeners), 1), 1)
         for first in range(0, self.count, size):
-            yield first, self.samples[:, first : first + size]
+            yield self.samples[:, first : first + size]
 
     def clipped(self) -> int:
         """Number of samples beyond ±1, which formats of fixed range clip."""
-        return sum(int(np.count_nonzero(np.abs(block) > 1)) for _, block in self.blocks())
+        return sum(int(np.count_nonzero(np.abs(block) > 1)) for block in self.blocks())

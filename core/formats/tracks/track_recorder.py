@@ -3,33 +3,28 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
-from typing import IO, Protocol
+from dataclasses import dataclass
+from typing import IO
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...render.frame_result import FrameResult
 from ...scene.values import Listener, Source, SourceKind
 from .listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
 
 
-class Heard(Protocol):
+@dataclass(frozen=True, slots=True)
+class Heard:
     """The part of a `FrameResult` that is recorded."""
 
-    @property
-    def number(self) -> int: ...
-    @property
-    def sources(self) -> Sequence[Source]: ...
-    @property
-    def listeners(self) -> tuple[Listener, ...]: ...
-    @property
-    def gains(self) -> FloatArray: ...
-    @property
-    def block(self) -> FloatArray | None: ...
-    @property
-    def first_sample(self) -> int: ...
-    @property
-    def sample_rate(self) -> float: ...
+    number: int
+    sources: tuple[Source, ...]
+    listeners: tuple[Listener, ...]
+    gains: FloatArray
+    block: FloatArray | None
+    first_sample: int
+    sample_rate: float
 
 
 class TrackRecorder:
@@ -43,7 +38,7 @@ class TrackRecorder:
         self._count = 0
         self._impacts: dict[str, tuple[float, list[float]]] = {}
 
-    def add(self, result: Heard) -> None:
+    def add(self, result: FrameResult | Heard) -> None:
         """Add a frame. Raises ValueError unless it follows the frame before and has the same listeners."""
         if not self._sample_rate:
             self._listeners, self._sample_rate = result.listeners, round(result.sample_rate)

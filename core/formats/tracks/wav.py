@@ -125,7 +125,7 @@ def _write_samples(file: BinaryIO, tracks: Tracks, encoding: str) -> None:
 
 def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
     """The samples in pieces, as 16 bit integers with full scale 32,768, or as 32 bit floats; little-endian."""
-    for _, block in tracks.blocks():
+    for block in tracks.blocks():
         if encoding == "pcm16":
             yield np.clip(np.rint(block * 32768.0), -32768, 32767).astype("<i2")
         else:
@@ -134,7 +134,7 @@ def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
 
 def compare_encoded(tracks: Tracks, encoding: str, measured: Comparison) -> None:
     """Measure the losses of encoding the samples."""
-    for (_, block), coded in zip(tracks.blocks(), encoded(tracks, encoding), strict=True):
+    for block, coded in zip(tracks.blocks(), encoded(tracks, encoding), strict=True):
         for number, (row, values) in enumerate(zip(block, coded / np.float64(FULL_SCALE[encoding]), strict=True)):
             measured.add(number, np.asarray(row, dtype=np.float64), values)
 

@@ -106,7 +106,7 @@ def test_the_mix_has_what_is_turned_down():
     ]
     state = sounding(sources, Listener("palm", "plate", ducking=20.0))
     renderer = Renderer(listener_mixes(state.listeners), RATE)
-    voices = source_voices(state.sources, state.listeners, state.propagation)
+    voices = source_voices(state)
     renderer.render_frame(0.0, 0.0, voices)
     time = np.arange(4000) / RATE
     mix = 0.5 * np.sin(2 * np.pi * 250 * time) + 0.04 * np.sin(2 * np.pi * 60 * time)
@@ -119,7 +119,7 @@ def test_bands_and_delays_stay_those_of_the_paths():
     sources = [Source(f"s{k}", "plate", (0.3 * k, 0.0, 0.5), 0.02, signal=Sine(40.0 * k)) for k in range(1, 6)]
     state = sounding(sources, Listener("palm", "plate", ducking=6.0), function)
     renderer = Renderer(listener_mixes(state.listeners), RATE)
-    voices = source_voices(state.sources, state.listeners, state.propagation)
+    voices = source_voices(state)
     renderer.render_frame(0.0, 0.0, voices)
     assert source_samples(state, 0, 0.25, RATE).sum(axis=0) == pytest.approx(renderer.render_frame(0.0, 0.25, voices)[0], abs=1e-9)
 
