@@ -27,9 +27,8 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.blender.time import frame_seconds
 from haptic_tracing.addon.live_output import handlers, outputs, player
-from haptic_tracing.core.devices.guard import GuardedOutput
+from haptic_tracing.core.devices.guard import DeviceOutput, GuardedOutput
 from haptic_tracing.core.devices.inventory import Found, Inventory
-from haptic_tracing.core.devices.output import DeviceOutput
 from haptic_tracing.core.devices.profiles import profile
 from haptic_tracing.sample_scenes import build_sample
 

@@ -12,7 +12,7 @@ import numpy as np
 from ..core.devices.connection import connected, hid_module, missing_permission
 from ..core.devices.families.family import RumbleFamily
 from ..core.devices.families.registry import family
-from ..core.devices.output import DeviceOutput
+from ..core.devices.guard import DeviceOutput
 from ..core.devices.profiles import BUILT_IN, Profile, load_profiles
 from ..core.devices.report import Report, Transport
 

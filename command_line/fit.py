@@ -12,9 +12,9 @@ from ..core.design.recordings import Question, fit, read_recordings
 from ..core.formats.io.strict_json import read_json
 from ..core.formats.scene.scene_json import current_document, scene_of, write_scene
 from ..core.graph.haptic_graph import graph_of_scene
+from ..core.message import sentence
 from ..core.scene.coefficients import coefficients_of
 from ..core.scene.functions import Constant
-from ..core.sentences import sentence
 from . import say, warn_of_unknown
 
 

@@ -14,12 +14,12 @@ from ..core.formats.io.strict_json import read_json
 from ..core.formats.scene.modalities_json import modalities_from_dict
 from ..core.formats.scene.scene_json import current_document, scene_of
 from ..core.graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
+from ..core.message import sentence
 from ..core.modalities.propagation import Felt
 from ..core.propagation import Propagation, objects_on, propagate
 from ..core.render.frame_result import Sounding
 from ..core.render.masking import felt_sources
 from ..core.scene.values import HapticScene, Strategy
-from ..core.sentences import sentence
 from . import warn_of_unknown
 
 

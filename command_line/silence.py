@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from ..core.diagnosis.silence import reasons
 from ..core.formats.tracks.listener_tracks import Tracks
+from ..core.message import sentence
 from ..core.render.frame_result import FrameResult
 from ..core.scene.values import Settings
-from ..core.sentences import sentence
 
 MOST_LISTENERS = 10
 

@@ -13,8 +13,7 @@ from bpy.types import Context, Event, Operator, UILayout
 from bpy_extras.io_utils import ExportHelper
 
 from ...core.formats import haptic_scene, registry
-from ...core.formats.io.catalogue import FORMATS, named
-from ...core.formats.io.catalogue import Option, Value
+from ...core.formats.io.catalogue import FORMATS, Option, Value, named
 from ..bake import playback
 from ..blender import job
 from ..blender.polling import Action

@@ -7,8 +7,7 @@ import math
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, UILayout
 
-from ...core.message import Chain
-from ...core.sentences import written
+from ...core.message import Chain, written
 from ..blender.time import is_playing
 from ..session import sessions
 from ..translations.sentences import sentence

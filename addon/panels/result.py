@@ -9,9 +9,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Header, Panel, UILayout
 
-from ...core.message import Metres
+from ...core.message import Metres, written
 from ...core.scene.choices import Mode
-from ...core.sentences import written
 from ..bake import playback
 from ..blender.time import is_playing
 from ..live_output import unfelt

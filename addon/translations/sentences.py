@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from bpy.app.translations import pgettext_iface as iface_
 
-from ...core import sentences
-from ...core.message import Message
+from ...core import message as messages
 
 
-def sentence(message: Message) -> str:
+def sentence(message: messages.Message) -> str:
     """A sentence without a full stop; in English where the language has no translation."""
-    return sentences.sentence(message, iface_(message.cause.value))
+    return messages.sentence(message, iface_(message.cause.value))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 import threading
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -50,48 +49,12 @@ def hid_module() -> HidModule:
     return found
 
 
-class StandInDevice(ABC):
-    """Replacement for hidapi's device that handles reports by other means and sends no input."""
-
-    def __init__(self) -> None:
-        self._error = ""
-
-    @abstractmethod
-    def open_path(self, path: bytes) -> None: ...
-
-    @abstractmethod
-    def take(self, data: bytes) -> None:
-        """Send a report. Raises OSError if it does not arrive."""
-
-    @abstractmethod
-    def close(self) -> None: ...
-
-    def write(self, data: bytes) -> int:
-        try:
-            self.take(data)
-        except OSError as error:
-            self._error = str(error)
-            return -1
-        return len(data)
-
-    send_feature_report = write
-
-    def get_feature_report(self, report: int, length: int) -> list[int]:
-        return []
-
-    def read(self, length: int, timeout_ms: int) -> list[int]:
-        return []
-
-    def error(self) -> str:
-        return self._error
-
-
 @dataclass(frozen=True, slots=True)
 class StandInModule:
-    """Replacement for hidapi's module with one device, whether or not it is present. make: makes a `StandInDevice` that is not open yet."""
+    """Replacement for hidapi's module with one device, whether or not it is present. make: makes a `HidDevice` that is not open yet."""
 
     interface: Interface
-    make: Callable[[], StandInDevice]
+    make: Callable[[], HidDevice]
 
     def enumerate(self) -> Iterable[Interface]:
         return [self.interface]

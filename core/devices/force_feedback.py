@@ -14,8 +14,8 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from .connection import StandInDevice, StandInModule
-from .families.family import Interface, RumbleFamily, any_interface
+from .connection import StandInModule
+from .families.family import HidDevice, Interface, RumbleFamily, any_interface
 from .profiles import Actuator, Calibration, Channel, Profile
 from .report import Report, Tones, Transport, unsigned16
 
@@ -71,7 +71,7 @@ class ForceFeedbackModule(StandInModule):
         return [self.interface] if os.access(self.interface.path, os.F_OK) else []
 
 
-class _EventDevice(StandInDevice):
+class _EventDevice(HidDevice):
     """An event device. A report contains the amplitudes of the strong and the weak motor."""
 
     def __init__(self) -> None:

@@ -18,8 +18,9 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any, BinaryIO, Protocol
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,8 +28,10 @@ from numpy.typing import ArrayLike
 from .actuation import checked_block
 from .guard_process import HEARTBEAT, packed, started_threads
 from .mapping import ActuatedDevice
-from .profiles import Adjustment, check_adjustment
+from .profiles import Adjustment, Profile, check_adjustment
+from .sound_card import SoundCard, SoundCardWriter
 from .status import Status, ThreadedOutput, stop_together
+from .writer import DeviceWriter
 
 _PACKAGE = __package__.removesuffix(".core.devices")
 # Importing the package would import Blender's modules: an empty module of its name, with its folder as the path, takes its place.
@@ -49,27 +52,17 @@ _FULL = 0.002  # seconds after which a full pipe is tried again
 _OBSOLETE = {"send": ("expect",), **dict.fromkeys(("silence", "rest", "request_stop"), ("send", "expect"))}
 
 
-class Process(Protocol):
-    """A running guard process and its pipes."""
-
-    stdin: BinaryIO
-    stdout: BinaryIO
-
-    def wait(self) -> int: ...
-
-
-def start_process() -> Process:
+def start_process() -> subprocess.Popen[bytes]:
     """Start the guard with the Python that runs this program (Blender's own, inside Blender). Raises OSError."""
     paths = [str(Path(path).absolute()) for path in sys.path if path]
     what = json.dumps([paths, _PACKAGE, str(Path(__file__).parents[2]), os.getpid()])
-    process: Any = subprocess.Popen(
+    return subprocess.Popen(
         [sys.executable, "-I", "-S", "-c", _BOOT, what],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         start_new_session=True,
         creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "ABOVE_NORMAL_PRIORITY_CLASS", 0),
     )
-    return process  # type: ignore[no-any-return]
 
 
 class Guard:
@@ -207,7 +200,7 @@ class _State:
     """The guard that runs, if any, and the outputs of this program. start: starts a guard process."""
 
     def __init__(self) -> None:
-        self.start: Callable[[], Process] = start_process
+        self.start: Callable[[], Any] = start_process
         self._lock = threading.Lock()
         self._guard: Guard | None = None
         self._numbers = itertools.count()
@@ -319,6 +312,22 @@ class GuardedOutput:
     def _order(self, name: str, *arguments: Any) -> None:
         if self._guard is not None:
             self._guard.order(self._number, name, *arguments)
+
+
+class DeviceOutput(GuardedOutput):
+    """One device that is fed with blocks of samples, one row per actuator of its profile."""
+
+    def __init__(self, profile: Profile, adjustment: Adjustment | None = None, **options: Any) -> None:
+        """options: those of `DeviceWriter`; ``hid`` is pickled. Raises ValueError as that does."""
+        super().__init__(profile, partial(DeviceWriter, profile, adjustment=adjustment, **options))
+
+
+class SoundCardOutput(GuardedOutput):
+    """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceOutput`."""
+
+    def __init__(self, card: SoundCard, adjustment: Adjustment | None = None, **options: Any) -> None:
+        """options: those of `SoundCardWriter`."""
+        super().__init__(card, partial(SoundCardWriter, card, adjustment=adjustment, **options))
 
 
 @atexit.register

@@ -10,10 +10,9 @@ from pathlib import Path
 from .connection import Connected, StandInModule, connected, hid_module, missing_permission, udev_rule
 from .families.family import Interface
 from .force_feedback import ForceFeedbackModule, event_nodes, force_feedback_profile
-from .guard import GuardedOutput
+from .guard import DeviceOutput, GuardedOutput, SoundCardOutput
 from .mapping import ActuatedDevice
 from .network import bhaptics, intiface
-from .output import DeviceOutput, SoundCardOutput
 from .profiles import BUILT_IN, Adjustment, Profile, load_profiles
 from .sound_card import sound_cards, sound_module
 

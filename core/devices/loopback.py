@@ -19,8 +19,8 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from .checked_json import parse_json
-from .connection import DeviceError, StandInDevice, StandInModule
-from .families.family import Interface
+from .connection import DeviceError, StandInModule
+from .families.family import HidDevice, Interface
 
 ANSWER_WITHIN = 2.0
 """Time-out of a player for opening a connection and for an answer [s]."""
@@ -201,7 +201,7 @@ def player_module(player: Player, device_name: str) -> StandInModule:
     return StandInModule(interface, partial(_PlayerDevice, player))
 
 
-class _PlayerDevice(StandInDevice):
+class _PlayerDevice(HidDevice):
     """A device of a player."""
 
     def __init__(self, player: Player) -> None:

@@ -2,7 +2,7 @@
 device at the end.
 
 Nothing here blocks the caller: ``send`` puts a block into a mailbox of size one, in which the latest replaces the previous.
-`output.DeviceOutput` does this in the guard process, so that a device falls silent whatever ends the program.
+`guard.DeviceOutput` does this in the guard process, so that a device falls silent whatever ends the program.
 """
 
 from __future__ import annotations

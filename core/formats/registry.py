@@ -14,11 +14,11 @@ from types import MappingProxyType
 from typing import Any, cast
 
 from .export import Export
+from .io.atomic import staging
 from .io.catalogue import FORMATS as FORMATS
 from .io.catalogue import READERS as READERS
 from .io.catalogue import Format, Value, complete, named
 from .io.error import FormatError
-from .io.staging import staging
 from .tracks.comparison import Comparison, Fidelity
 from .tracks.comparison import sentences as sentences
 from .tracks.vibration_file import VibrationFile

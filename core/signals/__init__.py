@@ -1,8 +1,7 @@
 """Signals: small immutable values that compose by `*`, `+` and `>>` and are sampled only at the end."""
 
 from .automation import Automation, ramp
-from .base import Gain, Product, Sequence, Signal, Sum
-from .composition import Delay, Loop
+from .base import Delay, Gain, Loop, Product, Sequence, Signal, Sum
 from .drawn import Drawing, Emphasis
 from .envelopes import Adsr, Constant, Decay, Keyed
 from .impacts import DecayingSine, Impulse

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .automation import Automation, ramp
-from .base import Product, Signal, Sum
-from .composition import Delay, Loop
+from .base import Delay, Loop, Product, Signal, Sum
 from .envelopes import Keyed
 from .limits import checked_number
 from .oscillators import Sine

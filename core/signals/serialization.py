@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING
 
 from .automation import Automation
-from .base import Gain, Product, Sequence, Signal, Sum, json_fields
-from .composition import Delay, Loop
+from .base import Delay, Gain, Loop, Product, Sequence, Signal, Sum, json_fields
 from .envelopes import Adsr, Constant, Decay, Keyed
 from .impacts import DecayingSine, Impulse
 from .noise import Noise

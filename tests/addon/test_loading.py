@@ -13,7 +13,6 @@ LEAVES = {
     "design",
     "devices",
     "diagnosis",
-    "sentences",
     "formats",
     "formats.io",
     "formats.io.catalogue",

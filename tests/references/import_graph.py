@@ -12,7 +12,7 @@ PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 
 FLOORS = (
     ("core.arrays", "core.message"),
-    ("core.sentences", "core.least_squares"),
+    ("core.least_squares",),
     ("core.signals", "core.perception"),
     ("core.scene",),
     ("core.contacts", "core.devices"),

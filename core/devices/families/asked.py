@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 from ..report import Report
 from .family import HidDevice, Interface, answer_of
@@ -35,12 +36,9 @@ def _rumbles(device: HidDevice, product: int) -> bool:
 
 def _feature(device: HidDevice, report: int) -> list[int]:
     for _ in range(_ATTEMPTS):
-        try:
-            answer = device.get_feature_report(report, 64)
-        except OSError:
-            answer = []
-        if answer:
-            return answer
+        with suppress(OSError):
+            if answer := device.get_feature_report(report, 64):
+                return answer
         time.sleep(0.010)
     return []
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -54,16 +55,40 @@ class Interface:
         )
 
 
-class HidDevice(Protocol):
-    """The part of hidapi's ``device`` that is used."""
+class HidDevice(ABC):
+    """The part of hidapi's ``device`` that is used, for replacements that handle reports by other means and send no input."""
 
+    def __init__(self) -> None:
+        self._error = ""
+
+    @abstractmethod
     def open_path(self, path: bytes) -> None: ...
-    def write(self, data: bytes) -> int: ...
-    def send_feature_report(self, data: bytes) -> int: ...
-    def get_feature_report(self, report: int, length: int) -> list[int]: ...
-    def read(self, length: int, timeout_ms: int) -> list[int]: ...
-    def error(self) -> str: ...
+
+    @abstractmethod
+    def take(self, data: bytes) -> None:
+        """Send a report. Raises OSError if it does not arrive."""
+
+    @abstractmethod
     def close(self) -> None: ...
+
+    def write(self, data: bytes) -> int:
+        try:
+            self.take(data)
+        except OSError as error:
+            self._error = str(error)
+            return -1
+        return len(data)
+
+    send_feature_report = write
+
+    def get_feature_report(self, report: int, length: int) -> list[int]:
+        return []
+
+    def read(self, length: int, timeout_ms: int) -> list[int]:
+        return []
+
+    def error(self) -> str:
+        return self._error
 
 
 def is_gamepad(interface: Interface) -> bool:

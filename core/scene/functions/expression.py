@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
-from ...message import Argument, Cause, Message, Names
-from ...sentences import sentence
+from ...message import Argument, Cause, Message, Names, sentence
 from . import interval
 from .interval import Interval
 

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from haptic_tracing.core.devices.mapping import Loss, Place, map_listeners
 from haptic_tracing.core.devices.profiles import load_profiles, profile
-from haptic_tracing.core.message import Cause, Message
+from haptic_tracing.core.message import Cause, Message, sentence
 from haptic_tracing.core.scene.body import BODY_PARTS, DEFAULT_LISTENERS
-from haptic_tracing.core.sentences import sentence
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -17,9 +17,8 @@ import numpy as np
 from haptic_tracing.command_line.devices import rumble_report
 from haptic_tracing.core.devices.connection import connected, hid_module, open_device
 from haptic_tracing.core.devices.families.registry import family
-from haptic_tracing.core.devices.guard import stop_all
+from haptic_tracing.core.devices.guard import DeviceOutput, stop_all
 from haptic_tracing.core.devices.inventory import look
-from haptic_tracing.core.devices.output import DeviceOutput
 from haptic_tracing.core.devices.profiles import profile
 from haptic_tracing.core.devices.writer import DeviceWriter
 from kernel_input import Kernel

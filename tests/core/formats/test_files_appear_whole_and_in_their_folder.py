@@ -166,7 +166,7 @@ HELD = """
 import os, signal, sys, time
 from pathlib import Path
 from haptic_tracing.core.formats.io.atomic import atomic_file
-from haptic_tracing.core.formats.io.staging import staging
+from haptic_tracing.core.formats.io.atomic import staging
 
 folder = Path(sys.argv[1])
 with staging(folder) as place, atomic_file(folder / "scene.json") as file:

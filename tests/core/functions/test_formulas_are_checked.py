@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from haptic_tracing.core.message import sentence
 from haptic_tracing.core.scene.functions import Expression, check_expression, excerpt
 from haptic_tracing.core.scene.functions.expression import MAX_LENGTH
-from haptic_tracing.core.sentences import sentence
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -10,12 +10,12 @@ from haptic_tracing.core.contacts.one_shots import entry
 from haptic_tracing.core.contacts.settings import Body, ContactSettings, Motion
 from haptic_tracing.core.contacts.shapes import Box, pose_matrix
 from haptic_tracing.core.diagnosis.silence import reasons
+from haptic_tracing.core.message import sentence
 from haptic_tracing.core.scene.functions import Identity, Physical
 from haptic_tracing.core.scene.functions.modulation import Spectrum
 from haptic_tracing.core.scene.impact_rule import ImpactRule
 from haptic_tracing.core.scene.rule_table import Rule, RuleTable, Side
 from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, SourceKind, Trigger
-from haptic_tracing.core.sentences import sentence
 from haptic_tracing.core.signals import Constant, DecayingSine, Impulse, Noise
 from haptic_tracing.core.tracer import Frame, Tracer
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.scene.scene_json import scene_from_dict
+from haptic_tracing.core.message import sentence
 from haptic_tracing.core.render.mixdown import listener_mixes
 from haptic_tracing.core.render.mixing import (
     MixingExpression,
@@ -23,7 +24,6 @@ from haptic_tracing.core.render.renderer import ListenerMix, Renderer
 from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.scene.functions import MIXING_VARIABLES
 from haptic_tracing.core.scene.values import Listener
-from haptic_tracing.core.sentences import sentence
 from haptic_tracing.core.signals import Constant, Decay, Sine
 from hypothesis import given, settings
 from hypothesis import strategies as st

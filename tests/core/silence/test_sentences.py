@@ -3,8 +3,7 @@
 import re
 
 import pytest
-from haptic_tracing.core.message import Cause, Chain, Decibels, Hertz, Message, Metres, Names, Seconds
-from haptic_tracing.core.sentences import sentence, written
+from haptic_tracing.core.message import Cause, Chain, Decibels, Hertz, Message, Metres, Names, Seconds, sentence, written
 
 
 @pytest.mark.parametrize(
