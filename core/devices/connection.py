@@ -189,8 +189,7 @@ def missing_permission(interface: Interface) -> str | None:
     """Why this user may not open the interface (Linux), and the udev rule that lets them; None if they may, or if that is unknown."""
     if not sys.platform.startswith("linux"):
         return None
-    name = interface.title or f"{interface.vendor:04x}:{interface.product:04x}"
-    path = os.fsdecode(interface.path)
+    name, path = interface.label, os.fsdecode(interface.path)
     if os.access(path, os.R_OK | os.W_OK):
         return None
     if not os.access(path, os.F_OK):
@@ -200,8 +199,5 @@ def missing_permission(interface: Interface) -> str | None:
 
 def open_failure(interface: Interface) -> str:
     """Why opening an interface failed, and what to do about it."""
-    missing = missing_permission(interface)
-    if missing is not None:
-        return missing
-    name = interface.title or f"{interface.vendor:04x}:{interface.product:04x}"
-    return f"{name} can't be opened: another program (Steam, a game, a remapper) holds it, or it was just disconnected"
+    failure = f"{interface.label} can't be opened: another program (Steam, a game, a remapper) holds it, or it was just disconnected"
+    return missing_permission(interface) or failure

@@ -68,7 +68,7 @@ def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_p
             problems = (*problems, str(error))
     driven = {device.title for device in devices}
     others = [device for device in gamepads if not _matching(profiles.values(), device) and device.first.title not in driven]
-    strangers = tuple(device.first.title or f"{device.first.vendor:04x}:{device.first.product:04x}" for device in others)
+    strangers = tuple(device.first.label for device in others)
     return Inventory(_with_unique_keys(devices), strangers, problems)
 
 

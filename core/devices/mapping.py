@@ -4,28 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..message import Cause, Hertz, Message, Names, Seconds
 from ..scene.body import body_part
-from .profiles import Actuator
+from .profiles import Actuator, Profile
+from .sound_card import SoundCard
 
 LATEST = 0.050
 """Seconds by which touch may lag behind the picture unnoticed (Di Luca and Mahnan, 2019)."""
 
 
-class ActuatedDevice(Protocol):
-    """The interface of a device for the mapping, which `Profile` and `SoundCard` implement."""
-
-    @property
-    def title(self) -> str: ...
-    @property
-    def actuators(self) -> tuple[Actuator, ...]: ...
-    @property
-    def plays_frequency(self) -> bool: ...
+ActuatedDevice = Profile | SoundCard
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,10 +156,10 @@ def _places_at(part: str, devices: Mapping[str, ActuatedDevice]) -> list[Place]:
 
 
 def _index(profile: ActuatedDevice, place: Place) -> int:
-    for index, actuator in enumerate(profile.actuators):
-        if actuator.name == place.actuator:
-            return index
-    raise ValueError(f"{place.device} has no actuator {place.actuator!r}: use one of {', '.join(a.name for a in profile.actuators)}")
+    names = [actuator.name for actuator in profile.actuators]
+    if place.actuator not in names:
+        raise ValueError(f"{place.device} has no actuator {place.actuator!r}: use one of {', '.join(names)}")
+    return names.index(place.actuator)
 
 
 def _losses(profile: ActuatedDevice, weights: FloatArray, names: tuple[str, ...], bands: Mapping[str, tuple[float, float]]) -> list[Loss]:

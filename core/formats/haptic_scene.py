@@ -53,10 +53,9 @@ def write(export: Export, folder: Path, options: Mapping[str, Any], measured: Co
 
 def write_export(export: Export, path: Path, frames: bool = True, tracks: str = "none", encoding: str = "pcm16") -> list[Path]:
     """Write to ``path``, compressed if it ends in ``.gz``. Raises ValueError or OSError."""
-    scene = scene_to_dict(export.need_scene())
-    extras = {"extras": scene.pop("extras")} if "extras" in scene else {}
+    document = scene_to_dict(export.need_scene())
+    extras = {key: document.pop(key) for key in ("extras",) if key in document}
     files = [path]
-    document: dict[str, Any] = {**scene}
     if export.materials:
         document["materials"] = [item_to_dict(material) for material in export.materials]
     if export.devices:

@@ -47,6 +47,5 @@ def still_samples(result: FrameResult, seconds: float) -> FloatArray:
     """Samples (l, n) of a single frame as if it lasted for ``seconds`` from the beginning of its interval, with its gains."""
     if not result.listeners:
         return np.zeros((0, 0))
-    voices = source_voices(result)
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
-    return steady(renderer, result.first_sample / result.sample_rate, seconds, voices)
+    return steady(renderer, result.first_sample / result.sample_rate, seconds, source_voices(result))

@@ -65,8 +65,8 @@ class Mixdown:
             self._skipped = True
             return None
         if self._skipped and self.before is not None:
-            earlier = source_voices(self.before)
-            self._renderer, self._skipped = primed(mixes, self.sample_rate, self.before.time, earlier), False
+            self._renderer = primed(mixes, self.sample_rate, self.before.time, source_voices(self.before))
+            self._skipped = False
         return self._renderer.render_frame(start, end, source_voices(self._last))
 
 
@@ -75,8 +75,7 @@ def block_of(result: FrameResult) -> FloatArray | None:
     before = result.before
     if result.block is not None or before is None:
         return result.block
-    earlier = source_voices(before)
-    renderer = primed(listener_mixes(result.listeners), result.sample_rate, before.time, earlier)
+    renderer = primed(listener_mixes(result.listeners), result.sample_rate, before.time, source_voices(before))
     return renderer.render_frame(before.time, result.time, source_voices(result))
 
 

@@ -217,8 +217,7 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
 def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
     """A short touch of a frame, (listeners, n), that begins and ends in silence: its interval and a continuation."""
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
-    voices = source_voices(result)
-    return _shaped(steady(renderer, result.time - frame_seconds, GRAIN, voices), result.sample_rate)
+    return _shaped(steady(renderer, result.time - frame_seconds, GRAIN, source_voices(result)), result.sample_rate)
 
 
 def recorded_grain(result: FrameResult) -> FloatArray:

@@ -37,6 +37,11 @@ class Interface:
     number: int
     transport: Transport
 
+    @property
+    def label(self) -> str:
+        """The title, or the numbers without one."""
+        return self.title or f"{self.vendor:04x}:{self.product:04x}"
+
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Interface:
         """From hidapi's dictionary. If the bus is unknown, interfaces with a number are USB."""

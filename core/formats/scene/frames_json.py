@@ -11,8 +11,7 @@ from ...scene.references import Place, PlacedError, require_known, require_new
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
 from ..io.error import errors_in
 from .motion import unpacked
-from .poses import Poses
-from .recording import RecordedFrame, Recording, is_on, pair_of
+from .recording import Poses, RecordedFrame, Recording, is_on, pair_of
 from .values_json import json_value, read_contact, read_function, read_listener, read_object, read_source, read_value
 
 

@@ -20,8 +20,7 @@ import numpy as np
 
 from ...arrays import IntArray
 from ...scene.references import PlacedError, require_known
-from .poses import PER_UNIT, PoseRow, Poses, pose_row
-from .recording import RecordedFrame
+from .recording import PER_UNIT, PoseRow, Poses, RecordedFrame, pose_row
 
 FEWEST = 8
 """Minimum number of consecutive frames of a motion; shorter ones are written in the frames."""

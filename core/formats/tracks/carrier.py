@@ -79,9 +79,9 @@ class Carrier:
     def to_signal(self) -> Signal:
         """An oscillator with a keyed frequency times a keyed envelope, which can be edited."""
         oscillator, offset = _OSCILLATORS[self.wave]
-        keyed = replace(
-            oscillator, frequency=_automation(self.frequency_times, self.frequencies), phase=self.phase / (2 * math.pi) + offset
-        )
+        frequency, is_steady = self.frequencies, (self.frequencies == self.frequencies[0]).all()
+        hertz = float(frequency[0]) if is_steady else Automation(self.frequency_times, frequency)
+        keyed = replace(oscillator, frequency=hertz, phase=self.phase / (2 * math.pi) + offset)
         length = self.end - self.start
         before = self.amplitude_times < length
         times = np.append(self.amplitude_times[before], length)
@@ -139,10 +139,6 @@ def _slopes(keys: FloatArray, values: FloatArray) -> FloatArray:
     slopes = np.zeros(len(keys))
     np.divide(values[1:] - values[:-1], widths, out=slopes[:-1], where=widths > 1e-12)
     return slopes
-
-
-def _automation(times: FloatArray, values: FloatArray) -> float | Automation:
-    return float(values[0]) if (values == values[0]).all() else Automation(times, values)
 
 
 def rendered(carriers: Iterable[Carrier], first: int, last: int, rate: float) -> FloatArray:

@@ -20,8 +20,7 @@ CHUNK = 2**18
 def strengths(source: Source, gains: FloatArray) -> list[float]:
     """Peak of an impact's vibration at each listener, at most 1."""
     peak = min(source.emitted.peak, 1.0)
-    result: list[float] = np.minimum(gains * peak, 1.0).tolist()
-    return result
+    return list(map(float, np.minimum(gains * peak, 1.0)))
 
 
 def sorted_impacts(impacts: Iterable[tuple[float, float]]) -> FloatArray:

@@ -94,7 +94,8 @@ def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
     """The tracks at another sample rate; 0: unchanged."""
     if sample_rate in (0, tracks.sample_rate):
         return tracks
-    samples = np.array([resample(row.astype(np.float64), tracks.sample_rate, sample_rate) for row in tracks.samples], dtype=np.float32)
+    rows = (np.asarray(tracks.samples[number], dtype=np.float64) for number in range(len(tracks.listeners)))
+    samples = np.array([resample(row, tracks.sample_rate, sample_rate) for row in rows], dtype=np.float32)
     return Tracks(tracks.listeners, sample_rate, samples, tracks.start)
 
 

@@ -10,8 +10,7 @@ from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.scene.motion import decoded, encoded, packed, unpacked
-from haptic_tracing.core.formats.scene.poses import Poses
-from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording
+from haptic_tracing.core.formats.scene.recording import Poses, RecordedFrame, Recording
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
