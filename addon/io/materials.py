@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 from bpy.types import Scene
 
-from ...core.formats.scene.materials_json import LibraryMaterial
+from ...core.formats.scene.lists_json import LibraryMaterial
 from ...core.scene.values import HapticObject
 from ..blender.single_precision import authored
 from ..properties.materials import add_material, own_values

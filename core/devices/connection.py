@@ -26,6 +26,16 @@ class DeviceError(OSError):
     """A device is unavailable; the text gives the reason in one line."""
 
 
+def carried_module(name: str, needed_by: str) -> Any:
+    """A module of a package that the extension carries. Raises DeviceError with instructions if it is missing."""
+    try:
+        return import_module(name)
+    except ImportError:
+        package = name.partition(".")[0]
+        reason = f"{needed_by} need the Python package {package}, which the extension carries: install it from its zip"
+        raise DeviceError(reason) from None
+
+
 class HidModule(Protocol):
     """The part of cython-hidapi's module that is used. A replacement may enumerate interfaces instead of dictionaries."""
 
@@ -167,10 +177,9 @@ def _open(hid: HidModule, interface: Interface) -> Opened:
 
 
 def _emits_input(device: HidDevice) -> bool:
-    try:
+    with suppress(OSError):
         return bool(device.read(64, _INPUT_WITHIN_MS))
-    except OSError:
-        return False
+    return False
 
 
 def udev_rule(interface: Interface) -> str:

@@ -202,7 +202,7 @@ class _State:
     def __init__(self) -> None:
         self.start: Callable[[], Any] = start_process
         self._lock = threading.Lock()
-        self._guard: Guard | None = None
+        self.guard: Guard | None = None
         self._numbers = itertools.count()
         self.outputs: set[GuardedOutput] = set()  # started and not ended
 
@@ -210,10 +210,10 @@ class _State:
         """Let a guard drive one more output. Raises OSError if none can be started."""
         with self._lock:
             number = next(self._numbers)
-            if self._guard is None or not self._guard.open(number, make):
-                self._guard = Guard()
-                self._guard.open(number, make)
-            return self._guard, number
+            if self.guard is None or not self.guard.open(number, make):
+                self.guard = Guard()
+                self.guard.open(number, make)
+            return self.guard, number
 
     def quieten(self, makers: list[Callable[[], ThreadedOutput]]) -> None:
         """Silence devices whose guard ended while it drove them, by a new guard."""
@@ -223,11 +223,6 @@ class _State:
             return
         for number, make in enumerate(makers):
             guard.open(number, make, "quieten")
-
-    def join(self, timeout: float) -> None:
-        """Wait for the end of a guard without outputs."""
-        if self._guard is not None:
-            self._guard.join(timeout)
 
 
 _state = _State()
@@ -335,6 +330,6 @@ def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
     """Stop all outputs within ``timeout`` seconds together, and the guard with them. Returns whether all are done."""
     deadline = time.perf_counter() + timeout
     done = stop_together(_state.outputs, timeout)
-    if done:
-        _state.join(max(deadline - time.perf_counter(), 0.0))
+    if done and _state.guard is not None:
+        _state.guard.join(max(deadline - time.perf_counter(), 0.0))
     return done

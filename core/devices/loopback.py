@@ -9,8 +9,8 @@ from __future__ import annotations
 import json
 import socket
 import threading
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -19,7 +19,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from .checked_json import parse_json
-from .connection import DeviceError, StandInModule
+from .connection import DeviceError, StandInModule, carried_module
 from .families.family import HidDevice, Interface
 
 ANSWER_WITHIN = 2.0
@@ -33,15 +33,20 @@ _LONGEST_TALK = 100  # messages that are read while an answer is waited for, or 
 
 def websockets_client() -> Any:
     """The client of the package websockets. Raises DeviceError with instructions if it is missing."""
-    try:
-        return import_module("websockets.sync.client")
-    except ImportError:
-        needed = "haptic players need the Python package websockets, which the extension carries: install it from its zip"
-        raise DeviceError(needed) from None
+    return carried_module("websockets.sync.client", "haptic players")
 
 
 _waiting: set[socket.socket] = set()
 """Sockets of connections that are being opened or wait for an answer."""
+
+
+@contextmanager
+def _cancellable(waiting: socket.socket) -> Iterator[None]:
+    _waiting.add(waiting)
+    try:
+        yield
+    finally:
+        _waiting.discard(waiting)
 
 
 def cancel() -> None:
@@ -66,14 +71,12 @@ class Connection:
         self._closing = threading.Event()
         self._pinging: threading.Thread | None = None
         self._errors = (exceptions.WebSocketException, OSError, ValueError, EOFError)
-        self._raw: socket.socket | None = None
         self._resources = ExitStack()
         try:
-            self._raw = socket.create_connection((_LOOPBACK, place.port or 80), _CONNECT_WITHIN)
-            _waiting.add(self._raw)
-            # With a socket of its own the client follows no redirect.
-            self._socket = self._resources.enter_context(
-                client.connect(
+            self._raw = self._resources.enter_context(socket.create_connection((_LOOPBACK, place.port or 80), _CONNECT_WITHIN))
+            with _cancellable(self._raw):
+                # With a socket of its own the client follows no redirect.
+                connecting = client.connect(
                     url,
                     sock=self._raw,
                     proxy=None,
@@ -83,14 +86,10 @@ class Connection:
                     ping_interval=None,
                     max_size=LARGEST_MESSAGE,
                 )
-            )
+                self._socket = self._resources.enter_context(connecting)
         except self._errors as error:
-            if self._raw is not None:
-                self._raw.close()
+            self._resources.close()
             raise DeviceError(f"no player answers at {url.partition('?')[0]}: {str(error).partition(chr(10))[0]}") from None
-        finally:
-            if self._raw is not None:
-                _waiting.discard(self._raw)
 
     def send(self, text: str) -> None:
         """Send a message; messages received meanwhile are dropped. Raises OSError if the connection is closed."""
@@ -107,9 +106,7 @@ class Connection:
     def ask(self, message: Mapping[str, Any], wanted: str) -> dict[str, Any]:
         """Send a Buttplug message and wait for the answer of the ``wanted`` kind. Raises DeviceError."""
         end = monotonic() + ANSWER_WITHIN
-        with self._lock:
-            assert self._raw is not None
-            _waiting.add(self._raw)
+        with self._lock, _cancellable(self._raw):
             try:
                 self._socket.send(json.dumps([message]))
                 for _ in range(_LONGEST_TALK):
@@ -122,8 +119,6 @@ class Connection:
                 raise
             except self._errors as error:
                 raise DeviceError(f"Intiface does not answer as expected: {error}") from None
-            finally:
-                _waiting.discard(self._raw)
         raise DeviceError("Intiface does not answer")
 
     def ping_every(self, seconds: float, message: str) -> None:

@@ -34,8 +34,6 @@ class Ahead:
     start: when the first of them is due, in seconds. begun: whether any was taken.
     """
 
-    __slots__ = ("begun", "rate", "samples", "start")
-
     def __init__(self, samples: FloatArray | None = None, rate: int = 1, start: float = 0.0) -> None:
         self.samples, self.rate, self.start, self.begun = samples, rate, start, False
 

@@ -11,7 +11,6 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import FloatArray
 from .actuation import HOP, checked_block
-from .connection import DeviceError
+from .connection import DeviceError, carried_module
 from .limits import DriveLimits, SampleLimits
 from .pacing import Ahead, SampleQueue, join
 from .profiles import Actuator, Adjustment, Calibration, Channel
@@ -60,9 +59,9 @@ class SoundCard:
 def sound_module() -> Any:
     """python-sounddevice. Raises DeviceError that says how to get it."""
     try:
-        return import_module("sounddevice")
-    except ImportError:
-        raise DeviceError("sound cards need the Python package sounddevice, which the extension carries: install it from its zip") from None
+        return carried_module("sounddevice", "sound cards")
+    except DeviceError:
+        raise
     except OSError:
         raise DeviceError("sound cards need the library PortAudio (Debian, Ubuntu: libportaudio2; Fedora: portaudio)") from None
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 from ..modalities.propagation import ModalityScene
 from ..scene.values import HapticScene
-from .scene.devices_json import DeviceMapping
-from .scene.materials_json import LibraryMaterial
+from .scene.lists_json import DeviceMapping, LibraryMaterial
 from .scene.recording import Recording
 from .tracks.listener_tracks import Tracks
 

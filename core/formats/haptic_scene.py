@@ -9,9 +9,8 @@ from typing import Any
 from .export import Export
 from .io.catalogue import FORMATS
 from .io.strict_json import read_json
-from .scene.devices_json import device_to_dict, devices_from_dict
 from .scene.frames_json import frame_to_dict, recording_from_dict
-from .scene.materials_json import materials_from_dict
+from .scene.lists_json import device_to_dict, devices_from_dict, materials_from_dict
 from .scene.modalities_json import modalities_from_dict, modalities_to_dict
 from .scene.motion import packed
 from .scene.scene_json import current_document, scene_of, scene_to_dict, write_document

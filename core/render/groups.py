@@ -91,11 +91,8 @@ class Groups:
         silent = [stream for stream in (*self._streams.values(), *self._tails) if stream not in playing]
         streams += silent
         given: list[Voice | None] = [*voices, *[None] * len(silent)]
-        kinds = sorted({stream.kind for stream in streams})
-        if len(kinds) == 1:
-            return [self._group(frame, streams, given, begins)]
         groups = []
-        for kind in kinds:
+        for kind in sorted({stream.kind for stream in streams}):
             rows = [row for row, stream in enumerate(streams) if stream.kind == kind]
             first = [number for number, row in enumerate(rows) if row in begins]
             groups.append(self._group(frame, [streams[row] for row in rows], [given[row] for row in rows], first))

@@ -48,11 +48,6 @@ class Stream:
     of a steady tone are steady. tone: the signal where it is a steady tone, else None. is_brief: rendered whole, see `sample_brief`.
     """
 
-    __slots__ = (
-        "_first", "_known", "_last", "end", "is_brief", "is_recorded", "key", "kind", "onset", "priority", "row_count", "sample_rate",
-        "settled", "signal", "tone",
-    )  # fmt: skip
-
     def __init__(self, voice: Voice, sample_rate: float) -> None:
         self.key = voice.key
         self.signal = voice.signal

@@ -16,6 +16,8 @@ from ..report import Report, Tones, Transport, levels
 BUS_USB = 1
 BUS_BLUETOOTH = 2
 
+_HIDAPI_KEYS = {"path": "path", "vendor": "vendor_id", "product": "product_id", "usage_page": "usage_page", "usage": "usage"}
+
 RESEND = 2.0
 """Seconds after which a steady drive is sent again, as SDL does: so that a stop by another program lasts at most that long."""
 
@@ -47,17 +49,9 @@ class Interface:
         """From hidapi's dictionary. If the bus is unknown, interfaces with a number are USB."""
         bus, number = int(entry.get("bus_type") or 0), int(entry["interface_number"])
         usb = bus == BUS_USB or (bus != BUS_BLUETOOTH and number >= 0)
-        return cls(
-            path=entry["path"],
-            vendor=entry["vendor_id"],
-            product=entry["product_id"],
-            serial=entry.get("serial_number") or "",
-            title=entry.get("product_string") or "",
-            usage_page=entry["usage_page"],
-            usage=entry["usage"],
-            number=number,
-            transport="usb" if usb else "bt",
-        )
+        values = {name: entry[key] for name, key in _HIDAPI_KEYS.items()}
+        serial, title = entry.get("serial_number") or "", entry.get("product_string") or ""
+        return cls(**values, serial=serial, title=title, number=number, transport="usb" if usb else "bt")
 
 
 class HidDevice(ABC):

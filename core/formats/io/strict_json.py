@@ -6,10 +6,8 @@ document is searched for it, so that the error gives its JSON pointer.
 
 from __future__ import annotations
 
-import errno
 import gzip
 import json
-import os
 import re
 import zlib
 from collections.abc import Iterator
@@ -62,16 +60,6 @@ def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
         pieces.append(piece)
         most -= len(piece)
     return b"".join(pieces)
-
-
-def read_json_beside(path: Path) -> Any:
-    """The document in a side-car file; anything but a regular file counts as absent.
-
-    Raises FormatError, FileNotFoundError or OSError.
-    """
-    if not path.is_file():
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
-    return read_json(path)
 
 
 def without_trailing_commas(data: bytes) -> bytes:

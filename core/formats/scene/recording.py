@@ -406,9 +406,12 @@ def _pose_row(pose: Pose) -> PoseRow:
     return a, b, c, d, e, f, g
 
 
+_SCALARS = ("distance", "area", "share", "weight")
+
+
 def _rows(contacts: ContactSet, numbers: FloatArray) -> FloatArray:
     """One row per contact: positions, normal, distance, area, share, weight, all rounded, and the index of its transmission function."""
-    parts = (contacts.positions.reshape(-1, 6), contacts.normal, contacts.distance, contacts.area, contacts.share, contacts.weight)
+    parts = (contacts.positions.reshape(-1, 6), contacts.normal, *(getattr(contacts, name) for name in _SCALARS))
     # Adding 0 turns -0 into 0.
     return np.column_stack([np.round(np.column_stack(parts), DIGITS) + 0.0, numbers[contacts.transmission]])
 
@@ -425,17 +428,14 @@ def _touching(contacts: ContactSet, rows: FloatArray, names: Sequence[str]) -> d
 def _contacts_of(contacts: ContactSet, every_row: FloatArray, names: Sequence[str], pairs: set[Pair]) -> tuple[Contact, ...]:
     chosen = [i for i, (a, b) in enumerate(contacts.pairs.tolist()) if _sorted_pair(names[a], names[b]) in pairs]
     rows = every_row[chosen]
-    part = ContactSet(
+    part = replace(
+        contacts,
         pairs=contacts.pairs[chosen],
         positions=rows[:, :6].reshape(-1, 2, 3),
         normal=rows[:, 6:9],
         depth=np.maximum(-rows[:, 9], 0.0),
-        distance=rows[:, 9],
-        area=rows[:, 10],
-        share=rows[:, 11],
-        weight=rows[:, 12],
         transmission=contacts.transmission[chosen],
-        transmissions=contacts.transmissions,
+        **dict(zip(_SCALARS, rows.T[9:13], strict=True)),
     )
     return part.to_contacts(names)
 

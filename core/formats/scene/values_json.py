@@ -51,17 +51,16 @@ def read_function(
     return _placed(lambda: function_from_dict(form, functions), form, place)
 
 
-def _read_signal(form: Mapping[str, Any], place: Place) -> Signal:
-    return _placed(lambda: signal_from_dict(form), form, place)
+def _read_form(make: Callable[[Any], T], form: Mapping[str, Any], place: Place) -> T:
+    return _placed(lambda: make(form), form, place)
+
+
+_read_signal = partial(_read_form, signal_from_dict)
 
 
 def _read_template(form: Any, place: Place) -> Any:
     """A signal, or the name of predefined ones."""
     return form if isinstance(form, str) else _read_signal(form, place)
-
-
-def _read_shape(form: Mapping[str, Any], place: Place) -> Shape:
-    return _placed(lambda: shape_from_dict(form), form, place)
 
 
 def _read_normal(vector: Sequence[float], place: Place) -> Sequence[float]:
@@ -94,7 +93,7 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
     "normal": _read_normal,
     "pose": partial(read_value, Pose),
     "propagation": read_function,
-    "shape": _read_shape,
+    "shape": partial(_read_form, shape_from_dict),
     "signal": _read_signal,
     "template": _read_template,
     "textures": partial(_read_table, Texture),

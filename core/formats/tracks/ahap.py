@@ -186,7 +186,7 @@ def carriers_of(pattern: list[Any], losses: dict[str, None]) -> tuple[Carrier, .
         values = dict(_parameters(body, place, losses))
         start = _number(body, "Time", 0.0, place)
         duration = _number(body, "EventDuration", 0.0, place)
-        envelope = _envelope(values, duration) if event == "HapticContinuous" else _flat(EMPHASIS_SECONDS)
+        envelope = _envelope(values, duration) if event == "HapticContinuous" else (np.array([0.0, EMPHASIS_SECONDS]), np.ones(2))
         if envelope[0][-1] > 0 and start >= 0:
             carriers.append(_carrier(start, values, envelope, controls))
         else:
@@ -226,10 +226,6 @@ def _parameters(event: Mapping[str, Any], place: Place, losses: dict[str, None])
             yield str(name), _number(parameter, "ParameterValue", 0.0, (*place, "EventParameters", k))
         else:
             losses[f"the event parameter {name} is not read"] = None
-
-
-def _flat(duration: float) -> Keys:
-    return np.array([0.0, duration]), np.ones(2)
 
 
 def _envelope(values: Mapping[str, float], duration: float) -> Keys:

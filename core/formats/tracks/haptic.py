@@ -31,7 +31,7 @@ ATTACK = 0.03
 SLIGHT = 0.05
 """Amount by which amplitudes may exceed their range to be clipped instead of refused."""
 _EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.1, "square")}
-_QUEST = {"continuous": {"frequency_min": 55.0, "frequency_max": 200.0}}
+_QUEST = (55.0, 200.0)
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
@@ -197,22 +197,22 @@ def _points(path: str | Path, points: list[Mapping[str, Any]], place: str, key: 
 
 
 def _range_beside(path: Path, losses: list[str]) -> tuple[float, float]:
-    configuration: Any = _QUEST
     beside = path.with_suffix(".acf")
-    if beside.is_file():
-        try:
-            configuration = read_json(beside)
-        except FormatError as error:
-            losses.append(f"{beside.name} is not used: {error.reason}")
-    else:
+    if not beside.is_file():
         losses.append("there is no .acf beside the file: frequencies are those of Quest controllers")
+        return _QUEST
+    try:
+        configuration = read_json(beside)
+    except FormatError as error:
+        losses.append(f"{beside.name} is not used: {error.reason}")
+        return _QUEST
     continuous = configuration.get("continuous") if isinstance(configuration, dict) else None
     if isinstance(continuous, dict):
         low, high = continuous.get("frequency_min"), continuous.get("frequency_max")
         if isinstance(low, int | float) and isinstance(high, int | float) and 0 < low < high <= 20_000:
             return float(low), float(high)
     losses.append(f"{beside.name} gives no range of frequencies: they are those of Quest controllers")
-    return _QUEST["continuous"]["frequency_min"], _QUEST["continuous"]["frequency_max"]
+    return _QUEST
 
 
 def _emphasis(time: float, strength: float, sharpness: float) -> Carrier:

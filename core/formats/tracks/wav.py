@@ -17,7 +17,7 @@ from ...signals.wav import WavFile
 from ..io.atomic import atomic_file
 from ..io.error import FormatError
 from ..io.json_text import write_json
-from ..io.strict_json import read_json_beside
+from ..io.strict_json import read_json
 from .comparison import Comparison, Kind, Measures
 from .listener_tracks import CHUNK, ListenerTrack, Tracks
 from .track_export import TrackExport, body_part_of, common_losses, scene_file
@@ -218,8 +218,9 @@ def read(path: Path) -> VibrationFile:
 
 def _named(path: Path, count: int) -> list[tuple[str, str]]:
     """Name and body part of each channel, from the side-car if it fits."""
+    beside = path.with_name(path.name + ".json")
     try:
-        listeners = read_json_beside(path.with_name(path.name + ".json"))["listeners"]
+        listeners = read_json(beside)["listeners"] if beside.is_file() else ()
         named = [(str(form["name"]), str(form["body_part"])) for form in listeners]
     except (OSError, FormatError, TypeError, KeyError):
         named = []

@@ -1,4 +1,7 @@
-"""The devices of a haptic scene file: which actuator plays which listener."""
+"""Lists of a haptic scene file beside those of the scene: devices, by which actuators play which listeners, and the library of materials.
+
+Objects refer to their material in ``material`` and have a copy of its values.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,11 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ...scene.bands import BAND_COUNT
 from ...scene.references import Place, require_known, require_unique
 from ...scene.values import HapticScene
 from ..io.error import errors_in
+from .values_json import read_value
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,3 +57,28 @@ def _actuators(form: Mapping[str, Any], listeners: set[str], place: Place) -> It
     for k, item in enumerate(form.get("actuators", [])):
         require_known(item["listener"], listeners, "listener", (*place, "actuators", k, "listener"))
         yield ActuatorMapping(item["actuator"], item["listener"], item.get("gain", 1.0))
+
+
+@dataclass(frozen=True, slots=True)
+class LibraryMaterial:
+    """A haptic material.
+
+    ``wave_speed`` [m/s] is used if ``use_delay``, ``band_decays`` [1/m] if ``use_bands``; ``conductivity`` in W/(m K).
+    """
+
+    name: str
+    kappa: float
+    rho: float
+    use_delay: bool = False
+    wave_speed: float = 0.0
+    use_bands: bool = False
+    band_decays: tuple[float, ...] = (0.0,) * BAND_COUNT
+    conductivity: float = 1.0
+
+
+def materials_from_dict(document: Mapping[str, Any], file: str | Path) -> tuple[LibraryMaterial, ...]:
+    """The materials of a validated document. Raises FormatError."""
+    forms = document.get("materials", [])
+    with errors_in(file):
+        require_unique([form["name"] for form in forms], "material", "materials")
+        return tuple(read_value(LibraryMaterial, form, ("materials", i)) for i, form in enumerate(forms))
