@@ -90,7 +90,7 @@ class SceneReader:
     def read(self, scene: Scene, depsgraph: Depsgraph, exact: bool = False) -> Reading:
         """The current scene in ``depsgraph``; ``exact``: including motions below the tolerance of rest."""
         ids = session_ids()
-        raw = raw_matrices()
+        raw = raw_matrices(len(ids))
         if self._marked(scene) != self._markers:
             self._session_ids = None
         if self._session_ids is None or not np.array_equal(self._session_ids, ids):

@@ -15,9 +15,11 @@ def session_ids() -> NDArray[np.int32]:
     return read_array(bpy.data.objects, "session_uid", 1, np.int32)[:, 0]
 
 
-def raw_matrices() -> NDArray[np.float32]:
-    """(n, 16) world matrices of all objects of the file, column by column."""
-    return read_array(bpy.data.objects, "matrix_world", 16)
+def raw_matrices(count: int) -> NDArray[np.float32]:
+    """(n, 16) world matrices of all objects of the file, column by column; ``count``: n, which Blender would count again."""
+    values = np.empty(16 * count, dtype=np.float32)
+    bpy.data.objects.foreach_get("matrix_world", values)
+    return values.reshape(count, 16)
 
 
 def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
