@@ -39,29 +39,28 @@ class Automation:
 
     def at(self, times: FloatArray) -> FloatArray:
         """Return the values at `times` (seconds, any shape)."""
-        key, since = self._located(times)
+        key = self._followed(times)
         value, slope = self.values[key], self._slopes[key]
-        if np.ndim(slope) == 0 and slope == 0.0:
+        if isinstance(key, int) and slope == 0.0:
             return np.full(np.shape(times), value)
-        return np.asarray(value + slope * np.maximum(since, 0.0))
+        return np.asarray(value + slope * np.maximum(times - self.times[key], 0.0))
 
     def integral(self, times: FloatArray) -> FloatArray:
         """Return the integral from 0 to each of `times`, exact for straight lines."""
-        key, since = self._located(times)
+        key = self._followed(times)
+        since = times - self.times[key]
         rate = self.values[key] + np.maximum(since, 0.0) * self._slopes[key] / 2
         return np.asarray(self._areas[key] + since * rate - self._origin)
 
-    def _located(self, times: FloatArray) -> tuple[int | NDArray[np.intp], FloatArray]:
-        """Return the number of the key that each of `times` follows, one number where all follow the same, and the seconds since."""
+    def _followed(self, times: FloatArray) -> int | NDArray[np.intp]:
+        """Return the number of the key that each of `times` follows, one number where all follow the same."""
         if len(self.times) == 1:
-            return 0, times - self.times[0]
+            return 0
         if np.size(times):
             first, last = np.searchsorted(self.times, (times.min(), times.max()), side="right").tolist()
             if max(first, 1) == max(last, 1):
-                key = max(first - 1, 0)
-                return key, times - self.times[key]
-        keys = np.maximum(np.searchsorted(self.times, times, side="right") - 1, 0)
-        return keys, times - self.times[keys]
+                return int(max(first - 1, 0))
+        return np.maximum(np.searchsorted(self.times, times, side="right") - 1, 0)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Automation):

@@ -18,7 +18,7 @@ from .values_json import json_value, read_contact, read_function, read_listener,
 def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
     """The JSON object of a frame, without unchanged values."""
     changes = {key.name: getattr(frame, key.name) for key in fields(frame) if key.name != "number"}
-    return {"frame": frame.number, **{key: dict(v) if isinstance(v, Poses) else json_value(v) for key, v in changes.items() if v}}
+    return {"frame": frame.number, **{key: dict(v) if key == "poses" else json_value(v) for key, v in changes.items() if v}}
 
 
 def _as_tuples(value: Any) -> Any:
