@@ -71,11 +71,11 @@ def test_shortest_paths(way):
 @pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS, LIMITS)
-def test_crossed_patches_as_numbers_and_as_bytes(seed, limits):
-    """The same bits whichever way the crossed patches are kept, the same sums in another order with steps ranked by their promise."""
+def test_crossed_patches_numbered_by_graph_and_by_search(seed, limits):
+    """The same bits whichever way the crossed patches are numbered, the same sums in another order with steps ranked by their promise."""
     graph = graph_of_scene(connected_scene(seed, (*METRIC, *OTHER), listeners=3, refined=True))
     results = []
-    for ways in ({}, {"WORD": 0}, {"FEW": 0}, {"FEW": 0, "WORD": 0}, {"FEW": 0, "BINS": 1}):
+    for ways in ({}, {"NUMBERED": 0}, {"FEW": 0}, {"FEW": 0, "NUMBERED": 0}, {"FEW": 0, "BINS": 1}):
         with pytest.MonkeyPatch.context() as patch:
             for name, value in ways.items():
                 patch.setattr(path_search, name, value)
