@@ -46,7 +46,7 @@ class HAPTIC_OT_make_objects(OnSelected, Operator):
         known = make_haptic(context.scene, solid, self.guess)
         if self.physics:
             _add_physics(context, solid)
-        self.report({"INFO"}, _rpt("{} objects made haptic, {} of a material guessed from them").format(len(solid), known))
+        self.report({"INFO"}, _rpt("Objects made haptic: {}, with a guessed material: {}").format(len(solid), known))
 
 
 def _add_physics(context: Context, objects: list[Object]) -> None:
