@@ -47,7 +47,8 @@ def track_of(scene: Scene) -> HapticTrack | None:
 
 def played_track(scene: Scene) -> HapticTrack | None:
     """The track that the frames of a scene come from; None while they are traced."""
-    return track_of(scene) if scene.haptics.bake.use_track else None
+    bake = scene.haptics.bake
+    return track_of(scene) if bake.use_track and bake.track is not None else None
 
 
 def track_in(text: Text | None) -> HapticTrack | None:
