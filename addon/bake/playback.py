@@ -23,15 +23,16 @@ _REST = 20.0  # pause after a comparison of scene and track, in times as long as
 
 @dataclass(slots=True)
 class _Compared:
-    """When a scene was last compared with its track, how long that took, and what had changed."""
+    """When a scene was last compared with its track, which is known by its stamp, how long that took, and what had changed."""
 
+    stamp: str
     version: int
     at: float
     seconds: float
     changes: tuple[Change, ...]
 
 
-_compared: dict[tuple[int, str], _Compared] = {}  # by session id of the scene and stamp of the track
+_compared: dict[int, _Compared] = {}  # by session id of the scene
 _to_compare: set[int] = set()  # session ids of scenes whose panel waits for a comparison
 
 
@@ -78,7 +79,9 @@ def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
 
     For draw callbacks: after an edit, scene and track are compared after the redraw, with pauses between comparisons.
     """
-    known = _compared.get((scene.session_uid, storage.stamp(scene)))
+    known = _compared.get(scene.session_uid)
+    if known is not None and known.stamp != storage.stamp(scene):
+        known = None
     if known is None or known.version != revisions.edits():
         _to_compare.add(scene.session_uid)
         if not bpy.app.timers.is_registered(_compare_shown):
@@ -101,10 +104,10 @@ def stale_reasons(scene: Scene) -> tuple[str, ...]:
     track = storage.track_of(scene)
     if track is None:
         return ()
-    key, version, started = (scene.session_uid, storage.stamp(scene)), revisions.edits(), time.perf_counter()
+    stamp, version, started = storage.stamp(scene), revisions.edits(), time.perf_counter()
     found = compare(scene, track)
     ended = time.perf_counter()
-    _compared[key] = _Compared(version, ended, ended - started, found)
+    _compared[scene.session_uid] = _Compared(stamp, version, ended, ended - started, found)
     return tuple(words_for(change) for change in found)
 
 
