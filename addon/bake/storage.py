@@ -48,7 +48,7 @@ def track_of(scene: Scene) -> HapticTrack | None:
 def played_track(scene: Scene) -> HapticTrack | None:
     """The track that the frames of a scene come from; None while they are traced."""
     bake = scene.haptics.bake
-    return track_of(scene) if bake.use_track and bake.track is not None else None
+    return track_in(bake.track) if bake.use_track else None
 
 
 def track_in(text: Text | None) -> HapticTrack | None:
