@@ -56,11 +56,9 @@ def frame_comes(scene: Scene) -> None:
         player.play_ahead(scene.session_uid, traced.result, scene.frame_current, time, frame_seconds(scene), choices(traced.result))
 
 
-def frame_changed(scene: Scene, recorded: bool = False) -> None:
-    """Play the frame that is being traced when its trace is complete; silence if it cannot be traced, or if tracing is off. ``recorded``:
-    the frame comes from a baked track."""
-    if not is_wanted():
-        return
+def frame_changed(scene: Scene, recorded: bool) -> None:
+    """Play the frame that is being traced on the outputs when its trace is complete; silence if it cannot be traced, or if tracing is off.
+    ``recorded``: the frame comes from a baked track."""
     try:
         begun = session.of(scene).begun if scene.haptics.tracing else None
         if begun is not None and player.went_ahead(scene.session_uid, scene.frame_current):

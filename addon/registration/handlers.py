@@ -48,7 +48,8 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
             live_output.frame_comes(scene)
             session.begin(scene, depsgraph, live=True, plays=live_output.is_wanted())
     finally:
-        live_output.frame_changed(scene, playback.plays(scene))
+        if live_output.is_wanted():
+            live_output.frame_changed(scene, playback.plays(scene))
 
 
 @persistent
