@@ -5,6 +5,7 @@ umockdev passes the ioctls and writes of a program on to a socket; whoever serve
 
 import os
 import socket
+import statistics
 import struct
 import threading
 import time
@@ -30,7 +31,7 @@ class Kernel:
 
     def __init__(self, number=0):
         self.effects, self.events = {}, []  # (strong, weak, milliseconds) by id; (seconds, id, value)
-        self.loudest = 0, 0  # strengths of the strongest effect that was started
+        self.started = []  # strengths of each effect that was started
         path = Path(os.environ["UMOCKDEV_DIR"], "ioctl", "dev", "input", f"event{number}")
         path.parent.mkdir(parents=True, exist_ok=True)
         path.unlink(missing_ok=True)
@@ -38,6 +39,11 @@ class Kernel:
         self.listener.bind(str(path))
         self.listener.listen()
         threading.Thread(target=self.accept, daemon=True).start()
+
+    @property
+    def usual(self):
+        """The median strength of each motor. A block that comes late or is lost where the processor is busy is a click, which is short."""
+        return [statistics.median(motor) for motor in zip(*self.started, strict=True)]
 
     @property
     def strength(self):
@@ -86,7 +92,7 @@ class Kernel:
         assert kind == 0x15
         self.events.append((time.perf_counter(), code, value))
         if value:
-            self.loudest = max(self.loudest, self.effects[code][:2])
+            self.started.append(self.effects[code][:2])
         return count
 
 

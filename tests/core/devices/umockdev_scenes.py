@@ -362,7 +362,7 @@ time.sleep(60.0)
     child.kill()
     child.wait()
     keys = [[device.key, device.title, device.kind, device.permission] for device in found.devices]
-    return {"found": keys, "strangers": found.strangers, "loudest": kernel.loudest, "silent": silent, "effects": len(effects)}
+    return {"found": keys, "strangers": found.strangers, "usual": kernel.usual, "silent": silent, "effects": len(effects)}
 
 
 if __name__ == "__main__":
