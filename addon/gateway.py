@@ -1,6 +1,6 @@
 """The gateway between what Blender registers and what computes: modules that are imported when something of them is first used.
 
-Enabling the add-on registers classes, properties and handlers, and that must be quick. The core and the floors that work with it are needed
+Enabling the add-on registers classes, properties and handlers, and that must be quick. The core and the layers that work with it are needed
 only once something is tagged, an output is used or a file is exported. `install`, called before everything else, therefore puts a stand-in
 for each of these modules into its package. In the modules that are imported at registration
 

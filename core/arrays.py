@@ -1,6 +1,6 @@
-"""Array types of all stages, functions for runs of numbers, and for records of arrays. Docstrings give shapes, as in ``(n, 3)``.
+"""Array types of all stages, operations on runs, groups and graphs of numbers, and on records. Docstrings give shapes, as in ``(n, 3)``.
 
-A record is a dataclass of arrays whose last axis is the same; what is None stays None.
+A record is a dataclass whose fields are arrays with the same last axis, along which its rows lie, or None.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def ranges(first: IntArray, size: IntArray) -> IntArray:
 
 
 def portions(size: IntArray, most: int) -> list[IntArray]:
-    """Numbers of things of these sizes (n,), in groups of about ``most`` in all."""
+    """Indices of items of these sizes (n,) in order, divided into groups whose sizes add up to about ``most``."""
     if size.sum() < most:
         return [np.arange(len(size))]
     return np.split(np.arange(len(size)), np.flatnonzero(np.diff(size.cumsum() // most)) + 1)
@@ -50,7 +50,7 @@ def added_by(number: IntArray, values: FloatArray, count: int) -> FloatArray:
 
 
 def connected(pairs: IntArray, count: int) -> IntArray:
-    """Of each of ``count`` things the lowest number among those that ``pairs`` (k, 2) connect with it, directly or not."""
+    """For each of ``count`` vertices the lowest number in its connected component; ``pairs`` (k, 2) are the edges."""
     label = np.arange(count)
     while (label[pairs[:, 0]] != label[pairs[:, 1]]).any():
         joined = label[pairs]

@@ -59,8 +59,7 @@ def dynamic_range(levels: FloatArray) -> float:
 
 
 def variety(levels: FloatArray) -> float:
-    """Entropy of the intensity of active actuators in bits: that of ``levels`` (e, l) in classes of
-    `CLASS_WIDTH`."""
+    """Entropy of the intensity of active actuators in bits: that of ``levels`` (e, l) in classes of `CLASS_WIDTH`."""
     active = levels[levels > ACTIVE]
     return _entropy(np.floor(20 * np.log10(active) / CLASS_WIDTH)) if len(active) else 0.0
 

@@ -1,1 +1,1 @@
-"""Helpers for Blender: differences between versions, jobs, handlers, texts."""
+"""Jobs, handlers, base classes of operators, texts, and differences between versions of Blender."""

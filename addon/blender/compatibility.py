@@ -50,7 +50,7 @@ def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
 
 
 def _fcurve_owners(datablock: Any) -> list[Any]:
-    """The action of a datablock, or what its slot has in the layers of the action, where actions have slots (Blender 4.4 on)."""
+    """The owners of a datablock's F-curves: its action, or the channelbags of its slot where actions have slots (Blender 4.4 on)."""
     data = datablock.animation_data
     if data is None or data.action is None:
         return []

@@ -14,7 +14,7 @@ class Handlers(dict[str, Callable[..., None]]):
     def add(self) -> None:
         """Add the handlers.
 
-        They are removed when Python ends: a Blender that is a module of Python ends later, when the names of modules are cleared.
+        They are also removed when Python ends: Blender as a Python module ends later and would call them after their modules are cleared.
         """
         atexit.register(self.remove)
         for event, handler in self.items():

@@ -40,7 +40,7 @@ def stepped(scene: Scene) -> AbstractContextManager[None]:
 
 @contextmanager
 def _listed(entries: list[int], entry: int) -> Iterator[None]:
-    """A context in which ``entries`` have another one."""
+    """A context in which ``entries`` also contain ``entry``."""
     entries.append(entry)
     try:
         yield

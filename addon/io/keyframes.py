@@ -56,7 +56,7 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
             if drifts:
                 losses.append(f"{key} moves apart from its object")
             continue
-        attached[key].location = first  # what begins later does so where its object has come to
+        attached[key].location = first  # relative to where the object is when it begins
         if drifts:
             _write(attached[key], "location", *_held(local))
     return losses

@@ -38,7 +38,7 @@ class HAPTIC_FH_scene(FileHandler):
 
 
 class HAPTIC_FH_tracks(FileHandler):
-    """What listeners feel; as signals on the way in"""
+    """Haptic tracks for export; on import, vibrations as signals"""
 
     bl_label = "Haptic Tracks"
     bl_import_operator = "haptic.import_signal"

@@ -95,7 +95,7 @@ class HAPTIC_MT_samples(Menu):
 
 
 class HAPTIC_MT_mode_pie(Menu):
-    """The four renderings around the pointer: the same scene, heard one way and then the other"""
+    """The four modes around the pointer, to compare them"""
 
     bl_label = "Haptic Mode"
 

@@ -43,7 +43,7 @@ def edited(name: str) -> Callback:
 def updating(callback: Callback | None = None, *, animated: bool = True) -> Callable[[_Group], _Group]:
     """Decorator of a property group: its values call this when they are edited; by default `edited` with their names, or `changed` where a
     file stores nothing for them. They can't be keyed unless they are ``animated``. A property with its own ``update`` or ``options`` keeps
-    these, a hidden one has none."""
+    these; a hidden one is unchanged."""
 
     def decorate(group: _Group) -> _Group:
         annotations = get_type_hints(group)

@@ -1,6 +1,5 @@
 """Properties of drawn signals, which are node groups, because Blender stores the curves of panels in nodes.
 
-
 A drawn signal therefore has a name and users, can be an asset, and can be appended and linked.
 """
 

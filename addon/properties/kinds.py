@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
 
 def switch(name: str, description: str, default: bool = False, **more: Any) -> BoolProperty:
-    """What is on or off; ``more``: callback, options and what else Blender takes."""
+    """A property that is on or off; ``more``: callback, options and further arguments of Blender's property."""
     return BoolProperty(name=name, description=description, default=default, **more)
 
 

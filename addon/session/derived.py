@@ -20,7 +20,7 @@ Value = TypeVar("Value")
 _SHOWN_SECONDS = 1.0
 """Time after its last draw for which a value counts as shown [s]."""
 _HEARD_SECONDS = 3.0
-"""Samples are rendered for so long after what is made of them was drawn, also where a frame takes more than a second."""
+"""Time after the last draw of a value made of samples for which samples are rendered [s]: longer than a slow frame."""
 _BRIEF = 0.01
 """Computing time [s] up to which a value is computed immediately, also during playback."""
 _REST = 0.3

@@ -63,7 +63,7 @@ class Session:
     frame: int | None = None
     frame_seconds: float = 0.0
     version: int = -1
-    motion: str | None = None  # check sum of what made the impacts that the tracer remembers
+    motion: str | None = None  # checksum of the causes of the impacts that the tracer stores
     is_restored: bool = False  # the impacts kept in the file have been asked for
     begun: Future[Traced] | None = None
     job: Any = None  # what the frame was traced from that was begun last

@@ -106,10 +106,10 @@ def _longest_template() -> float:
 
 
 def warm_start(scene: Scene, first: int, seconds: float) -> int:
-    """The frame from which frames are traced so that ``first`` knows all that is moving, and with ``seconds`` of `sounding_seconds`, all
-    pairs that have just hit each other, and all impacts and triggers that still sound: the last of the `EXACT_FRAMES` before that, at which
-    nothing is held from earlier frames, and where something may slide or roll, the one before that: `Rubbing` has a block of frames, and
-    the one before."""
+    """The frame from which frames must be traced for ``first`` to be independent of earlier ones: motion is estimated from the last poses,
+    and ``seconds``, as of `sounding_seconds`, cover the refractory time and the impacts and triggers that still sound. It is a multiple of
+    `EXACT_FRAMES`, at which nothing is kept from earlier frames; one multiple earlier if something may slide or roll, because `Rubbing`
+    depends on the block of frames before its own."""
     blocks = (first - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))) // EXACT_FRAMES
     return (blocks - bool(scene.haptics.textures.items)) * EXACT_FRAMES
 

@@ -24,12 +24,12 @@ UNBALANCED = 0.05
 _FRICTIONS = (0.25, 0.5)
 """Friction coefficients: the product of two bodies' default friction in Blender, and a larger one if that leaves a body unbalanced."""
 _ROUNDS = 2
-"""Times that friction is bounded by the pressing forces of the round before, which at first are those with any friction."""
+"""Solutions per friction coefficient, each with friction bounded by the normal forces of the one before; the very first is unbounded."""
 _RELUCTANCE = 0.3
-"""Friction carries only what pressing does not: the size of a frictional force beside a pressing one that counts as much."""
+"""Scale of friction in the sum of squares, beside 2 for the normal force at a point: friction carries only what normal forces do not."""
 _SOFTNESS = 1e-7
 _TORQUE = 0.3
-"""Weight of a torque beside a force; patches are squares here, which hold torques a little otherwise than what they stand for."""
+"""Weight of a torque relative to a force: patches are approximated by squares, whose torques differ slightly from those of the patches."""
 
 
 def contact_forces(
@@ -37,8 +37,8 @@ def contact_forces(
 ) -> FloatArray:
     """The normal force (n,) of each contact [N], NaN if it is unknown.
 
-    mass: (o,) of the bodies that physics moves [kg], 0 for fixed ones, NaN if unknown. centre: (o, 3) of
-    mass [m, world]. asked: (n,) the contacts of interest, None for all; others have a force only if they are connected to these.
+    mass: (o,) of the bodies that physics moves [kg], 0 for fixed ones, NaN if unknown. centre: (o, 3) of mass [m, world]. asked: (n,) the
+    contacts of interest, None for all; others have a force only if they are connected to these.
     """
     forces = np.full(len(contacts), np.nan)
     movable = mass > 0
@@ -101,7 +101,7 @@ def _balanced(matrix: FloatArray, target: FloatArray, count: int, most: FloatArr
 
     ``most``: of friction (2 * count,).
     """
-    scale = np.repeat([2.0, _RELUCTANCE], [4 * count, 2 * count])  # four quarters of a force weigh together as the force does
+    scale = np.repeat([2.0, _RELUCTANCE], [4 * count, 2 * count])  # of the unknowns: the smaller, the more a force costs
     low = np.concatenate([np.zeros(4 * count), -most / _RELUCTANCE])
     high = np.concatenate([np.full(4 * count, np.inf), most / _RELUCTANCE])
     return np.asarray(scale * bounded_least_squares(matrix * scale, target, low, high, _SOFTNESS))

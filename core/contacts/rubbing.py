@@ -1,6 +1,5 @@
 """Temporary sources of sliding and rolling contacts.
 
-
 The sliding speed of a contact is the relative speed of its two material points along the surface, including rotation about the normal. The
 rolling speed is the rate of the relative rotation about the other axes (less than half a turn per frame) times the distance from the
 contact to the middle of the faster rotating body; the other body is assumed flat. Rolling bodies creep slightly even without slip.

@@ -1,4 +1,4 @@
-"""Bodies, the input of the tracker."""
+"""The input of the tracker: bodies, and the settings of contacts, which `core.scene.rules` defines."""
 
 from __future__ import annotations
 

@@ -227,7 +227,7 @@ class ContactTracker:
                 pair that was not examined in the last frame gets no slack.
             continuous: False where this step does not follow the last one; history is then dropped.
             impacts: False where none are looked for. What touches meanwhile makes an impact only once it has parted.
-            exact: contacts are computed anew of all bodies that have moved, and be it by rounding.
+            exact: contacts are computed again for all bodies that have moved, even if only by rounding.
 
         A body whose transform is not finite is left out, with a warning.
         """

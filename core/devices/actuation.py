@@ -1,6 +1,5 @@
 """Conversion of samples to the drive of actuators.
 
-
 Devices driven by samples get them at their own rate. All others get values from a short-time spectrum every 10 ms: for each channel the
 amplitude of its part of the signal (a full-scale sine is 1) and, if the device can reproduce it, its frequency.
 """

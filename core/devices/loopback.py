@@ -153,7 +153,6 @@ def messages_of(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
 class Player:
     """Address and greeting of a player, with its connection.
 
-
     greet: introduces the program. last: part of a message that must arrive, if necessary on a new connection.
     """
 

@@ -1,9 +1,9 @@
 """Paths in the order of their gain, the strongest first: best-first search (A*) over partial paths.
 
 A partial path is ranked by its cost plus a lower bound on the rest (the cheapest walk to the target, which may cross contacts that the path
-has crossed already). Paths are therefore completed in ascending order of cost: P. E. Hart, N. Nilsson, B. Raphael,
-"A formal basis for the heuristic determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4, 1968. Unlike
-a shortest-path tree this needs no assumption about the objects' functions; but it may examine many partial paths, hence the budget.
+has crossed already). Paths are therefore completed in ascending order of cost: P. E. Hart, N. Nilsson, B. Raphael, "A
+formal basis for the heuristic determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4, 1968. Unlike a
+shortest-path tree this needs no assumption about the objects' functions; but it may examine many partial paths, hence the budget.
 """
 
 from __future__ import annotations

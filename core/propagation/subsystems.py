@@ -28,7 +28,7 @@ HIGHEST = 1e140
 """Largest distance, whose square is still finite."""
 
 DENSE = 64
-"""Cells for each row that is numbered, up to which all cells are numbered."""
+"""Most cells per row for which rows are numbered through a table of all cells instead of by sorting."""
 
 CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
 """The lattice points around a place, relative to the lowest."""

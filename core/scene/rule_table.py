@@ -15,8 +15,8 @@ MOST_ROWS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """Condition on one of two objects: its name, its material, or neither (any object). In names ``*`` stands
-    for any characters and ``?`` for one."""
+    """Condition on one of two objects: its name, its material, or neither (any object). In names ``*`` stands for any characters
+    and ``?`` for one."""
 
     object: str = ""
     material: str = ""

@@ -36,8 +36,8 @@ class Signal(ABC):
     """An immutable function of time in seconds, 0 before its beginning and after its end.
 
     `a * b` is the product (an envelope times an oscillator), `a * 0.5` a gain, `a + b` the sum, `a >> b` first `a`, then `b`.
-    A subclass is a frozen dataclass whose fields, under the name `kind`, are its JSON form. Making it raises ValueError that names a
-    field whose check, in its metadata, refuses it.
+    A subclass is a frozen dataclass. Its JSON form is its fields and the name `kind`. Its constructor raises ValueError that names the
+    field if the check in the field's metadata rejects a value.
     """
 
     __slots__ = ()
@@ -145,7 +145,7 @@ def json_fields(cls: type[Signal]) -> dict[str, Field[Any]]:
 
 @cache
 def _checks(cls: type[Signal]) -> list[tuple[str, Callable[[str, object], Any], Any]]:
-    """Names and checks of the fields of a kind of signal that have one, and the default where that is allowed beyond the check."""
+    """The fields of a kind of signal that have a check: name, check, and the default if that is allowed although the check rejects it."""
     checked = [entry for entry in json_fields(cls).values() if "check" in entry.metadata]
     return [(entry.name, entry.metadata["check"], entry.default if entry.default in (None, math.inf) else MISSING) for entry in checked]
 

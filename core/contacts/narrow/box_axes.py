@@ -42,7 +42,7 @@ def _arrangement(i: int, j: int) -> list[int]:
 
 _ARRANGED = np.array([_arrangement(i, j) for i in range(3) for j in range(3)]).T.copy()
 _BACK = np.array([[(c - i) % 3 for i in range(3) for _ in range(3)] for c in range(3)])
-"""Where each coordinate stands among those that begin with ``i``, per pair of edges."""
+"""For each pair of edges, the place of each coordinate in the order that begins with ``i``."""
 
 
 def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> tuple[FloatArray, IntArray]:

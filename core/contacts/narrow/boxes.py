@@ -29,7 +29,7 @@ _LEAST_WEIGHT = 1e-3
 _SLIVER = 0.005
 """Metres of width below which the centre of a patch moves smoothly to the mean of the nearest corners."""
 
-# Rows of what is known of two boxes: rotation (9 of them), offset, offset of the first as the second sees it, half extents, 0 and 1.
+# First rows of the values of two boxes: rotation (9 rows), offset, offset of the first in the frame of the second, half extents, 0 and 1.
 _OFFSET, _BACK, _HALF_A, _HALF_B, _ZERO, _ONE, _ROWS = 9, 12, 15, 18, 21, 22, 23
 
 

@@ -16,7 +16,7 @@ from .sections import directions, reach, section_area
 from .supporting_feature import FEW, MANY, Features
 
 _DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
-"""Kinds whose features are polygons of fewer corners than they have."""
+"""Kinds whose supporting features are approximated by polygons with fewer corners."""
 
 _NEAR = 1e-3
 """Metres from the nearest points of two cores within which their patch must lie."""

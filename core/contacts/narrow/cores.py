@@ -42,7 +42,8 @@ class Size(IntEnum):
 class Core:
     """One primitive. ``matrix`` (4, 4): from core to body. By `Size`: ``half`` (3, 3), of a box its half extents, of a round core (radius,
     radius, half height), of a segment (0, 0, half length); and the ``radius`` (3,) by which it is grown. ``outline`` (3,) half extents of
-    its flat faces. ``is_box``: authored as a box. ``hull``: of a HULL; ``sharp_hull``: whose faces are flat as far as those."""
+    its flat faces. ``is_box``: authored as a box. ``hull``: of a HULL, moved inwards by its rounding; ``sharp_hull``: before that, with the
+    full extent of its flat faces. ``mesh_radius_to_points``: the radius of a mesh against spheres."""
 
     kind: Kind
     matrix: FloatArray
@@ -90,7 +91,7 @@ def _core(part: Part, solid: bool) -> Core:
         case Box(size=size, rounding=rounding):
             return _box(part.matrix, part.radius, np.array(size) / 2, rounding)
         case Cylinder(radius=radius, height=height, rounding=rounding):
-            # A core without height or radius has no inside: leave it a thousandth.
+            # A core without height or radius has no inside: keep a thousandth of them.
             limited = min(rounding, 0.999 * radius, 0.999 * height / 2)
             return _simple(Kind.CYLINDER, part, (radius, radius, height / 2), limited)
         case Cone(radius=radius, height=height):

@@ -18,15 +18,15 @@ from .frames import added, dot, turned_back
 
 _ANGLES = 2 * np.pi * np.arange(24) / 24
 _POLE = np.array([[0.36], [0.48], [0.8]])
-"""Opposite of the one normal at which the directions around it turn quickly: no usual one."""
+"""Opposite of the only normal near which the directions around it change quickly; no face of usual shapes has it."""
 _ACROSS = np.array([[0.8], [-0.6], [0.0]])
 _AROUND = _ACROSS * np.cos(_ANGLES) + np.cross(_POLE, _ACROSS, axis=0) * np.sin(_ANGLES)
 """Unit vectors (3, k) around the pole."""
 _CLOSED = 4
-"""Faces from which on a hull has an inside; a flat one has a face of its own to lie on."""
+"""Least number of faces of a hull with an inside; a flat hull has two."""
 
 _AT_ONCE = 1 << 14
-"""Numbers that are held at a time of each kind: few enough for the processor's cache."""
+"""Elements per array that are computed at a time: few enough for the processor's cache."""
 
 _LEAST = 1e-12
 """Metres and slopes below which a face is at the point, and a direction runs along a face."""

@@ -36,8 +36,8 @@ class Features:
     def polygons(
         self, core: IntArray, rotation: FloatArray, centre: FloatArray, direction: FloatArray
     ) -> tuple[FloatArray, BoolArray, BoolArray]:
-        """The features of cores (n,) placed in the world in ``direction`` (3, n): corners (3, ``MANY``, n), the
-        last one repeated; which have more than ``FEW`` (n,); which are wider than a line (n,)."""
+        """The features of cores (n,) placed in the world in ``direction`` (3, n): corners (3, ``MANY``, n), the last one
+        repeated; which have more than ``FEW`` (n,); which are wider than a line (n,)."""
         count = len(core)
         corners = np.empty((3, MANY, count))
         many = np.zeros(count, dtype=np.bool_)

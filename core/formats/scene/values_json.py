@@ -1,4 +1,4 @@
-"""Objects, contacts, sources and listeners as JSON values. Errors are PlacedErrors: they name the place of the value in its document."""
+"""Objects, contacts, sources and listeners as JSON values. Errors are `PlacedError`, which names the place of the value in its document."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
     "transmission_table": partial(_read_table, lambda transmission: transmission),
     "triggers": read_triggers,
 }
-"""The readers of members, by their names in all items."""
+"""Readers of the members of items, by the name of the member, which means the same in every item."""
 
 
 def _placed(make: Callable[[], T], form: Mapping[str, Any], place: Place) -> T:

@@ -25,7 +25,7 @@ from .walk_bounds import WalkBounds
 KeyArray = NDArray[np.uint64]
 BitArray = NDArray[np.uint8]
 
-PAIRS = 4
+STEPS_PER_WORK = 4
 """Steps examined in the time of one unit of work."""
 
 FEW = 1000
@@ -34,11 +34,11 @@ FEW = 1000
 BINS, TABLE = 64, 1 << 20
 """Bins of the costs of steps, fewer where the table of counts would exceed this size."""
 
-BITES = 256
+BYTES_PER_WORK = 256
 """Bytes of crossed patches copied in the time of one unit of work."""
 
 NUMBERED = 64
-"""Up to so many patches, sets have a bit for each patch of the graph, otherwise for those of the search."""
+"""Largest number of patches of a graph for which sets have a bit per patch of the graph; otherwise, per patch of the search."""
 
 BYTES = 1 << 28
 """Most bytes that the states may take."""
@@ -202,7 +202,7 @@ class _Search:
         self._keys = _keys(search_graph) if merge else None
         self._plain = not merge and search_graph.lanes == 1 and np.all(starts == 1) and np.array_equal(steps.weight[:, 0], steps.gain)
         self._sets = _PatchSets(search_graph.patch)
-        self._each = 1 / PAIRS + self._sets.size / BITES
+        self._each = 1 / STEPS_PER_WORK + self._sets.size / BYTES_PER_WORK
         self._room = min(limits.states, BYTES // (self._sets.size + 64))
         roots = np.arange(len(search_graph.nodes) - len(starts), len(search_graph.nodes))
         none = self._sets.none(len(roots)), np.zeros(len(roots), dtype=np.uint64)

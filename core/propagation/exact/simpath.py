@@ -24,8 +24,8 @@ from ...arrays import FloatArray, runs
 BITS = 7
 FIELD = (1 << BITS) - 1
 SOURCE, LISTENER, FIRST = 1, 2, 3
-"""A state is an integer with a field per slot: 0 nobody waits, `SOURCE` or `LISTENER` the end of that fragment, else the slot of the
-fragment's other end, counted from `FIRST`."""
+"""A state is an integer with a field per slot: 0 if no end waits there, `SOURCE` or `LISTENER` for the end of that fragment, else the slot
+of the fragment's other end, counted from `FIRST`."""
 
 SLOTS = FIELD - FIRST + 1
 

@@ -22,7 +22,7 @@ from .search_graph import SearchGraph, build_search_graph
 from .walk_bounds import WalkBounds
 
 LONG = 64
-"""Contacts on a path from which on a forest is not searched."""
+"""Limit of contacts on a path above which a forest is not searched: its paths are taken from the trees of shortest paths."""
 
 
 @dataclass(frozen=True, slots=True)
