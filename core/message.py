@@ -50,11 +50,11 @@ class Cause(enum.Enum):
     AMPLIFICATION = "some gains are above 1: paths were searched by their number of connections; the energy balance counts such gains as 1"
     PATH_BUDGET = "the search ended at its limit before the best paths were certain: see the error bounds"
     SUM_SET_BY_THRESHOLD = (
-        "the sum over all paths from '{source}' is set by its threshold: what lies below adds up without bound "
+        "the sum over all paths from '{source}' depends on Threshold: weaker paths add up without bound "
         "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not depend on it"
     )
     SUM_SET_BY_CONNECTIONS = (
-        "the sum over all paths from '{source}' is set by Max Connections: longer paths add up without bound "
+        "the sum over all paths from '{source}' depends on Max Connections: longer paths add up without bound "
         "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not depend on it"
     )
     SUM_TRUNCATED = "the limits leave out more than the tolerance of a sum over all paths from '{source}': see the error bounds"
@@ -62,12 +62,12 @@ class Cause(enum.Enum):
     SUM_BUDGET = "the search ended at its limit before a sum over paths was certain: its gain is a lower bound, see the error bounds"
     GAIN_OVERFLOW = "a gain is too large for a number: it is given as 1e300, a lower bound"
     FORCE_UNKNOWN = (
-        "what presses '{first}' and '{second}' together can't be known: bodies need a mass, must rest on what carries "
-        "them, and at most 150 may hang together; as many contacts pass as if pressed by the reference force: {count}"
+        "the force between '{first}' and '{second}' is unknown: bodies need a mass and must rest on their supports, "
+        "and at most 150 may be connected; contacts that count as under the reference force: {count}"
     )
     # Parameters that a fit to recordings leaves undetermined
-    FIT_ALIKE = "'{object}' takes the same of all frequencies, so it can't be told from the contact"
-    FIT_SMALL = "'{object}' takes {loss} dB at most: its loss is not determined below 3 dB"
+    FIT_ALIKE = "'{object}' attenuates all frequencies alike, so its loss can't be separated from the gain of the contact"
+    FIT_SMALL = "'{object}' attenuates by at most {loss} dB: a loss below 3 dB is not determined"
     FIT_UNCERTAIN = "the loss of '{object}' is uncertain by {percent} %"
     FIT_CONTACT_UNCERTAIN = "the gain of the contact is uncertain by {error}"
     FIT_AMPLIFIES = "the contact would have to amplify by {gain}: the recordings are not calibrated alike"

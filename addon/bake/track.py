@@ -262,7 +262,7 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
         shape = [lengths[axis] for axis in axes.split(", ")]
         size = math.prod(shape) * np.dtype(kind).itemsize
         if size > 2 * MAX_BYTES:
-            raise ValueError("it is larger than any")
+            raise ValueError(f"{name} is larger than the limit")
         values = _unpacked(data[place : place + _count(packed, len(data))], size + 1)
         if len(values) != size:
             raise ValueError(f"{name} has {len(values)} bytes, not {size}")

@@ -17,7 +17,7 @@ def chosen_channel(reading: VibrationFile, number: int) -> Channel:
     if not reading.channels:
         raise ValueError("There is no vibration in this file")
     if number > len(reading.channels):
-        raise ValueError(f"There are only {len(reading.channels)} channels in this file")
+        raise ValueError(f"This file has no channel {number}; the last one is {len(reading.channels)}")
     return reading.channels[number - 1]
 
 

@@ -80,13 +80,13 @@ def _link(context: Context, obj: Object) -> None:
 
 
 class HAPTIC_OT_make_one_shot(OnActive, Operator):
-    """Have the source play a blast once per trigger, where it has no keyframe yet now; in a medium it spreads as a pressure front"""
+    """Play a blast once per trigger, now if Trigger is not animated yet; in a medium it spreads as a pressure front"""
 
     bl_label = "Play Once"
 
     kind: EnumProperty(
         name="Blast",
-        description="What goes off",
+        description="Which blast the source plays",
         items=(
             ("EXPLOSION", "Explosion", "An overpressure of 5 milliseconds, as that of a kilogram of TNT ten metres away"),
             ("GUN", "Gun", "An overpressure of a millisecond, as at the muzzle"),

@@ -140,7 +140,7 @@ def _change(traced: sessions.Traced, missing: dict[str, float], free: list[Any])
 
 
 class HAPTIC_OT_fit_material(Action, Operator):
-    """Set the loss of a material, and the gain of a contact, so that the scene passes vibration on as two recordings of it say"""
+    """Set the loss of a material, and the gain of a contact, so that the scene transmits vibration as two recordings show"""
 
     bl_label = "Fit Material"
     bl_options = {"REGISTER"}

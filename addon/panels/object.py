@@ -167,7 +167,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         if haptics.function == "haptic_tracing":
             crossing = _crossing(context, haptics)
             if crossing is not None:
-                draw_sentence(layout, iface_("Crosses {} at {:.1f} m: what passes more near by fades sooner").format(*crossing), "INFO")
+                draw_sentence(layout, iface_("Crosses {} at {:.1f} m: the higher gain near by falls sooner").format(*crossing), "INFO")
 
 
 def _crossing(context: Context, haptics: Any) -> tuple[str, float] | None:

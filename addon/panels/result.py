@@ -136,7 +136,7 @@ class HAPTIC_PT_path(HapticsPanel, Panel):
         column.label(text=source_title(path.source), icon="OUTLINER_OB_FORCE_FIELD", translate=False)
         column.label(text=fitted(path.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False)
         if not path.hops:
-            layout.label(text="In this mode no path counts, only places")
+            layout.label(text="This mode ignores objects and paths")
             return
         layout.prop(context.scene.haptics.meters, "sort_path", toggle=True)
         _draw_hops(layout, context, path)

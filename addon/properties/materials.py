@@ -187,14 +187,14 @@ class HapticFit(PropertyGroup):
     listener_file: _recording("At Listener", "WAV file recorded at the listener at the same time, begun at the same moment")
     source: _one("Source", "The source at which the first recording was made", "source.enabled")
     listener: _one("Listener", "The listener at which the second recording was made", "listener.enabled")
-    object: _one("Object", "The object on the way whose loss is fitted; what is made of the same material changes with it", "enabled")
+    object: _one("Object", "The object on the path whose loss is fitted; other objects of its material change with it", "enabled")
     is_calibrated: switch(
         "Calibrated Alike",
-        "Both recordings have the same scale. Otherwise they tell what high frequencies lose beyond low ones, nothing else",
+        "Both recordings have the same scale. If not, they determine only how much more high frequencies lose than low ones",
         True,
         options=set(),
     )
-    first: _one("Contact", "One side of a contact on the way whose gain is fitted, too", "enabled")
+    first: _one("Contact", "One side of a contact on the path whose gain is fitted as well", "enabled")
     second: _one("With", "The other side of that contact", "enabled")
     fitted: StringProperty(options={"HIDDEN"})
     values: FloatVectorProperty(size=6, options={"HIDDEN"})

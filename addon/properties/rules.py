@@ -53,7 +53,7 @@ def refractory() -> FloatProperty:
 
 SIGNAL_ITEMS = (
     ("MATERIALS", "By Material", "By the two materials: metal on stone rings, wood on soil thuds; plain if unknown"),
-    ("PLAIN", "Plain", "A short knock of 150 Hz, whatever meets"),
+    ("PLAIN", "Plain", "A short knock of 150 Hz, the same for all objects"),
 )
 """Choices of the signal of impacts."""
 

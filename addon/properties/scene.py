@@ -60,8 +60,8 @@ class HapticSceneProperties(Imported, PropertyGroup):
     mode: choice("Mode", "The rendering", MODE_ITEMS)
     localise: share(
         "Localise",
-        "Blends from what touching objects carry everywhere (0) to only the listener nearest to each source (1). "
-        "Part of the people in the paper's study liked to feel a source in one place",
+        "Blends from propagation through touching objects (0) to the nearest listener of each source alone (1). "
+        "Some participants of the paper's study preferred to feel a source in one place",
         0.0,
     )
     strategy: choice(

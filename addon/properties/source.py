@@ -61,7 +61,7 @@ class HapticSourceProperties(Imported, PropertyGroup):
         1.0,
         (0.0, 10.0),
     )
-    one_shot: switch("Once per Trigger", "Silent, but for its signal each time that one of its triggers goes off")
+    one_shot: switch("Once per Trigger", "Silent until a trigger below plays the signal, once per trigger")
     trigger: share(
         "Trigger", "Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame in which it rises above 0", 0.0
     )
@@ -71,5 +71,5 @@ class HapticSourceProperties(Imported, PropertyGroup):
         "Plays at each impact of the haptic object, with the blow's energy, as the rule for impacts of the two says",
         options=set(),
     )
-    trigger_object: _name("Passing", "Plays when the origin of this haptic object comes into the region; Car* is all of these, empty any")
-    trigger_region: _name("Region", "The object whose bounding box is the region; what is flat is a plane that is passed from either side")
+    trigger_object: _name("Passing", "Plays when the origin of this haptic object enters the region; Car* are all such names, empty any")
+    trigger_region: _name("Region", "The object whose bounding box is the region; a flat one is a plane that triggers from either side")

@@ -21,7 +21,7 @@ _LONG_INPUT = 34
 def _prepare_8bitdo(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
     if not _rumbles(device, interface.product):
         name = interface.title or "8BitDo controller"
-        raise OSError(f"{name} does not say that it can rumble: its firmware is too old, or it is in another mode than SDL drives it in")
+        raise OSError(f"{name} does not report that it can rumble: update its firmware, or switch it to another mode")
 
 
 def _rumbles(device: HidDevice, product: int) -> bool:
@@ -56,7 +56,7 @@ def _prepare_sinput(device: HidDevice, interface: Interface, write: Callable[[Re
     write(_ASK_FEATURES)
     answer = answer_of(device, _describes_features)
     if answer is not None and not answer[_CAPABILITIES] & _CAN_RUMBLE:
-        raise OSError(f"{interface.title or 'SInput controller'} says that it can't rumble")
+        raise OSError(f"{interface.title or 'SInput controller'} reports that it can't rumble")
 
 
 def _describes_features(report: bytes) -> bool:

@@ -74,7 +74,7 @@ def test_an_8bitdo_pad_is_driven_only_if_it_says_that_it_rumbles(product, pad, r
     if rumbles:
         assert prepared("8bitdo", pad, interface(0x2DC8, product)) is None
     else:
-        with pytest.raises(OSError, match=r"^Pad does not say that it can rumble"):
+        with pytest.raises(OSError, match=r"^Pad does not report that it can rumble"):
             prepared("8bitdo", pad, interface(0x2DC8, product))
 
 
@@ -85,7 +85,7 @@ def test_an_sinput_pad_is_asked_for_its_features(abilities, rumbles):
     if rumbles:
         assert prepared("sinput", pad, interface(0x2E8A, 0x10C6)) is None
     else:
-        with pytest.raises(OSError, match=r"^Pad says that it can't rumble"):
+        with pytest.raises(OSError, match=r"^Pad reports that it can't rumble"):
             prepared("sinput", pad, interface(0x2E8A, 0x10C6))
     assert pad.written == [bytes([3, 2]) + bytes(46)]
 
