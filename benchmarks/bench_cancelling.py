@@ -8,12 +8,8 @@ Each work is begun on the worker thread and cancelled at a random moment of its 
 from __future__ import annotations
 
 import argparse
-import os
-import tempfile
 import time
 from collections.abc import Callable
-
-os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
 import numpy as np
 from haptic_tracing.addon.session import worker

@@ -11,16 +11,12 @@ driver. The waves of a baked track are computed once, on the worker.
 from __future__ import annotations
 
 import argparse
-import os
-import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from types import SimpleNamespace
 from typing import cast
 from unittest import mock
-
-os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
 import bpy
 import haptic_tracing

@@ -13,14 +13,11 @@ of frames whose tracing was not waited for, as it had been slow; when it is done
 from __future__ import annotations
 
 import argparse
-import os
 import tempfile
 import threading
 import time
 from typing import Any
 from unittest import mock
-
-os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
 import bpy
 import haptic_tracing

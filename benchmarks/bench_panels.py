@@ -10,14 +10,10 @@ new frame until the panel shows it, tracing not included. Milliseconds of wall-c
 from __future__ import annotations
 
 import argparse
-import os
-import tempfile
 import time
 from dataclasses import asdict, dataclass
 from types import SimpleNamespace
 from typing import Any
-
-os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
 import bpy
 import haptic_tracing

@@ -15,7 +15,6 @@ import os
 import resource
 import subprocess
 import sys
-import tempfile
 import time
 
 GOAL_RATIO, GOAL_MEGABYTES = 1.15, 1000.0
@@ -24,7 +23,6 @@ RUNS = ("stepping", "tracing", "four modes")
 
 def _measure(run: str, frames: int) -> dict[str, float]:
     """One run, in this process."""
-    os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     import bpy
     import haptic_tracing

@@ -7,8 +7,11 @@ import gc
 import os
 import sys
 
+import own_temporary_folder
 import pytest
 from hypothesis import settings
+
+own_temporary_folder.make()  # the folders' own conftest files import bpy
 
 # The matrices are small: threads of BLAS would only wait for each other, at full load. What depends on their number sets it itself.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

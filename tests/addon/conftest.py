@@ -5,16 +5,12 @@ from __future__ import annotations
 import functools
 import os
 import sys
-import tempfile
 import time
 import typing
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any
-
-# Keep this machine's own extensions and preferences out; must be set before bpy is imported.
-os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
 
 import bpy
 import haptic_tracing

@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from own_temporary_folder import MACHINES
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent
@@ -37,7 +38,7 @@ def commands() -> tuple[list[str], list[str]]:
 @pytest.fixture(scope="session")
 def folder():
     """A folder that this program and Blender both see under the same path."""
-    shared = os.environ.get("REAL_BLENDER_FOLDER", str(Path(tempfile.gettempdir()) / "real-blender-io")) if REAL_BLENDER else None
+    shared = os.environ.get("REAL_BLENDER_FOLDER", str(Path(MACHINES) / "real-blender-io")) if REAL_BLENDER else None
     with tempfile.TemporaryDirectory(dir=shared, prefix="haptic-tracing-") as name:
         yield Path(name)
 

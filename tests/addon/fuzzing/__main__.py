@@ -10,7 +10,6 @@ its number and written to ``out/crashers``, from where it is taken over into the
 from __future__ import annotations
 
 import argparse
-import os
 import random
 import resource
 import signal
@@ -22,7 +21,11 @@ import traceback
 import warnings
 from pathlib import Path
 
-os.environ.setdefault("BLENDER_USER_RESOURCES", tempfile.mkdtemp(prefix="haptic-tracing-blender-"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "references"))
+
+import own_temporary_folder
+
+own_temporary_folder.make()
 
 from inputs import changed, targets
 
