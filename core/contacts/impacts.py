@@ -6,6 +6,7 @@ meet; whether the bodies really hit there is judged by their poses at the end of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -110,10 +111,10 @@ def landings(
         old_nodes: (2, 3, p) where the material of the former contact is now.
         normal: (3, p) from first to second; distance: (p,) [m].
     """
-    paths_to_end = paths.to_the_ends()
-    middle = paths_to_end.poses(np.arange(paths.start.shape[1]), paths.duration / 2)
-    before, start, half = (_gaps(pose, paths.end, pairs, nodes, normal) for pose in (paths.earlier, paths.start, middle))
-    spin = paths_to_end.spin[:, pairs[:, 1]] - paths_to_end.spin[:, pairs[:, 0]]
+    count = len(pairs)
+    ends = paths.of(pairs.T.reshape(-1)).to_the_ends()
+    before, start, half = _gaps((ends.earlier, ends.start, ends.poses(slice(None), ends.duration / 2)), ends.end, nodes, normal)
+    spin = ends.spin[:, count:] - ends.spin[:, :count]
     turn = np.sqrt((spin * spin).sum(axis=0)) * paths.duration
     approach = np.maximum(start / paths.duration, (before - start) / paths.earlier_duration)
     away = np.sqrt(((nodes - old_nodes) ** 2).sum(axis=1)).min(axis=0)
@@ -130,22 +131,22 @@ def landings(
         normal=normal[:, rows].T,
         centre=nodes[:, :, rows].mean(axis=0).T,
         approach=approach,
-        velocities=np.stack([paths_to_end.velocities(pairs[:, k], after).T for k in (0, 1)], axis=1),
+        velocities=np.stack([ends.velocities(rows + k * count, after).T for k in (0, 1)], axis=1),
         expected=distance,
         actual=distance,
         passes=np.zeros(len(rows), dtype=np.bool_),
     )
 
 
-def _gaps(pose: FloatArray, end: FloatArray, pairs: IntArray, nodes: FloatArray, normal: FloatArray) -> FloatArray:
-    """Distances (p,) along ``normal`` in ``pose`` (12, n) between the material that is at ``nodes`` (2, 3, p) at the ``end`` (12, n)."""
-    gap = np.zeros(len(pairs))
-    for side, node in enumerate(nodes):
-        then, now = pose[:, pairs[:, side]], end[:, pairs[:, side]]
-        local = turned_back(now[:9].reshape(3, 3, -1), node - now[9:])
-        moved = turned(then[:9].reshape(3, 3, -1), local) + then[9:] - node
-        gap += (2 * side - 1) * (moved * normal).sum(axis=0)
-    return gap
+def _gaps(poses: Sequence[FloatArray], end: FloatArray, nodes: FloatArray, normal: FloatArray) -> FloatArray:
+    """Distances (k, p) along ``normal`` between the material that is at ``nodes`` (2, 3, p) at the ``end``, in each of the k ``poses``. All
+    poses are (12, 2p): those of the first bodies, then those of the second."""
+    place = np.concatenate(nodes, axis=1)
+    local = turned_back(end[:9].reshape(3, 3, -1), place - end[9:])
+    then, count = np.concatenate(poses, axis=1), len(poses)
+    moved = turned(then[:9].reshape(3, 3, -1), np.tile(local, count)) + then[9:] - np.tile(place, count)
+    along = (moved * np.tile(normal, 2 * count)).sum(axis=0).reshape(count, 2, -1)
+    return np.asarray(along[:, 1] - along[:, 0])
 
 
 def confirmed(hits: Hits, paths: Paths, tolerance: float) -> BoolArray:

@@ -44,13 +44,18 @@ class Paths:
     earlier: FloatArray
     earlier_duration: float
 
+    def of(self, bodies: IntArray) -> Paths:
+        """The paths of ``bodies`` (k,)."""
+        columns = ("start", "velocity", "acceleration", "spin", "end", "certain", "turned", "earlier")
+        return replace(self, **{name: getattr(self, name).take(bodies, axis=-1) for name in columns})
+
     def to_the_ends(self) -> Paths:
         """The paths from the same starts with the same accelerations to the actual poses at the end."""
         direct = (self.end[9:] - self.start[9:]) / self.duration
         velocity = direct - self.acceleration * (self.duration / 2)
         return replace(self, velocity=velocity, spin=spins(self.start, self.end, self.duration))
 
-    def poses(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
+    def poses(self, bodies: IntArray | slice, time: FloatArray | float) -> FloatArray:
         """Poses (12, k) of ``bodies`` (k,) at ``time`` (k,) seconds after the start."""
         start, velocity, spin = self.start[:, bodies], self.velocity[:, bodies], self.spin[:, bodies]
         poses = np.empty_like(start)

@@ -188,7 +188,6 @@ class _MovingPairs:
 
     def go_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
         """Which pairs overlap by ``depth`` (k,) somewhere on their paths ``within`` (k,) seconds after the first touch."""
-        deepest = np.full(len(self._pairs), np.inf)
-        for share in (0.2, 0.4, 0.6, 0.8):
-            deepest = np.minimum(deepest, self.clearances(np.minimum(after + share * within, self._paths.duration)))
+        at = np.minimum(after + np.array([[0.2], [0.4], [0.6], [0.8]]) * within, self._paths.duration)
+        deepest = self.chosen(np.tile(np.arange(len(after)), len(at))).clearances(at.reshape(-1)).reshape(at.shape).min(axis=0)
         return np.asarray(deepest <= -depth)

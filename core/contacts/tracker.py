@@ -449,7 +449,7 @@ class ContactTracker:
         if paths is not None and len(able):
             hits = self._hits_of_frame(time, paths, able, struck, before, looked, fresh, last)
         impacts = self._impacts(time, hits, paths)
-        if impacts and isinstance(wanted, GainBound) and wanted.from_impacts:
+        if impacts and isinstance(wanted, GainBound) and wanted.from_impacts and not asked[~fresh | pairs.touching].all():
             asked |= self._asked(_from_impacts(wanted, impacts), fresh)
             rows = (asked & ~looked).nonzero()[0]
             self._catch_up(rows[~pairs.looked[rows]])
@@ -675,7 +675,8 @@ class ContactTracker:
             pairs = self._numbers(arrived)
             expected = self._time_of_impact.final_distances(paths, pairs, np.full(len(pairs), self.settings.tolerance))
             pulled = pairs[expected > 2 * _FIRM]
-            hits = hits.joined(self._time_of_impact.hits(paths.to_the_ends(), pulled).approaching())
+            if len(pulled):
+                hits = hits.joined(self._time_of_impact.hits(paths.to_the_ends(), pulled).approaching())
         return hits
 
     def _landings(self, paths: Paths, rows: IntArray, last: FloatArray) -> Hits:
@@ -687,21 +688,21 @@ class ContactTracker:
         if len(rows) == 0:
             return Hits.none()
         larger, smaller = pairs.larger[rows], pairs.smaller[rows]
-        pose = self._pose.take(larger, axis=1)
-        other = self._pose.take(smaller, axis=1)
-        placed = relative_pose(pose, other)
+        pose, other = self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
         limit = np.full(len(rows), self.settings.tolerance + self.settings.slack)
-        found = self._narrow.query(np.stack([larger, smaller], axis=1), *placed, limit, PatchPoints.CORNERS)
-        of = np.repeat(np.arange(len(rows)), [len(points) for points in found.points])
+        normal, distance = pairs.values[_NORMAL, rows], pairs.values[_DISTANCE, rows]
+        centre = pairs.values[_ON_LARGER, rows] + normal * (distance / 2)
+        of, points = self._narrow.corners(np.stack([larger, smaller], axis=1), *relative_pose(pose, other), limit, normal, centre)
+        distance = distance[of]
         turn = pose[:9].reshape(3, 3, -1)[..., of]
-        points = turned(turn, np.concatenate(found.points).T) + pose[9:, of]
+        points = turned(turn, points) + pose[9:, of]
         keys = pairs.key[rows]
         flipped = larger != keys // len(self.bodies)
-        normal = turned(turn, found.normal[:, of]) * np.where(flipped[of], -1.0, 1.0)
-        gap = normal * (found.distance[of] / 2)
+        normal = turned(turn, normal[:, of]) * np.where(flipped[of], -1.0, 1.0)
+        gap = normal * (distance / 2)
         old = np.stack([_placed(pose, last[_ON_LARGER, rows]), _placed(other, last[_ON_SMALLER, rows])])
         old = np.where(flipped, old[::-1], old)[..., of]
-        hits = landings(paths, self._numbers(keys[of]), np.stack([points - gap, points + gap]), old, normal, found.distance[of], _FIRM)
+        hits = landings(paths, self._numbers(keys[of]), np.stack([points - gap, points + gap]), old, normal, distance, _FIRM)
         order = np.lexsort((hits.approach, hits.pairs[:, 1], hits.pairs[:, 0]))
         last = np.ones(len(hits), dtype=np.bool_)
         last[:-1] = (hits.pairs[order[1:]] != hits.pairs[order[:-1]]).any(axis=1)

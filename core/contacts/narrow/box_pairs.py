@@ -12,6 +12,8 @@ from .box_axes import axis_normals, best_axes
 from .boxes import BoxContacts, box_contacts
 from .cores import CoreTable, Kind, Size
 from .frames import COLUMN, product, relative, turned, turned_back
+from .manifold import patches
+from .supporting_feature import box_face
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +107,21 @@ class BoxPairs:
             normal = turned(turn, normal)
             centre = turned(turn, centre) + self._shift[:, first]
         return PairPatches(found.distance - radius, normal, centre, area)
+
+    def corners(self, boxes: Boxes, pairs: IntArray, normal: FloatArray, centre: FloatArray) -> tuple[IntArray, FloatArray]:
+        """The number (k,) of the patch, and the place (3, k), of each corner of the patches of ``boxes``, those of ``pairs`` of bodies.
+        ``normal`` and ``centre`` (3, p): of the patches."""
+        first, second = pairs.T
+        if self._placed:
+            turn, shift = self._turn[..., first], self._shift[:, first]
+            normal, centre = turned_back(turn, normal), turned_back(turn, centre - shift)
+        face_a = box_face(normal, self._outline[:, first]) - centre[:, None]
+        face_b = turned(boxes.rotation, box_face(-turned_back(boxes.rotation, normal), self._outline[:, second]))
+        found = patches(face_a, face_b + (boxes.offset - centre)[:, None], normal)
+        alone = ~found.used.any(axis=0, keepdims=True)  # no outline, but the centre
+        number, corner = np.concatenate([found.used, alone]).T.nonzero()
+        places = np.concatenate([found.corners, np.zeros((3, *alone.shape))], axis=1)[:, corner, number] + centre[:, number]
+        return number, turned(turn[..., number], places) + shift[:, number] if self._placed else places
 
     def _flatness(self, first: IntArray, second: IntArray, boxes: Boxes, normal: FloatArray) -> FloatArray:
         """Area (k,) of the smaller of the two faces divided by that of its core, so that rounded edges within a box do not reduce the

@@ -56,6 +56,22 @@ class NarrowPhase:
         rest = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], points)
         return PairPatches.joined(len(pairs), (boxes.rows, found), (others, rest))
 
+    def corners(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, normal: FloatArray, centre: FloatArray
+    ) -> tuple[IntArray, FloatArray]:
+        """The number (k,) of the pair, and the place (3, k), of each corner of the patches of ``pairs``, which have this ``normal`` and
+        ``centre`` (3, p)."""
+        parts, others = [], np.arange(len(pairs))
+        boxes = self._boxes.chosen(pairs, rotation, offset)
+        if boxes is not None:
+            number, places = self._boxes.corners(boxes, pairs[boxes.rows], normal[:, boxes.rows], centre[:, boxes.rows])
+            parts.append((boxes.rows[number], places))
+            others = np.delete(others, boxes.rows)
+        if len(others):
+            points = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], PatchPoints.CORNERS).points
+            parts.append((others.repeat([len(corners) for corners in points]), np.concatenate(points).T))
+        return np.concatenate([number for number, _ in parts]), np.concatenate([places for _, places in parts], axis=1)
+
     def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
         """Signed distances (p,), or lower bounds on them that are positive only if the distance is. Cheaper than `query`. Beyond ``limit``
         (p,) a bound need not be larger than that."""

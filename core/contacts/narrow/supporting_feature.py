@@ -49,7 +49,7 @@ class Features:
             towards, outline = local[:, rows], self._table.outline[:, core[rows]]
             match Kind(value):
                 case Kind.BOX:
-                    corners[:, :FEW, rows] = _box_face(towards, outline)
+                    corners[:, :FEW, rows] = box_face(towards, outline)
                 case Kind.SEGMENT:
                     corners[:, :FEW, rows] = _line(np.zeros_like(towards), _UP * outline[2], towards)
                     wide[rows] = False
@@ -106,7 +106,8 @@ def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
     return normals, corners
 
 
-def _box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
+def box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
+    """Corners (3, ``FEW``, n) of the face of a box with half extents (3, n) that lies in ``direction`` (3, n)."""
     axis = np.abs(direction).argmax(axis=0)
     corners = np.empty((3, FEW, len(axis)))
     pair = np.arange(len(axis))

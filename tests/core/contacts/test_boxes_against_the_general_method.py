@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.motion import rotations
+from haptic_tracing.core.contacts.narrow.body_patches import PatchPoints
 from haptic_tracing.core.contacts.narrow.boxes import box_contacts
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
-from haptic_tracing.core.contacts.shapes import Box
+from haptic_tracing.core.contacts.shapes import Box, Compound, pose_matrix
+from haptic_tracing.core.scene.values import Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
@@ -55,6 +57,27 @@ def test_both_methods_find_the_same_contacts(seed, tilt, square):
     for half_extents, place in zip(half, local, strict=True):
         away = np.linalg.norm(place - np.clip(place, -half_extents, half_extents), axis=0)
         assert away[same].max() < 0.0065
+
+
+@settings(max_examples=20, derandomize=True, deadline=None)
+@given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-3, 0.05, 2.0]), shift=st.sampled_from([0.0, 0.3]))
+def test_both_methods_find_the_same_corners_of_patches(seed, tilt, shift):
+    """In every direction the outermost corner of a patch is as far out by either method, also where boxes are turned and off the origins of their bodies."""
+    rotation, offset = placed(seed, tilt, False)
+    pose = Pose((shift, 0.0, 0.0), (1.0, shift, -shift, 0.0))
+    turn, place = pose_matrix(pose)[:3, :3], np.array(pose.position)
+    narrow = NarrowPhase([Compound(((Box(size), pose),)) for size in SIZES])
+    rotation = np.einsum("ij,jkp,lk->ilp", turn, rotation, turn)
+    offset = turn @ offset + place[:, None] - np.einsum("ijp,j->ip", rotation, place)
+    placing = np.tile([[0, 1]], (COUNT, 1)), rotation, offset, np.full(COUNT, 0.01)
+    general = narrow._general(*placing, PatchPoints.CORNERS)
+    number, corners = narrow.corners(*placing, general.normal, general.centre)
+    ways = np.random.default_rng(seed).normal(size=(20, 3))
+    near = np.flatnonzero(general.distance <= 0.01)
+    assert len(near) > 0.3 * COUNT
+    for k in near.tolist():
+        reach = (ways @ corners[:, number == k]).max(axis=1)
+        np.testing.assert_allclose(reach, (ways @ general.points[k].T).max(axis=1), atol=1.5e-4)
 
 
 @pytest.mark.filterwarnings("error")
