@@ -85,7 +85,7 @@ samples: packages-for-demo .venv/complete
 		$(PYTHON) -m haptic_tracing sample $$name --output out/samples/$$name.blend || exit 1; done
 
 docs: .venv-docs/complete
-	.venv-docs/bin/python docs/pictures/draw_floors.py
+	.venv-docs/bin/python docs/pictures/draw_layers.py
 	.venv-docs/bin/python docs/write_schema_page.py
 	.venv-docs/bin/python -m sphinx --quiet --fail-on-warning -b html docs out/docs
 	@echo "wrote out/docs/index.html"

@@ -108,9 +108,9 @@ class CollisionDetector:
         self._remembered: dict[int, FrameImpacts] = {}
         self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
         self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()  # bodies, and the same without materials
-        self._known: tuple[ContactSettings | None, ContactSettings] = None, settings  # the settings, and of these what is `_tracked`
+        self._known: tuple[ContactSettings | None, ContactSettings] = None, settings  # the settings, and `_tracked` made of them
         self._last: Frame | None = None
-        self._bound: tuple[tuple[object, ...], GainBound] | None = None  # what it was made of, and it
+        self._bound: tuple[tuple[object, ...], GainBound] | None = None  # its inputs, and the bound
 
     @property
     def _tracked(self) -> ContactSettings:
@@ -213,8 +213,8 @@ class CollisionDetector:
             kept = self._recalled(frame.number, frame.transforms)
         recalled = () if kept is None or not self.settings.impacts else self._sources.recall(kept, self._templates(frame))
         rules = self._transmissions(table)
-        # The force of a contact depends on all the others.
         hits = any(trigger.on is TriggerKind.HIT for source in frame.sources for trigger in source.triggers or ())
+        # All contacts are needed where forces (each depends on all others), triggers or textures use contacts without a signal.
         lazy = self.lazy and frame.authored is None and not rules.uses_force and not hits and not self.settings.textures.rows
         reach = self._reach(frame, frame.transforms) if lazy else None
         found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts or hits, frame.exact)

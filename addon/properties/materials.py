@@ -29,7 +29,7 @@ SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivit
 
 
 class Coefficients:
-    """Mixin: the values of a material that objects have themselves."""
+    """Mixin: κ, ρ and wave speed, of a material or of an object."""
 
     kappa: share(
         "Kappa (κ)",
@@ -151,7 +151,7 @@ class HapticMaterial(Coefficients, BandDecays, PropertyGroup):
 def _chosen(self: HapticObjectMaterial, context: Context) -> None:
     """Copy the values of the chosen material to the object."""
     obj, scene = self.id_data, context.scene
-    # What is visible is there; look-ups by name go through the objects of a layer, `users_scene` through those of every scene.
+    # In the order of cost: look-ups by name search the objects of a view layer, `users_scene` those of every scene.
     layers = scene.view_layers
     is_here = any(obj.visible_get(view_layer=layer) or layer.objects.get(obj.name) == obj for layer in layers) or scene in obj.users_scene
     if self.name and is_here and (material := scene.haptics.materials.items.get(self.name)) is not None:
@@ -160,7 +160,7 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
 
 @updating()
 class HapticObjectMaterial(BandDecays, PropertyGroup):
-    """The material of an object, and the values that only materials have."""
+    """The material of an object, and the attenuation by band that the object takes from it."""
 
     name: text("Material", "The material of the scene's library that this object is made of", options=set(), update=_chosen)
 

@@ -230,7 +230,7 @@ def stored(text: str, kind: str) -> dict[str, Any]:
 
 @contextmanager
 def _damaged() -> Iterator[None]:
-    """Turn the error of a stored document into a message that names its owner."""
+    """Turn an error of a stored document into a message with the remedy."""
     try:
         yield
     except ValueError as error:

@@ -195,8 +195,8 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
 
 def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = False) -> None:
     """Read the current state of the scene and begin to trace it. The result is None without tagged objects, or if a problem prevents it.
-    ``live``: the result is only displayed, so contacts that no signal reaches can be skipped, and also samples that nothing shows,
-    ``plays`` or requests while frames follow each other.
+    ``live``: the result is only displayed, so contacts that no signal reaches are skipped, and while frames follow each other, samples are
+    rendered only if something shows them, has asked for them, or ``plays`` them.
 
     While the timeline stands, a frame keeps the impacts that stepping or playing to it made: modes, gains, materials and strategies are
     compared on the same impact, also after jumps. They are dropped when their causes change: objects added, removed, moved, scaled,

@@ -27,12 +27,12 @@ class DeviceError(OSError):
 
 
 def carried_module(name: str, needed_by: str) -> Any:
-    """A module of a package that the extension carries. Raises DeviceError with instructions if it is missing."""
+    """A module of a package that is part of the extension. Raises DeviceError with instructions if it is missing."""
     try:
         return import_module(name)
     except ImportError:
         package = name.partition(".")[0]
-        reason = f"{needed_by} need the Python package {package}, which the extension carries: install it from its zip"
+        reason = f"{needed_by} need the Python package {package}, which is part of the extension: install the extension from its zip"
         raise DeviceError(reason) from None
 
 

@@ -83,7 +83,7 @@ class ModalityScene:
 
     @property
     def is_empty(self) -> bool:
-        """True if it has no content, apart from being switched off."""
+        """True if it is switched off and has no content."""
         return not (self.values or self.forms or self.emitters or self.enabled)
 
     def felt_in(self, scene: HapticScene) -> Felt:

@@ -1,4 +1,4 @@
-"""The floors of `docs/architecture.md`, read from the imports; and no function too long or too branched to read."""
+"""The layers of `docs/architecture.md`, read from the imports; and no function too long or too branched to read."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import importlib.util
 import sys
 
 import pytest
-from import_graph import FLOORS, cycles, floor, modules
+from import_graph import LAYERS, cycles, layer, modules
 
 LATE = {
     "bpy": "the command line's help lists the samples where there is no Blender",
@@ -30,15 +30,15 @@ BLENDER = {"bpy", "mathutils", "bmesh", "gpu", "gpu_extras", "aud", "blf", "bpy_
 
 
 def height(part: str) -> int:
-    return next((k for k, row in enumerate(FLOORS) if part in row), -1)
+    return next((k for k, row in enumerate(LAYERS) if part in row), -1)
 
 
 def test_every_module_is_on_a_floor(root):
-    assert {module for module in modules(root) if height(floor(module)) < 0} == {"core", "addon"}
+    assert {module for module in modules(root) if height(layer(module)) < 0} == {"core", "addon"}
 
 
 def test_a_floor_uses_only_those_below_it(found):
-    own = [(floor(one.importer), floor(one.imported), str(one)) for one in found if one.own]
+    own = [(layer(one.importer), layer(one.imported), str(one)) for one in found if one.own]
     upward = [line for a, b, line in own if a != b and height(a) <= height(b)]
     assert upward == []
 

@@ -10,7 +10,7 @@ from pathlib import Path
 PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 
 
-FLOORS = (
+LAYERS = (
     ("core.arrays", "core.message"),
     ("core.least_squares",),
     ("core.signals", "core.perception"),
@@ -36,7 +36,7 @@ FLOORS = (
     ("study",),
     ("command_line",),
 )
-"""From the ground up. What stands on one floor does not know its neighbours."""
+"""From the lowest layer up. Layers of one row do not import each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +102,6 @@ def cycles(edges: Iterable[tuple[str, str]]) -> list[list[str]]:
     return sorted(sorted(component) for component in networkx.strongly_connected_components(graph) if len(component) > 1)
 
 
-def floor(module: str) -> str:
-    """The part of `FLOORS` that a module belongs to; of a package that only holds floors, its own name."""
-    return next((part for row in FLOORS for part in row if f"{module}.".startswith(f"{part}.")), module)
+def layer(module: str) -> str:
+    """The part of `LAYERS` that a module belongs to; of a package that only contains layers, its own name."""
+    return next((part for row in LAYERS for part in row if f"{module}.".startswith(f"{part}.")), module)
