@@ -29,13 +29,13 @@ def _propagate(parser: Parser) -> None:
     parser.add_argument("scene", metavar="SCENE.json", help="haptic scene; without contacts they are found from shapes and poses")
     strategies = ("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance")
     parser.add_argument("--strategy", choices=strategies, help="how gains are computed (the scene's)")
-    parser.add_argument("--mode", choices=("HT", "SD", "MD", "MN"), help="rendering: haptic graph, nearest listener, direct (the scene's)")
+    parser.add_argument("--mode", choices=("HT", "SD", "MD", "MN"), help="haptic graph, nearest listener, distance, no decay (the scene's)")
     parser.add_argument(
         "--max-connections", type=_connections, default=argparse.SUPPRESS, metavar="N|none", help="most connections on a path (the scene's)"
     )
-    parser.add_argument("--threshold", type=_share, metavar="X", help="a path stops where its gain falls below; 0: nowhere")
-    parser.add_argument("--tolerance", type=_not_negative, metavar="X", help="relative error wanted of a sum that is out of reach (0.01)")
-    parser.add_argument("--felt", action="store_true", help="also which sources each listener feels, and which are hidden by others")
+    parser.add_argument("--threshold", type=_share, metavar="X", help="a path ends where its gain falls below; 0: no limit (the scene's)")
+    parser.add_argument("--tolerance", type=_not_negative, metavar="X", help="relative error of a sum that is too large to be exact (0.01)")
+    parser.add_argument("--felt", action="store_true", help="also which sources each listener feels, and which are masked by others")
 
 
 def _fit(parser: Parser) -> None:
@@ -52,7 +52,7 @@ def _fit(parser: Parser) -> None:
 
 def _sound(parser: Parser) -> None:
     parser.add_argument("sound", metavar="IN.wav", type=Path, help="the sound")
-    parser.add_argument("--output", required=True, metavar="OUT.json", type=Path, help="the signal, as a source of a scene has it")
+    parser.add_argument("--output", required=True, metavar="OUT.json", type=Path, help="the signal, as in a source of a haptic scene")
     parser.add_argument(
         "--carrier", default="160", metavar="HERTZ|pitch|DEVICE", help="a frequency, the sound's pitch, or a device's best (160)"
     )
@@ -108,7 +108,7 @@ def _sample(parser: Parser) -> None:
     parser.add_argument("name", metavar="NAME", choices=tuple(SAMPLES), help="one of the samples below")
     parser.add_argument("--output", type=Path, metavar="FILE.blend", help="where to save it (NAME.blend)")
     counted = " and ".join(f"{sample.name} ({sample.count})" for sample in SAMPLES.values() if sample.count)
-    parser.add_argument("--count", type=int, metavar="N", help=f"how many things, for {counted}")
+    parser.add_argument("--count", type=int, metavar="N", help=f"number of objects, for {counted}")
     parser.add_argument("--no-bake", action="store_true", help="leave the rigid bodies to be simulated when the file is played")
 
 
@@ -132,7 +132,7 @@ def _bake(parser: Parser) -> None:
     )
     _add_format_options(parser, "--option")
     parser.add_argument("--part", type=_part, metavar="K/N", help="only the K-th of N parts, for merge: NAME.K-of-N.npz in the folder")
-    parser.add_argument("--from-start", action="store_true", help="trace a part from the first frame of all, where merge asks for it")
+    parser.add_argument("--from-start", action="store_true", help="trace a part from the first frame of the range, if merge demands it")
 
 
 def _merge(parser: Parser) -> None:
@@ -143,7 +143,7 @@ def _merge(parser: Parser) -> None:
 
 
 def _sweep(parser: Parser) -> None:
-    wanted = "what is varied, or the table of a sweep to draw"
+    wanted = "the study, or the table of a sweep to plot"
     parser.add_argument("study", nargs="+", metavar="STUDY.toml | plot TABLE.parquet", help=wanted)
     parser.add_argument("--on", default="local", metavar="local | tcp://SCHEDULER", help="this machine, or a Dask cluster (local)")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="processes on this machine (one per core)")
@@ -180,7 +180,7 @@ def _validate(parser: Parser) -> None:
 SUBCOMMANDS: Mapping[str, Subcommand] = {
     "propagate": Subcommand("gains of a haptic scene file", "Print the gains of a haptic scene file as one JSON object.", _propagate),
     "fit": Subcommand(
-        "loss of an object and a contact from two recordings",
+        "fit the loss of an object and the gain of a contact",
         "Fit the loss of an object and the gain of a contact to two recordings of one event, at the source and at a listener.",
         _fit,
     ),
@@ -210,17 +210,17 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "play a tagged .blend file and write what is felt", "Play a tagged Blender file and write what its listeners feel.", _trace
     ),
     "bake": Subcommand(
-        "play a tagged .blend file and write files for a body",
+        "play a tagged .blend file and write its tracks in other formats",
         "Play a Blender file, physics included, and write what its listeners feel, in the formats of other programs.",
         _bake,
     ),
     "merge": Subcommand(
-        "add up the parts of a bake",
-        "Write what the parts of a bake add up to, the same to the bit as the bake in one go.",
+        "merge the parts of a bake",
+        "Merge the parts of a bake into tracks that are bit-identical to those of a bake without parts.",
         _merge,
     ),
     "sweep": Subcommand(
-        "trace many variants of scenes side by side, and plot what they give",
+        "trace many variants of scenes in parallel, and plot the results",
         "Trace every combination of scenes, settings, materials and seeds of a study into one table, on this machine or on a Dask cluster; "
         "or draw such a table.",
         _sweep,
@@ -231,7 +231,7 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         _demo,
     ),
     "validate": Subcommand(
-        "hold the model against published measurements",
+        "compare the model with published measurements",
         "Compare attenuation, damping and energies with published measurements and printed answers.",
         _validate,
     ),

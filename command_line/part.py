@@ -23,7 +23,7 @@ def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tup
     origin = Origin(name, str(file), checksum_of(file), scene.haptics.mode, tuple(args.set), frames, parts, programs())
     path = args.out / f"{name}.{number}-of-{parts}.npz"
     if _is_there(path, origin, number):
-        print(f"kept {path}: it is this part already")
+        print(f"kept {path}: this part exists already")
         return
     start = start_of(scene, origin, 1 if args.from_start else number)
     write_part(_baked(scene, origin, number, start), path)

@@ -82,7 +82,7 @@ class HapticTrack:
     ``samples`` (l, n) int16 at ``sample_rate``, the first is sample number ``first_sample`` of the scene; frame k has
     ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): positions of the listeners [m]. ``rows[k] : rows[k + 1]`` are the sources
     active in frame k: ``row_source`` (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) including the
-    amplitude. ``digest``: checksums of the baked scene, see `digest`.
+    amplitude. ``digest``: checksums of the baked scene, see `scene_reader.digest`.
     """
 
     frame_start: int

@@ -62,7 +62,7 @@ def test_both_methods_find_the_same_contacts(seed, tilt, square):
 @settings(max_examples=20, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-3, 0.05, 2.0]), shift=st.sampled_from([0.0, 0.3]))
 def test_both_methods_find_the_same_corners_of_patches(seed, tilt, shift):
-    """In every direction the outermost corner of a patch is as far out by either method, also where boxes are turned and off the origins of their bodies."""
+    """In every direction the outermost corner of a patch is as far out by either method, also if boxes are turned and off their origins."""
     rotation, offset = placed(seed, tilt, False)
     pose = Pose((shift, 0.0, 0.0), (1.0, shift, -shift, 0.0))
     turn, place = pose_matrix(pose)[:3, :3], np.array(pose.position)
