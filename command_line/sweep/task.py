@@ -28,7 +28,7 @@ from ...core.formats.tracks.track_recorder import TrackRecorder
 from ...core.render.frame_result import FrameResult
 from ...core.scene.materials import MATERIALS
 from ...core.scene.values import SourceKind
-from .. import one_line
+from .. import one_line, temporary_folder
 from ..part_file import checksum_of
 from ..setting import assign
 from ..trace import open_file, start_blender
@@ -49,6 +49,7 @@ def main() -> int:
 
 def _end_with_the_asker() -> None:
     sys.stdin.read()
+    temporary_folder.remove()
     os._exit(1)
 
 

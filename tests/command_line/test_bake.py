@@ -1,20 +1,13 @@
 """``bake`` and ``trace`` of Blender files as they are typed, against what the add-on exports of the same file."""
 
-import subprocess
-import sys
-
 import bpy
 import pytest
 from haptic_tracing.command_line import main
 from haptic_tracing.command_line.setting import assign
 from haptic_tracing.core.formats.haptic_scene import read_export
+from program import run
 
 FRAMES = "1:30"
-
-
-def run(*arguments):
-    command = [sys.executable, "-m", "haptic_tracing", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.slow

@@ -1,22 +1,15 @@
 """The command that saves a sample as a Blender file, in a process of its own."""
 
-import subprocess
-import sys
-
 import bpy
 import haptic_tracing
 import pytest
 from haptic_tracing.command_line import main
-
-
-def run(*arguments, cwd):
-    command = [sys.executable, "-m", "haptic_tracing", "sample", *arguments]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120)
+from program import run
 
 
 @pytest.mark.slow
 def test_saved_file_has_its_rigid_bodies_baked(tmp_path):
-    answer = run("domino_wall", "--count", "8", "--output", "few.blend", cwd=tmp_path)
+    answer = run("sample", "domino_wall", "--count", "8", "--output", "few.blend", cwd=tmp_path)
     assert answer.returncode == 0, answer.stderr
     assert "wrote few.blend" in answer.stdout
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "few.blend"))

@@ -1,0 +1,37 @@
+"""Commands that are ended from outside leave nothing in the temporary folder, as those that end by themselves (``program.run``)."""
+
+import json
+import signal
+import subprocess
+import sys
+
+import pytest
+from program import environment
+
+
+def started(folder, *arguments, **more):
+    command = [sys.executable, "-m", *map(str, arguments)]
+    return subprocess.Popen(command, env=environment(folder), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, **more)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows ends processes without a signal")
+def test_nothing_is_left_by_a_command_that_a_farm_ends(falling, tmp_path):
+    out = tmp_path.with_name(f"{tmp_path.name} out")
+    process = started(tmp_path, "haptic_tracing", "trace", falling / "hammer.blend", "--end", 1_000_000, "--out", out)
+    while process.stderr.read(1) not in ("", "%"):  # the bar of progress shows that frames are traced
+        pass
+    assert any(tmp_path.iterdir())
+    process.terminate()
+    process.communicate()
+    assert process.returncode == -signal.SIGTERM
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_nothing_is_left_by_a_variant_of_a_sweep_that_went_away(tmp_path):
+    process = started(tmp_path, "haptic_tracing.command_line.sweep.task", stdin=subprocess.PIPE)
+    process.stdin.write(json.dumps({}) + "\n")
+    process.communicate()
+    assert process.returncode == 1
+    assert not any(tmp_path.iterdir())
