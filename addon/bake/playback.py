@@ -18,7 +18,7 @@ from ..session import session
 from . import storage
 from .track import HapticTrack
 
-_REST = 20.0  # pause after a comparison of scene and track, in times as long as it took
+_REST = 20.0  # pause after a comparison of scene and track, as a multiple of its duration
 
 
 @dataclass(slots=True)

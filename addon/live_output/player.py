@@ -47,7 +47,7 @@ class _State:
     scene: int | None = None
     result: FrameResult | None = None  # the last one that was played
     playback: Playback = field(default_factory=Playback)
-    mappings: dict[bool, tuple[tuple[Any, ...], ActuatorMapping]] = field(default_factory=dict)  # without and with bands: for what, and it
+    mappings: dict[bool, tuple[tuple[Any, ...], ActuatorMapping]] = field(default_factory=dict)  # without and with bands: inputs, and it
     timed: float | None = None  # the time [s] of the last frame whose tracing time was looked at
     slow: int = 0  # frames in a row that took long
     ahead: _Ahead | None = None

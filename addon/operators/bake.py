@@ -50,7 +50,7 @@ class HAPTIC_OT_keep_take(Edit, Operator):
     @classmethod
     def poll(cls, context: Context) -> bool:
         bake = context.scene.haptics.bake
-        if not permitted(cls, bake.track is not None, "Bake first: what is baked is kept"):
+        if not permitted(cls, bake.track is not None, "Bake first: a take is a bake with a name"):
             return False
         return permitted(cls, all(take.track != bake.track for take in bake.takes), "This bake is a take already")
 

@@ -10,8 +10,8 @@ from bpy.types import Context, GizmoGroup
 from mathutils import Matrix
 
 _ROLES = (("source", "amplitude", (0.95, 0.42, 0.24), -0.5), ("listener", "radius", (0.33, 0.74, 0.42), 0.5))
-"""Property group, property, colour, and the handle's direction in half turns about the view's vertical axis, from the view's depth: the
-left and the right. An amplitude of 1 is a metre wide."""
+"""Property group, property, colour, and the angle of the handle's arrow about the view's vertical axis in half turns, from the view's
+depth: left for an amplitude, right for a radius. The circle of an amplitude of 1 has a radius of a metre."""
 
 
 class HAPTIC_GGT_extents(GizmoGroup):

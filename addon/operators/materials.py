@@ -100,7 +100,7 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
 
     def apply(self, context: Context) -> None:
         if not library.set_bodies((obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable), self.function):
-            raise ValueError(_rpt("No haptic object is made of flesh; Add Body Listeners makes a body of it"))
+            raise ValueError(_rpt("No haptic object is made of flesh: select a body and press Add Body Listeners"))
 
 
 class HAPTIC_OT_new_material(OnActive, Operator):

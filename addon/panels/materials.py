@@ -130,11 +130,11 @@ def _draw_fit(layout: UILayout, fit: Any) -> None:
     damping, damping_error, gain, gain_error, before, after = fit.values
     column = layout.column(align=True)
     column.label(text=fitted(fit.fitted, icon=True), icon="MATERIAL", translate=False)
-    draw_pair(column, "Loss, of the material's", f"{damping:.2f} ± {damping_error:.2f}")
+    draw_pair(column, "Loss / material's own", f"{damping:.2f} ± {damping_error:.2f}")
     if fit.is_calibrated and fit.first and fit.second:
         draw_pair(column, "Gain of the contact", f"{gain:.2f} ± {gain_error:.2f}")
-    draw_pair(column, "Off before", f"{before:.1f} dB")
-    draw_pair(column, "Off now", f"{after:.1f} dB")
+    draw_pair(column, "Error before", f"{before:.1f} dB")
+    draw_pair(column, "Error now", f"{after:.1f} dB")
     grid = layout.grid_flow(row_major=True, columns=5, even_columns=True, align=True)
     for title in ("Hz", "Rec. dB", "Before", "Now", "Coh."):
         grid.label(text=iface_(title), translate=False)

@@ -29,7 +29,7 @@ _SAME = 0.005
 
 
 def library_owner(context: Context, obj: Object) -> Any:
-    """The property group with the values of an object: its material in the scene's library, or the object itself."""
+    """The material of an object in the scene's library; None if it has none there, so that its own values count."""
     name = obj.haptics.material.name
     return context.scene.haptics.materials.items.get(name) if name else None
 
@@ -95,7 +95,7 @@ def _draw_material(layout: UILayout, scene: Scene, chosen: HapticObjectMaterial,
     if chosen.name and material is None:
         row.operator("haptic.unlink_material", text="", icon="UNLINKED")
     if chosen.name and material is None:
-        warn(layout, "Not in this scene's library:", "it has the values it came with")
+        warn(layout, "Not in this scene's library:", "the object keeps its values")
         layout.operator("haptic.new_material", text="Add to Library", icon="ADD")
 
 

@@ -29,7 +29,7 @@ _MOTION_FRAMES = 5
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A traced frame, and the duration of Blender's evaluation."""
+    """A traced frame, and how long Blender's evaluation and the tracing took."""
 
     result: FrameResult
     blender_milliseconds: float
@@ -87,8 +87,8 @@ def _frames(scene: Scene, start: int, end: int, looks_back: bool = True) -> Gene
 
 
 def sounding_seconds(scene: Scene) -> float:
-    """The longest time for which an impact or trigger of a scene may sound, with its way to the listeners, and keep its pair from hitting
-    each other again."""
+    """For how long an impact or trigger of a scene may still matter, at most: the longest template at its slowest, the longest refractory
+    time, and the delay of the waves on their way to the listeners."""
     reading = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get())
     rules = reading.contact_settings.impact_rules()
     durations = [_longest_template(), *(rule.template.duration for rule in rules if isinstance(rule.template, Signal))]

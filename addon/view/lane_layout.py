@@ -37,8 +37,8 @@ class Row:
 
 
 def rows_of(listeners: Sequence[str], first: str, height: float, bottom: float, scale: float) -> tuple[Row, ...]:
-    """The rows, from the top down to ``bottom``, of a region of ``height`` pixels. If not all fit, ``first`` and those before it; none if
-    not even two fit."""
+    """The rows, from the top down to ``bottom``, of a region of ``height`` pixels. If not all fit, ``first`` and the foremost others; none
+    if not even two fit."""
     room = min(_SHARE * (height - bottom), height - bottom - _RULER * scale)
     count = min(len(listeners), int(room / (_LEAST_ROW * scale)))
     if count < min(len(listeners), 2):
@@ -52,7 +52,7 @@ def rows_of(listeners: Sequence[str], first: str, height: float, bottom: float, 
 
 
 def plates(rows: Sequence[Row], width: float, scale: float) -> Hud:
-    """The background of the waves: a plate and the line of silence per row."""
+    """The background of the waves: a plate per row."""
     builder = HudBuilder(scale)
     for row in rows:
         builder.plate((0, row.middle - row.half), (width, row.middle + row.half), _BACKGROUND, 0.0)

@@ -187,7 +187,7 @@ def flat(items: Hud, scale: float) -> Solid:
 
 
 def layers(shape: Shape, colour: FloatArray) -> tuple[tuple[float, FloatArray, float], ...]:
-    """Layers of a symbol from the outside in: inset [points], colour, opacity, as in `shader`."""
+    """Layers of a symbol from the outside in: inset [points], colour, opacity, as in ``quads.frag.glsl``."""
     return {
         Shape.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, colour, 1.0)),
         Shape.SOURCE: ((0.0, HALO_COLOUR, 0.92), (1.5, colour, 1.0), (3.7, HALO_COLOUR, 1.0), (5.4, WHITE, 1.0), (7.0, colour, 1.0)),

@@ -35,7 +35,7 @@ class Playback:
 
     def __init__(self) -> None:
         self._renderer: Renderer | None = None  # None where the last block was the result's own
-        self._in_step = False  # whether it stands where the tracer's own does
+        self._in_step = False  # whether its state is that of the tracer's own renderer
         self._shown: FrameResult | None = None  # the last result that was played
         self._time: float | None = None  # the end of what was played
         self._last = np.zeros((0, 1))

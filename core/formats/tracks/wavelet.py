@@ -175,7 +175,7 @@ def _coefficients(read: Callable[[int], int], planes: int, size: int) -> IntArra
 
 
 def _inverse_transform(coefficients: FloatArray) -> FloatArray:
-    """The signal whose wavelet transform has 4 coefficients in its lowest band."""
+    """The signal of a wavelet transform whose lowest band has 4 coefficients."""
     signal = coefficients.astype(np.float64)
     length = 2 * 4
     for _ in range(round(math.log2(len(signal) / 4))):
