@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import BoolArray, FloatArray
-from .listener_tracks import Tracks
+from .listener_tracks import PIECE, Tracks
 
 EDGES = (0.0, 5.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 1000.0)
 """Edges of the bands (hertz); the last band reaches up to half the sample rate."""
@@ -213,10 +213,13 @@ class _Listener:
             error = original - decoded
             self.powers += [np.dot(original, original), np.dot(decoded, decoded), np.dot(error, error)]
             return
-        for envelope, samples in zip(self._envelopes, (original, decoded), strict=True):
-            envelope.add(samples)
-        self._pending = [np.concatenate(pair) for pair in zip(self._pending, (original, decoded), strict=True)]
-        self._transform()
+        step = PIECE // self._thinning
+        for k in range(0, len(decoded), step):
+            pieces = original[k * self._thinning : (k + step) * self._thinning], decoded[k : k + step]
+            for envelope, samples in zip(self._envelopes, pieces, strict=True):
+                envelope.add(samples)
+            self._pending = [np.concatenate(pair) for pair in zip(self._pending, pieces, strict=True)]
+            self._transform()
 
     def finished(self) -> FloatArray:
         """Power of the original, of the decoded signal, and of the error, by frequency, shape (3, bins)."""
@@ -232,14 +235,18 @@ class _Listener:
         for k in range(count):
             original = np.fft.rfft(self._pending[0][k * hop :][:size] * self._shape)
             thin = self._pending[1][k * hop // step :][: size // step] * self._shape[::step]
-            decoded = np.zeros(len(original), dtype=np.complex128)
             if self._kind is Kind.LEVEL:
-                decoded[1] = step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))
+                decoded = np.array([0, step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))])
             else:
                 # The spectrum of the decimated signal equals that of the full one up to half of its rate.
-                decoded[: size // (2 * step)] = step * np.fft.rfft(thin)[:-1]
-            for row, spectrum in enumerate((original, decoded, original - decoded)):
-                self._sums[row] += spectrum.real**2 + spectrum.imag**2
+                decoded = step * np.fft.rfft(thin)[:-1]
+            carried = len(decoded)  # the decoded signal has no power in the bins above
+            power = original.real**2 + original.imag**2
+            error = original[:carried] - decoded
+            self._sums[0] += power
+            self._sums[1, :carried] += decoded.real**2 + decoded.imag**2
+            power[:carried] = error.real**2 + error.imag**2
+            self._sums[2] += power
         if count > 0:
             self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
 
@@ -264,7 +271,7 @@ class _Envelope:
         self._pieces: list[NDArray[np.float32]] = []
 
     def add(self, samples: FloatArray) -> None:
-        first = math.ceil(self._count / self._rate * ENVELOPE_RATE - 1e-9)  # the millisecond that the leftover belongs to or begins
+        first = math.floor(self._count / self._rate * ENVELOPE_RATE + 1e-9)  # the millisecond that the leftover begins
         if self._rate < ENVELOPE_RATE or first > LONGEST_ENVELOPE * ENVELOPE_RATE:
             return
         both = np.concatenate([self._leftover, samples])

@@ -15,6 +15,8 @@ from ..io.catalogue import MAX_SAMPLE_RATE
 
 CHUNK = 2**18
 """Samples that are processed at once."""
+PIECE = 2**14
+"""Samples of one listener that are processed at once where the intermediate results are to stay in the processor's cache."""
 
 
 def strengths(source: Source, gains: FloatArray) -> list[float]:

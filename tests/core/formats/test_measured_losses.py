@@ -76,12 +76,16 @@ def test_a_known_error_is_measured_by_band():
     assert [(low, high) for low, high, _ in found.band_levels] == [(40, 80)]
 
 
+@pytest.mark.parametrize("piece", [len(TIME), 2997])
 @pytest.mark.parametrize("late", [0, 7, -12])
-def test_late_onsets_are_measured(late):
+def test_late_onsets_are_measured(late, piece):
+    """At a rate of the decoded signal with no whole number of samples in a millisecond, in one piece and in many."""
     tracks = tracks_of(blows(), impacts=[(t, 0.8) for t in np.arange(0, 6, 0.4)])
     measured = Comparison(tracks, Measures(Kind.WAVE))
     played = np.roll(blows(), late * RATE // 1000)
-    measured.add(0, tracks.samples[0], played[:: measured.thinning])
+    for first in range(0, len(TIME), piece):
+        part = slice(first, first + piece)
+        measured.add(0, tracks.samples[0, part], played[part][:: measured.thinning])
     assert measured.result().onset == pytest.approx(abs(late), abs=1)
 
 
