@@ -13,7 +13,7 @@ from .analytic import Band
 from .carrier import Carrier
 from .comparison import Comparison
 from .fitting import Fit, fit_bands
-from .listener_tracks import CHUNK, Row
+from .listener_tracks import CHUNK, PIECE, Row
 
 WHOLE = Band(5, 700, 2.5, 90, 1600)
 """The tactile frequencies as one band."""
@@ -144,15 +144,15 @@ def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     count = max(math.ceil(row.count / rate / step - 1e-9), 1)
     borders = np.minimum(np.round(np.arange(count + 1) * step * rate).astype(np.int64), row.count)
     power, change = np.zeros(count), np.zeros(count)
-    steps = max(round(CHUNK / (step * rate)), 1)
+    steps = max(round(PIECE / (step * rate)), 1)
     for first in range(0, count, steps):
         inside = borders[first : first + steps + 1]
         samples = row.read(int(inside[0]), int(inside[-1]) + 1)
         differences = np.diff(samples)
         if inside[-1] == row.count and len(differences):
             differences[-1] = 0.0
-        power[first : first + steps] = _block_sums(samples[:-1] ** 2, inside - inside[0])
-        change[first : first + steps] = _block_sums(differences**2, inside - inside[0])
+        power[first : first + steps] = _block_sums(samples[:-1], inside - inside[0])
+        change[first : first + steps] = _block_sums(differences, inside - inside[0])
     return power, change, np.maximum(np.diff(borders), 1).astype(np.float64)
 
 
@@ -163,5 +163,6 @@ def mean_frequency(power: FloatArray, change: FloatArray, sample_rate: float) ->
 
 
 def _block_sums(values: FloatArray, borders: IntArray) -> FloatArray:
-    sums = np.concatenate([[0.0], np.cumsum(values)])
-    return np.asarray(np.maximum(sums[borders[1:]] - sums[borders[:-1]], 0.0))
+    """The sums of the squares between neighbouring borders, the last of which is the end of the values."""
+    sums = np.add.reduceat(np.append(values * values, 0.0), borders[:-1])
+    return np.where(borders[1:] > borders[:-1], sums, 0.0)
