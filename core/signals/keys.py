@@ -22,13 +22,14 @@ def needed_keys(times: FloatArray, values: FloatArray, tolerance: FloatArray, ru
     for turn in range(2 * len(times).bit_length()):
         if len(kept) < 3 or idle == 2:
             break
-        inner = np.arange(1 + turn % 2, len(kept) - 1, 2)
-        inner = inner[inside[kept[inner]]]
-        left, here, right = kept[inner - 1], kept[inner], kept[inner + 1]
-        width = times[right] - times[left]
-        share = np.divide(times[here] - times[left], width, out=np.zeros_like(width), where=width > 0)
-        off = np.abs(values[left] + share * (values[right] - values[left]) - values[here])
-        gone = inner[off <= tolerance[here]]
-        idle = idle + 1 if len(gone) < len(kept) // RARE else 0
-        kept = np.delete(kept, gone)
+        at, level = times[kept], values[kept]
+        left, here, right = (slice(turn % 2 + k, len(kept) - 2 + k, 2) for k in range(3))
+        width = at[right] - at[left]
+        share = np.divide(at[here] - at[left], width, out=np.zeros(len(width)), where=width > 0)
+        off = np.abs(level[left] + share * (level[right] - level[left]) - level[here])
+        redundant = (off <= tolerance[kept[here]]) & inside[kept[here]]
+        idle = idle + 1 if np.count_nonzero(redundant) < len(kept) // RARE else 0
+        stays = np.ones(len(kept), dtype=np.bool_)
+        stays[here] = ~redundant
+        kept = kept[stays]
     return kept

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from ...arrays import FloatArray
 from .atomic import write_text
@@ -15,12 +12,15 @@ from .atomic import write_text
 
 def compact(value: Any) -> str:
     """JSON without spaces. Raises ValueError for NaN and infinity."""
-    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return _ENCODER.encode(value)
 
 
-def json_rows(keys: Sequence[str], *columns: FloatArray) -> list[dict[str, Any]]:
-    """Objects with the same keys, from a column (n,) of numbers per key."""
-    return [dict(zip(keys, row, strict=True)) for row in np.column_stack(columns).tolist()]
+_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def json_points(first_key: str, second_key: str, first: FloatArray, second: FloatArray) -> list[dict[str, Any]]:
+    """Objects with the same two keys, from a column (n,) of numbers for each."""
+    return [{first_key: x, second_key: y} for x, y in zip(first.tolist(), second.tolist(), strict=True)]
 
 
 def write_json(path: Path, value: Any) -> Path:

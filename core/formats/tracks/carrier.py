@@ -41,9 +41,9 @@ class Carrier:
     frequencies: FloatArray
     wave: str = "sine"
 
-    def sampled(self, first: int, last: int, rate: float) -> FloatArray:
-        """The values at the times ``first / rate`` to before ``last / rate`` seconds, all within the carrier, in order."""
-        local = np.arange(first, last) / rate - self.start
+    def sampled(self, times: FloatArray, rate: float) -> FloatArray:
+        """The values at evenly spaced ``times`` (seconds, at least one), all within the carrier."""
+        local = times - self.start
         oscillator, offset = _OSCILLATORS[self.wave]
         cycles = _integral(self.frequency_times, self.frequencies, local, rate)
         cycles += self.phase / (2 * math.pi) + offset
@@ -95,8 +95,7 @@ def _line(keys: FloatArray, values: FloatArray, times: FloatArray, rate: float) 
     if len(keys) == 1:
         return np.full(len(times), values[0])
     counts = _counts(keys, times, rate)
-    since = times - keys.repeat(counts)
-    np.maximum(since, 0.0, out=since)
+    since = _since(keys, times, counts)
     since *= _slopes(keys, values).repeat(counts)
     since += values.repeat(counts)
     return np.asarray(since)
@@ -110,13 +109,20 @@ def _integral(keys: FloatArray, values: FloatArray, times: FloatArray, rate: flo
     areas[0] = keys[0] * values[0]
     areas[1:] = areas[0] + ((keys[1:] - keys[:-1]) * (values[1:] + values[:-1]) / 2).cumsum()
     counts = _counts(keys, times, rate)
-    since = times - keys.repeat(counts)
-    result = since * values.repeat(counts)
+    # The area at the key before plus that of the line since then, by Horner's rule.
+    since = _since(keys, times, counts)
+    result = (_slopes(keys, values) / 2).repeat(counts)
+    result *= since
+    result += values.repeat(counts)
+    result *= times - keys.repeat(counts) if times[0] < keys[0] else since
     result += areas.repeat(counts)
-    np.maximum(since, 0.0, out=since)
-    since *= since
-    since *= (_slopes(keys, values) / 2).repeat(counts)
-    return np.asarray(result + since)
+    return np.asarray(result)
+
+
+def _since(keys: FloatArray, times: FloatArray, counts: IntArray) -> FloatArray:
+    """The time since the key before each of ``times``, 0 before the first one."""
+    since = times - keys.repeat(counts)
+    return np.maximum(since, 0.0) if times[0] < keys[0] else np.asarray(since)
 
 
 def _index(time: float, rate: float) -> int:
@@ -144,10 +150,11 @@ def _slopes(keys: FloatArray, values: FloatArray) -> FloatArray:
 def rendered(carriers: Iterable[Carrier], first: int, last: int, rate: float) -> FloatArray:
     """The sum of the carriers at the times ``first / rate`` to before ``last / rate`` seconds."""
     samples = np.zeros(last - first)
+    times = np.arange(first, last) / rate
     for carrier in carriers:
         begin, end = max(_index(carrier.start, rate), first), min(_index(carrier.end, rate), last)
         if begin < end:
-            samples[begin - first : end - first] += carrier.sampled(begin, end, rate)
+            samples[begin - first : end - first] += carrier.sampled(times[begin - first : end - first], rate)
     return samples
 
 

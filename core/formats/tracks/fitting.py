@@ -213,23 +213,22 @@ class _Grid:
             return np.zeros(0)
         length = end - start
         count = length if most is None else np.minimum(length, most)
-        owner = np.repeat(np.arange(len(start)), count)
-        step = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count) + 1
+        step = np.arange(count.sum()) - (np.cumsum(count) - count).repeat(count) + 1
         if most is not None:
-            step = step * length[owner] // count[owner]
-        point = start[owner] + step
+            step = step * length.repeat(count) // count.repeat(count)
+        point = start.repeat(count) + step
         before, middle = self._halves(length)
         slow = self._middle_offset(start, end, self.phase[start], before, middle)
         time = step / self.rate
-        half, whole = before[owner], before[owner] + middle[owner]
-        first, centre, last = self.offset[start][owner], slow[owner], self.offset[end][owner]
+        half, whole = before.repeat(count), (before + middle).repeat(count)
+        first, centre, last = (values.repeat(count) for values in (self.offset[start], slow, self.offset[end]))
         late = np.maximum(time - half, 0.0)
         early = np.minimum(time, half)
         rise = np.divide(centre - first, half, out=np.zeros_like(half), where=half > 0)
         cycles = early * (first + rise * early / 2) + late * (centre + (last - centre) / (whole - half) * late / 2)
-        off = self.phase[start][owner] + 2 * math.pi * cycles - self.phase[point]
-        share = step / length[owner]
-        level = self.amplitude[start][owner] * (1 - share) + self.amplitude[end][owner] * share
+        off = self.phase[start].repeat(count) + 2 * math.pi * cycles - self.phase[point]
+        share = step / length.repeat(count)
+        level = self.amplitude[start].repeat(count) * (1 - share) + self.amplitude[end].repeat(count) * share
         actual = self.amplitude[point]
         error = level * level + actual * actual - 2 * level * actual * np.cos(off) - self.allowed[point]
         return np.asarray(np.add.reduceat(error, np.cumsum(count) - count))

@@ -15,7 +15,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ..io.atomic import write_text
 from ..io.error import FormatError
-from ..io.json_text import compact, json_rows, write_json
+from ..io.json_text import compact, json_points, write_json
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier, compare_carriers
@@ -76,7 +76,7 @@ def _document(export: TrackExport, listener: ListenerTrack, carrier: Carrier, lo
     shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
     envelopes = {
         "amplitude": _amplitude_points(listener, carrier, low, high, emphasis),
-        "frequency": json_rows(("time", "frequency"), carrier.frequency_times.round(6), shares.round(6)),
+        "frequency": json_points("time", "frequency", carrier.frequency_times.round(6), shares.round(6)),
     }
     metadata = {
         "editor": EDITOR,
@@ -95,7 +95,7 @@ def _amplitude_points(listener: ListenerTrack, carrier: Carrier, low: float, hig
         times, levels = np.array([0.0, max(carrier.end, 1e-3)]), np.zeros(2)
     emphases = _emphases(listener, carrier) if emphasis else {}
     every = np.unique(np.concatenate([times, list(emphases)]))
-    points = json_rows(("time", "amplitude"), every.round(6), np.interp(every, times, levels).round(5))
+    points = json_points("time", "amplitude", every.round(6), np.interp(every, times, levels).round(5))
     for time, (strength, frequency) in emphases.items():
         sharpness = min(max((frequency - low) / (high - low), 0.0), 1.0)
         point = points[int(np.searchsorted(every, time))]

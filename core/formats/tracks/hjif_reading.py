@@ -146,11 +146,11 @@ def _curve(effect: Mapping[str, Any], tick: float, gain: float, is_cubic: bool) 
 
 def _keys(keyframes: Sequence[Keyframe], name: str, tick: float) -> tuple[FloatArray, FloatArray] | None:
     """Times (seconds) and values of the keyframes that have this value."""
-    keys = [(keyframe.get("relative_position", 0), keyframe[name]) for keyframe in keyframes if name in keyframe]
+    keys = [keyframe for keyframe in keyframes if name in keyframe]
     if not keys:
         return None
-    times, values = np.array(keys, dtype=np.float64).T
-    return times * tick, values
+    times = np.array([keyframe.get("relative_position", 0) for keyframe in keys], dtype=np.float64)
+    return times * tick, np.array([keyframe[name] for keyframe in keys], dtype=np.float64)
 
 
 def _played(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -158,7 +158,7 @@ def _played(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArr
 
     It searches for the first key in the list at or after a time, and interpolates from the key before it in the list.
     """
-    if (np.diff(times) >= 0).all():
+    if (times[1:] >= times[:-1]).all():
         return times, values
     keys = [(float(times[0]), float(values[0]))]
     reached = float(times[0])
@@ -180,7 +180,7 @@ def _phases(times: FloatArray, values: FloatArray, length: float) -> Iterator[tu
     There is one part unless times decrease. The reference software adds up the cycles between neighbours in the list, which may be
     negative, so that the phase jumps where it goes on from an earlier time.
     """
-    if (np.diff(times) >= 0).all():
+    if (times[1:] >= times[:-1]).all():
         yield 0.0, length, 0.0
         return
     cycles = np.concatenate([[times[0] * values[0]], np.diff(times) * (values[1:] + values[:-1]) / 2]).cumsum()

@@ -52,6 +52,8 @@ class _Remainder(Row):
         samples = self._row.read(first, last)
         length = self._bursts.shape[1]
         low, high = np.searchsorted(self._first, [first - length, last])
+        if low == high:
+            return samples
         padded = np.concatenate([np.zeros(length), samples, np.zeros(length)])
         points = (self._first[low:high] - first + length)[:, None] + np.arange(length)
         np.subtract.at(padded, points, self._bursts[low:high])

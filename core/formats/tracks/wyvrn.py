@@ -14,7 +14,7 @@ from ..io.atomic import write_text
 from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.file_names import file_stem, file_stems
-from ..io.json_text import compact, json_rows, write_json
+from ..io.json_text import compact, json_points, write_json
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import wide_bands
@@ -132,7 +132,7 @@ def _note(carrier: Carrier) -> dict[str, Any]:
         first = times[:1] > 0
         every = np.concatenate([np.zeros(1)[first], times[inside], [length]])
         levels = np.concatenate([values[:1][first], values[inside], [np.interp(length, times, values)]])
-        keys = json_rows(("m_time", "m_value"), every.round(6), levels.round(digits))
+        keys = json_points("m_time", "m_value", every.round(6), levels.round(digits))
         return {"m_extrapolationStrategy": 0, "m_keyframes": keys}
 
     amplitude = modulation(carrier.amplitude_times, carrier.amplitudes, 5)
@@ -177,8 +177,8 @@ def _carriers(note: Mapping[str, Any], gain: float, losses: dict[str, None]) -> 
         keyframes: Sequence[Mapping[str, float]] = effect[name]["m_keyframes"]
         if not keyframes:
             return
-        times, values = np.array([[key["m_time"], key["m_value"]] for key in keyframes], dtype=np.float64).T
-        if (np.diff(times) < 0).any():
+        times, values = (np.array([key[name] for key in keyframes], dtype=np.float64) for name in ("m_time", "m_value"))
+        if (times[1:] < times[:-1]).any():
             losses["keyframes that are not in the order of time are sorted"] = None
             order = np.argsort(times, kind="stable")
             times, values = times[order], values[order]
