@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -207,6 +208,12 @@ def _check_channels(family: AnyFamily, actuators: tuple[Actuator, ...]) -> None:
             used.add(channel.name)
 
 
+@lru_cache(maxsize=64)
+def _parsed(text: str) -> Profile:
+    """`parse_profile`: files are read again at every search for devices, and seldom change."""
+    return parse_profile(text)
+
+
 def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Profile], tuple[str, ...]]:
     """Profiles by name from the ``*.json`` files of the folders, and one line for each invalid file.
 
@@ -218,7 +225,7 @@ def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Prof
         seen: set[str] = set()
         for file in sorted(folder.glob("*.json")):
             try:
-                profile = parse_profile(file.read_text(encoding="utf-8"))
+                profile = _parsed(file.read_text(encoding="utf-8"))
                 if profile.name in seen:
                     raise ValueError(f"/name: {profile.name!r} is used by another file of this folder")
             except (OSError, ValueError) as error:
