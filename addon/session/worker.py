@@ -151,7 +151,7 @@ def redraw_after(seconds: float) -> None:
 
 
 def _start_timer() -> None:
-    if not bpy.app.timers.is_registered(_look):
+    if is_interactive() and not bpy.app.timers.is_registered(_look):  # else Blender calls no timers
         bpy.app.timers.register(_look, first_interval=_INTERVAL, persistent=True)
 
 
