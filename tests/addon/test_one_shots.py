@@ -133,8 +133,7 @@ def test_on_being_hit_it_plays_with_the_energy_of_the_blow(scene, struck):
     assert onsets(again) == onsets(results) and not any(result.impacts for result in again)
 
 
-@pytest.mark.parametrize("first", [2, 18, 30, 120])
-def test_a_bake_of_a_part_is_that_part_of_the_whole(scene, bell, ball, first, add_empty):
+def test_a_bake_of_a_part_is_that_part_of_the_whole(scene, bell, ball, add_empty):
     add_empty("gate", (3, 0, 1)).empty_display_size = 0.5
     bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ball", "gate"
     bell.driver_add(TRIGGER).driver.expression = "frame in (16, 29, 119, 128)"
@@ -144,11 +143,12 @@ def test_a_bake_of_a_part_is_that_part_of_the_whole(scene, bell, ball, first, ad
     bpy.ops.haptic.bake()
     whole = storage.track_of(scene)
     assert len(set(whole.row_source.tolist())) == 6
-    scene.haptics.bake.use_range, scene.haptics.bake.frame_start, scene.haptics.bake.frame_end = True, first, 136
-    bpy.ops.haptic.bake()
-    part = storage.track_of(scene)
-    assert part.frame_start == first and part.samples.any()
-    assert np.array_equal(part.samples, whole.samples[:, whole.offsets[first - 1 + 1] :])
+    for first in (2, 18, 30, 120):
+        scene.haptics.bake.use_range, scene.haptics.bake.frame_start, scene.haptics.bake.frame_end = True, first, 136
+        bpy.ops.haptic.bake()
+        part = storage.track_of(scene)
+        assert part.frame_start == first and part.samples.any()
+        assert np.array_equal(part.samples, whole.samples[:, whole.offsets[first - 1 + 1] :])
 
 
 def test_the_file_plays_what_blender_plays(scene, struck, ball, tmp_path):
