@@ -12,7 +12,15 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+# Threads that evaluate a scene of five objects mostly wait for each other, at full load: Blender starts as many as this process may use.
+_processors = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
+if _processors:
+    os.sched_setaffinity(0, {min(_processors)})
 import bpy
+
+if _processors:
+    os.sched_setaffinity(0, _processors)
+
 import haptic_tracing
 import pytest
 from haptic_tracing.addon import gateway, translations
