@@ -67,15 +67,20 @@ def analytic_windows(row: Row, bands: Sequence[Band]) -> Iterator[Window]:
     for start in range(0, max(math.ceil(duration), 1), length):
         is_last = start + length >= duration
         spectrum = np.fft.rfft(row.read((start - margin) * rate, (start + length + margin) * rate))
-        parts = []
-        for band, (bins, weight) in zip(bands, weights, strict=True):
-            count = round(transformed * band.grid_rate)
-            shifted = np.zeros(count, dtype=np.complex128)
-            shifted[(bins - round(band.centre * transformed)) % count] = spectrum[bins] * weight
-            z = np.fft.ifft(shifted) * (2 * count / (transformed * rate))
-            end = math.ceil(duration * band.grid_rate) - round(start * band.grid_rate) if is_last else round(length * band.grid_rate)
-            context = 0 if is_last else round(CONTEXT * band.grid_rate)
-            parts.append(z[round(_GUARD * band.grid_rate) : round(margin * band.grid_rate) + end + context + 1])
+        parts = [np.zeros(0, dtype=np.complex128)] * len(bands)
+        # Bands with the same grid are transformed at once, because each call computes the factors of the transform anew.
+        for grid_rate in {band.grid_rate for band in bands}:
+            numbers = [k for k, band in enumerate(bands) if band.grid_rate == grid_rate]
+            count = round(transformed * grid_rate)
+            shifted = np.zeros((len(numbers), count), dtype=np.complex128)
+            for line, k in zip(shifted, numbers, strict=True):
+                bins, weight = weights[k]
+                line[(bins - round(bands[k].centre * transformed)) % count] = spectrum[bins] * weight
+            waves = np.fft.ifft(shifted) * (2 * count / (transformed * rate))
+            end = math.ceil(duration * grid_rate) - round(start * grid_rate) if is_last else round(length * grid_rate)
+            context = 0 if is_last else round(CONTEXT * grid_rate)
+            for k, z in zip(numbers, waves, strict=True):
+                parts[k] = z[round(_GUARD * grid_rate) : round(margin * grid_rate) + end + context + 1]
         yield Window(start, min(start + length, math.ceil(duration)), start - CONTEXT, tuple(parts), is_last)
 
 

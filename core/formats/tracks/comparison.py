@@ -232,14 +232,20 @@ class _Listener:
         size, step = len(self._shape), self._thinning
         hop = size // 2
         count = min(len(self._pending[0]) // hop, len(self._pending[1]) // (hop // step)) - 1
-        for k in range(count):
-            original = np.fft.rfft(self._pending[0][k * hop :][:size] * self._shape)
-            thin = self._pending[1][k * hop // step :][: size // step] * self._shape[::step]
-            if self._kind is Kind.LEVEL:
-                decoded = np.array([0, step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))])
-            else:
-                # The spectrum of the decimated signal equals that of the full one up to half of its rate.
-                decoded = step * np.fft.rfft(thin)[:-1]
+        if count < 1:
+            return
+        wholes, thins = (
+            np.lib.stride_tricks.sliding_window_view(part, size // every)[:: hop // every][:count] * self._shape[::every]
+            for part, every in zip(self._pending, (1, step), strict=True)
+        )
+        self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
+        if self._kind is Kind.LEVEL:
+            played = [np.array([0, step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))]) for thin in thins]
+        else:
+            # The spectrum of the decimated signal equals that of the full one up to half of its rate.
+            played = list(step * np.fft.rfft(thins)[:, :-1])
+        # The windows are transformed at once, because each call computes the factors of the transform anew.
+        for original, decoded in zip(np.fft.rfft(wholes), played, strict=True):
             carried = len(decoded)  # the decoded signal has no power in the bins above
             power = original.real**2 + original.imag**2
             error = original[:carried] - decoded
@@ -247,8 +253,6 @@ class _Listener:
             self._sums[1, :carried] += decoded.real**2 + decoded.imag**2
             power[:carried] = error.real**2 + error.imag**2
             self._sums[2] += power
-        if count > 0:
-            self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
 
     def lags(self) -> list[float]:
         """Shifts of onsets (milliseconds), positive for late ones."""

@@ -55,8 +55,8 @@ class _Remainder(Row):
         if low == high:
             return samples
         padded = np.concatenate([np.zeros(length), samples, np.zeros(length)])
-        points = (self._first[low:high] - first + length)[:, None] + np.arange(length)
-        np.subtract.at(padded, points, self._bursts[low:high])
+        for begin, values in zip((self._first[low:high] - first + length).tolist(), self._bursts[low:high], strict=True):
+            padded[begin : begin + length] -= values
         return padded[length : length + len(samples)]
 
 
