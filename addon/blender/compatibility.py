@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Collection
 from typing import Any
 
 import bpy
+
+THREADS_ENDANGER_SCRIPTS = sys.version_info < (3, 12)
+"""Whether a script's operators can crash Blender while another thread runs Python (up to Blender 5.0).
+
+An operator that a script calls runs without the GIL, but looks up the members of an overridden context in a Python dictionary. It asks for
+the GIL only if no thread has it: up to Python 3.11 Blender can't tell its own thread from others.
+"""
 
 
 def can_draw_off_screen() -> bool:

@@ -5,6 +5,7 @@ In scenes without haptic objects they return without loading the core.
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import bpy
@@ -13,6 +14,7 @@ from bpy.types import Depsgraph, Scene
 
 from ..bake import playback
 from ..blender import job
+from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
 from ..blender.handlers import Handlers
 from ..blender.time import is_playing
 from ..changes import events
@@ -22,7 +24,7 @@ from ..changes.suspension import is_stepped, is_suspended, steps_any
 from ..gateway import is_loaded
 from ..live_output import handlers as live_output
 from ..scene_reader import roles
-from ..session import session, sessions
+from ..session import session, sessions, worker
 
 _PATIENCE = 1.0
 """Longest wait of a frame for the trace of the one before [s]."""
@@ -50,6 +52,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     finally:
         if live_output.is_wanted():
             live_output.frame_changed(scene, playback.plays(scene))
+        _make_way(_PATIENCE)
 
 
 @persistent
@@ -62,10 +65,11 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     mark_edited()
     if _edited(depsgraph):
         mark_changed()
-    if not scene.haptics.tracing or not _is_concerned(scene) or playback.keep_up(scene):
+    if not scene.haptics.tracing or not _is_concerned(scene):
         return
-    if session.follow_edit(scene, depsgraph):
+    if not playback.keep_up(scene) and session.follow_edit(scene, depsgraph):
         redraw_viewports()
+    _make_way(worker.MOMENT)
 
 
 @persistent
@@ -142,6 +146,12 @@ def _is_ready(scene: Scene) -> bool:
     if not is_playing():
         session.give_up()
     return not is_playing()
+
+
+def _make_way(seconds: float) -> None:
+    """If a script has called the handler that calls this, end the worker's jobs where they endanger what the script does next."""
+    if THREADS_ENDANGER_SCRIPTS and sys._getframe(1).f_back is not None and is_loaded(session):
+        session.make_way(seconds)
 
 
 def _edited(depsgraph: Depsgraph) -> bool:

@@ -162,12 +162,21 @@ def _submit(session: Session, begun: _Begun, frame: Frame, released: FrameResult
         worker.submit(_follow, session)
 
 
-def give_up() -> None:
-    """Cancel the running trace; the shown result remains, and the next edit or frame is traced as usual."""
+def give_up(resume: bool = False) -> None:
+    """Cancel the running trace; the shown result remains, and the next edit or frame is traced as usual. resume: see `cancel`."""
     shown = [(session, session.shown) for session in sessions.every()]
     cancel(resume=True)
     for session, traced in shown:
-        session.interrupted, session.shown = None, traced
+        session.shown = traced
+        if not resume:
+            session.interrupted = None
+
+
+def make_way(seconds: float) -> None:
+    """End the worker's jobs before a script goes on, see `THREADS_ENDANGER_SCRIPTS`. In an interactive session, those that take longer than
+    ``seconds`` are cancelled and resumed after the script, or when their result is asked for."""
+    if not worker.end_within(seconds if worker.is_interactive() else None):
+        give_up(resume=True)
 
 
 def is_busy(scene: Scene, seconds: float) -> bool:

@@ -111,6 +111,18 @@ def cancel() -> None:
     executor.shutdown()
 
 
+def end_within(seconds: float | None) -> bool:
+    """Wait for all jobs, for at most ``seconds`` if given, and end the thread; returns False if a job takes longer, which goes on."""
+    executor = _state.executor
+    if executor is None:
+        return True
+    if not done_within(executor.submit(lambda: None), seconds):
+        return False
+    _state.executor = None
+    executor.shutdown()
+    return True
+
+
 def call_after_render(resume: Callable[[], None]) -> None:
     """Call ``resume`` on the main thread after the end of rendering, if a job was queued before. Thread-safe."""
     _state.after_render = resume
@@ -137,8 +149,8 @@ def is_interactive() -> bool:
     return not bpy.app.background
 
 
-def done_within(future: Future[Any], seconds: float) -> bool:
-    """Wait for a job for at most ``seconds``; returns whether it has ended."""
+def done_within(future: Future[Any], seconds: float | None) -> bool:
+    """Wait for a job, for at most ``seconds`` if given; returns whether it has ended."""
     with suppress(TimeoutError, CancelledError):
         future.exception(seconds)
     return future.done()

@@ -128,6 +128,14 @@ def traced() -> Callable[[], Any]:
 
 
 @pytest.fixture
+def as_events(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Calls handlers as Blender's events do: the worker goes on beside what a test does next, also where scripts have to wait for it."""
+    from haptic_tracing.addon.registration import handlers
+
+    monkeypatch.setattr(handlers, "THREADS_ENDANGER_SCRIPTS", False)
+
+
+@pytest.fixture
 def settle(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Any]], Any]:
     """Draws again and again until the worker has nothing left to compute, as redraws do in a window; returns what was drawn last."""
     from haptic_tracing.addon.session import derived, worker

@@ -11,6 +11,8 @@ import pytest
 from haptic_tracing.addon.registration import handlers
 from haptic_tracing.addon.session import session, sessions, worker
 
+pytestmark = pytest.mark.usefixtures("as_events")
+
 
 def load():
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

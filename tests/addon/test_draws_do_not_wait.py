@@ -19,6 +19,8 @@ from haptic_tracing.core.tracer import Tracer
 from haptic_tracing.pictures import picture
 from mathutils import Matrix
 
+pytestmark = pytest.mark.usefixtures("as_events")
+
 _spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)

@@ -12,6 +12,8 @@ from haptic_tracing.addon.registration import handlers
 from haptic_tracing.addon.session import session, sessions, worker
 from haptic_tracing.core.tracer import Tracer
 
+pytestmark = pytest.mark.usefixtures("as_events")
+
 LONG = 60.0
 """Seconds that the slow trace would take."""
 

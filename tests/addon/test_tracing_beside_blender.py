@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.session import session, timeline, worker
 
+pytestmark = pytest.mark.usefixtures("as_events")
+
 FRAMES = 1, 40
 
 

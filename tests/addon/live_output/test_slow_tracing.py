@@ -12,6 +12,8 @@ from haptic_tracing.addon.session import session
 from haptic_tracing.core.render.renderer import sample_index
 from haptic_tracing.core.tracer import Tracer
 
+pytestmark = pytest.mark.usefixtures("as_events")
+
 RATE = 8000
 
 
