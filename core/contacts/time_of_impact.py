@@ -6,11 +6,14 @@ regula falsi on their signed distance otherwise.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from .impacts import SLOWEST, Hits
 from .motion import Paths
+from .narrow.body_patches import PairPatches
 from .narrow.frames import cross, dot, relative_pose, turned
 from .narrow.narrow_phase import NarrowPhase
 
@@ -46,10 +49,14 @@ class TimeOfImpact:
         above = high[:, second] + np.maximum(relative, 0.0) + slack >= low[:, first]
         return np.asarray((below & above).all(axis=0))
 
-    def hits(self, paths: Paths, pairs: IntArray) -> Hits:
-        """The pairs among ``pairs`` (p, 2) that hit each other on their paths."""
+    def hits_at(self, meetings: Meetings | None) -> Hits:
+        """The hits at ``meetings``, whose patches are asked for here."""
+        return Hits.none() if meetings is None else meetings.hits(self._narrow.query(*meetings.placing))
+
+    def meetings(self, paths: Paths, pairs: IntArray) -> Meetings | None:
+        """The pairs among ``pairs`` (p, 2) that meet on their paths, None if there are none."""
         if len(pairs) == 0:
-            return Hits.none()
+            return None
         a, b = pairs.T
         relative = paths.velocities(b, paths.duration / 2) - paths.velocities(a, paths.duration / 2)
         travel = np.sqrt((relative * relative).sum(axis=0)) * paths.duration
@@ -58,7 +65,7 @@ class TimeOfImpact:
         expected = moving.clearances(np.full(len(pairs), paths.duration))
         rows = (far | (expected <= _TOUCH)).nonzero()[0]
         if len(rows) == 0:
-            return Hits.none()
+            return None
         moving, pairs, far, expected = moving.chosen(rows), pairs[rows], far[rows], expected[rows]
         a, b = pairs.T
         start, actual = moving.at_either_end()
@@ -71,17 +78,11 @@ class TimeOfImpact:
             after[fast] = moving.chosen(fast).advanced(self._radius[a[fast]] + self._radius[b[fast]])
         met = (after <= paths.duration).nonzero()[0]
         if len(met) == 0:
-            return Hits.none()
+            return None
         moving, after = moving.chosen(met), after[met]
-        distance, normal, centre, approach = moving.patches(after)
-        passes = far[met]
-        fast = passes.nonzero()[0]
-        if len(fast):
-            first, second = self._thickness[a[met[fast]]], self._thickness[b[met[fast]]]
-            within = (first + second) / np.maximum(approach[fast], SLOWEST)
-            passes[fast] = moving.chosen(fast).go_through(after[fast], within, np.minimum(first, second) / 4)
-        velocities = np.stack([paths.velocities(pairs[met, k], after).T for k in (0, 1)], axis=1)
-        return Hits(pairs[met], after, distance, normal, centre, approach, velocities, expected[met], actual[met], passes)
+        poses = moving.poses(after)
+        placing = moving.pairs, *relative_pose(*poses), np.full(len(after), _AROUND)
+        return Meetings(moving, after, poses, placing, expected[met], actual[met], far[met])
 
     def final_distances(self, paths: Paths, pairs: IntArray, limit: FloatArray) -> FloatArray:
         """Signed distances (p,) of ``pairs`` at the end of their paths, exact up to ``limit`` (p,)."""
@@ -92,50 +93,35 @@ class _MovingPairs:
     """Pairs of bodies on their paths, each pair at its own time. Distances are exact up to ``limit`` (k,)."""
 
     def __init__(self, narrow: NarrowPhase, paths: Paths, pairs: IntArray, limit: FloatArray) -> None:
-        self._narrow = narrow
-        self._paths = paths
-        self._pairs = pairs
+        self.narrow = narrow
+        self.paths = paths
+        self.pairs = pairs
         self._limit = limit
 
     def chosen(self, rows: IntArray | BoolArray) -> _MovingPairs:
-        return _MovingPairs(self._narrow, self._paths, self._pairs[rows], self._limit[rows])
+        return _MovingPairs(self.narrow, self.paths, self.pairs[rows], self._limit[rows])
 
-    def _poses(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        both = self._paths.poses(self._pairs.T.reshape(-1), np.concatenate([time, time]))
+    def poses(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        both = self.paths.poses(self.pairs.T.reshape(-1), np.concatenate([time, time]))
         return both[:, : len(time)], both[:, len(time) :]
 
     def clearances(self, time: FloatArray) -> FloatArray:
-        return self._narrow.clearances(self._pairs, *relative_pose(*self._poses(time)), self._limit)
+        return self.narrow.clearances(self.pairs, *relative_pose(*self.poses(time)), self._limit)
 
     def at_either_end(self) -> tuple[FloatArray, FloatArray]:
         """Signed distances (k,) at the start and in the actual poses at the end."""
-        count = len(self._pairs)
-        a, b = self._pairs.T
-        first, second = (np.concatenate([self._paths.start[:, k], self._paths.end[:, k]], axis=1) for k in (a, b))
-        distance = self._narrow.clearances(np.tile(self._pairs, (2, 1)), *relative_pose(first, second), np.tile(self._limit, 2))
+        count = len(self.pairs)
+        first, second = (np.concatenate([self.paths.start[:, k], self.paths.end[:, k]], axis=1) for k in self.pairs.T)
+        distance = self.narrow.clearances(np.tile(self.pairs, (2, 1)), *relative_pose(first, second), np.tile(self._limit, 2))
         return distance[:count], distance[count:]
-
-    def patches(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Distances (k,), normals and centres (k, 3) in the world, and the speed of approach (k,) of the touching material along the
-        normal."""
-        first, second = self._poses(time)
-        found = self._narrow.query(self._pairs, *relative_pose(first, second), np.full(len(time), _AROUND))
-        turn = first[:9].reshape(3, 3, -1)
-        normal, centre = turned(turn, found.normal), turned(turn, found.centre) + first[9:]
-        speeds = []
-        for k, pose in ((0, first), (1, second)):
-            bodies = self._pairs[:, k]
-            arm = centre - pose[9:]
-            speeds.append(self._paths.velocities(bodies, time) + cross(self._paths.spin[:, bodies], arm))
-        return found.distance, normal.T, centre.T, dot(speeds[0] - speeds[1], normal)
 
     def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes, by regula falsi (Illinois) from the time
         at which bodies with constant acceleration would meet."""
-        duration = self._paths.duration
+        duration = self.paths.duration
         low, high = np.zeros(len(start)), np.full(len(start), duration)
         f_low, f_high = start.copy(), end.copy()
-        bend = self._paths.acceleration[:, self._pairs[:, 1]] - self._paths.acceleration[:, self._pairs[:, 0]]
+        bend = self.paths.acceleration[:, self.pairs[:, 1]] - self.paths.acceleration[:, self.pairs[:, 0]]
         pull = np.sqrt((bend * bend).sum(axis=0))
         slope = (start - end) / duration - pull * (duration / 2)
         falling = 2 * start / np.maximum(slope + np.sqrt(np.maximum(slope * slope + 2 * pull * start, 0.0)), 1e-300)
@@ -163,24 +149,24 @@ class _MovingPairs:
 
         The distance can't shrink faster than the bodies move along the normal, which bounds the next step.
         """
-        duration = self._paths.duration
-        a, b = self._pairs.T
-        bend = self._paths.acceleration[:, b] - self._paths.acceleration[:, a]
+        duration = self.paths.duration
+        a, b = self.pairs.T
+        bend = self.paths.acceleration[:, b] - self.paths.acceleration[:, a]
         bending = np.sqrt((bend * bend).sum(axis=0))
-        turning = (np.sqrt((self._paths.spin[:, self._pairs.T] ** 2).sum(axis=0)).sum(axis=0)) * radius
-        time = np.zeros(len(self._pairs))
+        turning = (np.sqrt((self.paths.spin[:, self.pairs.T] ** 2).sum(axis=0)).sum(axis=0)) * radius
+        time = np.zeros(len(self.pairs))
         result = np.full(len(time), np.inf)
         active = np.arange(len(time))
         for _ in range(_MOST_STEPS):
             if len(active) == 0:
                 break
             moving, now = self.chosen(active), time[active]
-            first, second = moving._poses(now)
-            distance, normal = self._narrow.directed_clearances(moving._pairs, *relative_pose(first, second), moving._limit)
+            first, second = moving.poses(now)
+            distance, normal = self.narrow.directed_clearances(moving.pairs, *relative_pose(first, second), moving._limit)
             touching = distance <= _TOUCH
             result[active[touching]] = now[touching]
             outward = turned(first[:9].reshape(3, 3, -1), normal)
-            relative = self._paths.velocities(a[active], now) - self._paths.velocities(b[active], now)
+            relative = self.paths.velocities(a[active], now) - self.paths.velocities(b[active], now)
             speed = np.maximum(dot(relative, outward), 0.0) + bending[active] * (duration - now) + turning[active]
             time[active] = now + np.maximum(distance, _TOUCH / 2) / np.maximum(speed, 1e-9)
             active = active[~touching & (time[active] <= duration)]
@@ -188,6 +174,39 @@ class _MovingPairs:
 
     def go_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
         """Which pairs overlap by ``depth`` (k,) somewhere on their paths ``within`` (k,) seconds after the first touch."""
-        at = np.minimum(after + np.array([[0.2], [0.4], [0.6], [0.8]]) * within, self._paths.duration)
+        at = np.minimum(after + np.array([[0.2], [0.4], [0.6], [0.8]]) * within, self.paths.duration)
         deepest = self.chosen(np.tile(np.arange(len(after)), len(at))).clearances(at.reshape(-1)).reshape(at.shape).min(axis=0)
         return np.asarray(deepest <= -depth)
+
+
+@dataclass(frozen=True, slots=True)
+class Meetings:
+    """Pairs of bodies that first touch ``after`` (k,) seconds on their paths, in ``poses`` (12, k) of the first and of the second;
+    ``placing``: a query for their patches there. ``expected`` and ``actual`` (k,) as in `Hits`; ``far`` (k,): whether the bodies move far
+    compared with their thickness."""
+
+    moving: _MovingPairs
+    after: FloatArray
+    poses: tuple[FloatArray, FloatArray]
+    placing: tuple[IntArray, FloatArray, FloatArray, FloatArray]
+    expected: FloatArray
+    actual: FloatArray
+    far: BoolArray
+
+    def hits(self, found: PairPatches) -> Hits:
+        """The hits, with the patches ``found``."""
+        moving, after, (first, second) = self.moving, self.after, self.poses
+        turn = first[:9].reshape(3, 3, -1)
+        normal, centre = turned(turn, found.normal), turned(turn, found.centre) + first[9:]
+        bodies = moving.pairs.T
+        velocities = moving.paths.velocities(bodies, after)  # (3, 2, k)
+        arms = centre[:, None] - np.stack([first[9:], second[9:]], axis=1)
+        speeds = velocities + cross(moving.paths.spin[:, bodies], arms)
+        approach = dot(speeds[:, 0] - speeds[:, 1], normal)
+        passes, fast = self.far.copy(), self.far.nonzero()[0]
+        if len(fast):
+            one, other = moving.narrow.thickness[bodies[:, fast]]
+            within = (one + other) / np.maximum(approach[fast], SLOWEST)
+            passes[fast] = moving.chosen(fast).go_through(after[fast], within, np.minimum(one, other) / 4)
+        ways = normal.T, centre.T, approach, velocities.transpose(2, 1, 0)
+        return Hits(moving.pairs, after, found.distance, *ways, self.expected, self.actual, passes)

@@ -19,7 +19,7 @@ from .narrow.body_patches import PairPatches, PatchPoints
 from .narrow.frames import added, dot, relative_pose, turned, turned_back
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
-from .time_of_impact import TimeOfImpact
+from .time_of_impact import Meetings, TimeOfImpact
 
 _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
 """Indices of the rotation and then the position in the upper three rows of a 4 x 4 matrix."""
@@ -104,7 +104,6 @@ class _Pairs:
     looked: BoolArray
     version: IntArray
     values: FloatArray
-    points: dict[int, FloatArray]
 
     @classmethod
     def of(cls, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
@@ -113,7 +112,7 @@ class _Pairs:
         known, touching, struck = np.zeros((3, count), dtype=np.bool_)
         looked = np.ones(count, dtype=np.bool_)
         version = np.full((2, count), -1)
-        return cls(key, larger, smaller, known, touching, struck, looked, version, np.zeros((_ROWS, count)), {})
+        return cls(key, larger, smaller, known, touching, struck, looked, version, np.zeros((_ROWS, count)))
 
     def carried_to(self, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
         """The pairs ``key``, with the state of those that were candidates before."""
@@ -123,18 +122,12 @@ class _Pairs:
             return _Pairs.of(key, larger, smaller)
         place = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
         here = self.key[place] == key
-        return _Pairs(
-            key=key,
-            larger=larger,
-            smaller=smaller,
-            known=self.known[place] & here,
-            touching=self.touching[place] & here,
-            struck=self.struck[place] & here,
-            looked=self.looked[place] | ~here,
-            version=self.version.take(place, axis=1),
-            values=self.values.take(place, axis=1),
-            points={k: c for k, c in self.points.items() if k in set(key.tolist())} if self.points else {},
-        )
+        carried = _Pairs(*(getattr(self, f.name).take(place, axis=-1) for f in fields(self)))
+        for state in (carried.known, carried.touching, carried.struck):
+            state &= here
+        carried.looked |= ~here
+        carried.key, carried.larger, carried.smaller = key, larger, smaller
+        return carried
 
 
 class ContactTracker:
@@ -177,6 +170,7 @@ class ContactTracker:
         self._before = (self._low.copy(), self._high.copy())
         self._near, self._near_larger, self._near_smaller = none, none, none
         self._pairs = _Pairs.of(none, none, none)
+        self._points: dict[int, FloatArray] = {}  # of the patches, by key
         self._airborne = self._dynamic.copy()
         self._last_impact: dict[int, tuple[float, float]] = {}  # time [s] and speed of approach [m/s] by key
         self._queries = 0
@@ -255,7 +249,7 @@ class ContactTracker:
             late = (~pairs.looked & (lively[pairs.larger] | lively[pairs.smaller])).nonzero()[0]
             if self._catch_up(late):
                 paths, able = self._near_pairs(moved, impacts)
-        result = self._contacts(time, wanted, paths, lively, able, warnings)
+        result = self._contacts(wanted, paths, lively, able, warnings)
         if not impacts:
             self._pairs.struck |= self._pairs.touching
         self._last, self._last_wanted = result, wanted
@@ -415,13 +409,7 @@ class ContactTracker:
             self._near_larger, self._near_smaller = self._by_size(near)
 
     def _contacts(
-        self,
-        time: float,
-        wanted: BoolArray | GainBound | None,
-        paths: Paths | None,
-        lively: BoolArray,
-        able: IntArray,
-        warnings: tuple[Message, ...],
+        self, wanted: BoolArray | GainBound | None, paths: Paths | None, lively: BoolArray, able: IntArray, warnings: tuple[Message, ...]
     ) -> FrameContacts:
         first_frame = self._last is None
         old = self._pairs
@@ -443,12 +431,12 @@ class ContactTracker:
         before = pairs.touching & pairs.looked
         apart = ~pairs.touching & pairs.looked
         last = pairs.values.copy()
-        self._look((looked & ~fresh).nonzero()[0], before)
-
-        hits = None
+        examined = looked & ~fresh
+        free = able[~_among(self._near[able], struck)]
+        hits = self._look(examined.nonzero()[0], before, None if paths is None else self._meetings(paths, free))
         if paths is not None and len(able):
-            hits = self._hits_of_frame(time, paths, able, struck, before, looked, fresh, last)
-        impacts = self._impacts(time, hits, paths)
+            hits = self._hits_of_frame(paths, hits, able, free, before, examined, last)
+        impacts = self._impacts(hits, paths)
         if impacts and isinstance(wanted, GainBound) and wanted.from_impacts and not asked[~fresh | pairs.touching].all():
             asked |= self._asked(_from_impacts(wanted, impacts), fresh)
             rows = (asked & ~looked).nonzero()[0]
@@ -482,24 +470,16 @@ class ContactTracker:
         return met
 
     def _hits_of_frame(
-        self,
-        time: float,
-        paths: Paths,
-        able: IntArray,
-        struck: IntArray,
-        before: BoolArray,
-        looked: BoolArray,
-        fresh: BoolArray,
-        last: FloatArray,
+        self, paths: Paths, met: Hits, able: IntArray, free: IntArray, before: BoolArray, examined: BoolArray, last: FloatArray
     ) -> Hits:
-        """The hits of this frame among near pairs ``able``, without pairs ``struck`` (keys) before. ``last``: the values of all pairs in
-        the last frame."""
-        pairs = self._pairs
-        key, near = pairs.key, self._near[able]
-        pivoting = (before & pairs.touching & looked & ~fresh & _among(key, near)).nonzero()[0]
-        able = able[~_among(near, struck)]
-        arrived = key[pairs.touching & looked & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
-        hits = self._hits(paths, able, arrived[_among(arrived, self._near[able])])
+        """The hits of this frame among near pairs ``able``, of which those ``free`` to do so have ``met``. ``examined`` (p,): which pairs
+        were looked at now. ``last``: the values of all pairs in the last frame."""
+        pairs, time = self._pairs, self._history.times[-1]
+        key = pairs.key
+        now = pairs.touching & examined
+        pivoting = (before & now & _among(key, self._near[able])).nonzero()[0]
+        arrived = key[now & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
+        hits = self._hits(paths, met, arrived[_among(arrived, self._near[free])])
         self._last_impact = {k: hit for k, hit in self._last_impact.items() if time - hit[0] <= self._refractory + paths.duration}
         recent = np.array(sorted(self._last_impact), dtype=np.int64)
         return hits.joined(self._landings(paths, pivoting[_among(key[pivoting], recent)], last))
@@ -544,10 +524,11 @@ class ContactTracker:
         asked[possible] = wanted.wanted(a, b, low, high)
         return asked
 
-    def _look(self, rows: IntArray, before: BoolArray) -> None:
-        """Update pairs ``rows``, by a query where they have moved relative to each other."""
+    def _look(self, rows: IntArray, before: BoolArray, meetings: Meetings | None = None) -> Hits:
+        """Update pairs ``rows``, by a query where they have moved relative to each other. Returns the hits at ``meetings``: one query for
+        both costs less than two."""
         if len(rows) == 0:
-            return
+            return self._time_of_impact.hits_at(meetings)
         pairs = self._pairs
         larger, smaller = pairs.larger[rows], pairs.smaller[rows]
         pairs.version[0, rows], pairs.version[1, rows] = self._version[larger], self._version[smaller]
@@ -559,7 +540,13 @@ class ContactTracker:
             asked = (~stays).nonzero()[0]
             rows, larger, smaller, limit = rows[asked], larger[asked], smaller[asked], limit[asked]
             turn, offset, place = turn.take(asked, axis=2), offset.take(asked, axis=1), place.take(asked, axis=1)
-        found = self._patches(larger, smaller, turn, offset, limit)
+        placing = np.stack([larger, smaller], axis=1), turn, offset, limit
+        if meetings is None or self.settings.patch_points:
+            found, hits = self._patches(*placing), self._time_of_impact.hits_at(meetings)
+        else:
+            several = zip(placing, meetings.placing, (0, 2, 1, 0), strict=True)
+            both = self._patches(*(np.concatenate([mine, theirs], axis=axis) for mine, theirs, axis in several))
+            found, hits = both.part(slice(len(rows))), meetings.hits(both.part(slice(len(rows), None)))
         values = np.empty((_ROWS, len(rows)))
         values[_PLACE], values[_TURN], values[_NORMAL] = place, turn.reshape(9, -1), found.normal
         values[_DISTANCE], values[_AREA] = found.distance, found.area
@@ -570,8 +557,10 @@ class ContactTracker:
         pairs.known[rows] = True
         pairs.touching[rows] = found.distance <= limit
         if self.settings.patch_points:
-            pairs.points.update(zip(pairs.key[rows].tolist(), found.points, strict=True))
+            self._points = {key: self._points[key] for key in pairs.key.tolist() if key in self._points}
+            self._points.update(zip(pairs.key[rows].tolist(), found.points, strict=True))
         self._queries += len(rows)
+        return hits
 
     def _stays(
         self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray, limit: FloatArray, before: BoolArray
@@ -584,17 +573,17 @@ class ContactTracker:
         apart = pairs.values[_DISTANCE, rows] - motion > limit
         return np.asarray(pairs.known[rows] & np.where(before, motion <= self._same, apart) & (pairs.touching[rows] == before))
 
-    def _patches(self, larger: IntArray, smaller: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
-        """Patches by the narrow phase. A medium and a body in it touch at the centre of the intersection of their bounds, without area or
-        depth."""
-        numbers, points = np.stack([larger, smaller], axis=1), PatchPoints.INNER if self.settings.patch_points else None
-        medium = self._medium[larger] | self._medium[smaller]
+    def _patches(self, numbers: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
+        """Patches of pairs ``numbers`` (p, 2) by the narrow phase. A medium and a body in it touch at the centre of the intersection of
+        their bounds, without area or depth."""
+        points = PatchPoints.INNER if self.settings.patch_points else None
+        medium = self._medium[numbers[:, 0]] | self._medium[numbers[:, 1]]
         if not medium.any():
             return self._narrow.query(numbers, turn, offset, limit, points)
         inside, others = medium.nonzero()[0], (~medium).nonzero()[0]
         found = self._narrow.query(numbers[others], turn[..., others], offset[:, others], limit[others], points)
         distance = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside], limit[inside])
-        a, b = larger[inside], smaller[inside]
+        a, b = numbers[inside].T
         middle = (np.maximum(self._low[:, a], self._low[:, b]) + np.minimum(self._high[:, a], self._high[:, b])) / 2
         pose = self._pose[:, a]
         centre, normal = turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:]), np.tile([[0.0], [0.0], [1.0]], len(inside))
@@ -618,7 +607,7 @@ class ContactTracker:
         distance, area, share = values[_DISTANCE], values[_AREA], np.ones(len(rows))
         weight = self._weights(larger, smaller, values)
         if self.settings.patch_points and len(rows):
-            found = [pairs.points[k] for k in key.tolist()]
+            found = [self._points[k] for k in key.tolist()]
             repeats = np.array([len(c) for c in found], dtype=np.int64)
             index = np.repeat(np.arange(len(rows)), repeats)
             points = np.concatenate(found).T
@@ -662,11 +651,14 @@ class ContactTracker:
         facing = np.where(self._narrow.is_box[larger] & self._narrow.is_box[smaller], facing, 1.0)
         return np.asarray(near * (touch + (1.0 - touch) * (_APART + (1.0 - _APART) * facing)))
 
-    def _hits(self, paths: Paths, able: IntArray, arrived: IntArray) -> Hits:
-        """The confirmed hits among near pairs ``able``. Pairs (by key) that have ``arrived`` at each other by the end of the interval
-        although their motion did not lead there were moved by something else: their paths then lead to where they are."""
+    def _meetings(self, paths: Paths, able: IntArray) -> Meetings | None:
+        """Which near pairs ``able`` meet on their ``paths``."""
         possible = self._time_of_impact.may_hit(paths, self._near_larger[able], self._near_smaller[able], *self._before)
-        hits = self._time_of_impact.hits(paths, self._numbers(self._near[able[possible]]))
+        return self._time_of_impact.meetings(paths, self._numbers(self._near[able[possible]]))
+
+    def _hits(self, paths: Paths, hits: Hits, arrived: IntArray) -> Hits:
+        """The confirmed ones among ``hits``. Pairs (by key) that have ``arrived`` at each other by the end of the interval although their
+        motion did not lead there were moved by something else: their paths then lead to where they are."""
         if len(hits):
             hits = hits.chosen(confirmed(hits, paths, self.settings.tolerance))
         if len(arrived):
@@ -676,7 +668,8 @@ class ContactTracker:
             expected = self._time_of_impact.final_distances(paths, pairs, np.full(len(pairs), self.settings.tolerance))
             pulled = pairs[expected > 2 * _FIRM]
             if len(pulled):
-                hits = hits.joined(self._time_of_impact.hits(paths.to_the_ends(), pulled).approaching())
+                meetings = self._time_of_impact.meetings(paths.to_the_ends(), pulled)
+                hits = hits.joined(self._time_of_impact.hits_at(meetings).approaching())
         return hits
 
     def _landings(self, paths: Paths, rows: IntArray, last: FloatArray) -> Hits:
@@ -693,30 +686,28 @@ class ContactTracker:
         normal, distance = pairs.values[_NORMAL, rows], pairs.values[_DISTANCE, rows]
         centre = pairs.values[_ON_LARGER, rows] + normal * (distance / 2)
         of, points = self._narrow.corners(np.stack([larger, smaller], axis=1), *relative_pose(pose, other), limit, normal, centre)
-        distance = distance[of]
         turn = pose[:9].reshape(3, 3, -1)[..., of]
         points = turned(turn, points) + pose[9:, of]
         keys = pairs.key[rows]
         flipped = larger != keys // len(self.bodies)
         normal = turned(turn, normal[:, of]) * np.where(flipped[of], -1.0, 1.0)
-        gap = normal * (distance / 2)
+        gap = normal * (distance[of] / 2)
         old = np.stack([_placed(pose, last[_ON_LARGER, rows]), _placed(other, last[_ON_SMALLER, rows])])
         old = np.where(flipped, old[::-1], old)[..., of]
-        hits = landings(paths, self._numbers(keys[of]), np.stack([points - gap, points + gap]), old, normal, distance, _FIRM)
-        order = np.lexsort((hits.approach, hits.pairs[:, 1], hits.pairs[:, 0]))
-        last = np.ones(len(hits), dtype=np.bool_)
-        last[:-1] = (hits.pairs[order[1:]] != hits.pairs[order[:-1]]).any(axis=1)
-        return hits.chosen(order[last])
+        hits = landings(paths, self._numbers(keys[of]), np.stack([points - gap, points + gap]), old, normal, distance[of], _FIRM)
+        order = hits.approach.argsort(kind="stable")[::-1]
+        fastest = np.unique(hits.pairs[order] @ (len(self.bodies), 1), return_index=True)[1]
+        return hits.chosen(order[fastest])
 
-    def _impacts(self, time: float, hits: Hits | None, paths: Paths | None) -> tuple[Impact, ...]:
+    def _impacts(self, hits: Hits, paths: Paths | None) -> tuple[Impact, ...]:
         """Impacts from hits, by time. Within the refractory time of a pair only a clearly stronger hit makes another impact."""
-        if hits is None or paths is None or len(hits) == 0:
+        if paths is None or len(hits) == 0:
             return ()
         energies = impact_energies(hits, self._mass, ~self._dynamic, self.settings.energy) / self.settings.time_scale**2
         impacts = []
         for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
             a, b = hits.pairs[k].tolist()
-            key, when = a * len(self.bodies) + b, time - paths.duration + float(hits.after[k])
+            key, when = a * len(self.bodies) + b, self._history.times[-1] - paths.duration + float(hits.after[k])
             last, speed = self._last_impact.get(key, (-np.inf, 0.0))
             limits = self.settings.impact_limits(self.bodies[a].named, self.bodies[b].named)
             resting = when - last < limits.refractory and hits.approach[k] < _STRONGER * speed
@@ -726,11 +717,10 @@ class ContactTracker:
             impacts.append(hits.impact(k, when, float(energies[k]), limits.full_energy))
         return tuple(impacts)
 
-    def _disturb(self, hits: Hits | None, paths: Paths) -> None:
+    def _disturb(self, hits: Hits, paths: Paths) -> None:
         """Mark the bodies whose motion was disturbed: those that hit something, and those that are not where their motion led."""
         disturbed = self._history.surprised(paths) & self._dynamic
-        if hits is not None:
-            disturbed[hits.pairs] = True
+        disturbed[hits.pairs] = True
         self._history.disturb(disturbed)
 
 

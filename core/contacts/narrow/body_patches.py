@@ -44,6 +44,10 @@ class PairPatches:
     area: FloatArray
     points: tuple[FloatArray, ...] = ()
 
+    def part(self, rows: slice) -> PairPatches:
+        """The patches of some of the pairs, without points."""
+        return PairPatches(self.distance[rows], self.normal[:, rows], self.centre[:, rows], self.area[rows])
+
     @classmethod
     def joined(cls, count: int, *parts: tuple[IntArray, PairPatches]) -> PairPatches:
         """Patches of ``count`` pairs from those of some of them, without points."""
