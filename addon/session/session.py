@@ -285,7 +285,7 @@ def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult |
             result = session.tracer.step(frame)
         except ValueError as error:
             session.tracer.reset()
-            session.failure = (*begun.reading.problems, Problem("", str(error)))
+            session.failure = (Problem("", str(error)), *begun.reading.problems)
             raise
         if frame.heard:
             session.history.feed(result)

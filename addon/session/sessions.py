@@ -72,7 +72,7 @@ class Session:
     serial: int = 0  # of the frame that was begun last
     begun_at: float = 0.0  # time.monotonic() of that
     shown: Traced | None = None
-    failure: tuple[Problem, ...] = ()  # where the last frame could not be traced
+    failure: tuple[Problem, ...] = ()  # the cause, then other problems, where the last frame could not be traced
     derived: dict[Any, Any] = field(default_factory=dict)  # see `derived.Derived`
     watched: str = ""  # the listener that was the active object last
     draw_milliseconds: float = 0.0  # of the last redraw of a viewport

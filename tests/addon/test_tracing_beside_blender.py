@@ -46,6 +46,9 @@ def test_who_asks_waits_for_the_frame_that_the_scene_is_in(bench):
 
 
 def test_a_frame_that_cannot_be_traced_is_named_and_the_next_one_is_traced(bench, monkeypatch):
+    dust = bpy.data.objects.new("dust", bpy.data.meshes.new("dust"))
+    bench.collection.objects.link(dust)
+    dust.haptics.enabled = True
     tracer = session.of(bench).tracer
     step = tracer.step
 
@@ -59,7 +62,8 @@ def test_a_frame_that_cannot_be_traced_is_named_and_the_next_one_is_traced(bench
         list(timeline.results(bench, *FRAMES))
     bench.frame_set(7)
     assert session.result_of(bench) is None
-    assert [problem.message for problem in session.problems_of(bench)] == ["Bench: no gain"]
+    assert [problem.object for problem in session.problems_of(bench)] == ["", "dust"]
+    assert session.problems_of(bench)[0].message == "Bench: no gain"
     bench.frame_set(8)
     assert session.result_of(bench).number == 8
     assert not any("no gain" in problem.message for problem in session.problems_of(bench))
