@@ -65,7 +65,7 @@ def _who_is_felt(sounding: Sounding, listener: int) -> list[dict[str, Any]]:
             "source": item.source.name,
             "state": item.state,
             "margin": item.margin,
-            "hidden_by": item.masker or None,
+            "masked_by": item.masker or None,
         }
         for item in found.sources
     ]

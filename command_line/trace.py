@@ -106,7 +106,7 @@ def print_gains(result: FrameResult) -> None:
 def print_felt(result: FrameResult) -> None:
     """Print the felt and the masked sources of each listener of a frame, with their maskers."""
     rows = [
-        (felt.listener, item.source.name, f"{item.margin:+.0f} dB", f"hidden by {item.masker}" if item.state == "hidden" else item.state)
+        (felt.listener, item.source.name, f"{item.margin:+.0f} dB", f"masked by {item.masker}" if item.state == "masked" else item.state)
         for felt in (felt_sources(shown_sounding(result), i, result.sample_rate) for i in range(len(result.listeners)))
         for item in felt.sources
     ]

@@ -67,7 +67,7 @@ def _felt_energy(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, F
     return power * 10 ** (-threshold_level(heard) / 10), heard
 
 
-def hidden_by(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, IntArray]:
+def masked_by(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, IntArray]:
     """For simultaneous signals (s, n): the sensation level (s,) of each alone [dB], and the number (s,) of the signal that masks it, -1 for
     none.
 

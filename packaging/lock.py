@@ -5,6 +5,7 @@ python packaging/lock.py      resolve the newest versions that pyproject.toml al
 Packages of the extension keep the version in wheels.txt. NumPy is left out: each bpy wheel needs its own (see make_environment).
 """
 
+import argparse
 import json
 import re
 import subprocess
@@ -32,6 +33,7 @@ def resolve(python: str, requirements: list[str]) -> dict[str, str]:
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     groups = project["optional-dependencies"]
     lint = groups.pop("lint")  # resolved by itself: it has a NumPy of its own

@@ -110,7 +110,7 @@ class HAPTIC_PT_felt(ClosedPanel, Panel):
             return
         felt, column = latest.value, layout.column(align=True)
         column.label(text=fitted(felt.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False)
-        column.label(text=iface_("{} felt, {} hidden, {} too weak").format(*felt.counts()), translate=False)
+        column.label(text=iface_("{} felt, {} masked, {} too weak").format(*felt.counts()), translate=False)
         for source in felt.sources[:_FELT_SOURCES]:
             row = column.row(align=True)
             row.active = source.state == "felt"

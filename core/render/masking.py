@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import FloatArray
-from ..perception import hidden_by
+from ..perception import masked_by
 from ..scene.values import Source
 from .frame_result import FrameResult, Sounding
 from .groups import MAX_GAIN
@@ -29,9 +29,9 @@ class FeltSource:
     masker: str
 
     @property
-    def state(self) -> Literal["felt", "hidden", "weak"]:
+    def state(self) -> Literal["felt", "masked", "weak"]:
         """Weak if it would not be felt alone, hidden if it is masked."""
-        return "weak" if self.margin <= 0 else "hidden" if self.masker else "felt"
+        return "weak" if self.margin <= 0 else "masked" if self.masker else "felt"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class FeltSources:
     def counts(self) -> tuple[int, int, int]:
         """Numbers of felt, masked and weak sources."""
         found = Counter(item.state for item in self.sources)
-        return found["felt"], found["hidden"], found["weak"]
+        return found["felt"], found["masked"], found["weak"]
 
 
 def shown_sounding(result: FrameResult) -> Sounding:
@@ -54,14 +54,14 @@ def shown_sounding(result: FrameResult) -> Sounding:
 
 def felt_sources(sounding: Sounding, listener: int, sample_rate: float = SAMPLE_RATE) -> FeltSources:
     """Classify the sources of listener number ``listener`` as if they lasted for `SECONDS`."""
-    margins, maskers = hidden_by(source_samples(sounding, listener, SECONDS, sample_rate), sample_rate)
+    margins, maskers = masked_by(source_samples(sounding, listener, SECONDS, sample_rate), sample_rate)
     names = [source.name for source in sounding.sources]
     found = [
         FeltSource(source, margin, names[masker] if masker >= 0 else "")
         for source, margin, masker in zip(sounding.sources, margins.tolist(), maskers.tolist(), strict=True)
         if margin > -np.inf
     ]
-    found.sort(key=lambda item: (("felt", "hidden", "weak").index(item.state), -item.margin, item.source.name))
+    found.sort(key=lambda item: (("felt", "masked", "weak").index(item.state), -item.margin, item.source.name))
     return FeltSources(sounding.listeners[listener].name, tuple(found))
 
 

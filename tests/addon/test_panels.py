@@ -62,7 +62,7 @@ def test_who_is_felt_names_what_hides_a_source(add_box, add_empty, traced, settl
     _select(box)
     traced()
     labels = settle(lambda: _draw(_panel("HAPTIC_PT_felt"))).labels
-    assert "2 felt, 1 hidden, 1 too weak" in labels
+    assert "2 felt, 1 masked, 1 too weak" in labels
     shown = [labels[labels.index(name) + 1] for name in ("saw", "hum", "fan", "fly")]
     assert shown[0] == "+45 dB" and shown[1] in ("+13 dB", "+14 dB") and shown[2] == "by saw" and shown[3].startswith("\N{MINUS SIGN}")
     assert labels.index("saw") < labels.index("hum") < labels.index("fan") < labels.index("fly")

@@ -84,7 +84,7 @@ def test_the_written_scene_has_the_fitted_values(tmp_path, capsys):
 
 def test_a_loss_below_three_decibels_is_not_determined(tmp_path, capsys):
     found = fitted(tmp_path, capsys, "--contact", "floor", "pad", length=0.1)
-    assert "not determined below 3 dB" in found["not_determined"][0]
+    assert "a loss below 3 dB is not determined" in found["not_determined"][0]
 
 
 def test_recordings_with_nothing_in_common_are_refused(tmp_path, capsys):

@@ -36,8 +36,8 @@ def test_distances_count_from_the_nearest_point_of_the_volume(printed):
 
 def test_who_is_felt_and_who_is_hidden(printed):
     """A fan 20 dB below a saw of nearly the same frequency is hidden; the hum is not, at a frequency of its own."""
-    felt = {item["source"]: (item["state"], item["hidden_by"]) for item in printed["felt"] if item["listener"] == "belly"}
-    assert felt == {"saw": ("felt", None), "hum": ("felt", None), "fan": ("hidden", "saw")}
+    felt = {item["source"]: (item["state"], item["masked_by"]) for item in printed["felt"] if item["listener"] == "belly"}
+    assert felt == {"saw": ("felt", None), "hum": ("felt", None), "fan": ("masked", "saw")}
     assert [item["margin"] for item in printed["felt"] if item["listener"] == "belly"] == [
         pytest.approx(45, abs=0.2), pytest.approx(13.5, abs=0.3), pytest.approx(25, abs=0.3),
     ]  # fmt: skip

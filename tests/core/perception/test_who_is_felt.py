@@ -58,18 +58,18 @@ def test_of_20_sources_those_are_felt_that_the_definition_says():
         level, masker = wanted[item.source.name]
         assert item.margin == pytest.approx(level, abs=0.2), item
         assert item.masker == masker, item
-        assert item.state == ("weak" if level <= 0 else "hidden" if masker else "felt")
+        assert item.state == ("weak" if level <= 0 else "masked" if masker else "felt")
     assert felt.counts() == tuple(
         sum(state(*one) for one in wanted.values())
         for state in (lambda v, m: v > 0 and not m, lambda v, m: v > 0 and bool(m), lambda v, m: v <= 0)
     )
     assert min(felt.counts()) >= 2, "there are some of each"
-    assert [item.state for item in felt.sources] == sorted((item.state for item in felt.sources), key=["felt", "hidden", "weak"].index)
+    assert [item.state for item in felt.sources] == sorted((item.state for item in felt.sources), key=["felt", "masked", "weak"].index)
 
 
 def test_alone_each_is_felt_or_weak_and_distant_frequencies_hide_nothing():
     alone = [felt_sources(sounding(tones([one])), 0).sources[0].state for one in TWENTY]
-    assert "hidden" not in alone and alone.count("felt") > 10
+    assert "masked" not in alone and alone.count("felt") > 10
     apart = felt_sources(sounding(tones([(40, -3), (250, -3)])), 0)
     assert [item.state for item in apart.sources] == ["felt", "felt"]
     near = felt_sources(sounding(tones([(240, -20), (250, -3)])), 0)

@@ -1,4 +1,4 @@
-"""Twenty sources on a plate: who is felt by a palm, who is hidden, ducking, and the palm's extent, in the sidebar."""
+"""Twenty sources on a plate: who is felt by a palm, who is masked, ducking, and the palm's extent, in the sidebar."""
 
 import math
 
