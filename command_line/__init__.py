@@ -8,15 +8,31 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 from collections.abc import Iterable, Sequence
 from importlib import import_module
+from types import FrameType
 from typing import NoReturn
 
 from .arguments import SUBCOMMANDS
 
 BAD_INPUT = 2
 INTERRUPTED = 130
+
+_interrupts: list[int] = []
+"""The signals noted since `note_interrupts`."""
+
+
+def note_interrupts() -> None:
+    """Note each Ctrl-C. Blender drops the KeyboardInterrupt where it has called a handler, and the command then lacks a result."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _note)
+
+
+def _note(number: int, frame: FrameType | None) -> None:
+    _interrupts.append(number)
+    signal.default_int_handler(number, frame)
 
 
 class _OneLineParser(argparse.ArgumentParser):
@@ -65,8 +81,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the program on ``argv`` (the process' arguments by default) and return its exit code: 0, or 2 for bad input, which is
-    explained in one line on stderr."""
+    """Run the program on ``argv`` (the process' arguments by default) and return its exit code: 0, 130 after Ctrl-C, or 2 for bad input,
+    which is explained in one line on stderr."""
     try:
         code = run(build_parser().parse_args(argv))
         sys.stdout.flush()
@@ -83,5 +99,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         reason = f"{error.filename}: {error.strerror}" if error.filename is not None and error.strerror else str(error)
     except ValueError as error:
         reason = str(error)
+    if _interrupts:
+        return INTERRUPTED
     print(one_line(reason), file=sys.stderr)
     return BAD_INPUT

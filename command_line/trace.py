@@ -23,7 +23,7 @@ from ..core.formats.tracks.wav import write_wav
 from ..core.render.frame_result import FrameResult
 from ..core.render.masking import felt_sources, shown_sounding
 from ..pictures.picture import draw_picture
-from . import temporary_folder
+from . import note_interrupts, temporary_folder
 from .playing import ImpactFelt, Played, play
 
 
@@ -37,6 +37,7 @@ def run(args: argparse.Namespace) -> int:
 def start_blender() -> None:
     """Begin with an empty file and enable the add-on until the program ends."""
     temporary_folder.use()
+    note_interrupts()
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     register()
     # With handlers or timers left at exit, Blender 4.2 crashes and 4.5 hangs.

@@ -1,4 +1,5 @@
-"""Commands that are ended from outside leave nothing in the temporary folder, as those that end by themselves (``program.run``)."""
+"""Commands that are ended from outside end as asked, and leave nothing in the temporary folder, as those that end by themselves
+(``program.run``)."""
 
 import json
 import signal
@@ -16,15 +17,17 @@ def started(folder, *arguments, **more):
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows ends processes without a signal")
-def test_nothing_is_left_by_a_command_that_a_farm_ends(falling, tmp_path):
+@pytest.mark.parametrize(("sent", "code"), [(signal.SIGTERM, -signal.SIGTERM), (signal.SIGINT, 130)])
+def test_nothing_is_left_by_a_command_that_a_farm_or_a_user_ends(falling, tmp_path, sent, code):
     out = tmp_path.with_name(f"{tmp_path.name} out")
     process = started(tmp_path, "haptic_tracing", "trace", falling / "hammer.blend", "--end", 1_000_000, "--out", out)
     while process.stderr.read(1) not in ("", "%"):  # the bar of progress shows that frames are traced
         pass
     assert any(tmp_path.iterdir())
-    process.terminate()
-    process.communicate()
-    assert process.returncode == -signal.SIGTERM
+    process.send_signal(sent)
+    _, errors = process.communicate()
+    assert process.returncode == code
+    assert "no object is tagged" not in errors, "what an interrupted frame lacks is no mistake of the file"
     assert not any(tmp_path.iterdir())
 
 
