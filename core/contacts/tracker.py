@@ -122,11 +122,10 @@ class _Pairs:
             return _Pairs.of(key, larger, smaller)
         place = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
         here = self.key[place] == key
-        carried = _Pairs(*(getattr(self, f.name).take(place, axis=-1) for f in fields(self)))
+        carried = _Pairs(key, larger, smaller, *(getattr(self, f.name).take(place, axis=-1) for f in fields(self)[3:]))
         for state in (carried.known, carried.touching, carried.struck):
             state &= here
         carried.looked |= ~here
-        carried.key, carried.larger, carried.smaller = key, larger, smaller
         return carried
 
 
