@@ -28,7 +28,7 @@ def bake_job(scene: Scene) -> Job:
     """
     first, last = wanted_range(scene)
     if last < first:
-        raise ValueError(f"The frame range {first} to {last} is empty")
+        raise ValueError(_rpt("The frame range {} to {} is empty").format(first, last))
     count = last - first + 1
     warnings: list[str] = []
 
@@ -49,7 +49,7 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
         for result in results:
             if not recorder.frame_count:
                 if not result.listeners:
-                    raise ValueError("There is no listener: add one to feel something")
+                    raise ValueError(_rpt("There is no listener: add one to feel something"))
                 check_size(len(result.listeners), last - first + 1, frame_duration, result.sample_rate)
             recorder.add(result)
             yield

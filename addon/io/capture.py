@@ -8,6 +8,7 @@ from dataclasses import InitVar, dataclass, replace
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as _rpt
 
 from ...core.contacts.authored import rows_of
 from ...core.contacts.contact_set import ContactSet
@@ -62,7 +63,7 @@ class Capture:
         Raises ValueError, with a message for the user, for a frame that cannot be traced, and for an empty range.
         """
         if self.frames < 1:
-            raise ValueError(f"The frame range {self.start} to {self.end} is empty")
+            raise ValueError(_rpt("The frame range {} to {} is empty").format(self.start, self.end))
         with closing(self._results()) as results:
             for result in results:
                 self.add(result)

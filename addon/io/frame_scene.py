@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 import bpy
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Depsgraph, Object
 
 from ...core.formats.export import Export
@@ -50,7 +51,7 @@ def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
     reading = session.of(scene).reading
     if result is None or reading is None:
         problems = session.problems_of(scene)
-        raise ValueError(problems[0].message if problems else "Nothing is tagged: select objects and press Make Haptic")
+        raise ValueError(problems[0].message if problems else _rpt("Nothing is tagged: select objects and press Make Haptic"))
     return scene_of_result(result, reading, scene)
 
 

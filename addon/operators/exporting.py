@@ -62,7 +62,7 @@ class RangeExport(Action, ExportHelper):
             return None
         collection = bpy.data.collections.get(self.collection)
         if collection is None:
-            raise ValueError(f"There is no collection '{self.collection}'")
+            raise ValueError(_rpt("There is no collection '{}'").format(self.collection))
         return {obj.name_full for obj in collection.all_objects}
 
     def captured(self, context: Context, recorded: bool, felt: bool, finish: Callable[[Export, job.Job], list[job.Report]]) -> set[str]:
@@ -260,14 +260,15 @@ def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, 
 
 def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report]:
     """The report on written files and their losses."""
-    reports: list[job.Report] = [({"INFO"}, f"Not in {'these files' if len(files) > 1 else 'this file'}: {loss}") for loss in losses]
-    return [*reports[:MOST_REPORTED], ({"INFO"}, f"Written: {shown(files)}")]
+    lost = _rpt("Not in these files: {}") if len(files) > 1 else _rpt("Not in this file: {}")
+    reports: list[job.Report] = [({"INFO"}, lost.format(loss)) for loss in losses]
+    return [*reports[:MOST_REPORTED], ({"INFO"}, _rpt("Written: {}").format(shown(files)))]
 
 
 def shown(files: Collection[Path]) -> str:
     """The names of the first three files, and the number of further ones."""
     names = [path.name for path in files]
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+    return ", ".join(names[:3]) + (" " + _rpt("and {} more").format(len(names) - 3) if len(names) > 3 else "")
 
 
 def with_ending(path: str, known: Collection[str], ending: str) -> str:

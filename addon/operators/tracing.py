@@ -30,8 +30,7 @@ class HAPTIC_OT_trace_frame(Action, Operator):
         session.begin(context.scene, context.evaluated_depsgraph_get())
         if not session.is_busy(context.scene, worker.MOMENT) and session.result_of(context.scene) is None:
             problems = session.problems_of(context.scene)
-            nothing = "Nothing is tagged: select objects and press Make Haptic"
-            raise Refused(problems[0].message if problems else _rpt(nothing))
+            raise Refused(problems[0].message if problems else _rpt("Nothing is tagged: select objects and press Make Haptic"))
         redraw_viewports()
 
 

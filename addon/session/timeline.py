@@ -11,6 +11,7 @@ from functools import cache
 from itertools import product
 
 import bpy
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Scene
 
 from ...core.collisions import EXACT_FRAMES
@@ -139,7 +140,9 @@ def _from(start: int, result: FrameResult) -> FrameResult:
 
 def _checked(frame: int, result: FrameResult | None, problems: tuple[Problem, ...], before: FrameResult | None) -> FrameResult:
     if result is None or result.number != frame:
-        raise ValueError(f"Frame {frame} can't be traced: {problems[0].message if problems else 'no object is tagged'}")
+        reason = problems[0].message if problems else _rpt("Nothing is tagged: select objects and press Make Haptic")
+        raise ValueError(_rpt("Frame {} can't be traced: {}").format(frame, reason))
     if before is not None and [item.name for item in before.listeners] != [item.name for item in result.listeners]:
-        raise ValueError(f"The listeners change at frame {frame}: keep them all switched on, and set Gain to 0 where nothing is to be felt")
+        message = _rpt("The listeners change at frame {}: keep them all switched on, and set Gain to 0 where nothing is to be felt")
+        raise ValueError(message.format(frame))
     return result

@@ -27,7 +27,7 @@ def test_nothing_is_left_by_a_command_that_a_farm_or_a_user_ends(falling, tmp_pa
     process.send_signal(sent)
     _, errors = process.communicate()
     assert process.returncode == code
-    assert "no object is tagged" not in errors, "what an interrupted frame lacks is no mistake of the file"
+    assert "Nothing is tagged" not in errors, "what an interrupted frame lacks is no mistake of the file"
     assert not any(tmp_path.iterdir())
 
 

@@ -189,7 +189,7 @@ def test_what_can_not_be_baked_is_a_message(shaken):
     assert bpy.data.texts.keys() == []
     for obj in shaken.objects:
         obj.haptics.enabled = obj.haptics.source.enabled = False
-    with pytest.raises(RuntimeError, match="no object is tagged"):
+    with pytest.raises(RuntimeError, match="Nothing is tagged"):
         bpy.ops.haptic.bake()
 
 
