@@ -47,6 +47,8 @@ DENSE = 40
 
 STRAIGHTEST = 4
 """Exponent of the arriving energy in the shares of the regions around a source or listener; the nearest region has the largest share."""
+_EQUALLY_NEAR = 1 + 1e-9
+"""Ratio of distances up to which regions are equally near: centres of the regions around one contact differ by rounding alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,8 +248,8 @@ class _Assembly:
     def _attached(self, nodes: list[int]) -> _Attachments:
         """Ends at ``nodes`` and the subsystems of their objects: the nearest ones, by arriving energy, have the largest shares.
 
-        Those of a listener with an extent are by what arrives at its centre, or the nearest has all if nothing does: so a larger extent
-        does not move it to regions with less energy.
+        Those of a listener with an extent are by what arrives at its centre, or the nearest ones have all if nothing does: so a larger
+        extent does not move it to regions with less energy.
         """
         graph, parts = self._graph, self._parts
         node = np.array(nodes, dtype=np.int64)
@@ -265,7 +267,7 @@ class _Assembly:
             at_centre, shortest = np.zeros(len(node)), np.full(len(node), np.inf)
             np.maximum.at(at_centre, which, arriving)
             np.minimum.at(shortest, which, away)
-            arriving = np.where((at_centre[which] == 0) & (away == shortest[which]), there[0], arriving)
+            arriving = np.where((at_centre[which] == 0) & (away <= shortest[which] * _EQUALLY_NEAR), there[0], arriving)
         at_once = self._squares(index, np.zeros(len(index)))[:, which]
         energy = np.minimum(1.0, np.divide(there, at_once, out=np.zeros_like(there), where=at_once > 0))
         nearest = np.zeros(len(node))

@@ -145,8 +145,8 @@ class Balance:
         felt = {r: self.squared(index, max(0.0, away[r] - reach)) for r in here}
         if not here or max(felt.values()) == 0:
             return {}
-        if max(arriving.values()) == 0:  # the nearest region alone
-            arriving = {r: float(away[r] == min(away.values())) for r in here}
+        if max(arriving.values()) == 0:  # the nearest regions alone: those around one contact have the same centre but for rounding
+            arriving = {r: float(away[r] <= min(away.values()) * (1 + 1e-9)) for r in here}
         nearest = max(arriving.values())
         share = {r: (arriving[r] / nearest) ** 4 * self.mass[r] for r in here}
         total = sum(share.values())

@@ -112,6 +112,7 @@ def test_monotone_in_the_radius_and_a_point_at_0(strategy, seed):
 @pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([0.1, 1.0, 50.0]))
+@example(4905, 1.0)  # three regions around one contact are the nearest ones, where rounding must not choose
 def test_energy_balance_by_its_definition(seed, radius):
     """Also by functions that let nothing through beyond a distance."""
     graph = graph_of_scene(extended(connected_scene(seed, (*METRIC, *OTHER, *OTHER), extra=3, size=6.0), radius))
