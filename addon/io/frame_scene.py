@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Any
 
 import bpy
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Depsgraph, Object
 
 from ...core.formats.export import Export
@@ -23,6 +22,7 @@ from ..blender.single_precision import shortest
 from ..properties.modalities import SHOWN
 from ..scene_reader.imported import FileContacts, file_contacts, imported_listener, imported_object, imported_scene, imported_source
 from ..scene_reader.modalities import read_modality
+from ..scene_reader.problem import why_untraced
 from ..scene_reader.reading import Reading
 from ..session import session
 from .devices import is_muted, written_devices
@@ -50,8 +50,7 @@ def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
     result = session.trace(scene, depsgraph)
     reading = session.of(scene).reading
     if result is None or reading is None:
-        problems = session.problems_of(scene)
-        raise ValueError(problems[0].message if problems else _rpt("Nothing is tagged: select objects and press Make Haptic"))
+        raise ValueError(why_untraced(session.problems_of(scene)))
     return scene_of_result(result, reading, scene)
 
 

@@ -17,6 +17,7 @@ from ...core.scene import spectra
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
 from ..blender import job
 from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
+from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
 from ..translations.sentences import sentence
 from ..view import levels
@@ -49,8 +50,10 @@ class HAPTIC_OT_make_felt(Edit, Operator):
             session.trace(context.scene, context.evaluated_depsgraph_get(), live=True)
             traced = sessions.shown(context.scene)
             names = [] if traced is None else [item.name for item in traced.result.listeners]
-            if traced is None or found is None or not found.is_editable or self.listener not in names:
-                raise Refused(_rpt("{} can't be changed").format(self.listener))
+            if traced is None:
+                raise Refused(why_untraced(session.problems_of(context.scene)))
+            if found is None or not found.is_editable or self.listener not in names:
+                raise Refused(_rpt("'{}' can't be changed: it is linked from a library, or no listener any more").format(self.listener))
             index = names.index(self.listener)
             margin = levels.shown_levels(traced, False)[index].margin
             if margin >= self.margin - _NEAR or not _raise(found.haptics.listener, traced, index, self.margin - margin):
@@ -95,7 +98,9 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
         for remaining in reversed(range(_ROUNDS + 1)):
             session.trace(scene, context.evaluated_depsgraph_get(), live=True)
             traced = sessions.shown(scene)
-            if traced is None or scene.haptics.mode not in ("HT", "SD"):
+            if traced is None:
+                raise Refused(why_untraced(session.problems_of(scene)))
+            if scene.haptics.mode not in ("HT", "SD"):
                 raise Refused(_rpt("Materials count in modes HT and SD only"))
             shown = {level.listener: level for level in levels.shown_levels(traced, False)}
             owners = {name: bpy.data.objects[name].haptics.listener for name in shown if name in bpy.data.objects}

@@ -101,7 +101,7 @@ class HAPTIC_OT_choose_actuator(Action, Operator):
     def apply(self, context: Context) -> None:
         obj = context.scene.objects.get(self.listener)
         if obj is None or not obj.is_editable:
-            raise Refused(_rpt("{} can't be changed").format(self.listener))
+            raise Refused(_rpt("'{}' can't be changed: it is linked from a library, or no listener any more").format(self.listener))
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):
             settings.actuators = actuators.AUTOMATIC if self.place == _AUTOMATIC else actuators.MUTED

@@ -14,6 +14,7 @@ from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_objec
 from ..changes.redraw import redraw_viewports
 from ..properties.kinds import number, switch
 from ..properties.scene import MODE_ITEMS
+from ..scene_reader.problem import why_untraced
 from ..session import session, sessions, worker
 from ..view import graph_mesh
 
@@ -29,8 +30,7 @@ class HAPTIC_OT_trace_frame(Action, Operator):
         session.of(context.scene).reader.forget_shapes()
         session.begin(context.scene, context.evaluated_depsgraph_get())
         if not session.is_busy(context.scene, worker.MOMENT) and session.result_of(context.scene) is None:
-            problems = session.problems_of(context.scene)
-            raise Refused(problems[0].message if problems else _rpt("Nothing is tagged: select objects and press Make Haptic"))
+            raise Refused(why_untraced(session.problems_of(context.scene)))
         redraw_viewports()
 
 

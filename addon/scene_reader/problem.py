@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import bpy
+
+_rpt = bpy.app.translations.pgettext_rpt
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,3 +18,8 @@ class Problem:
     object: str
     message: str
     rule: tuple[str, int] | None = None
+
+
+def why_untraced(problems: Sequence[Problem]) -> str:
+    """Why a scene with these problems has no result, for the user."""
+    return problems[0].message if problems else _rpt("Nothing is tagged: select objects and press Make Haptic")

@@ -20,7 +20,7 @@ from ...core.render.groups import MAX_DELAY
 from ...core.signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal, impact_template
 from ..blender.time import frame_seconds
 from ..changes.suspension import stepped, suspended
-from ..scene_reader.problem import Problem
+from ..scene_reader.problem import Problem, why_untraced
 from ..scene_reader.reader import SceneReader
 from . import session
 
@@ -140,8 +140,7 @@ def _from(start: int, result: FrameResult) -> FrameResult:
 
 def _checked(frame: int, result: FrameResult | None, problems: tuple[Problem, ...], before: FrameResult | None) -> FrameResult:
     if result is None or result.number != frame:
-        reason = problems[0].message if problems else _rpt("Nothing is tagged: select objects and press Make Haptic")
-        raise ValueError(_rpt("Frame {} can't be traced: {}").format(frame, reason))
+        raise ValueError(_rpt("Frame {} can't be traced: {}").format(frame, why_untraced(problems)))
     if before is not None and [item.name for item in before.listeners] != [item.name for item in result.listeners]:
         message = _rpt("The listeners change at frame {}: keep them all switched on, and set Gain to 0 where nothing is to be felt")
         raise ValueError(message.format(frame))
