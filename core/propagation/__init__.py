@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from ..graph.haptic_graph import HapticGraph
 from .result import Propagation
 from .strategies import propagate
@@ -11,9 +13,4 @@ __all__ = ["Propagation", "objects_on", "propagate"]
 
 def objects_on(graph: HapticGraph, nodes: tuple[int, ...]) -> tuple[str, ...]:
     """Names of the objects along a path of nodes, in order, without consecutive duplicates."""
-    names: list[str] = []
-    for node in nodes:
-        name = graph.table.names[graph.node_object[node]]
-        if not names or names[-1] != name:
-            names.append(name)
-    return tuple(names)
+    return tuple(name for name, _ in itertools.groupby(graph.table.names[graph.node_object[node]] for node in nodes))

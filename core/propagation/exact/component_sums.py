@@ -19,7 +19,7 @@ from ..connections import LARGEST, intra_lanes, lanes_of
 from ..shortest_paths import shortest_paths
 from . import simpath
 from .bridge_decomposition import Component
-from .path_search import ArcRanking, Limits, SearchResult, search
+from .path_search import ArcRanking, Limits, PathSearch, SearchResult
 from .search_graph import SearchGraph, build_search_graph
 from .walk_bounds import WalkBounds
 
@@ -92,7 +92,7 @@ class ComponentSum:
                 # Limited sums and cheap ones are computed exactly.
                 accepted = 0.0 if self.limited and part != STAGES[-1] else tolerance
                 limits = Limits(self.crossings, 0.0, unknown, 0.0 if first else accepted, known, max(1, share // 4), share)
-                found = search(search_graph, np.ones((1, search_graph.lanes)), limits, bounds, merge=True)
+                found = PathSearch(search_graph, np.ones((1, search_graph.lanes)), limits, bounds, merge=True).run()
                 if not whole:
                     found.missing[:] = LARGEST
                 spent += found.work
@@ -117,7 +117,7 @@ class ComponentSum:
         while spent < budget and threshold > 0:
             threshold *= 0.1
             limits = Limits(self.crossings, threshold, ahead, 0.0, np.zeros(len(self.exits)), budget, budget - spent)
-            found = search(search_graph, np.ones((1, search_graph.lanes)), limits, bounds, False, ranking)
+            found = PathSearch(search_graph, np.ones((1, search_graph.lanes)), limits, bounds, False, ranking).run()
             spent += found.work
             if found.sums[..., 0].sum() > best.sums[..., 0].sum():
                 missing = np.maximum(upper - found.sums.sum(axis=0)[:, 0], 0.0)

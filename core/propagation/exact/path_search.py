@@ -157,16 +157,8 @@ class _States:
         return _States(self.entry[chosen], self.gain[chosen], self.value.take(chosen, axis=0), crossed, key)
 
 
-def search(
-    search_graph: SearchGraph,
-    starts: FloatArray,
-    limits: Limits,
-    bounds: WalkBounds,
-    merge: bool,
-    ranking: ArcRanking | None = None,
-    recrossings: bool = False,
-) -> SearchResult:
-    """Sum over all paths from the roots of the search graph to its listeners.
+class PathSearch:
+    """The sum over all paths from the roots of a search graph to its listeners, which `run` computes once.
 
     Args:
         search_graph: entries and steps.
@@ -177,11 +169,6 @@ def search(
         ranking: steps ranked by the same ``ahead`` as in the limits, which makes a search with a threshold faster where there are many.
         recrossings: collect the walks that are not continued because they cross a patch twice.
     """
-    return _Search(search_graph, starts, limits, bounds, merge, ranking, recrossings).run()
-
-
-class _Search:
-    """One search; the arguments are those of `search`."""
 
     def __init__(
         self,
@@ -190,8 +177,8 @@ class _Search:
         limits: Limits,
         bounds: WalkBounds,
         merge: bool,
-        ranking: ArcRanking | None,
-        recrossings: bool,
+        ranking: ArcRanking | None = None,
+        recrossings: bool = False,
     ) -> None:
         self._graph, self._limits, self._bounds, self._ranking = search_graph, limits, bounds, ranking
         self._least = limits.threshold * (1 - ROUNDING)

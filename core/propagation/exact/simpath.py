@@ -393,9 +393,7 @@ def _one_more(values: FloatArray) -> FloatArray:
 
 def _grown(values: FloatArray, rows: int) -> FloatArray:
     """A copy with zeros for new rows."""
-    result = np.zeros((rows, *values.shape[1:]))
-    result[: len(values)] = values
-    return result
+    return np.concatenate([values, np.zeros((rows - len(values), *values.shape[1:]))])
 
 
 def _add(values: FloatArray, moves: _Moves, terms: FloatArray) -> None:

@@ -17,7 +17,7 @@ from ..shortest_paths import ShortestPaths, shortest_paths
 from .bridge_decomposition import is_forest
 from .bridge_tree_sums import PathLimits, PathSums, bridge_tree_sums
 from .component_sums import ROUNDING
-from .path_search import ArcRanking, Limits, SearchResult, search
+from .path_search import ArcRanking, Limits, PathSearch, SearchResult
 from .search_graph import SearchGraph, build_search_graph
 from .walk_bounds import WalkBounds
 
@@ -93,7 +93,7 @@ def _search(search_graph: SearchGraph, limits: PathLimits, ahead: FloatArray, ro
     def found(tolerance: float, known: FloatArray) -> SearchResult:
         states = max(1, limits.budget // 4)
         chosen = Limits(limits.crossings, limits.threshold, ahead, tolerance, known, states, limits.budget)
-        return search(search_graph, np.ones((roots, search_graph.lanes)), chosen, bounds, False, ranking, recrossings)
+        return PathSearch(search_graph, np.ones((roots, search_graph.lanes)), chosen, bounds, False, ranking, recrossings).run()
 
     exact = found(0.0, np.zeros(search_graph.listeners))
     sums = exact.sums.sum(axis=0)[:, 0]

@@ -15,7 +15,7 @@ from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.best_path import crossings_of
 from haptic_tracing.core.propagation.connections import LARGEST
 from haptic_tracing.core.propagation.exact import PathLimits, simpath, sum_over_paths
-from haptic_tracing.core.propagation.exact.path_search import Limits, search
+from haptic_tracing.core.propagation.exact.path_search import Limits, PathSearch
 from haptic_tracing.core.propagation.exact.search_graph import build_search_graph
 from haptic_tracing.core.propagation.exact.walk_bounds import WalkBounds
 from haptic_tracing.core.scene.functions import Constant, Expression, Identity
@@ -91,7 +91,7 @@ def test_search_with_and_without_merging(seed, merge, crossings):
     roots, listeners = list(graph.sources[0].nodes), graph.listener_nodes.tolist()
     search_graph = build_search_graph(graph, entries, roots, listeners, contact_patches(graph))
     limits = Limits(crossings, 0.0, np.full(len(search_graph.nodes), math.inf), 0.0, np.zeros(len(listeners)), 10**6, 10**7)
-    found = search(search_graph, np.ones((len(roots), 1)), limits, WalkBounds(search_graph, crossings), merge)
+    found = PathSearch(search_graph, np.ones((len(roots), 1)), limits, WalkBounds(search_graph, crossings), merge).run()
     true = true_sums(graph, None if crossings == math.inf else 9)
     assert found.sums.sum(axis=0)[:, 0].tolist() == pytest.approx(true, rel=1e-12)
     assert found.missing.tolist() == [0.0] * len(listeners)
