@@ -55,8 +55,7 @@ def extreme_points(points: FloatArray, count: int) -> FloatArray:
     ring = np.sqrt(1 - z * z)
     directions = np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
     index = [np.argmax(part @ points.T, axis=1) for part in np.array_split(directions, max(1, count // 256))]
-    chosen: FloatArray = points[np.unique(np.concatenate(index))]
-    return chosen
+    return np.asarray(points[np.unique(np.concatenate(index))])
 
 
 def _farthest(offsets: FloatArray, count: int) -> IntArray:

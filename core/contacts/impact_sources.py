@@ -133,10 +133,8 @@ class ImpactSources:
 
     def places(self, transforms: FloatArray) -> tuple[IntArray, FloatArray]:
         """Return the bodies (2k,) of the k sources and the world positions (2k, 3) of the sources on them."""
-        if not self._sounding:
-            return np.zeros(0, dtype=np.int64), np.zeros((0, 3))
         bodies = np.array([sounding.impact.objects for sounding in self._sounding], dtype=np.int64).ravel()
-        local = np.concatenate([place for sounding in self._sounding for place in sounding.local]).reshape(-1, 3)
+        local = np.array([place for sounding in self._sounding for place in sounding.local]).reshape(-1, 3)
         placed = transforms[bodies]
         return bodies, (placed[:, :3, :3] * local[:, None]).sum(axis=2) + placed[:, :3, 3]
 

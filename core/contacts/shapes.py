@@ -97,8 +97,7 @@ class Shape:
 
     def local_bounds(self) -> FloatArray:
         """(2, 3) lowest and highest corner of the bounding box in local space, margin included."""
-        bounds: FloatArray = self.core_bounds() + np.array([[-self.margin], [self.margin]])
-        return bounds
+        return np.asarray(self.core_bounds() + np.array([[-self.margin], [self.margin]]))
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON form in scene files, without what has its default."""

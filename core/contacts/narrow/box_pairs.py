@@ -131,5 +131,4 @@ class BoxPairs:
             across = np.abs(way).argmax(axis=0) != COLUMN
             areas.append(np.where(across, half, 1.0).prod(axis=0))
             ratios.append(np.where(across, self._outline[:, body] / np.maximum(half, 1e-9), 1.0).prod(axis=0))
-        flatness: FloatArray = np.where(areas[0] <= areas[1], ratios[0], ratios[1])
-        return flatness
+        return np.asarray(np.where(areas[0] <= areas[1], ratios[0], ratios[1]))

@@ -13,7 +13,7 @@ from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind
 from .manifold import Patches, patches
 from .sections import directions, reach, section_area
-from .supporting_feature import FEW, MANY, Features
+from .supporting_feature import FEW, MANY, polygons
 
 _DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
 """Kinds whose supporting features are approximated by polygons with fewer corners."""
@@ -28,7 +28,6 @@ class CorePatches:
     def __init__(self, table: CoreTable, pairing: CorePairing) -> None:
         self._table = table
         self._pairing = pairing
-        self._features = Features(table)
 
     def patches(self, rows: CorePairs, separation: Separation) -> Patches:
         """Patches of rows of one group, their centres and corners in the world."""
@@ -65,7 +64,7 @@ class CorePatches:
         self, core: IntArray, triangle: IntArray | None, rotation: FloatArray, centre: FloatArray, direction: FloatArray
     ) -> tuple[FloatArray, BoolArray, BoolArray]:
         if triangle is None:
-            return self._features.polygons(core, rotation, centre, direction)
+            return polygons(self._table, core, rotation, centre, direction)
         corners = self._pairing.corners(core, triangle, rotation, centre)[:, np.minimum(np.arange(MANY), 2)]  # the last one repeated
         return corners, np.zeros(len(core), dtype=np.bool_), np.ones(len(core), dtype=np.bool_)
 

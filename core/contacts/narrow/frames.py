@@ -40,14 +40,11 @@ def turned_back(rotation: FloatArray, vector: FloatArray) -> FloatArray:
     return turned(rotation.transpose(1, 0, 2), vector)
 
 
-def product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Products of matrices (3, 3, n)."""
-    return turned(a, b)
+product = turned
+"""Products of matrices (3, 3, n)."""
 
-
-def relative(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Rotations (3, 3, n) of ``b`` in the frames of ``a``."""
-    return turned_back(a, b)
+relative = turned_back
+"""Rotations (3, 3, n) of the second in the frames of the first."""
 
 
 def relative_pose(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -27,63 +27,58 @@ _SQUARE = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])[:, :, None]
 _UP = np.array([[0.0], [0.0], [1.0]])
 
 
-class Features:
-    """Polygons of the cores of a table."""
+def polygons(
+    table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatArray, direction: FloatArray
+) -> tuple[FloatArray, BoolArray, BoolArray]:
+    """The features of cores (n,) placed in the world in ``direction`` (3, n): corners (3, ``MANY``, n), the last one
+    repeated; which have more than ``FEW`` (n,); which are wider than a line (n,)."""
+    count = len(core)
+    corners = np.empty((3, MANY, count))
+    many = np.zeros(count, dtype=np.bool_)
+    wide = np.ones(count, dtype=np.bool_)
+    kind = table.kind[core]
+    local = turned_back(rotation, direction)
+    for value in np.unique(kind).tolist():
+        rows = np.flatnonzero(kind == value)
+        towards, outline = local[:, rows], table.outline[:, core[rows]]
+        match Kind(value):
+            case Kind.BOX:
+                corners[:, :FEW, rows] = box_face(towards, outline)
+            case Kind.SEGMENT:
+                corners[:, :FEW, rows] = _line(np.zeros_like(towards), _UP * outline[2], towards)
+                wide[rows] = False
+            case Kind.CYLINDER:
+                flat = np.abs(towards[2]) >= np.hypot(towards[0], towards[1])
+                corners[..., rows] = _end(outline, np.where(towards[2] < 0, -1.0, 1.0) * outline[2], towards)
+                side = _radial(towards) * outline[0]
+                corners[:, :FEW, rows[~flat]] = _line(side, _UP * outline[2], towards)[..., ~flat]
+                many[rows] = wide[rows] = flat
+            case Kind.CONE:
+                flat, line = _cone(towards, outline)
+                corners[..., rows] = _end(outline, -outline[2], towards)
+                corners[:, :FEW, rows[~flat]] = line[..., ~flat]
+                many[rows] = wide[rows] = flat
+            case Kind.HULL:
+                for alike, (normals, faces) in _by_hull(table, core[rows]):
+                    face = faces[(normals @ towards[:, alike]).argmax(axis=0)].transpose(2, 1, 0)
+                    corners[:, : face.shape[1], rows[alike]] = face
+                    many[rows[alike]] = face.shape[1] > FEW
+            case _:
+                wide[rows] = False
+                corners[..., rows] = 0.0
+    few = np.flatnonzero(~many)
+    corners[:, FEW:, few] = corners[:, FEW - 1 : FEW, few]
+    return turned(rotation, corners) + centre[:, None], many, wide
 
-    def __init__(self, table: CoreTable) -> None:
-        self._table = table
 
-    def polygons(
-        self, core: IntArray, rotation: FloatArray, centre: FloatArray, direction: FloatArray
-    ) -> tuple[FloatArray, BoolArray, BoolArray]:
-        """The features of cores (n,) placed in the world in ``direction`` (3, n): corners (3, ``MANY``, n), the last one
-        repeated; which have more than ``FEW`` (n,); which are wider than a line (n,)."""
-        count = len(core)
-        corners = np.empty((3, MANY, count))
-        many = np.zeros(count, dtype=np.bool_)
-        wide = np.ones(count, dtype=np.bool_)
-        kind = self._table.kind[core]
-        local = turned_back(rotation, direction)
-        for value in np.unique(kind).tolist():
-            rows = np.flatnonzero(kind == value)
-            towards, outline = local[:, rows], self._table.outline[:, core[rows]]
-            match Kind(value):
-                case Kind.BOX:
-                    corners[:, :FEW, rows] = box_face(towards, outline)
-                case Kind.SEGMENT:
-                    corners[:, :FEW, rows] = _line(np.zeros_like(towards), _UP * outline[2], towards)
-                    wide[rows] = False
-                case Kind.CYLINDER:
-                    flat = np.abs(towards[2]) >= np.hypot(towards[0], towards[1])
-                    corners[..., rows] = _end(outline, np.where(towards[2] < 0, -1.0, 1.0) * outline[2], towards)
-                    side = _radial(towards) * outline[0]
-                    corners[:, :FEW, rows[~flat]] = _line(side, _UP * outline[2], towards)[..., ~flat]
-                    many[rows] = wide[rows] = flat
-                case Kind.CONE:
-                    flat, line = _cone(towards, outline)
-                    corners[..., rows] = _end(outline, -outline[2], towards)
-                    corners[:, :FEW, rows[~flat]] = line[..., ~flat]
-                    many[rows] = wide[rows] = flat
-                case Kind.HULL:
-                    for alike, (normals, faces) in self._by_hull(core[rows]):
-                        face = faces[(normals @ towards[:, alike]).argmax(axis=0)].transpose(2, 1, 0)
-                        corners[:, : face.shape[1], rows[alike]] = face
-                        many[rows[alike]] = face.shape[1] > FEW
-                case _:
-                    wide[rows] = False
-                    corners[..., rows] = 0.0
-        few = np.flatnonzero(~many)
-        corners[:, FEW:, few] = corners[:, FEW - 1 : FEW, few]
-        return turned(rotation, corners) + centre[:, None], many, wide
-
-    def _by_hull(self, cores: IntArray) -> list[tuple[IntArray, tuple[FloatArray, FloatArray]]]:
-        """Rows of hulls that are the same, as equal bodies have them, and normals and corners of their faces."""
-        alike: dict[Hull, list[int]] = {}
-        for row, core in enumerate(cores.tolist()):
-            hull = self._table.cores[core].sharp_hull
-            assert hull is not None
-            alike.setdefault(hull, []).append(row)
-        return [(np.array(rows), merged_faces(hull)) for hull, rows in alike.items()]
+def _by_hull(table: CoreTable, cores: IntArray) -> list[tuple[IntArray, tuple[FloatArray, FloatArray]]]:
+    """Rows of hulls that are the same, as equal bodies have them, and normals and corners of their faces."""
+    alike: dict[Hull, list[int]] = {}
+    for row, core in enumerate(cores.tolist()):
+        hull = table.cores[core].sharp_hull
+        assert hull is not None
+        alike.setdefault(hull, []).append(row)
+    return [(np.array(rows), merged_faces(hull)) for hull, rows in alike.items()]
 
 
 @lru_cache(4096)
