@@ -7,7 +7,7 @@ import re
 import secrets
 import shutil
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
@@ -78,14 +78,13 @@ class Staging:
     def __init__(self, folder: Path, target: Path) -> None:
         self.folder, self._target = folder, target
 
-    def targets(self, files: Iterable[Path]) -> list[Path]:
+    def targets(self, files: Collection[Path]) -> list[Path]:
         """The final paths of the files."""
         return [self._target / path.relative_to(self.folder) for path in files]
 
-    def commit(self, files: Iterable[Path]) -> None:
+    def commit(self, files: Collection[Path]) -> None:
         """Move the files to their places, in this order; each replaces an existing file."""
-        for path in files:
-            target = self._target / path.relative_to(self.folder)
+        for path, target in zip(files, self.targets(files), strict=True):
             target.parent.mkdir(parents=True, exist_ok=True)
             path.replace(target)
 

@@ -140,7 +140,7 @@ def _reason(error: Any) -> tuple[str | None, str]:
             return next(key for key in value if key not in known), "unknown key; known are " + ", ".join(known)
         case "type":
             wanted = limit if isinstance(limit, str) else " or ".join(limit)
-            return None, f"must be {_article(wanted)}, got {_shown(value)}"
+            return None, f"must be {'an' if wanted[0] in 'aio' else 'a'} {wanted}, got {_shown(value)}"
         case "const" | "enum":
             choices = limit if rule == "enum" else [limit]
             return None, f"must be {' or '.join(json.dumps(choice) for choice in choices)}, got {_shown(value)}"
@@ -157,10 +157,6 @@ def _reason(error: Any) -> tuple[str | None, str]:
             return None, "does not belong here"
         case _:
             return None, error.message.removeprefix(error.name or "").strip()
-
-
-def _article(kind: str) -> str:
-    return f"an {kind}" if kind[0] in "aio" else f"a {kind}"
 
 
 def _shown(value: Any) -> str:

@@ -10,7 +10,6 @@ planes: the first byte of each, then the second of each. The result is compresse
 from __future__ import annotations
 
 import base64
-import binascii
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -123,7 +122,7 @@ def decoded(text: str, count: int) -> IntArray:
     """The table (count, 7) of a text. Raises ValueError."""
     try:
         data = base64.b64decode(text, validate=True)
-    except (binascii.Error, ValueError):
+    except ValueError:
         raise ValueError("is not base64") from None
     size = 7 * 8 * count
     unpacker = zlib.decompressobj()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import binascii
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -81,7 +80,7 @@ def _inline(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
     for i, listener in enumerate(form["listeners"]):
         try:
             data = base64.b64decode(listener["samples"], validate=True)
-        except (binascii.Error, ValueError):
+        except ValueError:
             raise FormatError(file, f"/tracks/listeners/{i}/samples", "is not base64") from None
         if len(data) % kind.itemsize or (rows and len(data) != rows[0].nbytes):
             raise FormatError(file, f"/tracks/listeners/{i}/samples", f"{len(data)} bytes are no whole samples or not as many as others")

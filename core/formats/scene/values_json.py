@@ -27,7 +27,7 @@ T = TypeVar("T")
 def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) -> T:
     """``make`` with the members of ``form`` as arguments: some converted by `_READERS`, other lists as tuples."""
     members = {key: _READERS[key](value, (*place, key)) if key in _READERS else value for key, value in form.items()}
-    return _placed(lambda: make(**{key: tuple(v) if isinstance(v, list) else v for key, v in members.items()}), form, place)
+    return _placed(lambda _: make(**{key: tuple(v) if isinstance(v, list) else v for key, v in members.items()}), form, place)
 
 
 read_contact = partial(read_value, Contact)
@@ -48,14 +48,22 @@ def read_function(
     form: Mapping[str, Any], place: Place, functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS
 ) -> ModulationFunction:
     """A propagation function, or another one of ``functions``."""
-    return _placed(lambda: function_from_dict(form, functions), form, place)
+    return _placed(partial(function_from_dict, functions=functions), form, place)
 
 
-def _read_form(make: Callable[[Any], T], form: Mapping[str, Any], place: Place) -> T:
-    return _placed(lambda: make(form), form, place)
+def _placed(make: Callable[[Any], T], form: Mapping[str, Any], place: Place) -> T:
+    """What ``make`` returns for ``form``; its ValueError ``key: reason`` or ``key/key: reason`` becomes an error at that key of it."""
+    try:
+        return make(form)
+    except PlacedError:
+        raise
+    except ValueError as error:
+        keys, _, reason = str(error).partition(": ")
+        parts = keys.removeprefix("/").split("/")
+        raise PlacedError((*place, *parts) if parts[0] in form else place, reason or keys) from None
 
 
-_read_signal = partial(_read_form, signal_from_dict)
+_read_signal = partial(_placed, signal_from_dict)
 
 
 def _read_template(form: Any, place: Place) -> Any:
@@ -93,7 +101,7 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
     "normal": _read_normal,
     "pose": partial(read_value, Pose),
     "propagation": read_function,
-    "shape": partial(_read_form, shape_from_dict),
+    "shape": partial(_placed, shape_from_dict),
     "signal": _read_signal,
     "template": _read_template,
     "textures": partial(_read_table, Texture),
@@ -102,18 +110,6 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
     "triggers": read_triggers,
 }
 """Readers of the members of items, by the name of the member, which means the same in every item."""
-
-
-def _placed(make: Callable[[], T], form: Mapping[str, Any], place: Place) -> T:
-    """What ``make`` returns; its ValueError ``key: reason`` or ``key/key: reason`` becomes an error at that key of ``form``."""
-    try:
-        return make()
-    except PlacedError:
-        raise
-    except ValueError as error:
-        keys, _, reason = str(error).partition(": ")
-        parts = keys.removeprefix("/").split("/")
-        raise PlacedError((*place, *parts) if parts[0] in form else place, reason or keys) from None
 
 
 def item_to_dict(item: Any) -> dict[str, Any]:

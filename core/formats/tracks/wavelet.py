@@ -8,7 +8,6 @@ biorthogonal 9/7 filters (Cohen, Daubechies and Feauveau, 1992) with symmetric e
 from __future__ import annotations
 
 import base64
-import binascii
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -88,7 +87,7 @@ def _bits(text: str) -> bytes:
     """The bits of a base64 text without padding, one per byte. Raises ValueError."""
     try:
         data = base64.b64decode(text + "=" * (-len(text) % 4), validate=True) if len(text) % 4 != 1 else base64.b64decode(text + "A==")
-    except (binascii.Error, ValueError):
+    except ValueError:
         raise ValueError("wavelet_stream is not base64") from None
     return np.unpackbits(np.frombuffer(data, dtype=np.uint8)).tobytes()
 

@@ -75,8 +75,7 @@ def encoded(samples: FloatArray) -> NDArray[np.uint8]:
     """Samples within ±1 as bytes: 128 is 0, steps grow with the logarithm of 1 + 255 |x| (the µ-law of ITU-T G.711, without its
     segments)."""
     cut = np.clip(samples, -1.0, 1.0)
-    codes: NDArray[np.uint8] = np.rint(128 + _STEPS * np.sign(cut) * np.log1p(_LAW * np.abs(cut)) / np.log1p(_LAW)).astype(np.uint8)
-    return codes
+    return np.asarray(np.rint(128 + _STEPS * np.sign(cut) * np.log1p(_LAW * np.abs(cut)) / np.log1p(_LAW)), dtype=np.uint8)
 
 
 def decoded(codes: NDArray[np.uint8]) -> FloatArray:
