@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 from bpy.props import CollectionProperty
-from bpy.types import Context, PropertyGroup
+from bpy.types import PropertyGroup
 
 from ..changes.events import device_adjusted, preview_volume_changed
 from ..changes.revisions import mark_actuators
 from .callbacks import updating
 from .kinds import limited, share, switch, text
-
-
-def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
-    mark_actuators()
-
-
-def _volume_changed(self: HapticLiveOutputProperties, context: Context) -> None:
-    preview_volume_changed(self.preview_volume)
 
 
 @updating(lambda device, context: device_adjusted(device))
@@ -48,7 +40,9 @@ class HapticLiveOutputProperties(PropertyGroup):
         "Sound Cards Too",
         "Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
     )
-    preview_volume: share("Volume", "How loud listeners are heard", 0.5, update=_volume_changed)
+    preview_volume: share(
+        "Volume", "How loud listeners are heard", 0.5, update=lambda output, context: preview_volume_changed(output.preview_volume)
+    )
 
 
 class HapticActuatorProperties(PropertyGroup):
@@ -57,5 +51,5 @@ class HapticActuatorProperties(PropertyGroup):
     actuators: text(
         "Actuators",
         "Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons",
-        update=_actuators_chosen,
+        update=lambda *_: mark_actuators(),
     )

@@ -13,8 +13,7 @@ _GIZMO_WIDTH = 110.0  # points of the navigation gizmo and its buttons at the up
 
 def pixels_per_point(context: Context) -> float:
     """Scale of all drawing over viewports: that of the user interface, and the user's."""
-    scale: float = context.preferences.system.ui_scale * preferences().overlay_size
-    return scale
+    return float(context.preferences.system.ui_scale * preferences().overlay_size)
 
 
 def free_rectangle(context: Context) -> Rectangle:

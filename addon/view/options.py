@@ -11,22 +11,16 @@ from .watched import active_name, watched
 
 
 def options_of(scene: Scene, result: FrameResult) -> Options:
-    """The scene's options, with the selected sources and listeners."""
-    haptics = scene.haptics
+    """The scene's options, with the selected sources and listeners, and the chosen row of the panel Path highlighted."""
+    haptics, listener, active = scene.haptics, watched(scene), active_name()
     return Options(
         show_intra=haptics.show_intra,
         show_best_paths=haptics.show_best_paths,
         show_labels=haptics.show_labels,
         sources=frozenset(source.name for source in result.sources if _is_selected(source.name)),
         listeners=frozenset(listener.name for listener in result.listeners if _is_selected(listener.name)),
-        highlight=_highlight(scene, result),
+        highlight=(listener, active) if listener and active in result.objects else None,
     )
-
-
-def _highlight(scene: Scene, result: FrameResult) -> tuple[str, str] | None:
-    """The watched listener and the active object, the chosen row of the panel Path."""
-    listener, active = watched(scene), active_name()
-    return (listener, active) if listener and active in result.objects else None
 
 
 def _is_selected(full_name: str) -> bool:

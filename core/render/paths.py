@@ -92,8 +92,7 @@ class DelayedPaths:
 
     def summed(self) -> FloatArray:
         """Return the sum over voices, shape (n_listeners, n)."""
-        total: FloatArray = self._voices.sum(axis=0)
-        return total
+        return np.asarray(self._voices.sum(axis=0))
 
     def at_listeners(self, listeners: list[int]) -> FloatArray:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
