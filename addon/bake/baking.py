@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from contextlib import closing
 
-import bpy
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Scene
 
 from ..blender.job import Job, Report
@@ -16,8 +16,6 @@ from ..session import timeline
 from . import curves, sound, storage
 from .playback import play, wanted_range
 from .track import TrackRecorder, check_size
-
-_rpt = bpy.app.translations.pgettext_rpt
 
 
 def bake_job(scene: Scene) -> Job:

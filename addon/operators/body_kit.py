@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import bpy
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import EnumProperty
 from bpy.types import Context, Object, Operator
 
@@ -11,8 +11,6 @@ from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import SOLID_TYPES, UNDO, OnActive, OnSelected, editable
 from ..scene_reader.roles import haptic_carrier
-
-_rpt = bpy.app.translations.pgettext_rpt
 
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import bpy
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
@@ -11,8 +11,6 @@ from ..blender.polling import UNDO, Action, Refused
 from ..live_output import outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
-
-_rpt = bpy.app.translations.pgettext_rpt
 
 _AUTOMATIC, _NONE = "AUTOMATIC", "NONE"
 _items: list[tuple[str, str, str, str, int]] = []  # Blender keeps no copy of dynamic items

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import bpy
+from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
@@ -14,8 +14,6 @@ from ..blender.polling import OnActive, permitted
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
 from ..scene_reader import imported
-
-_rpt = bpy.app.translations.pgettext_rpt
 
 
 class _OnDrawing(OnActive):

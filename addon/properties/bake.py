@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from bpy.props import CollectionProperty, IntProperty, PointerProperty
-from bpy.types import PropertyGroup, Sound, Text
+from bpy.types import Context, PropertyGroup, Sound, Text
 
 from ..changes.events import track_switched
 from .kinds import number, switch, text
+
+
+def _played_otherwise(self: PropertyGroup, context: Context) -> None:
+    track_switched(context.scene)
 
 
 class HapticTake(PropertyGroup):
@@ -28,7 +32,7 @@ class HapticBakeProperties(PropertyGroup):
         "Play Baked Track",
         "While the timeline plays, read what is felt from the baked track instead of tracing",
         True,
-        update=lambda bake, context: track_switched(context.scene),
+        update=_played_otherwise,
     )
     use_range: switch("Custom Range", "Bake these frames instead of the scene's frame range")
     frame_start: IntProperty(name="Start", description="First frame to bake", default=1, min=-1048574, max=1048574)

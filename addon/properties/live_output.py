@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from bpy.props import CollectionProperty
-from bpy.types import PropertyGroup
+from bpy.types import Context, PropertyGroup
 
 from ..changes.events import device_adjusted, preview_volume_changed
 from ..changes.revisions import mark_actuators
 from .callbacks import updating
 from .kinds import limited, share, switch, text
+
+
+def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
+    mark_actuators()
+
+
+def _volume_changed(self: HapticLiveOutputProperties, context: Context) -> None:
+    preview_volume_changed(self.preview_volume)
 
 
 @updating(lambda device, context: device_adjusted(device))
@@ -40,9 +48,7 @@ class HapticLiveOutputProperties(PropertyGroup):
         "Sound Cards Too",
         "Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
     )
-    preview_volume: share(
-        "Volume", "How loud listeners are heard", 0.5, update=lambda output, context: preview_volume_changed(output.preview_volume)
-    )
+    preview_volume: share("Volume", "How loud listeners are heard", 0.5, update=_volume_changed)
 
 
 class HapticActuatorProperties(PropertyGroup):
@@ -51,5 +57,5 @@ class HapticActuatorProperties(PropertyGroup):
     actuators: text(
         "Actuators",
         "Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons",
-        update=lambda *_: mark_actuators(),
+        update=_actuators_chosen,
     )

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import bpy
-
-_rpt = bpy.app.translations.pgettext_rpt
+from bpy.app.translations import pgettext_rpt as _rpt
 
 
 @dataclass(frozen=True, slots=True)

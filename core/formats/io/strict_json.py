@@ -11,6 +11,7 @@ import json
 import re
 import zlib
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -41,11 +42,8 @@ def read_bytes(path: Path, max_bytes: int = MAX_BYTES) -> bytes:
     """
     with path.open("rb") as file:
         try:
-            if path.suffix.lower() == ".gz":
-                with gzip.open(file) as unpacked:
-                    data = _read_up_to(unpacked, max_bytes + 1)
-            else:
-                data = _read_up_to(file, max_bytes + 1)
+            with gzip.open(file) if path.suffix.lower() == ".gz" else nullcontext(file) as unpacked:
+                data = _read_up_to(unpacked, max_bytes + 1)
         except (gzip.BadGzipFile, EOFError, zlib.error) as error:
             raise FormatError(path, "/", f"not a whole gzip file: {error}") from None
     if len(data) > max_bytes:

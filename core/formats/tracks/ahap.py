@@ -24,7 +24,7 @@ from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
 from ...signals.keys import needed_keys
 from ..io.atomic import write_text
 from ..io.error import FormatError, errors_in
-from ..io.json_text import compact
+from ..io.json_text import compact, json_points
 from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
 from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
@@ -144,10 +144,7 @@ def _curves(name: str, times: FloatArray, values: FloatArray) -> Iterator[dict[s
     """Curves of at most 16 points, each starting with the last point of the one before. Times of points are relative to their curve."""
     for first in range(0, max(len(times) - 1, 1), MOST_POINTS - 1):
         part = slice(first, first + MOST_POINTS)
-        points = [
-            {"Time": time, "ParameterValue": value}
-            for time, value in zip((times[part] - times[first]).round(6).tolist(), values[part].round(4).tolist(), strict=True)
-        ]
+        points = json_points("Time", "ParameterValue", (times[part] - times[first]).round(6), values[part].round(4))
         yield {"ParameterCurve": {"ParameterID": name, "Time": round(float(times[first]), 6), "ParameterCurveControlPoints": points}}
 
 

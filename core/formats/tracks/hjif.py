@@ -126,7 +126,8 @@ def _channel(
     if options["transients"]:
         row, transients = without_transients(row, listener.impacts, 1 / TIMESCALE)
     separator = ""
-    with _Bands(row, options["error"]) as bands:
+    with ExitStack() as files:
+        bands = _Bands(row, options["error"], files)
         bands.fit(original, number, transients, measured)
         for text in bands.texts():
             yield separator
@@ -138,19 +139,12 @@ def _channel(
 
 
 class _Bands:
-    """The vectorial bands of a channel, whose effects are written to temporary files while the signal is fitted."""
+    """The vectorial bands of a channel, whose effects are written to temporary ``files`` while the signal is fitted."""
 
-    def __init__(self, row: Row, error: float) -> None:
-        self._row = row
+    def __init__(self, row: Row, error: float, files: ExitStack) -> None:
+        self._row, self._files = row, files
         self._fit = Fit(error=error, lowest=1, highest=HIGHEST, frequency_step=1, time_step=1 / TIMESCALE, signed=True)
-        self._files = ExitStack()
         self._bands: dict[int, _BandFile] = {}
-
-    def __enter__(self) -> _Bands:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._files.close()
 
     def fit(self, original: Row, listener: int, transients: FloatArray, measured: Comparison) -> None:
         """Fit the signal; the written carriers are compared with the ``original``."""
@@ -169,8 +163,7 @@ class _Bands:
 
     def texts(self) -> Iterator[Iterator[str]]:
         """The JSON text of each band in pieces."""
-        for _, band in sorted(self._bands.items()):
-            yield band.text()
+        return (band.text() for _, band in sorted(self._bands.items()))
 
     def _band(self, group: int) -> _BandFile:
         if group not in self._bands:
