@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,10 +50,8 @@ class SoundCard:
     rate: int
     actuators: tuple[Actuator, ...]
 
-    @property
-    def plays_frequency(self) -> bool:
-        """True: samples carry all frequencies."""
-        return True
+    plays_frequency: ClassVar[bool] = True
+    """Samples carry all frequencies."""
 
 
 def sound_module() -> Any:
@@ -172,9 +170,7 @@ class SoundCardWriter(ThreadedOutput):
             self._sent = None
             self._resampler.reset()
 
-    def rest(self) -> None:
-        """Silence the card, which needs no release."""
-        self.silence()
+    rest = silence  # a card needs no release
 
     def request_stop(self) -> None:
         """Begin to stop, without waiting."""

@@ -6,6 +6,7 @@ import gzip
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -88,12 +89,9 @@ def write_scene(scene: HapticScene, path: str | Path) -> None:
 
 def write_document(document: Mapping[str, Any], path: str | Path) -> None:
     """Write a scene's document in one step, one list item per line. The same document gives the same bytes."""
-    with atomic_file(path) as file:
-        if Path(path).suffix.lower() == ".gz":
-            with gzip.GzipFile(filename="", mode="wb", fileobj=file, mtime=0) as packed:
-                packed.writelines(line.encode("utf-8") for line in _lines(document))
-        else:
-            file.writelines(line.encode("utf-8") for line in _lines(document))
+    is_packed = Path(path).suffix.lower() == ".gz"
+    with atomic_file(path) as file, gzip.GzipFile("", "wb", fileobj=file, mtime=0) if is_packed else nullcontext(file) as written:
+        written.writelines(line.encode("utf-8") for line in _lines(document))
 
 
 def scene_from_dict(document: Any, file: str | Path) -> HapticScene:
