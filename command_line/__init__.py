@@ -25,9 +25,14 @@ _interrupts: list[int] = []
 
 
 def note_interrupts() -> None:
-    """Note each Ctrl-C. Blender drops the KeyboardInterrupt where it has called a handler, and the command then lacks a result."""
+    """Note each Ctrl-C. Blender drops the KeyboardInterrupt where it has called a handler: the command would lack a result, or go on."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _note)
+
+
+def was_interrupted() -> bool:
+    """Whether there was a Ctrl-C since `note_interrupts`."""
+    return bool(_interrupts)
 
 
 def _note(number: int, frame: FrameType | None) -> None:
@@ -99,7 +104,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         reason = f"{error.filename}: {error.strerror}" if error.filename is not None and error.strerror else str(error)
     except ValueError as error:
         reason = str(error)
-    if _interrupts:
+    if was_interrupted():
         return INTERRUPTED
     print(one_line(reason), file=sys.stderr)
     return BAD_INPUT

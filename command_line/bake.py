@@ -7,7 +7,6 @@ import argparse
 from pathlib import Path
 
 from bpy.types import Scene
-from tqdm import tqdm
 
 from ..addon.io.capture import Capture
 from ..addon.session import session
@@ -16,6 +15,7 @@ from ..core.formats.export import Export
 from ..core.scene.values import Mode
 from . import say
 from .export import chosen_formats, chosen_options
+from .frame_bar import frame_bar
 from .part import write_part_of
 from .setting import assign
 from .silence import silent_listeners
@@ -60,10 +60,10 @@ def _bake(scene: Scene, name: str, frames: tuple[int, int], recorded: bool) -> E
     """The tracks of a range in the scene's mode; ``recorded``: with the scene itself. Prints why a listener feels nothing."""
     work, own = Capture(scene, *frames, recorded, felt=True), session.of(scene)
     result, settings = None, None
-    with tqdm(total=work.frames, desc=name, unit="frame") as bar:
+    with frame_bar(work.frames, name) as advance:
         for _ in work.steps():
             result, settings = own.result, own.reading.settings if own.reading is not None else None
-            bar.update()
+            advance()
     export = work.export(name)
     if export.tracks is not None and result is not None and settings is not None:
         say(f"{name}: {words}" for words in silent_listeners(export.tracks, result, settings))

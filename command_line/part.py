@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from bpy.types import Scene
-from tqdm import tqdm
 
 from ..addon.session import session, timeline
 from ..core.formats.io.error import FormatError
+from .frame_bar import frame_bar
 from .part_file import HeardFrame, Origin, Part, checksum_of, programs, read_part, write_part
 
 
@@ -50,7 +50,7 @@ def _baked(scene: Scene, origin: Origin, number: int, start: int) -> Part:
     first, last = origin.range_of(number)
     before, heard, rate = "", [], 0.0
     own = session.of(scene)
-    with tqdm(total=last - start + 1, desc=origin.title(number), unit="frame") as bar:
+    with frame_bar(last - start + 1, origin.title(number)) as advance:
         for step in timeline.steps(scene, start, last, looks_back=False):
             if not step.result.listeners:
                 raise ValueError("there is no listener: add one to feel something")
@@ -60,5 +60,5 @@ def _baked(scene: Scene, origin: Origin, number: int, start: int) -> Part:
                 heard.append(HeardFrame.of(step.result))
                 rate = step.result.sample_rate
             after = own.tracer.checksum() if step.result.number == last else ""
-            bar.update()
+            advance()
     return Part(origin, number, rate, before, after, tuple(heard))

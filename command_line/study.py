@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 
 from bpy.types import Scene
-from tqdm import tqdm
 
 from ..addon.changes.suspension import suspended
 from ..core.formats.tracks.wav import write_wav
@@ -19,6 +18,7 @@ from ..study.rendition import Ride
 from ..study.report import write_numbers, write_report
 from ..study.sensitivity import variations
 from ..study.side_by_side import TITLES
+from .frame_bar import frame_bar
 from .trace import start_blender
 
 NAME = "mine_ride"
@@ -34,8 +34,8 @@ def run(args: argparse.Namespace) -> int:
         scene = build_sample(NAME)
     args.out.mkdir(parents=True, exist_ok=True)
     notes = []
-    with tqdm(total=last - first + 1, desc="Tracing", unit="frame") as bar:
-        ride, varied = baking.bake_ride(scene, first, last, lambda frame: bar.update(), variations() if args.sensitivity else ())
+    with frame_bar(last - first + 1, "Tracing") as advance:
+        ride, varied = baking.bake_ride(scene, first, last, lambda frame: advance(), variations() if args.sensitivity else ())
     checks = checks_of(ride)
     pictures = {}
     if args.pictures > 0 and starts_gpu():
@@ -65,8 +65,8 @@ def _other_materials(scene: Scene, first: int, last: int) -> dict[str, Ride]:
     rides = {}
     for way in physical_scenes.WAYS[1:]:
         physical_scenes.make(scene, way)
-        with tqdm(total=last - first + 1, desc=f"With {TITLES[way]}", unit="frame") as bar:
-            rides[way], _ = baking.bake_ride(scene, first, last, lambda frame: bar.update())
+        with frame_bar(last - first + 1, f"With {TITLES[way]}") as advance:
+            rides[way], _ = baking.bake_ride(scene, first, last, lambda frame: advance())
     return rides
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 from bpy.types import Scene
-from tqdm import tqdm
 
 from .. import register, unregister
 from ..addon.changes.suspension import suspended
@@ -24,6 +23,7 @@ from ..core.render.frame_result import FrameResult
 from ..core.render.masking import felt_sources, shown_sounding
 from ..pictures.picture import draw_picture
 from . import note_interrupts, temporary_folder
+from .frame_bar import frame_bar
 from .playing import ImpactFelt, Played, play
 
 
@@ -63,12 +63,12 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     end = scene.frame_end if args.end is None else args.end
     args.out.mkdir(parents=True, exist_ok=True)
     capture, own = Capture(scene, start, end, recorded=args.whole, felt=False), session.of(scene)
-    with tqdm(total=max(end - start + 1, 0), desc="Tracing", unit="frame") as bar:
+    with frame_bar(max(end - start + 1, 0), "Tracing") as advance:
 
         def played_frame(frame: int) -> None:
             if args.whole and own.result is not None:
                 capture.add(own.result)
-            bar.update()
+            advance()
 
         played = play(scene, start, end, played_frame)
 

@@ -25,7 +25,10 @@ def test_nothing_is_left_by_a_command_that_a_farm_or_a_user_ends(falling, tmp_pa
         pass
     assert any(tmp_path.iterdir())
     process.send_signal(sent)
-    _, errors = process.communicate()
+    try:
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert process.returncode == code
     assert "Nothing is tagged" not in errors, "what an interrupted frame lacks is no mistake of the file"
     assert not any(tmp_path.iterdir())
@@ -35,6 +38,6 @@ def test_nothing_is_left_by_a_command_that_a_farm_or_a_user_ends(falling, tmp_pa
 def test_nothing_is_left_by_a_variant_of_a_sweep_that_went_away(tmp_path):
     process = started(tmp_path, "haptic_tracing.command_line.sweep.task", stdin=subprocess.PIPE)
     process.stdin.write(json.dumps({}) + "\n")
-    process.communicate()
+    process.communicate(timeout=120)
     assert process.returncode == 1
     assert not any(tmp_path.iterdir())
