@@ -5,6 +5,7 @@ import json
 import signal
 import subprocess
 import sys
+from functools import partial
 
 import pytest
 from program import environment
@@ -20,7 +21,8 @@ def started(folder, *arguments, **more):
 @pytest.mark.parametrize(("sent", "code"), [(signal.SIGTERM, -signal.SIGTERM), (signal.SIGINT, 130)])
 def test_nothing_is_left_by_a_command_that_a_farm_or_a_user_ends(falling, tmp_path, sent, code):
     out = tmp_path.with_name(f"{tmp_path.name} out")
-    process = started(tmp_path, "haptic_tracing", "trace", falling / "hammer.blend", "--end", 1_000_000, "--out", out)
+    heeded = partial(signal.signal, sent, signal.SIG_DFL)  # a shell starts what it runs in the background with SIGINT ignored
+    process = started(tmp_path, "haptic_tracing", "trace", falling / "hammer.blend", "--end", 1_000_000, "--out", out, preexec_fn=heeded)
     while process.stderr.read(1) not in ("", "%"):  # the bar of progress shows that frames are traced
         pass
     assert any(tmp_path.iterdir())
