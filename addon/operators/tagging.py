@@ -11,7 +11,6 @@ from bpy.types import Context, Object, Operator, Scene
 from ...core.scene.materials import is_wide_and_flat
 from ..authoring import materials
 from ..authoring.signals import signal_for
-from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
 from ..blender.polling import SOLID_TYPES, UNDO, Edit, OnActive, OnSelected, Refused, editable, linked_message
 from ..blender.progress import progress
 from ..changes.suspension import suspended
@@ -56,8 +55,7 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
     new = [obj for obj in objects if obj.rigid_body is None and obj.type == "MESH"]
     if not new:
         return
-    if THREADS_ENDANGER_SCRIPTS:
-        session.make_way(worker.MOMENT)
+    session.make_way(worker.MOMENT)
     with suspended(), context.temp_override(object=new[0], active_object=new[0], selected_objects=new[:1]):
         bpy.ops.rigidbody.object_add()  # and the scene's Rigid Body World if it is missing
     world = context.scene.rigidbody_world

@@ -14,7 +14,6 @@ from bpy.types import Depsgraph, Scene
 
 from ..bake import playback
 from ..blender import job
-from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
 from ..blender.handlers import Handlers
 from ..blender.time import is_playing
 from ..changes import events
@@ -150,7 +149,7 @@ def _is_ready(scene: Scene) -> bool:
 
 def _make_way(seconds: float) -> None:
     """If a script has called the handler that calls this, end the worker's jobs where they endanger what the script does next."""
-    if THREADS_ENDANGER_SCRIPTS and sys._getframe(1).f_back is not None and is_loaded(session):
+    if sys._getframe(1).f_back is not None and is_loaded(session):
         session.make_way(seconds)
 
 

@@ -19,6 +19,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.render.mixdown import block_of
 from ...core.tracer import Frame, Tracer
+from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
 from ..blender.time import frame_seconds, is_playing, seconds_of
 from ..changes import revisions
 from ..changes.events import file_changed
@@ -173,9 +174,9 @@ def give_up(resume: bool = False) -> None:
 
 
 def make_way(seconds: float) -> None:
-    """End the worker's jobs before a script goes on, see `THREADS_ENDANGER_SCRIPTS`. In an interactive session, those that take longer than
+    """End the worker's jobs before a script goes on, if `THREADS_ENDANGER_SCRIPTS`. In an interactive session, those that take longer than
     ``seconds`` are cancelled and resumed after the script, or when their result is asked for."""
-    if not worker.end_within(seconds if worker.is_interactive() else None):
+    if THREADS_ENDANGER_SCRIPTS and not worker.end_within(seconds if worker.is_interactive() else None):
         give_up(resume=True)
 
 

@@ -130,9 +130,9 @@ def traced() -> Callable[[], Any]:
 @pytest.fixture
 def as_events(monkeypatch: pytest.MonkeyPatch) -> None:
     """Calls handlers as Blender's events do: the worker goes on beside what a test does next, also where scripts have to wait for it."""
-    from haptic_tracing.addon.registration import handlers
+    from haptic_tracing.addon.session import session
 
-    monkeypatch.setattr(handlers, "THREADS_ENDANGER_SCRIPTS", False)
+    monkeypatch.setattr(session, "THREADS_ENDANGER_SCRIPTS", False)
 
 
 @pytest.fixture

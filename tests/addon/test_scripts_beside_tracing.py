@@ -10,7 +10,6 @@ import time
 
 import bpy
 import pytest
-from haptic_tracing.addon.registration import handlers
 from haptic_tracing.addon.session import session, sessions, worker
 from haptic_tracing.core.tracer import Tracer
 
@@ -28,7 +27,7 @@ def humming(scene, add_box):
 @pytest.fixture
 def endangered(monkeypatch):
     """As in Blender 4.2 to 5.0, on every version."""
-    monkeypatch.setattr(handlers, "THREADS_ENDANGER_SCRIPTS", True)
+    monkeypatch.setattr(session, "THREADS_ENDANGER_SCRIPTS", True)
 
 
 def _workers() -> list[str]:
