@@ -52,6 +52,7 @@ lint: .venv-lint/complete build/types/haptic_tracing
 	.venv-lint/bin/ruff check .
 	.venv-lint/bin/ruff format --check .
 	.venv-lint/bin/mypy
+	-@.venv-lint/bin/python benchmarks/code_size.py --total
 
 format: .venv-lint/complete
 	.venv-lint/bin/ruff check --fix .

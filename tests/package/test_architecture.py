@@ -86,3 +86,17 @@ def test_code_is_counted_without_comments_docstrings_and_blank_lines(code_size):
     ]
     source = "\n".join(lines) + "\n"
     assert code_size.code_lines(source, ast.parse(source)) == {5, 6, 7, 8, 9}
+
+
+@pytest.mark.skipif(sys.version_info < (3, 12), reason="f-strings are one token before Python 3.12")
+@pytest.mark.parametrize(
+    ("source", "count"),
+    [
+        ('"""A docstring."""\nx = 1  # comment\n"""What x is."""\n', 3),
+        ("def f(\n    a,\n):\n    return a\n", 9),
+        ('x = "two words"\ny = ""\n', 4 + 3),
+        ('f"{a} and then {b:.2f}"\n', 2 + 3 + 2 + 5),  # start and end; {a}; two words; {b:.2f}
+    ],
+)
+def test_tokens_are_counted_with_the_words_of_strings(code_size, source, count):
+    assert code_size.tokens(source, ast.parse(source)) == count
