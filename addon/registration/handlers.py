@@ -38,6 +38,7 @@ def frame_change_pre(*_: Any) -> None:
 @persistent
 def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame that Blender has just evaluated, or read it from the baked track."""
+    _note_geometry(depsgraph)
     if is_suspended() or depsgraph.mode == "RENDER" or not _is_concerned(scene):
         return
     sessions.evaluation_ends()
@@ -56,9 +57,8 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
 
 @persistent
 def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
-    """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it. Edits of meshes are always noted."""
-    if depsgraph.mode != "RENDER" and is_loaded(session):
-        session.geometry_changed(depsgraph)
+    """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it."""
+    _note_geometry(depsgraph)
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
         return
     mark_edited()
@@ -156,6 +156,12 @@ def _make_way(seconds: float) -> None:
 def _edited(depsgraph: Depsgraph) -> bool:
     """True where more than the transforms of objects changed."""
     return any(not isinstance(u.id, bpy.types.Object) or not u.is_updated_transform or u.is_updated_geometry for u in depsgraph.updates)
+
+
+def _note_geometry(depsgraph: Depsgraph) -> None:
+    """Note which meshes an evaluation may have changed, whatever becomes of the frame: no later one names them."""
+    if depsgraph.mode != "RENDER" and is_loaded(session):
+        session.geometry_changed(depsgraph)
 
 
 def _show_track(scene: Scene) -> None:

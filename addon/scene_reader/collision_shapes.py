@@ -48,6 +48,8 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
         case "COMPOUND":
             return _compound(obj, depsgraph, size)
         case kind:
+            if not corners.any():
+                raise ValueError(iface_("its mesh has no vertices"))
             return shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size.tolist(), margin, use_margin)
 
 

@@ -38,12 +38,6 @@ from .tagged import Tagged, TaggedLists
 from .triggers import read_triggers, region_of
 from .world_transforms import raw_matrices, rigid_transforms, session_ids
 
-_STEADY = frozenset({
-    "ARRAY", "BEVEL", "DECIMATE", "EDGE_SPLIT", "MIRROR", "MULTIRES", "NORMAL_EDIT", "REMESH", "SCREW", "SKIN",
-    "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "UV_PROJECT", "UV_WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME",
-})  # fmt: skip
-"""Modifiers whose result is the same in every frame unless they are animated."""
-
 
 class SceneReader:
     """Reads one scene at every frame."""
@@ -170,8 +164,6 @@ class SceneReader:
         if len(moved):
             known = lists.scales[moved]
             rows |= set(lists.rows[moved[np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)]].tolist())
-        if lists.deforming or depsgraph.id_type_updated("MESH"):
-            self.doubt_shapes(edited_geometry(depsgraph))
         if self._doubtful and lists is self._lists:
             rows |= {row for row in self._tagged if bpy.data.objects[row].session_uid in self._doubtful}
         changed = False
@@ -235,8 +227,7 @@ class SceneReader:
                 rule = ("signal", 0) if role == "source" else None
                 problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula"), rule))
         animated = compatibility.animated_paths(obj)
-        deforming = any(animated != () or modifier.type not in _STEADY for modifier in obj.modifiers)
-        return Tagged(row, animated, deforming, tuple(scale.tolist()), haptic_object, body, home, source, listener, tuple(problems))
+        return Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, home, source, listener, tuple(problems))
 
     def _is_animated_now(self, row: int, paths: tuple[str, ...] | None) -> bool:
         """Whether animation has changed any property of the object since the last call."""
@@ -261,11 +252,11 @@ class SceneReader:
             if imported is not None:
                 return imported
         key, session_id = (tuple(scale.tolist()), settings), obj.session_uid
-        known = self._shapes.get(session_id)
-        if known is not None and known[0] == key and (session_id not in self._doubtful or known[1] == mesh_checksum(obj, depsgraph)):
-            return known[2]
-        self._shapes[session_id] = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
-        return self._shapes[session_id][2]
+        known = self._shapes.pop(session_id, None)  # none is left of a mesh that has no shape any more
+        if known is None or known[0] != key or (session_id in self._doubtful and known[1] != mesh_checksum(obj, depsgraph)):
+            known = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
+        self._shapes[session_id] = known
+        return known[2]
 
 
 def _with_regions(item: Source, row: int, scene: Scene) -> Source:

@@ -20,7 +20,6 @@ class Tagged:
 
     row: int  # in bpy.data.objects
     animated: tuple[str, ...] | None  # data paths, see `compatibility.animated_paths`
-    deforming: bool
     scale: tuple[float, float, float]
     object: HapticObject | None
     body: Body | None
@@ -40,7 +39,6 @@ class TaggedLists:
     scales: FloatArray
     still: FloatArray
     animated: tuple[tuple[int, tuple[str, ...] | None], ...]  # rows and data paths
-    deforming: bool  # any of them
     of_bodies: IntArray
     of_places: IntArray
     objects: tuple[HapticObject, ...]
@@ -68,7 +66,6 @@ class TaggedLists:
             scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
             still=still,
             animated=tuple((t.row, t.animated) for t in tagged if t.animated != ()),
-            deforming=any(t.deforming for t in tagged),
             of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
             of_places=np.array([row for row, _ in places], dtype=np.int64),
             objects=objects,

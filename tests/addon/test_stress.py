@@ -29,6 +29,7 @@ def pytest_generate_tests(metafunc):
 
 WEIGHTS = {
     "move": 8, "turn": 3, "material": 4, "source": 4, "tag": 2, "add": 3, "remove": 2, "rename": 2, "animate": 4, "setting": 2,
+    "modify": 6, "select": 4, "unseen": 2,
     "jump": 8, "run": 8, "nest": 4, "undo": 6, "redo": 4, "load": 1, "render": 1, "other_scene": 2, "back": 2,
 }  # fmt: skip
 """How often each operation comes."""
@@ -130,6 +131,42 @@ class Stress:
         else:
             box.location = self.place()
             box.keyframe_insert("location", frame=self.random.randint(1, FRAMES))
+        self.edited()
+
+    def modify(self):
+        self.change_modifiers()
+        self.edited()
+
+    def change_modifiers(self):
+        """A modifier that empties the mesh or moves it away, at once or over the frames, comes, is switched, or goes."""
+        box = self.some_box()
+        if box.modifiers and self.random.random() < 0.5:
+            modifier = box.modifiers[0]
+            if self.random.random() < 0.5:
+                box.modifiers.remove(modifier)
+            else:
+                modifier.show_viewport = not modifier.show_viewport
+        elif self.random.random() < 0.5:
+            box.modifiers.new("mask", "MASK").vertex_group = (box.vertex_groups.get("none") or box.vertex_groups.new(name="none")).name
+        else:
+            modifier = box.modifiers.new("array", "ARRAY")
+            modifier.use_relative_offset, modifier.use_object_offset = False, True
+            modifier.offset_object = self.random.choice([None, *(other for other in self.boxes if other != box)])  # perhaps an animated one
+
+    def select(self):
+        """A click on another object."""
+        box = self.some_box()
+        box.select_set(not box.select_get())
+        bpy.context.view_layer.objects.active = box
+        self.edited()
+
+    def unseen(self):
+        """Frames come and modifiers change while tracing is off."""
+        self.scene.haptics.tracing = False
+        self.run()
+        self.change_modifiers()
+        self.run()
+        self.scene.haptics.tracing = True
         self.edited()
 
     def setting(self):
