@@ -149,7 +149,7 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         if curve is None:
             layout.label(text="The formula gives no gain", icon="ERROR")
             return
-        icon = gain_plot.icon(key, curve, tuple(preferences().curve_colour), panel_picture.theme_ink(context))
+        icon = gain_plot.icon(curve, tuple(preferences().curve_colour), panel_picture.theme_ink(context))
         layout.template_icon(icon_value=icon, scale=7.0)
         row = layout.row()
         row.label(text="0 m, 0 to -60 dB")

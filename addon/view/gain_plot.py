@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +23,7 @@ _SHOWN_BANDS = np.searchsorted(BAND_EDGES, (30.0, 100.0, 300.0)) - 1
 _LENGTHS = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class Curve:
     """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (3, n): those at 30, 100 and 300 Hz, or None if the
     function does not depend on frequency."""
@@ -114,6 +113,6 @@ def latest_curve(key: tuple[ModulationFunction, float, float, float]) -> Latest[
     return _curve.latest(key, compute)
 
 
-def icon(key: Hashable, curve: Curve, colour: Colour, ink: Colour) -> int:
-    """The identifier of the icon with the curve; ``key`` identifies its content."""
-    return _picture.icon((key, colour, ink), lambda: picture(curve, colour, ink))
+def icon(curve: Curve, colour: Colour, ink: Colour) -> int:
+    """The identifier of the icon with the curve."""
+    return _picture.icon((curve, colour, ink), lambda: picture(curve, colour, ink))

@@ -169,3 +169,8 @@ def test_who_is_felt_among_twenty(play):
 def test_sliding_and_rolling(play):
     seen = played_through(play(SCENARIOS / "textures.py"))
     assert all(seen.values()), seen
+
+
+def test_pictures_in_panels(play):
+    seen = played_through(play(SCENARIOS / "pictures.py"))
+    assert all(seen.values()), seen

@@ -187,10 +187,10 @@ def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch, se
     monkeypatch.setattr(
         gain_plot, "picture", lambda *arguments: drawn.append(1) or np.zeros((gain_plot.SIZE, gain_plot.SIZE, 4), np.float32)
     )
-    curve = gain_curve(HapticTracing(), 0.2, 0.9, 0.1)
-    for key in ("a", "a", "b", "b"):
-        settle(lambda key=key: gain_plot.icon(key, curve, (1, 1, 1), (0, 0, 0)))
-    settle(lambda: gain_plot.icon("b", curve, (1, 0, 0), (0, 0, 0)))
+    first, second = (gain_curve(HapticTracing(), kappa, 0.9, 0.1) for kappa in (0.2, 0.3))
+    for curve in (first, first, second, second):
+        settle(lambda curve=curve: gain_plot.icon(curve, (1, 1, 1), (0, 0, 0)))
+    settle(lambda: gain_plot.icon(second, (1, 0, 0), (0, 0, 0)))
     assert len(drawn) == 3
     gain_plot._picture.forget()
 
