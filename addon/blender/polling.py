@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from bpy.types import Context, Object, Operator
@@ -11,16 +11,24 @@ UNDO = {"REGISTER", "UNDO"}
 SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
-def editable(objects: Sequence[Object]) -> list[Object]:
-    """The objects that are not linked from a library."""
-    return [obj for obj in objects if obj.is_editable]
+LINKED = "The object is linked from a library: use Object > Library Override > Make, or make it local"
+
+
+def is_editable(obj: Any) -> bool:
+    """Whether Blender lets the user edit the haptics of an object: it is of this file, or an override that is editable."""
+    return not obj.haptics.is_property_readonly("enabled")
+
+
+def editable(objects: Iterable[Object]) -> list[Object]:
+    """The objects that the user may edit."""
+    return [obj for obj in objects if is_editable(obj)]
 
 
 def linked_message(objects: Sequence[Object]) -> str:
-    """The message if all objects are linked from a library; "" if any is editable."""
-    if not objects or editable(objects):
+    """The message if all objects are linked from a library, by themselves or as the instance of a collection; "" if any is editable."""
+    if any(is_editable(obj) and (obj.instance_collection is None or obj.instance_collection.library is None) for obj in objects):
         return ""
-    return "These objects are linked from a library; make them local or override them first"
+    return "These objects are linked from a library: use Object > Library Override > Make, or make them local" if objects else ""
 
 
 def permitted(cls: type[Operator], is_allowed: bool, message: str) -> bool:
@@ -45,7 +53,7 @@ def poll_active(cls: type[Operator], context: Context) -> bool:
     obj: Any = context.object
     if not poll_object_mode(cls, context) or not permitted(cls, obj is not None, "Select an object first"):
         return False
-    return permitted(cls, obj.is_editable, "The active object is linked from a library; make it local or override it first")
+    return permitted(cls, is_editable(obj), LINKED)
 
 
 class Refused(ValueError):

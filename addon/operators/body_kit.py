@@ -9,7 +9,7 @@ from bpy.types import Context, Object, Operator
 from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
-from ..blender.polling import SOLID_TYPES, UNDO, OnActive, OnSelected, editable
+from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
 from ..scene_reader.roles import haptic_carrier
 
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
@@ -51,8 +51,8 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
             _make_body(context, active, is_new)
 
     def _on_armature(self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]) -> None:
-        if not armature.is_editable:
-            raise ValueError(_rpt("The armature is linked from a library; make it local or override it first"))
+        if not is_editable(armature):
+            raise ValueError(_rpt(LINKED))
         is_new = not body_kit.listeners_on(armature)
         try:
             missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
@@ -82,7 +82,7 @@ def _make_body(context: Context, body: Object, is_new: bool) -> None:
         body.haptics.enabled = True
         materials.apply([body], materials.preset_in(context.scene, materials.guessed(body) or MATERIALS["flesh"]))
     is_paper = body.haptics.function == "haptic_tracing"
-    if is_new and is_paper and body.is_editable and context.scene.haptics.strategy != "as_in_the_paper":
+    if is_new and is_paper and is_editable(body) and context.scene.haptics.strategy != "as_in_the_paper":
         materials.set_bodies([body], "physical")
 
 

@@ -16,7 +16,7 @@ from ...core.design import recordings, wishes
 from ...core.scene import spectra
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
 from ..blender import job
-from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
+from ..blender.polling import LINKED, UNDO, Action, Edit, Refused, is_editable, permitted, poll_object_mode
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
 from ..translations.sentences import sentence
@@ -52,7 +52,7 @@ class HAPTIC_OT_make_felt(Edit, Operator):
             names = [] if traced is None else [item.name for item in traced.result.listeners]
             if traced is None:
                 raise Refused(why_untraced(session.problems_of(context.scene)))
-            if found is None or not found.is_editable or self.listener not in names:
+            if found is None or not is_editable(found) or self.listener not in names:
                 raise Refused(_rpt("'{}' can't be changed: it is linked from a library, or no listener any more").format(self.listener))
             index = names.index(self.listener)
             margin = levels.shown_levels(traced, False)[index].margin
@@ -75,7 +75,7 @@ def _raise(listener: Any, traced: sessions.Traced, index: int, missing: float) -
     factor, result = 10 ** (missing / 20), traced.result
     owners = [(listener, "gain")]
     strongest = bpy.data.objects.get(result.sources[int(np.argmax(result.gains[:, index]))].name)
-    if strongest is not None and strongest.is_editable and strongest.haptics.source.enabled:
+    if strongest is not None and is_editable(strongest) and strongest.haptics.source.enabled:
         owners.append((strongest.haptics.source, "amplitude"))
     is_raised = False
     for owner, name in owners:
@@ -161,9 +161,8 @@ class HAPTIC_OT_fit_material(Action, Operator):
         chosen = scene.haptics.materials.fit
         session.trace(scene, context.evaluated_depsgraph_get(), live=True)
         traced = sessions.shown(scene)
-        if traced is None or chosen.object is None or not chosen.object.is_editable:
-            words = "Nothing traced yet" if traced is None else "The object is linked from a library; make it local or override it first"
-            raise ValueError(_rpt(words))
+        if traced is None or chosen.object is None or not is_editable(chosen.object):
+            raise ValueError(_rpt("Nothing traced yet" if traced is None else LINKED))
         read = recordings.read_recordings(*(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file)))
         reports: list[job.Report] = []
         work = _steps(scene, traced.result.graph, read, reports)

@@ -9,6 +9,8 @@ import bpy
 from bpy.types import Context, GizmoGroup
 from mathutils import Matrix
 
+from ..blender.polling import is_editable
+
 _ROLES = (("source", "amplitude", (0.95, 0.42, 0.24), -0.5), ("listener", "radius", (0.33, 0.74, 0.42), 0.5))
 """Property group, property, colour, and the angle of the handle's arrow about the view's vertical axis in half turns, from the view's
 depth: left for an amplitude, right for a radius. The circle of an amplitude of 1 has a radius of a metre."""
@@ -26,7 +28,7 @@ class HAPTIC_GGT_extents(GizmoGroup):
     @classmethod
     def poll(cls, context: Context) -> bool:
         obj = context.object
-        if obj is None or not obj.select_get() or not obj.is_editable or context.mode != "OBJECT":
+        if obj is None or not obj.select_get() or not is_editable(obj) or context.mode != "OBJECT":
             return False
         return obj.haptics.source.enabled or obj.haptics.listener.enabled
 

@@ -7,7 +7,7 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ..blender.extension import profile_folders
-from ..blender.polling import UNDO, Action, Refused
+from ..blender.polling import UNDO, Action, Refused, is_editable
 from ..live_output import outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
@@ -98,7 +98,7 @@ class HAPTIC_OT_choose_actuator(Action, Operator):
 
     def apply(self, context: Context) -> None:
         obj = context.scene.objects.get(self.listener)
-        if obj is None or not obj.is_editable:
+        if obj is None or not is_editable(obj):
             raise Refused(_rpt("'{}' can't be changed: it is linked from a library, or no listener any more").format(self.listener))
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):

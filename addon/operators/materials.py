@@ -9,7 +9,7 @@ from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
-from ..blender.polling import SOLID_TYPES, Edit, OnActive, OnSelected, permitted, poll_object_mode
+from ..blender.polling import SOLID_TYPES, Edit, OnActive, OnSelected, editable, permitted, poll_object_mode
 from ..blender.progress import progress
 from ..properties.kinds import choice, switch, text
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
@@ -43,7 +43,7 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
 
     def apply(self, context: Context) -> None:
         chosen = library.targets(context, self.target)
-        objects = [obj for obj in chosen if obj.type in SOLID_TYPES and obj.is_editable]
+        objects = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not objects:
             raise ValueError(_rpt("No object with a surface among them; select meshes that are not linked from a library"))
         items = context.scene.haptics.materials.items
@@ -51,7 +51,7 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
             raise ValueError(_rpt("This material is not in the scene's library any more"))
         item = items[self.name] if self.name else library.preset_in(context.scene, MATERIALS[self.preset])
         library.apply(objects, item)
-        linked = sum(not obj.is_editable for obj in chosen)
+        linked = len(chosen) - len(editable(chosen))
         if linked:
             self.report({"WARNING"}, _rpt("{} linked objects can't be changed; override them first").format(linked))
 
@@ -62,7 +62,7 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
     bl_label = "Guess Material"
 
     def apply(self, context: Context) -> set[str]:
-        objects = [obj for obj in context.selected_objects if obj.type in SOLID_TYPES and obj.is_editable]
+        objects = [obj for obj in editable(context.selected_objects) if obj.type in SOLID_TYPES]
         known = library.apply_guesses(context.scene, objects)
         message = _rpt("{} of {} objects have a name, shape or mass that tells their material")
         self.report({"INFO"}, message.format(known, len(objects)))
@@ -77,7 +77,7 @@ class HAPTIC_OT_physical_materials(Edit, Operator):
     in_a_building: switch("In a Building", "Walls and floors in place, whose joints and edges take 2 dB per metre")
 
     def apply(self, context: Context) -> set[str]:
-        objects = [obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable]
+        objects = [obj for obj in editable(context.scene.objects) if obj.haptics.enabled]
         known = library.make_physical(objects, self.in_a_building)
         message = _rpt("{} of {} haptic objects are made of a preset")
         self.report({"INFO"}, message.format(known, len(objects)))
@@ -99,7 +99,7 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
     )
 
     def apply(self, context: Context) -> None:
-        if not library.set_bodies((obj for obj in context.scene.objects if obj.haptics.enabled and obj.is_editable), self.function):
+        if not library.set_bodies((obj for obj in editable(context.scene.objects) if obj.haptics.enabled), self.function):
             raise ValueError(_rpt("No haptic object is made of flesh: select a body and press Add Body Listeners"))
 
 

@@ -90,7 +90,7 @@ class HAPTIC_OT_add_source(OnActive, Operator):
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
                 message = _rpt("'{}' has no surface: parent it to a haptic object first, so that it has something to shake")
-                raise ValueError(message.format(obj.name))
+                raise ValueError(linked_message([obj]) or message.format(obj.name))
             make_haptic(context.scene, [obj])
         make_source(obj, self.signal)
 
@@ -121,7 +121,7 @@ class HAPTIC_OT_add_listener(OnSelected, Operator):
             obj.haptics.listener.enabled = True
         if nowhere:
             message = _rpt("Parent these to haptic objects first, so that they touch something: {}")
-            raise ValueError(message.format(", ".join(obj.name for obj in nowhere[:5])))
+            raise ValueError(linked_message(nowhere) or message.format(", ".join(obj.name for obj in nowhere[:5])))
         if not own:
             raise ValueError(linked_message(chosen))
 

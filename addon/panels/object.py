@@ -12,6 +12,7 @@ from bpy.types import Context, Object, Panel, Scene, UILayout
 
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
+from ..blender.polling import is_editable
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..view import gain_plot, panel_picture
@@ -53,6 +54,9 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         layout.use_property_split = True
         obj = context.object
         haptics = obj.haptics
+        if not is_editable(obj):
+            warn(layout, "Linked: override it to edit it")
+            layout.operator("object.make_override_library", icon="LIBRARY_DATA_OVERRIDE")
         if obj.type == "ARMATURE":
             layout.prop(haptics, "body")
             return

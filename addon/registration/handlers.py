@@ -24,6 +24,7 @@ from ..gateway import is_loaded
 from ..live_output import handlers as live_output
 from ..scene_reader import roles
 from ..session import session, sessions, worker
+from . import properties
 
 _PATIENCE = 1.0
 """Longest wait of a frame for the trace of the one before [s]."""
@@ -103,6 +104,7 @@ def trace_opened() -> None:
 @persistent
 def saving(*_: Any) -> None:
     """Before the file is saved."""
+    properties.create_overridden_groups()
     if is_loaded(session):
         for scene in bpy.data.scenes:
             if scene.is_editable:

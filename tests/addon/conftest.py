@@ -27,7 +27,9 @@ from haptic_tracing.addon import gateway, translations
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.sample_scenes import build_sample
 
-for _name in gateway.MODULES:  # tests replace parts of modules: they need the modules themselves, not their stand-ins
+# Tests replace parts of modules: they need the modules themselves, not their stand-ins. Property groups are
+# completed before their types are kept below.
+for _name in (*gateway.MODULES, "addon.registration.properties"):
     import_module(f"haptic_tracing.{_name}")
 # Evaluated and read once, not at the registration in each test: the types of properties, and translations.
 _hints = typing.get_type_hints

@@ -52,6 +52,19 @@ def test_object_panel_shows_the_parameter_of_the_chosen_function(add_box):
     assert not {"alpha", "range", "constant", "expression"} & set(_draw(_panel("HAPTIC_PT_object")).properties)
 
 
+def test_the_panel_of_a_linked_object_offers_to_override_it(add_box, tmp_path):
+    box = add_box("box", (0, 0, 0), (1, 1, 1))
+    _select(box)
+    assert "object.make_override_library" not in _draw(_panel("HAPTIC_PT_object")).operators
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {box})
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.objects = ["box"]
+    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    _select(wanted.objects[0])
+    layout = _draw(_panel("HAPTIC_PT_object"))
+    assert "object.make_override_library" in layout.operators and "Linked: override it to edit it" in layout.labels
+
+
 def test_who_is_felt_names_what_hides_a_source(add_box, add_empty, traced, settle):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.function, box.haptics.constant = "constant", 1.0
