@@ -57,7 +57,6 @@ def _family(
         depth=np.zeros(contacts),
         distance=np.zeros(contacts),
         area=np.zeros(contacts),
-        share=np.ones(contacts),
         weight=np.ones(contacts),
         transmission=np.zeros(contacts, dtype=np.int64),
     )

@@ -65,7 +65,6 @@ def _contacts(parser: Parser) -> None:
     parser.add_argument(
         "--tolerance", type=_not_negative, metavar="M", help="greatest signed distance of a contact (the file's, else 0.01 m)"
     )
-    parser.add_argument("--points", action="store_true", default=None, help="one contact per point of a patch, with its share")
 
 
 def _devices(parser: Parser) -> None:

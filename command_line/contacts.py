@@ -17,7 +17,7 @@ def run(args: argparse.Namespace) -> int:
     warn_of_unknown(args.scene, unknown)
     scene = scene_of(document, args.scene)
     try:
-        contacts = contacts_of_scene(scene, args.tolerance, args.points)
+        contacts = contacts_of_scene(scene, args.tolerance)
     except ValueError as error:
         raise ValueError(f"{args.scene}: {error}") from None
     names = [item.name for item in scene.objects]
@@ -31,7 +31,6 @@ def run(args: argparse.Namespace) -> int:
             "depth": float(contacts.depth[i]),
             "distance": float(contacts.distance[i]),
             "weight": float(contacts.weight[i]),
-            **({"share": float(contacts.share[i])} if contacts.share[i] < 1 or args.points else {}),
         }
         for i, (a, b) in enumerate(contacts.pairs.tolist())
     ]

@@ -147,7 +147,7 @@ class CollisionDetector:
             if self._unnamed[0] is not bodies:
                 self._unnamed = bodies, tuple(replace(body, material="") for body in bodies)
             bodies = self._unnamed[1]
-        return bodies, self._tracked if not self._tracked.patch_points else replace(self._tracked, patch_points=False)
+        return bodies, self._tracked
 
     def forget_impacts(self) -> None:
         """Drop all stored impacts."""

@@ -193,7 +193,7 @@ class _Builder:
     def _take_rules(self) -> dict[str, float]:
         """Apply the rules of contacts and impacts. Returns the exact numbers."""
         scene, haptics, rules = self.scene, self.scene.haptics, self.haptic.rules
-        haptics.patch_points, haptics.impacts, haptics.impact_energy = rules.patch_points, rules.impacts, rules.energy.value
+        haptics.impacts, haptics.impact_energy = rules.impacts, rules.energy.value
         haptics.impact_signal = next(name for name, templates in TEMPLATES.items() if templates is rules.templates)
         write_tables(haptics, rules)
         for row, rule in zip(haptics.transmission_table.items, rules.transmission_table.rows, strict=True):
@@ -244,7 +244,6 @@ class _Builder:
             [*old, *map(self._renamed, self.haptic.contacts)],
             [self._renamed(item) for item in later.values() if item.transmission != Identity()],
             shortest(haptics.contact_tolerance),
-            haptics.patch_points,
         )
 
     def _renamed(self, item: Contact) -> Contact:

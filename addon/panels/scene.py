@@ -136,7 +136,7 @@ class HAPTIC_PT_contacts(ClosedPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
         haptics = context.scene.haptics
-        draw_properties(layout, haptics, "contact_tolerance", "patch_points")
+        layout.prop(haptics, "contact_tolerance")
         rule = draw_table(layout, context, "transmission_table")
         if rule is not None:
             layout.prop(rule, "function")

@@ -98,10 +98,6 @@ class HapticSceneProperties(Imported, PropertyGroup):
         precision=3,
     )
     contact_tolerance: number("Contact Tolerance", "Objects closer than this touch", 0.01, (0.0, 0.1), unit="LENGTH", precision=4)
-    patch_points: switch(
-        "Contact Points",
-        "Several contacts spread over the contact patch of two objects, instead of one at its centre; their shares add up to 1",
-    )
     impacts: switch("Impacts", "Collisions make temporary sources that play the impact signal once", True)
     impact_signal: choice("Signal", "What impacts feel like", rules.SIGNAL_ITEMS)
     minimum_energy: rules.least_energy()

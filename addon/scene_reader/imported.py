@@ -82,13 +82,12 @@ class Imported:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileContacts:
-    """Contacts of a scene. ``contacts`` by their objects in alphabetical order, valid while neither has moved and the settings are
-    ``tolerance`` and ``patch_points``; ``transmissions``: functions of all contacts of the two objects."""
+    """Contacts of a scene. ``contacts`` by their objects in alphabetical order, valid while neither has moved and the contact tolerance is
+    ``tolerance`` [m]; ``transmissions``: functions of all contacts of the two objects."""
 
     contacts: Mapping[Pair, tuple[Contact, ...]] = field(default_factory=dict)
     transmissions: Mapping[Pair, ModulationFunction] = field(default_factory=dict)
     tolerance: float = 0.0
-    patch_points: bool = False
 
 
 def text_of(**parts: Any) -> str:
@@ -97,12 +96,12 @@ def text_of(**parts: Any) -> str:
     return json.dumps(used, ensure_ascii=False, allow_nan=False, separators=(",", ":")) if used else ""
 
 
-def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tolerance: float, patch_points: bool) -> str:
+def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tolerance: float) -> str:
     """The text for `file_contacts`; ``later``: contacts that begin in later frames, for their functions."""
     forms = [[item_to_dict(item) for item in items] for items in (contacts, later)]
     if not any(forms):
         return ""
-    return text_of(contacts=forms[0], later=forms[1], tolerance=tolerance, patch_points=patch_points)
+    return text_of(contacts=forms[0], later=forms[1], tolerance=tolerance)
 
 
 def exact(owner: Any, name: str, numbers: Numbers) -> Any:
@@ -146,7 +145,6 @@ def file_contacts(text: str) -> FileContacts:
             contacts=by_pair(found),
             transmissions={pair_of(item): item.transmission for item in reversed((*found, *later)) if item.transmission != Identity()},
             tolerance=float(form.get("tolerance", 0.0)),
-            patch_points=form.get("patch_points", False),
         )
 
 

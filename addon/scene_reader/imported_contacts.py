@@ -64,8 +64,7 @@ class ImportedContacts:
     def authored(self, homes: Homes, settled: frozenset[str], settings: ContactSettings) -> AuthoredContacts | None:
         """The authored contacts for the tracer if the bodies ``settled`` are in their poses; the same object while nothing changes."""
         kept = self._kept
-        found_alike = (kept.tolerance, kept.patch_points) == (settings.tolerance, settings.patch_points)
-        settled = settled if found_alike and kept.contacts else frozenset()
+        settled = settled if kept.tolerance == settings.tolerance and kept.contacts else frozenset()
         if not settled and not kept.transmissions:
             return None
         key = kept, homes, settled

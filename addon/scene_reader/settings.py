@@ -16,7 +16,7 @@ from ..blender.single_precision import shortest
 from .imported import OF_PROPAGATION, RULES, Imported, exact, imported_scene
 from .rules import TEMPLATES
 
-_CHOICES = ("mode", "strategy", "max_connections", "impact_energy", "patch_points", "impacts", "impact_signal", "imported")
+_CHOICES = ("mode", "strategy", "max_connections", "impact_energy", "impacts", "impact_signal", "imported")
 _HAPTICS = attrgetter(*_CHOICES, *OF_PROPAGATION, *RULES)
 
 
@@ -49,7 +49,6 @@ def read_contact_settings(scene: Scene, tables: Mapping[str, Any]) -> ContactSet
     return ContactSettings(
         **numbers,
         energy=ImpactEnergy(haptics.impact_energy),
-        patch_points=haptics.patch_points,
         gravity=(x, y, z),
         time_scale=max(shortest(scene.rigidbody_world.time_scale), 1e-3) if scene.rigidbody_world is not None else 1.0,
         impacts=haptics.impacts,

@@ -12,7 +12,7 @@ from ..scene.functions import ModulationFunction
 from ..scene.values import Contact
 from .contact_set import ContactSet
 
-ARRAYS = ("pairs", "positions", "normal", "depth", "distance", "area", "share", "weight", "transmission")
+ARRAYS = ("pairs", "positions", "normal", "depth", "distance", "area", "weight", "transmission")
 """The arrays of a `ContactSet`, a row per contact."""
 
 

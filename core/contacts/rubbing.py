@@ -172,7 +172,7 @@ class _Poses:
 
 
 def _moving_contacts(bodies: Sequence[Body], contacts: ContactSet, poses: _Poses, settings: ContactSettings) -> tuple[_Moving, ...]:
-    """The touching pairs with a texture that move along each other, each once, wherever it touches."""
+    """The touching pairs with a texture that move along each other."""
     moved = (poses.before != poses.now).any(axis=(1, 2))
     rows = np.flatnonzero(moved[contacts.pairs].any(axis=1))
     textured = [
@@ -185,16 +185,12 @@ def _moving_contacts(bodies: Sequence[Body], contacts: ContactSet, poses: _Poses
     rows, speeds = rows[speeds.any(axis=0)], speeds[:, speeds.any(axis=0)]
     if len(rows) == 0:
         return ()
-    pairs, share = contacts.pairs[rows], contacts.share[rows]
-    forces = _forces(bodies, contacts, rows, poses.middle, settings.gravity)
-    found = []
-    for a, b in np.unique(pairs, axis=0).tolist():
-        points = np.flatnonzero((pairs == (a, b)).all(axis=1))
-        weights = share[points] / share[points].sum()
-        first, second = np.einsum("p,pij->ij", weights, contacts.positions[rows[points]]).tolist()
-        slides, rolls = (speeds[:, points] @ weights).tolist()
-        found.append(_Moving((a, b), (bodies[a].name, bodies[b].name), (first, second), (slides, rolls), float(forces[points].sum())))
-    return tuple(found)
+    forces = _forces(bodies, contacts, rows, poses.middle, settings.gravity).tolist()
+    found = zip(contacts.pairs[rows].tolist(), contacts.positions[rows].tolist(), speeds.T.tolist(), forces, strict=True)
+    return tuple(
+        _Moving((a, b), (bodies[a].name, bodies[b].name), (first, second), (slides, rolls), force)
+        for (a, b), (first, second), (slides, rolls), force in found
+    )
 
 
 def _surface_speeds(contacts: ContactSet, rows: IntArray, poses: _Poses) -> tuple[FloatArray, FloatArray]:
@@ -230,7 +226,7 @@ def _forces(
     pressed = contact_forces(contacts, np.where(held, 0.0, mass), middle, gravity, asked)[rows]
     weighs = (mass > 0) & np.array([body.motion is not Motion.STATIC for body in bodies])
     lighter = np.fmin.reduce(np.where(weighs, mass, np.nan)[contacts.pairs[rows]], axis=1)
-    return np.where(np.isfinite(pressed), pressed, lighter * strength * contacts.share[rows])
+    return np.where(np.isfinite(pressed), pressed, lighter * strength)
 
 
 def _placed(transforms: FloatArray, points: FloatArray) -> FloatArray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from .tracker import ContactTracker
 from .transmissions import TransmissionRules
 
 
-def contacts_of_scene(scene: HapticScene, tolerance: float | None = None, patch_points: bool | None = None) -> ContactSet:
+def contacts_of_scene(scene: HapticScene, tolerance: float | None = None) -> ContactSet:
     """Contacts between the objects of ``scene`` that have a shape; without a pose they stand at the origin. ``pairs`` are numbers in
     ``scene.objects``. Two touch when their signed distance, margins included, is at most ``tolerance`` metres, by default that of the
     scene's rules.
@@ -25,8 +24,7 @@ def contacts_of_scene(scene: HapticScene, tolerance: float | None = None, patch_
     chosen = [number for number, item in enumerate(scene.objects) if item.shape is not None]
     objects = [scene.objects[n] for n in chosen]
     bodies = [Body(item.name, item.shape, item.mass, Motion.KINEMATIC, item.medium, item.material) for item in objects]
-    given: dict[str, Any] = {"tolerance": tolerance, "patch_points": patch_points}
-    rules = replace(scene.rules, **{key: value for key, value in given.items() if value is not None})
+    rules = scene.rules if tolerance is None else replace(scene.rules, tolerance=tolerance)
     tracker = ContactTracker(bodies, rules)
     transforms = np.array([pose_matrix(item.pose or Pose()) for item in objects], dtype=np.float64).reshape(-1, 4, 4)
     frame = tracker.update(0.0, transforms)

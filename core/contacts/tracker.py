@@ -15,7 +15,7 @@ from .contact_set import ContactSet
 from .gain_bound import GainBound
 from .impacts import Hits, Impact, confirmed, impact_energies, landings
 from .motion import MotionHistory, Paths
-from .narrow.body_patches import PairPatches, PatchPoints
+from .narrow.body_patches import PairPatches
 from .narrow.frames import added, dot, relative_pose, turned, turned_back
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
@@ -169,7 +169,6 @@ class ContactTracker:
         self._before = (self._low.copy(), self._high.copy())
         self._near, self._near_larger, self._near_smaller = none, none, none
         self._pairs = _Pairs.of(none, none, none)
-        self._points: dict[int, FloatArray] = {}  # of the patches, by key
         self._airborne = self._dynamic.copy()
         self._last_impact: dict[int, tuple[float, float]] = {}  # time [s] and speed of approach [m/s] by key
         self._queries = 0
@@ -540,7 +539,7 @@ class ContactTracker:
             rows, larger, smaller, limit = rows[asked], larger[asked], smaller[asked], limit[asked]
             turn, offset, place = turn.take(asked, axis=2), offset.take(asked, axis=1), place.take(asked, axis=1)
         placing = np.stack([larger, smaller], axis=1), turn, offset, limit
-        if meetings is None or self.settings.patch_points:
+        if meetings is None:
             found, hits = self._patches(*placing), self._time_of_impact.hits_at(meetings)
         else:
             several = zip(placing, meetings.placing, (0, 2, 1, 0), strict=True)
@@ -555,9 +554,6 @@ class ContactTracker:
         pairs.values[:, rows] = values
         pairs.known[rows] = True
         pairs.touching[rows] = found.distance <= limit
-        if self.settings.patch_points:
-            self._points = {key: self._points[key] for key in pairs.key.tolist() if key in self._points}
-            self._points.update(zip(pairs.key[rows].tolist(), found.points, strict=True))
         self._queries += len(rows)
         return hits
 
@@ -575,24 +571,21 @@ class ContactTracker:
     def _patches(self, numbers: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
         """Patches of pairs ``numbers`` (p, 2) by the narrow phase. A medium and a body in it touch at the centre of the intersection of
         their bounds, without area or depth."""
-        points = PatchPoints.INNER if self.settings.patch_points else None
         medium = self._medium[numbers[:, 0]] | self._medium[numbers[:, 1]]
         if not medium.any():
-            return self._narrow.query(numbers, turn, offset, limit, points)
+            return self._narrow.query(numbers, turn, offset, limit)
         inside, others = medium.nonzero()[0], (~medium).nonzero()[0]
-        found = self._narrow.query(numbers[others], turn[..., others], offset[:, others], limit[others], points)
+        found = self._narrow.query(numbers[others], turn[..., others], offset[:, others], limit[others])
         distance = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside], limit[inside])
         a, b = numbers[inside].T
         middle = (np.maximum(self._low[:, a], self._low[:, b]) + np.minimum(self._high[:, a], self._high[:, b])) / 2
         pose = self._pose[:, a]
         centre, normal = turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:]), np.tile([[0.0], [0.0], [1.0]], len(inside))
         wet = PairPatches(distance, normal, centre, np.zeros(len(inside)))
-        result, solid = PairPatches.joined(len(medium), (others, found), (inside, wet)), iter(found.points)
-        every = tuple(result.centre[None, :, k] if medium[k] else next(solid) for k in range(len(medium)) if points)
-        return replace(result, points=every)
+        return PairPatches.joined(len(medium), (others, found), (inside, wet))
 
     def _contact_set(self, rows: IntArray) -> ContactSet:
-        """Contacts of pairs ``rows``: one each at the centre of its patch, or one per point of it."""
+        """Contacts of pairs ``rows``, each at the centre of its patch."""
         pairs = self._pairs
         larger, smaller, key, values = pairs.larger[rows], pairs.smaller[rows], pairs.key[rows], pairs.values.take(rows, axis=1)
         pose_l, pose_s = self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
@@ -603,28 +596,15 @@ class ContactTracker:
         flipped = larger != key // count
         normal *= np.where(flipped, -1.0, 1.0)
         first, second = np.where(flipped, ends[::-1], ends)
-        distance, area, share = values[_DISTANCE], values[_AREA], np.ones(len(rows))
-        weight = self._weights(larger, smaller, values)
-        if self.settings.patch_points and len(rows):
-            found = [self._points[k] for k in key.tolist()]
-            repeats = np.array([len(c) for c in found], dtype=np.int64)
-            index = np.repeat(np.arange(len(rows)), repeats)
-            points = np.concatenate(found).T
-            points = (turn[..., index] * points).sum(axis=1) + pose_l[9:, index]
-            key, normal, distance, weight = key[index], normal[:, index], distance[index], weight[index]
-            gap = normal * (distance / 2)
-            first, second = points - gap, points + gap
-            share = 1.0 / repeats[index]
-            area = area[index] * share
+        distance = values[_DISTANCE]
         return ContactSet(
             pairs=self._numbers(key),
             positions=np.stack([first.T, second.T], axis=1),
             normal=np.ascontiguousarray(normal.T),
             depth=np.maximum(-distance, 0.0),
             distance=distance,
-            area=area,
-            share=share,
-            weight=weight,
+            area=values[_AREA],
+            weight=self._weights(larger, smaller, values),
             transmission=np.zeros(len(key), dtype=np.int64),
         )
 

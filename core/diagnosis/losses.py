@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..graph.contact_patches import merge_patches
 from ..graph.distance_only import DISTANCE_ONLY
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Chain, Decibels, Message, Metres
@@ -108,9 +107,7 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
 
 def _best_path(graph: HapticGraph, row: int, column: int) -> tuple[int, ...]:
     """Nodes of the best path without limits, () if there is none."""
-    patches = merge_patches(graph)
-    found = best_paths(patches.graph, np.array([[row, column]]), None, 0.0, BUDGET, amplifying(graph), {}, {})
-    return tuple(patches.node[list(found.nodes.get((row, column), ()))].tolist())
+    return best_paths(graph, np.array([[row, column]]), None, 0.0, BUDGET, amplifying(graph), {}, {}).nodes.get((row, column), ())
 
 
 def _with_barriers(graph: HapticGraph) -> HapticGraph:

@@ -216,7 +216,6 @@ class HapticGraph:
         transmission: (c,) gain of each inter-connection, including the contact's weight.
         transmission_loss: (c,) ``-log(transmission)``.
         weight: (c,) the contact's weight: 1, falling to 0 as the objects separate.
-        share: (c,) fraction of its patch; a weight in sums over paths, but not in the best path.
         contact_band_gains: (c, bands), or None.
         contact_delay: (c,) [s], or None.
         sources, listeners: by name, with their nodes.
@@ -237,7 +236,6 @@ class HapticGraph:
     transmission: FloatArray
     transmission_loss: FloatArray
     weight: FloatArray
-    share: FloatArray
     contact_band_gains: FloatArray | None
     contact_delay: FloatArray | None
     sources: tuple[SourceNodes, ...]
@@ -285,6 +283,13 @@ class HapticGraph:
         """The nodes of object ``index``."""
         return slice(int(self.start[index]), int(self.start[index + 1]))
 
+    def nodes_of_contacts(self) -> IntArray:
+        """The two nodes of each contact (c, 2), that of the lower number first."""
+        first = np.flatnonzero(self.partner > np.arange(self.node_count))
+        nodes = np.empty((self.contact_count, 2), dtype=np.int64)
+        nodes[self.contact[first]] = np.column_stack([first, self.partner[first]])
+        return nodes
+
     def node_distances(self, a: IntArray, b: IntArray) -> FloatArray:
         """Distances in metres between nodes ``a[i]`` and ``b[i]``, from the nearest point of a listener's volume."""
         places = self.node_position.T
@@ -294,8 +299,7 @@ class HapticGraph:
     def to_networkx(self) -> networkx.Graph:
         """The explicit graph, every intra-connection an edge: for small scenes and for tests.
 
-        Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter"), ``gain`` and, on an inter-connection,
-        ``share``.
+        Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter") and ``gain``.
         """
         import networkx
 
@@ -315,7 +319,7 @@ class HapticGraph:
                 graph.add_edge(node, other, connection="intra", gain=gain)
         for node, (partner, contact) in enumerate(zip(self.partner.tolist(), self.contact.tolist(), strict=True)):
             if node < partner:
-                graph.add_edge(node, partner, connection="inter", gain=float(self.transmission[contact]), share=float(self.share[contact]))
+                graph.add_edge(node, partner, connection="inter", gain=float(self.transmission[contact]))
         return graph
 
 
@@ -392,7 +396,6 @@ def build_graph(
         transmission=transmission,
         transmission_loss=loss,
         weight=contacts.weight,
-        share=contacts.share,
         contact_band_gains=band_gains,
         contact_delay=delay,
         sources=_source_nodes(sources, [number for number, _, _ in source_entries], rank[2 * count :].tolist(), in_bands),
@@ -468,9 +471,8 @@ def _check(
     for key in ("positions", "area", "depth", "normal"):
         if not np.isfinite(getattr(contacts, key)).all():
             raise ValueError(f"contacts: {key} must be finite")
-    for key, values in (("share", contacts.share), ("weight", contacts.weight)):
-        if not ((values >= 0) & (values <= 1)).all():
-            raise ValueError(f"contacts: {key} must lie in [0, 1]")
+    if not ((contacts.weight >= 0) & (contacts.weight <= 1)).all():
+        raise ValueError("contacts: weight must lie in [0, 1]")
 
 
 def _canonical(contacts: ContactSet) -> ContactSet:
@@ -487,7 +489,7 @@ def _canonical(contacts: ContactSet) -> ContactSet:
         by_name = sorted(range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k]))
         function = np.argsort(by_name)[contacts.transmission]
         flat = positions.reshape(len(pairs), 6)
-        values = (contacts.depth, contacts.weight, contacts.share, contacts.area)
+        values = (contacts.depth, contacts.weight, contacts.area)
         order = np.lexsort((function, *normal.T, *values, *flat.T[::-1], key))
     return rows_of(replace(contacts, pairs=pairs, positions=positions, normal=normal), order)
 

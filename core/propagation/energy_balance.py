@@ -4,7 +4,7 @@ Subsystems are objects, and regions of those that are larger than the length ove
 limits are in ``docs/energy_balance.md``; in short, with energies E and the powers P that the sources put in:
 
     m_i Λ_i E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)²,
-    C_ij = Σ share · transmission² over the contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions of one object,
+    C_ij = Σ transmission² over the contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions of one object,
 
 where f is the object's propagation function, d_i a typical distance between contacts of i, and m_i the mass of a region in (0, 1]. The
 matrix is symmetric, strictly diagonally dominant and has no positive off-diagonal entry: there is always a solution, energy is never
@@ -20,7 +20,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, added_by, ranges, runs
-from ..graph.contact_patches import nodes_of_contacts
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 from .conjugate_gradients import Balanced, PowerBalance, solve
@@ -143,8 +142,7 @@ class _Assembly:
     def __init__(self, graph: HapticGraph, here: _Ends, there: _Ends, hops: int) -> None:
         self._graph, self._here, self._there = graph, here, there
         self._lanes = lanes_of(graph)
-        nodes = nodes_of_contacts(graph)
-        nodes = nodes[(graph.transmission > 0) & (graph.share > 0)]
+        nodes = graph.nodes_of_contacts()[graph.transmission > 0]
         objects = graph.node_object[nodes]
         self._reached = _within(objects, graph.node_object[here.node], len(graph.table.names), hops)
         inside = self._reached[objects]
@@ -166,14 +164,14 @@ class _Assembly:
         return np.where(gains > 0, np.maximum(np.minimum(gains, 1.0) ** 2, UNDERFLOW), 0.0)
 
     def _contact_squares(self, nodes: IntArray) -> FloatArray:
-        """Share times the square (lanes, c) of the gain of the contacts of nodes (c,)."""
+        """The square (lanes, c) of the gain of the contacts of nodes (c,)."""
         graph = self._graph
         contact = graph.contact[nodes]
         gains = graph.transmission[contact][None]
         if self._lanes > 1:
             bands = np.ones((len(contact), BAND_COUNT)) if graph.contact_band_gains is None else graph.contact_band_gains[contact]
             gains = np.concatenate([gains, gains * bands.T])
-        return np.asarray(graph.share[contact] * np.minimum(gains, 1.0) ** 2)
+        return np.asarray(np.minimum(gains, 1.0) ** 2)
 
     def _equations(self) -> PowerBalance:
         """Dampings and couplings. A subsystem of gain 0 absorbs energy and has the energy 0."""

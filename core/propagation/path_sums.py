@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..graph.contact_patches import MergedPatches
 from ..graph.haptic_graph import HapticGraph
-from .connections import LARGEST, ROUNDING, PathConnections, bounded_exp, intra_lanes, lanes_of
+from .connections import LARGEST, ROUNDING, PathConnections, bounded_exp, lanes_of
 from .exact import PathLimits, PathSums, ThresholdCosts, sum_over_paths
 from .walk_radius import WalkOperator
 
@@ -97,26 +96,8 @@ def _above(totals: FloatArray, gain: FloatArray) -> FloatArray:
     return np.where((totals < LARGEST) & (gain < LARGEST), difference, math.inf)
 
 
-def path_gain(graph: HapticGraph, patches: MergedPatches, path: tuple[int, ...], cost: float) -> FloatArray:
-    """The part (lanes,) of a sum over paths that goes along a path of the merged graph: through every choice of points of its patches."""
-    lanes = lanes_of(graph)
-    if patches.graph is graph:
-        gain = np.full(lanes, bounded_exp(-cost))
-        gain[1:] *= PathConnections(graph, [path]).bands()[0, : lanes - 1]
-        return gain
-    entries, values = patches.node[[path[0]]], np.ones((1, lanes))
-    for exit_ in path[1:-1:2]:
-        points = np.flatnonzero(patches.merged == exit_)
-        contact = graph.contact[points]
-        values = _inside(graph, entries, points, values) * (graph.transmission * graph.share)[contact, None]
-        if lanes > 1 and graph.contact_band_gains is not None:
-            values[:, 1:] *= graph.contact_band_gains[contact]
-        entries = graph.partner[points]
-    return np.asarray(_inside(graph, entries, patches.node[[path[-1]]], values)[0])
-
-
-def _inside(graph: HapticGraph, entries: IntArray, exits: IntArray, values: FloatArray) -> FloatArray:
-    """Values (exits, lanes) that arrive from values (entries, lanes) over the intra-connections of one object."""
-    a, b = entries.repeat(len(exits)), np.tile(exits, len(entries))
-    factors = intra_lanes(graph, a, b)
-    return np.asarray((factors.reshape(len(entries), len(exits), -1) * values[:, None]).sum(axis=0))
+def path_gain(graph: HapticGraph, path: tuple[int, ...], cost: float) -> FloatArray:
+    """Gains (lanes,) of one path."""
+    gain = np.full(lanes_of(graph), bounded_exp(-cost))
+    gain[1:] *= PathConnections(graph, [path]).bands()[0, : len(gain) - 1]
+    return gain

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..graph.contact_patches import merge_patches
 from ..graph.haptic_graph import HapticGraph, SourceNodes
 from ..scene.values import Settings
 from .best_path import crossings_of, most_connections
@@ -45,14 +44,6 @@ def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | No
 
     A caller for another mode must pass the graph of that mode.
     """
-    patches = merge_patches(graph)
-    merged = _merged_spread(patches.graph, settings, sources)
-    came_from = np.append(patches.node, -1)[merged.predecessor]  # -1 takes the last one
-    return Spread(merged.gain[patches.merged], came_from[patches.merged])
-
-
-def _merged_spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | None) -> Spread:
-    """The spread over a graph whose patches are one contact each."""
     result = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
     emitting = [s for s in graph.sources if s.amplitude > 0 and (sources is None or s.name in sources)]
     at_once = max(1, ROWS_AT_ONCE // max(graph.node_count, 1))

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..graph.contact_patches import MergedPatches, merge_patches
 from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Message
@@ -111,13 +110,12 @@ class _Run:
     def result(self) -> Propagation:
         graph, gains = self.graph, self.gains
         amplified = amplifying(graph)
-        patches = merge_patches(graph)
         rows = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS and self.wanted[row].any()]
         known = None
         if rows and self.settings.threshold > 0 and not amplified:
             known = threshold_costs(graph, [graph.sources[row].nodes for row in rows], self.settings.threshold)
-        best = self._best_paths(patches, amplified, known if patches.graph is graph else None, rows)
-        sums = self._sum_over_paths(patches, best, known, rows)
+        best = self._best_paths(amplified, known, rows)
+        sums = self._sum_over_paths(best, known, rows)
         self._balance_energy()
         delays = graph.uses_delays
         return Propagation(
@@ -125,11 +123,11 @@ class _Run:
             error_bound=np.where(gains.error >= LARGEST, math.inf, gains.error),
             paths=gains.paths,
             limited=gains.limited,
-            best_path=patches.unmerged(best.nodes),
+            best_path=best.nodes,
             strategy=tuple(str(strategy) for strategy in self.strategies),
             band_gain=gains.bands,
-            delay=_delays(patches.graph, self.wanted.shape, best) if delays else None,
-            taps=self._taps(patches.graph, best, amplified) if delays else {},
+            delay=_delays(graph, self.wanted.shape, best) if delays else None,
+            taps=self._taps(best, amplified) if delays else {},
             warnings=self._warnings(amplified, best, sums),
             statistics={
                 **statistics_of(graph),
@@ -141,9 +139,9 @@ class _Run:
             },
         )
 
-    def _best_paths(self, patches: MergedPatches, amplified: bool, known: ThresholdCosts | None, rows: list[int]) -> BestPaths:
-        """Best paths of all wanted pairs on the graph with merged patches; sets the gains of sources with that strategy."""
-        graph, gains = patches.graph, self.gains
+    def _best_paths(self, amplified: bool, known: ThresholdCosts | None, rows: list[int]) -> BestPaths:
+        """Best paths of all wanted pairs; sets the gains of sources with that strategy."""
+        graph, gains = self.graph, self.gains
         trees = {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)}
         by_band = graph.uses_bands and not amplified
         best = best_paths(
@@ -170,7 +168,7 @@ class _Run:
                 gains.gain[pair], gains.error[pair] = gain_and_error(best.cost.get(pair), bound)
         return best
 
-    def _sum_over_paths(self, patches: MergedPatches, best: BestPaths, known: ThresholdCosts | None, rows: list[int]) -> _Sums:
+    def _sum_over_paths(self, best: BestPaths, known: ThresholdCosts | None, rows: list[int]) -> _Sums:
         """Set the gains of sources whose strategy is all paths."""
         graph, gains, settings = self.graph, self.gains, self.settings
         sums = _Sums()
@@ -190,7 +188,7 @@ class _Run:
                 least = np.zeros((len(columns), lanes_of(graph)))
                 for place, column in enumerate(columns.tolist()):
                     if (row, column) in best.nodes:
-                        least[place] = path_gain(graph, patches, best.nodes[row, column], best.cost[row, column])
+                        least[place] = path_gain(graph, best.nodes[row, column], best.cost[row, column])
                 ends = graph.sources[row].nodes, graph.listener_nodes[columns].tolist()
                 found = bounded_sums(graph, operator, *ends, limits, None if known is None else (known, number), least)
                 gains.gain[row, columns], gains.error[row, columns] = found.gain[:, 0], found.error
@@ -238,15 +236,15 @@ class _Run:
             return Message.of(cause, source=source, radius=f"{radius.low:.2f}")
         return Message.of(Cause.SUM_TRUNCATED, source=source)
 
-    def _taps(self, graph: HapticGraph, best: BestPaths, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
-        """The strongest paths of a sum over paths; otherwise the best path with the whole gain. ``graph``: that of the best paths."""
+    def _taps(self, best: BestPaths, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
+        """The strongest paths of a sum over paths; otherwise the best path with the whole gain."""
         taps = {}
         crossings = crossings_of(most_connections(self.settings))
         for pair, nodes in best.nodes.items():
             if self.strategies[pair[0]] is Strategy.ALL_PATHS:
                 taps[pair] = delay_taps(self.graph, *pair, crossings, self.settings.threshold, amplified)
             else:
-                taps[pair] = ((path_delay(graph, nodes), float(self.gains.gain[pair])),)
+                taps[pair] = ((path_delay(self.graph, nodes), float(self.gains.gain[pair])),)
         return taps
 
 

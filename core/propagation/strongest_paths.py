@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph
-from .connections import HOPS, bounded_exp, cost_limit, cost_of, intra_costs, path_delay
+from .connections import HOPS, bounded_exp, cost_limit, intra_costs, path_delay
 from .hop_constrained import hop_constrained_paths
 from .shortest_paths import shortest_paths
 
@@ -35,10 +34,9 @@ SEARCHED = 4096
 
 @dataclass(frozen=True, slots=True)
 class FoundPath:
-    """A path, its cost ``-log(gain)``, and the product of the shares of its contacts."""
+    """A path and its cost ``-log(gain)``."""
 
     cost: float
-    share: float
     nodes: tuple[int, ...]
 
 
@@ -49,7 +47,6 @@ class _Partial:
     node: int
     before: tuple[_Partial, int] | None  # the partial path that it continues, and the number of the continuation
     contacts: int
-    share_cost: float  # -log of the product of the shares of its contacts
     ends: IntArray
     bounds: FloatArray
     costs: FloatArray
@@ -66,7 +63,7 @@ def _trail(node: int, before: tuple[_Partial, int] | None) -> list[int]:
 
 
 class StrongestPaths(Iterator[FoundPath]):
-    """Iterates over the paths from any of ``roots`` to ``target``, the strongest first, shares of contacts included.
+    """Iterates over the paths from any of ``roots`` to ``target``, the strongest first.
 
     Args:
         ahead: (k, n) lower bounds on the cost from entering at a node to the target with at most 0, 1, ... further contacts; the last row
@@ -86,8 +83,6 @@ class StrongestPaths(Iterator[FoundPath]):
         self._limit = limit
         self._budget = budget
         self._crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
-        self._share_cost = np.append(cost_of(graph.share), 0.0)[graph.contact]
-        self._patch = np.append(contact_patches(graph), -1)[graph.contact]
         self._queue: list[tuple[float, int, _Partial, int]] = []
         self._numbers = itertools.count()
         self.expanded = 0
@@ -96,7 +91,7 @@ class StrongestPaths(Iterator[FoundPath]):
 
     @property
     def bound(self) -> float:
-        """Lower bound on the cost of the paths not yet returned, that of their shares included."""
+        """Lower bound on the cost of the paths not yet returned."""
         return self._queue[0][0] if self._queue else math.inf
 
     def __next__(self) -> FoundPath:
@@ -108,14 +103,13 @@ class StrongestPaths(Iterator[FoundPath]):
             end = int(partial.ends[place])
             cost = float(partial.costs[place])
             if end == self._target:
-                return FoundPath(cost, math.exp(-partial.share_cost), (*reversed(_trail(partial.node, partial.before)), end))
+                return FoundPath(cost, (*reversed(_trail(partial.node, partial.before)), end))
             self._expand(int(self._graph.partner[end]), cost, (partial, place))
         raise StopIteration
 
     def _expand(self, node: int, cost: float, before: tuple[_Partial, int] | None) -> None:
         """Find the continuations of a partial path that has just entered an object through ``node``."""
         graph = self._graph
-        share_cost = 0.0 if before is None else before[0].share_cost + float(self._share_cost[node])
         contacts = 0 if before is None else before[0].contacts + 1
         crossed = _trail(node, before)[1:]
         self.expanded += 1 + len(crossed) // WALKED
@@ -127,8 +121,7 @@ class StrongestPaths(Iterator[FoundPath]):
         if left >= 0:
             row = self._ahead[int(min(left, len(self._ahead) - 1))]
             bounds = costs + row[graph.partner[others]]  # partner -1 only where the crossing costs infinity
-            taken = self._patch[np.array(crossed, dtype=np.int64)]
-            bounds[np.isin(self._patch[others], taken) & (self._patch[others] >= 0)] = math.inf
+            bounds[np.isin(graph.contact[others], graph.contact[np.array(crossed, dtype=np.int64)])] = math.inf
         else:
             bounds = np.full(len(others), math.inf)
         bounds[others == node] = math.inf
@@ -137,10 +130,9 @@ class StrongestPaths(Iterator[FoundPath]):
         if 0 <= target < len(others) and self._target != node:
             bounds[target] = costs[target] = inside[target]
         bounds[(inside > self._limit) | (bounds > self._limit)] = math.inf
-        bounds += share_cost + self._share_cost[others]
         useful = np.flatnonzero(bounds < math.inf)
         order = useful[np.lexsort((useful, bounds[useful]))]
-        self._push(_Partial(node, before, contacts, share_cost, others[order], bounds[order], costs[order]), 0)
+        self._push(_Partial(node, before, contacts, others[order], bounds[order], costs[order]), 0)
 
     def _push(self, partial: _Partial, place: int) -> None:
         if place < len(partial.ends):
@@ -150,10 +142,8 @@ class StrongestPaths(Iterator[FoundPath]):
 def delay_taps(
     graph: HapticGraph, row: int, column: int, crossings: float, threshold: float, amplified: bool
 ) -> tuple[tuple[float, float], ...]:
-    """Delays of a sum over paths: (delay [s], gain) of up to `TAPS` of the strongest paths of a pair within both limits, strongest first.
-
-    The gain of a path through points of patches includes their shares.
-    """
+    """Delays of a sum over paths: (delay [s], gain) of up to `TAPS` of the strongest paths of a pair within both limits, the strongest
+    first."""
     target = int(graph.listener_nodes[column])
     limit = cost_limit(threshold)
     if amplified:
@@ -164,7 +154,7 @@ def delay_taps(
         ahead = shortest_paths(graph, [(target,)], np.array([limit]), complete=True).cost
     taps: list[tuple[float, float]] = []
     for path in StrongestPaths(graph, graph.sources[row].nodes, target, ahead, crossings, limit, SEARCHED):
-        taps.append((path_delay(graph, path.nodes), path.share * bounded_exp(-path.cost)))
+        taps.append((path_delay(graph, path.nodes), bounded_exp(-path.cost)))
         if len(taps) == TAPS:
             break
     return tuple(taps)

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray, added_by, runs
-from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances
 
 REGIONS = 128
@@ -55,7 +54,7 @@ class Subsystems:
         of_object: (r,) object of each subsystem.
         centre: (r, 3) middle of its contacts [m].
         distance: (r,) root mean square distance between two of its contacts [m].
-        mass: (r,) in (0, 1] for a region the largest share of a contact in it, relative to the object's strongest contact. node: (a,)
+        mass: (r,) in (0, 1] for a region the largest part of a contact in it, relative to the object's strongest contact. node: (a,)
         contact nodes, sorted; a node is repeated for every region that it belongs to. region: (a,) the subsystem. weight: (a,) of that
         node, in (0, 1].
     """
@@ -74,18 +73,11 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     object_of = graph.node_object[nodes]
     begin, size = runs(object_of)
     used, slot = object_of[begin], np.arange(len(begin)).repeat(size)
-    contact = graph.contact[nodes]
-    strength = graph.share[contact] * graph.weight[contact]
+    strength = graph.weight[graph.contact[nodes]]
     position = graph.node_position[nodes]
     which, region, weight, of_object, divided = _attached(graph, position, strength, used, slot, begin)
-    entity, whole = (strength[which] * weight, position[which], region), strength
-    if not np.all(graph.share[contact] == 1):
-        patch = contact_patches(graph)
-        total = np.bincount(patch, weights=graph.share * graph.weight, minlength=graph.contact_count)
-        whole = np.asarray(total[patch[contact]], dtype=np.float64)
-        entity = _by_patch(*entity, patch[contact[which]])
-    centre, distance, largest = _extents(*entity, len(of_object))
-    strongest = np.maximum.reduceat(whole, begin)
+    centre, distance, largest = _extents(strength[which] * weight, position[which], region, len(of_object))
+    strongest = np.maximum.reduceat(strength, begin)
     mass = np.where(divided, np.clip(largest / strongest[used.searchsorted(of_object)], LIGHTEST, 1.0), 1.0)
     return Subsystems(of_object, centre, distance, mass, nodes[which], region, weight)
 
@@ -186,14 +178,6 @@ def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
         taken = np.bincount(key) > 0
         cells, which = np.flatnonzero(taken), (taken.cumsum() - 1)[key]
     return cells // math.prod(size[1:]) + low[0], which
-
-
-def _by_patch(strength: FloatArray, position: FloatArray, region: IntArray, patch: IntArray) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Strength, place and region of the part of each patch in each region: points of a patch count as one contact at their middle."""
-    key, which = np.unique(region * (int(patch.max(initial=0)) + 1) + patch, return_inverse=True)
-    total = np.asarray(np.bincount(which, weights=strength, minlength=len(key)), dtype=np.float64)
-    place = _centroids(position, strength, which, len(key))
-    return total, place, np.asarray(key // (int(patch.max(initial=0)) + 1), dtype=np.int64)
 
 
 def _extents(strength: FloatArray, position: FloatArray, region: IntArray, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -1,10 +1,10 @@
 """The walk operator of a scene: whether sums over paths are well posed, and bounds on them.
 
 Rows and columns of the walk operator W are contact crossings, given by the contact nodes through which an object is entered. The entry from
-a to b is the gain of the intra-connection from a to the exit before b, times gain and share of that inter-connection; a walk does not
-return through the patch that it has just crossed. The sum over all walks is the Neumann series of W. It converges where the spectral radius
-is below 1: always in a forest, whose operator is nilpotent. Where it diverges, a sum over paths is finite only because no patch is crossed
-twice, and a limited sum depends on its limits.
+a to b is the gain of the intra-connection from a to the exit before b, times that of the inter-connection; a walk does not return through
+the contact that it has just crossed. The sum over all walks is the Neumann series of W. It converges where the spectral radius is below 1:
+always in a forest, whose operator is nilpotent. Where it diverges, a sum over paths is finite only because no contact is crossed twice, and
+a limited sum depends on its limits.
 
 For a vector x > 0 the ratios ``(W x)_i / x_i`` enclose the spectral radius (L. Collatz, Mathematische Zeitschrift 48, 1942; H. Wielandt,
 Mathematische Zeitschrift 52, 1950); for the lower bound x may vanish outside the cycles. Power iteration brings the two together. The
@@ -25,7 +25,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, ranges, runs
-from ..graph.contact_patches import contact_patches
 from ..graph.haptic_graph import HapticGraph, distances
 from .connections import LARGEST, intra_gains
 
@@ -90,8 +89,7 @@ class WalkOperator:
         self._number[self._entry] = np.arange(len(self._entry))
         self._other_side = self._number[graph.partner[self._entry]]
         contact = graph.contact[self._entry]
-        self._crossing: FloatArray = graph.transmission[contact] * graph.share[contact]
-        self._patch: IntArray = contact_patches(graph)[contact]
+        self._crossing: FloatArray = graph.transmission[contact]
         self._cyclic = self._entries_on_cycles()
         self._vector: FloatArray = self._cyclic
         size = np.bincount(graph.node_object[self._entry], minlength=1)
@@ -108,7 +106,7 @@ class WalkOperator:
 
     @property
     def has_cycles(self) -> bool:
-        """Whether some patches lie on cycles: without cycles, at most one path joins any two nodes."""
+        """Whether some contacts lie on cycles: without cycles, at most one path joins any two nodes."""
         return bool(self._cyclic.any())
 
     def _excerpt(self, most: int) -> BoolArray:
@@ -131,9 +129,9 @@ class WalkOperator:
         self._blocks: list[tuple[slice, FloatArray]] = []
         for first, count in zip(begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True):
             part = slice(first, first + count)
-            position, patch = graph.node_position[self._entry[part]], self._patch[part]
+            position = graph.node_position[self._entry[part]]
             gains = graph.table.gain(int(object_of[first]), distances(position[:, None], position))
-            gains[patch[:, None] == patch] = 0.0
+            np.fill_diagonal(gains, 0.0)
             self._blocks.append((part, np.minimum(gains, LARGEST)))
         few = (size > 1) & (size < DENSE)
         begin, size = begin[few], size[few]
@@ -143,7 +141,7 @@ class WalkOperator:
         self._column = ranges(begin.repeat(size), each)
         row = self._row.repeat(each)
         gains, _ = intra_gains(graph, self._entry[row], self._entry[self._column])
-        gains[self._patch[row] == self._patch[self._column]] = 0.0
+        gains[row == self._column] = 0.0
         self._gain = np.minimum(gains, LARGEST)
 
     def _inside(self, values: FloatArray) -> FloatArray:
@@ -160,12 +158,12 @@ class WalkOperator:
         return self._inside((self._crossing * values)[self._other_side])
 
     def _entries_on_cycles(self) -> FloatArray:
-        """1 for the entries through patches that are left when objects with a single patch are removed again and again, else 0."""
+        """1 for the entries through contacts that are left when objects with a single contact are removed again and again, else 0."""
         graph = self._graph
         first = np.flatnonzero(self._entry < graph.partner[self._entry])
-        first = first[np.unique(self._patch[first], return_index=True)[1]]
         ends = np.column_stack([graph.node_object[self._entry[first]], graph.node_object[graph.partner[self._entry[first]]]])
-        return np.isin(self._patch, self._patch[first[_on_cycles(ends)]]).astype(np.float64)
+        contact = graph.contact[self._entry]
+        return np.isin(contact, contact[first[_on_cycles(ends)]]).astype(np.float64)
 
     def _spectral_radius(self) -> WalkRadius:
         """Collatz-Wielandt bounds by power iteration on the cycles; keeps the vector of the upper bound."""

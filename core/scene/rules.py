@@ -37,7 +37,6 @@ class ImpactEnergy(enum.StrEnum):
 @dataclass(frozen=True, slots=True)
 class ContactSettings:
     """``tolerance`` [m]: a pair begins to touch at this signed distance, and parts at a distance larger by ``slack`` [m].
-    ``patch_points``: several contacts spread over a patch, with shares, instead of one at its centre.
 
     An impact is a new contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1; ``energy`` says how
     it is computed. A pair has no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies if too few
@@ -48,7 +47,6 @@ class ContactSettings:
 
     tolerance: float = 0.01
     slack: float = 0.005
-    patch_points: bool = False
     energy: ImpactEnergy = ImpactEnergy.KINETIC
     least_energy: float = 5.0
     full_energy: float = 100.0

@@ -139,8 +139,9 @@ _IDENTITY = Identity()  # one for all contacts: recordings have hundreds of thou
 class Contact:
     """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world, metres).
 
-    ``share`` is this contact's fraction of its patch: shares of one patch add up to 1. ``weight`` multiplies its gain; it is less than 1 if
-    the surfaces are further apart than those of bodies at rest. ``normal`` is a unit vector from the first object to the second.
+    Contacts of one pair with a ``share`` below 1 are points of one patch: the graph has one contact at their share-weighted centre.
+    ``weight`` multiplies its gain; it is less than 1 if the surfaces are further apart than those of bodies at rest. ``normal`` is a unit
+    vector from the first object to the second.
     """
 
     objects: tuple[str, str]

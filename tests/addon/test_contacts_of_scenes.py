@@ -189,15 +189,6 @@ def test_the_panel_shows_every_stage_of_the_frame(drop, scene):
     assert session.of(scene).draw_milliseconds > 0
 
 
-def test_points_of_a_patch_have_shares_that_add_up_to_one(bench, traced, scene):
-    one = traced()
-    scene.haptics.patch_points = True
-    several = traced()
-    assert len(one.contacts) == 1 and one.contacts.share.tolist() == [1.0]
-    assert len(several.contacts) == 4 and several.contacts.share.sum() == pytest.approx(1.0)
-    assert several.contacts.area.sum() == pytest.approx(one.contacts.area.sum(), rel=1e-5) == pytest.approx(0.25, rel=1e-4)
-
-
 def test_energy_of_the_blow_and_refractory_time_are_the_scenes(drop, scene):
     drop.rigid_body.restitution = bpy.data.objects["floor"].rigid_body.restitution = 1.0
     scene.rigidbody_world.substeps_per_frame = 10

@@ -83,7 +83,7 @@ def test_settings_of_the_scene_that_are_keyframed_count_at_each_frame(seesaw, sc
     bpy.ops.rigidbody.world_add()
     later = {"mode": "SD", "strategy": "best_path", "max_connections": 3, "threshold": 0.01, "epsilon": 0.2, "localise": 0.5,
              "contact_tolerance": 0.02, "minimum_energy": 0.5, "maximum_energy": 7, "impact_energy": "normal", "refractory_time": 0.3,
-             "patch_points": True, "impacts": False, "impact_signal": "PLAIN"}  # fmt: skip
+             "impacts": False, "impact_signal": "PLAIN"}  # fmt: skip
     keyed = [(scene.haptics, *item) for item in later.items()]
     keyed += [(scene.rigidbody_world, "time_scale", 0.5), (scene, "gravity", (1, 2, 3)), (scene, "use_gravity", False)]
     for owner, name, value in keyed:

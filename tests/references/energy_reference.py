@@ -20,15 +20,14 @@ class Balance:
         self.contacts: dict[int, list[dict]] = {}
         for node in range(graph.node_count):
             partner = int(graph.partner[node])
-            if partner < 0 or graph.transmission[graph.contact[node]] <= 0 or graph.share[graph.contact[node]] <= 0:
+            if partner < 0 or graph.transmission[graph.contact[node]] <= 0:
                 continue
-            here, there = int(graph.node_object[node]), int(graph.node_object[partner])
+            here = int(graph.node_object[node])
             contact = int(graph.contact[node])
-            patch = frozenset((here, there)) if graph.share[contact] < 1 else contact
-            strength = float(graph.share[contact] * graph.weight[contact])
+            strength = float(graph.weight[contact])
             place = tuple(graph.node_position[node].tolist())
             self.contacts.setdefault(here, []).append(
-                {"node": node, "partner": partner, "contact": contact, "patch": patch, "strength": strength, "place": place}
+                {"node": node, "partner": partner, "contact": contact, "strength": strength, "place": place}
             )
         self.weights: dict[int, dict[tuple, float]] = {}
         for index, contacts in self.contacts.items():
@@ -93,14 +92,14 @@ class Balance:
         contacts = self.contacts[index]
         totals: dict = {}
         for contact in contacts:
-            totals[contact["patch"]] = totals.get(contact["patch"], 0.0) + contact["strength"]
+            totals[contact["contact"]] = totals.get(contact["contact"], 0.0) + contact["strength"]
         for region in {r for c in contacts for r in self.weights[c["node"]]}:
             parts: dict = {}
             for contact in contacts:
                 weight = contact["strength"] * self.weights[contact["node"]].get(region, 0.0)
                 if weight > 0:
-                    total, moment = parts.get(contact["patch"], (0.0, np.zeros(3)))
-                    parts[contact["patch"]] = total + weight, moment + weight * np.array(contact["place"])
+                    total, moment = parts.get(contact["contact"], (0.0, np.zeros(3)))
+                    parts[contact["contact"]] = total + weight, moment + weight * np.array(contact["place"])
             places = [(strength, moment / strength) for strength, moment in parts.values()]
             total = sum(strength for strength, _ in places)
             self.centre[region] = sum(strength * place for strength, place in places) / total
@@ -117,7 +116,7 @@ class Balance:
             gain = float(self.graph.transmission[contact["contact"]])
             if self.band is not None and self.graph.contact_band_gains is not None:
                 gain *= float(self.graph.contact_band_gains[contact["contact"], self.band])
-            value = float(self.graph.share[contact["contact"]]) * min(gain, 1.0) ** 2
+            value = min(gain, 1.0) ** 2
             for (a, wa), (b, wb) in itertools.product(self.weights[contact["node"]].items(), self.weights[contact["partner"]].items()):
                 pair = self.number[a], self.number[b]
                 couplings[pair] = couplings.get(pair, 0.0) + value * wa * wb

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 
@@ -19,38 +18,28 @@ _TOGETHER = 4e-5
 _POINT_AREA, _FACE_AREA = 1e-12, 1e-3
 """Area [m^2] that a point counts as, and that from about which on a face belongs to the patch within ``PATCH_GAP``."""
 
-MAX_PATCH_POINTS = 8
-
-
-class PatchPoints(Enum):
-    """Which points of each patch a query returns."""
-
-    CORNERS = "corners"
-    """Corners of its outline."""
-    INNER = "inner"
-    """Points over which the mean of a function is nearly that over the patch, instead of that over its outline: the corners of each part
-    moved towards its centre until their mean square distance from it is that of the part. Of a rectangle these are Gauss's points."""
+MOST_CORNERS = 8
 
 
 @dataclass(frozen=True, slots=True)
 class PairPatches:
     """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound beyond the limit of the query),
     unit ``normal`` (3, p) from first to second, ``centre`` (3, p) of the patch, midway between the surfaces, ``area`` (p,) [m^2], and if
-    asked for the ``points`` (k, 3) of each patch."""
+    asked for the ``corners`` (k, 3) of the outline of each patch."""
 
     distance: FloatArray
     normal: FloatArray
     centre: FloatArray
     area: FloatArray
-    points: tuple[FloatArray, ...] = ()
+    corners: tuple[FloatArray, ...] = ()
 
     def part(self, rows: slice) -> PairPatches:
-        """The patches of some of the pairs, without points."""
+        """The patches of some of the pairs, without corners."""
         return PairPatches(self.distance[rows], self.normal[:, rows], self.centre[:, rows], self.area[rows])
 
     @classmethod
     def joined(cls, count: int, *parts: tuple[IntArray, PairPatches]) -> PairPatches:
-        """Patches of ``count`` pairs from those of some of them, without points."""
+        """Patches of ``count`` pairs from those of some of them, without corners."""
         result = cls(np.empty(count), np.empty((3, count)), np.empty((3, count)), np.empty(count))
         for rows, part in parts:
             result.distance[rows], result.area[rows] = part.distance, part.area
@@ -82,14 +71,14 @@ def core_contacts(rows: CorePairs, normal: FloatArray, distance: FloatArray, pat
     return CoreContacts(rows.owner, distance, outward, patch.centre, patch.area, np.where(patch.wide, patch.area, 0.0), points)
 
 
-def reduced(distance: FloatArray, found: list[CoreContacts], points: PatchPoints | None) -> PairPatches:
+def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> PairPatches:
     """One patch per pair of bodies from those of its cores and triangles, weighted by their areas and by how near they are beside the
     nearest one."""
     count = len(distance)
     normal = np.tile([[0.0], [0.0], [1.0]], count)
     centre, area = np.zeros((3, count)), np.zeros(count)
     if not found:
-        return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if points else ())
+        return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
     owner, each, normals, centres, weights, areas = (
         np.concatenate([getattr(f, name) for f in found], axis=-1) for name in ("owner", "distance", "normal", "centre", "weight", "area")
     )
@@ -117,33 +106,17 @@ def reduced(distance: FloatArray, found: list[CoreContacts], points: PatchPoints
         normal[:, whole] = mean[:, whole] / length[whole]
         alone = np.bincount(owner, minlength=count)[owner] == 1
         normal[:, owner[alone]], centre[:, owner[alone]] = normals[:, alone], centres[:, alone]
-    if points is None:
+    if not corners:
         return PairPatches(distance, normal, centre, area)
     parts = [c for f in found for c in (f.corners or [])]
-    if points is PatchPoints.INNER:
-        outlines = _outlines([[part] for part in parts], normals)
-        parts = [_inner(*part) for part in zip(outlines, centres.T, normals.T, strict=True)]
     of_pairs: list[list[FloatArray]] = [[] for _ in range(count)]
     for k in np.flatnonzero(kept).tolist():
         of_pairs[owner[k]].append(parts[k])
     return PairPatches(distance, normal, centre, area, _outlines(of_pairs, normal))
 
 
-def _inner(corners: FloatArray, centre: FloatArray, normal: FloatArray) -> FloatArray:
-    """`PatchPoints.INNER` of one convex polygon, given counter-clockwise about its normal, of a line or of a point."""
-    arm = corners - corners.mean(axis=0)
-    after = np.roll(arm, -1, axis=0)
-    of_corners = float(np.square(arm).sum(axis=1).mean())
-    twice = np.cross(arm, after) @ normal  # areas of the triangles that the edges make with the middle
-    share = 1 / 3  # of a line
-    if twice.sum() > 1e-9 * of_corners:
-        square = (np.square(arm) + arm * after + np.square(after)).sum(axis=1) / 6  # mean square distance from the middle over a triangle
-        share = float((twice * square).sum() / twice.sum()) / of_corners
-    return np.asarray(centre + np.sqrt(share) * arm)
-
-
 def _outlines(points: list[list[FloatArray]], normal: FloatArray) -> tuple[FloatArray, ...]:
-    """Corners of the convex hull of each patch in its plane, at most ``MAX_PATCH_POINTS`` of them."""
+    """Corners of the convex hull of each patch in its plane, at most ``MOST_CORNERS`` of them."""
     each = [np.concatenate(parts) if parts else np.zeros((0, 3)) for parts in points]
     of = np.repeat(np.arange(len(each)), [len(every) for every in each])
     flat = np.stack([dot(axis[:, of], np.concatenate(each).T) for axis in contact_plane(normal)], axis=1)
@@ -156,8 +129,8 @@ def _outlines(points: list[list[FloatArray]], normal: FloatArray) -> tuple[Float
         chosen: IntArray = np.array(list(first.values()), dtype=np.int64)
         if len(chosen) > 1:
             chosen = chosen[hull_2d(flat[begin + chosen])]
-        if len(chosen) > MAX_PATCH_POINTS:
-            chosen = chosen[np.linspace(0, len(chosen), MAX_PATCH_POINTS, endpoint=False).astype(int)]
+        if len(chosen) > MOST_CORNERS:
+            chosen = chosen[np.linspace(0, len(chosen), MOST_CORNERS, endpoint=False).astype(int)]
         outlines.append(every[chosen])
         begin += len(every)
     return tuple(outlines)

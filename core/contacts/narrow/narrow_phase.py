@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray, chosen_of, joined
 from ..shapes import Shape
-from .body_patches import CoreContacts, PairPatches, PatchPoints, core_contacts, reduced
+from .body_patches import CoreContacts, PairPatches, core_contacts, reduced
 from .box_pairs import BoxPairs
 from .core_distances import CoreDistances, exact
 from .core_pairs import BEYOND, CorePairing, CorePairs, bounded
@@ -41,19 +41,16 @@ class NarrowPhase:
         """Smallest extent of each body's thinnest part (n,) [m]: a step longer than that may pass through it."""
         return self._table.thickness
 
-    def query(
-        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, points: PatchPoints | None = None
-    ) -> PairPatches:
-        """Distances and patches of ``pairs`` (p, 2). Distances up to ``limit`` (p,) metres are exact; beyond, they are lower bounds.
-        ``points``: which points of the patches to give, too."""
-        boxes = None if points else self._boxes.chosen(pairs, rotation, offset)
+    def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
+        """Distances and patches of ``pairs`` (p, 2). Distances up to ``limit`` (p,) metres are exact; beyond, they are lower bounds."""
+        boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is None:
-            return self._general(pairs, rotation, offset, limit, points)
+            return self._general(pairs, rotation, offset, limit)
         found = self._boxes.patches(boxes, pairs[boxes.rows], limit[boxes.rows])
         if len(boxes.rows) == len(pairs):
             return found
         others = np.delete(np.arange(len(pairs)), boxes.rows)
-        rest = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], points)
+        rest = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others])
         return PairPatches.joined(len(pairs), (boxes.rows, found), (others, rest))
 
     def corners(
@@ -68,8 +65,8 @@ class NarrowPhase:
             parts.append((boxes.rows[number], places))
             others = np.delete(others, boxes.rows)
         if len(others):
-            points = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], PatchPoints.CORNERS).points
-            parts.append((others.repeat([len(corners) for corners in points]), np.concatenate(points).T))
+            corners = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], corners=True).corners
+            parts.append((others.repeat([len(each) for each in corners]), np.concatenate(corners).T))
         return np.concatenate([number for number, _ in parts]), np.concatenate([places for _, places in parts], axis=1)
 
     def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
@@ -114,9 +111,7 @@ class NarrowPhase:
             np.minimum.at(distance, rows.owner, bounded(rows, gap, limit))
         return np.where(np.isinf(distance), limit + BEYOND, np.maximum(distance, 0.0))
 
-    def _general(
-        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, points: PatchPoints | None
-    ) -> PairPatches:
+    def _general(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, corners: bool = False) -> PairPatches:
         """Pairs of any shapes."""
         distance = np.full(len(pairs), np.inf)
         found: list[CoreContacts] = []
@@ -124,7 +119,7 @@ class NarrowPhase:
         others = []
         for rows in self._pairing.groups(pairs, rotation, offset, limit):
             if rows.triangle_b is not None:
-                self._finish(rows, self._distances.separated(rows), limit, distance, found, points is not None)
+                self._finish(rows, self._distances.separated(rows), limit, distance, found, corners)
             elif self._distances.in_closed_form(rows):
                 closed.append((rows, self._distances.separated(rows)))
             else:
@@ -138,8 +133,8 @@ class NarrowPhase:
             is_point = self._table.kind[rows.first] == Kind.POINT
             for chosen in (is_point.nonzero()[0], (~is_point).nonzero()[0]):
                 if len(chosen):
-                    self._finish(chosen_of(rows, chosen), chosen_of(separated, chosen), limit, distance, found, points is not None)
-        return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, points)
+                    self._finish(chosen_of(rows, chosen), chosen_of(separated, chosen), limit, distance, found, corners)
+        return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, corners)
 
     def _finish(
         self, rows: CorePairs, separated: AxisSeparation, limit: FloatArray, distance: FloatArray, found: list[CoreContacts], corners: bool

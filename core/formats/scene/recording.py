@@ -406,11 +406,11 @@ def _pose_row(pose: Pose) -> PoseRow:
     return a, b, c, d, e, f, g
 
 
-_SCALARS = ("distance", "area", "share", "weight")
+_SCALARS = ("distance", "area", "weight")
 
 
 def _rows(contacts: ContactSet, numbers: FloatArray) -> FloatArray:
-    """One row per contact: positions, normal, distance, area, share, weight, all rounded, and the index of its transmission function."""
+    """One row per contact: positions, normal, distance, area, weight, all rounded, and the index of its transmission function."""
     parts = (contacts.positions.reshape(-1, 6), contacts.normal, *(getattr(contacts, name) for name in _SCALARS))
     # Adding 0 turns -0 into 0.
     return np.column_stack([np.round(np.column_stack(parts), DIGITS) + 0.0, numbers[contacts.transmission]])
@@ -435,7 +435,7 @@ def _contacts_of(contacts: ContactSet, every_row: FloatArray, names: Sequence[st
         normal=rows[:, 6:9],
         depth=np.maximum(-rows[:, 9], 0.0),
         transmission=contacts.transmission[chosen],
-        **dict(zip(_SCALARS, rows.T[9:13], strict=True)),
+        **dict(zip(_SCALARS, rows.T[9:12], strict=True)),
     )
     return part.to_contacts(names)
 

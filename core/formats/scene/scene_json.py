@@ -38,9 +38,11 @@ def _from_1_0(document: dict[str, Any]) -> dict[str, Any]:
     return {**document, "version": "1.1", "settings": settings}
 
 
+_RETIRED = ("patch_points",)
+"""Rules of earlier versions that have no effect any more."""
+
 _FORMERLY = {
     "contact_tolerance": "tolerance",
-    "patch_points": "patch_points",
     "impacts": "impacts",
     "minimum_energy": "least_energy",
     "maximum_energy": "full_energy",
@@ -109,7 +111,7 @@ def scene_of(document: Mapping[str, Any], file: str | Path) -> HapticScene:
             listeners=tuple(read_listener(form, ("listeners", i)) for i, form in enumerate(document.get("listeners", []))),
             settings=read_value(Settings, document.get("settings", {}), ("settings",)),
             extras=document.get("extras", {}),
-            rules=read_rules(document.get("rules", {}), ("rules",)),
+            rules=read_rules({key: value for key, value in document.get("rules", {}).items() if key not in _RETIRED}, ("rules",)),
         )
 
 

@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...arrays import IntArray, connected
-from ...graph.contact_patches import contact_patches
 from ...graph.haptic_graph import HapticGraph
 
 
@@ -76,9 +75,9 @@ def decompose(graph: HapticGraph, root: int, listeners: Iterable[int]) -> Compon
     return root_component if root_component.listeners or root_component.bridges else None
 
 
-def is_forest(graph: HapticGraph, entries: IntArray, patch: IntArray) -> bool:
-    """Whether the patches that lead into ``entries`` close no cycle of objects: then at most one path joins any two nodes."""
-    first = entries[np.unique(patch[graph.contact[entries]], return_index=True)[1]]
+def is_forest(graph: HapticGraph, entries: IntArray) -> bool:
+    """Whether the contacts that lead into ``entries`` close no cycle of objects: then at most one path joins any two nodes."""
+    first = entries[np.unique(graph.contact[entries], return_index=True)[1]]
     count = len(graph.table.names)
     trees = np.unique(connected(graph.node_object[np.column_stack([first, graph.partner[first]])], count))
     return len(trees) == count - len(first)
@@ -90,17 +89,13 @@ def _edges(graph: HapticGraph) -> tuple[dict[int, tuple[tuple[int, int], ...]], 
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     contact = graph.contact[first]
     a, b = graph.node_object[first], graph.node_object[graph.partner[first]]
-    open_ = (graph.transmission[contact] > 0) & (graph.share[contact] > 0) & ~blocked[a] & ~blocked[b]
+    open_ = (graph.transmission[contact] > 0) & ~blocked[a] & ~blocked[b]
     first, contact, a, b = first[open_], contact[open_], a[open_], b[open_]
-    patch = contact_patches(graph)[contact] if np.any(graph.share < 1) else contact
     edges: dict[int, tuple[tuple[int, int], ...]] = {}
     neighbours: dict[int, list[tuple[int, int]]] = {}
     for number, node, partner, one, other in zip(
-        patch.tolist(), first.tolist(), graph.partner[first].tolist(), a.tolist(), b.tolist(), strict=True
+        contact.tolist(), first.tolist(), graph.partner[first].tolist(), a.tolist(), b.tolist(), strict=True
     ):
-        if number in edges:
-            edges[number] += ((node, partner),)
-            continue
         edges[number] = ((node, partner),)
         neighbours.setdefault(one, []).append((number, other))
         neighbours.setdefault(other, []).append((number, one))

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...graph.contact_patches import contact_patches
 from ...graph.haptic_graph import HapticGraph
 from ..connections import LARGEST, band_factors, bounded_exp, lanes_of
 from .bridge_decomposition import Component, decompose
@@ -42,7 +41,7 @@ class PathSums:
         error: (l,) the true plain gain lies in ``[gain, gain + error]``; `LARGEST` without a bound.
         paths: (l,) number of paths summed, -1 if they were not counted.
         work: work done.
-        recrossings: last entries (nodes) and gains of the walks that were not continued because they cross a patch twice; None if not
+        recrossings: last entries (nodes) and gains of the walks that were not continued because they cross a contact twice; None if not
         requested or unknown.
     """
 
@@ -100,7 +99,6 @@ class _BridgeTreeSum:
         self.listeners = listeners
         self.budget = limits.budget
         self.sums = sums
-        self.patch = contact_patches(graph)
         self.crossings = min(limits.crossings, graph.contact_count)
         self.limited = limits.crossings < graph.contact_count
         self.steps = int(limits.crossings) + 1 if self.limited else 1
@@ -143,12 +141,12 @@ class _BridgeTreeSum:
     def _cross(self, amplitude: _Amplitude, node: int) -> _Amplitude:
         """The amplitude beyond the contact of a bridge, from its node ``node``."""
         contact = int(self.graph.contact[node])
-        value = amplitude.value * self.graph.share[contact]
+        value = amplitude.value.copy()
         if self.lanes > 1 and self.graph.contact_band_gains is not None:
             value[:, 1:] *= self.graph.contact_band_gains[contact]
         if self.limited:
             value = np.concatenate([np.zeros((1, self.lanes)), value[:-1]])
-        crossed = _Amplitude(value, amplitude.cost, amplitude.rest, amplitude.excess * float(self.graph.share[contact]))
+        crossed = _Amplitude(value, amplitude.cost, amplitude.rest, amplitude.excess)
         return crossed.further(float(self.graph.transmission_loss[contact]))
 
     def _through(self, component: Component, entrances: dict[int, _Amplitude], exits: Sequence[int]) -> dict[int, _Amplitude]:
@@ -174,7 +172,7 @@ class _BridgeTreeSum:
     def _solve(self, component: Component, entrance: int, exits: Sequence[int]) -> tuple[FloatArray, FloatArray]:
         """Sums (exits, k, lanes) over all paths inside a component from entrance to exits, and bounds (exits,) on the missing part."""
         others = [node for node in exits if node != entrance]
-        problem = ComponentSum(self.graph, component, entrance, others, self.crossings if self.limited else math.inf, self.patch)
+        problem = ComponentSum(self.graph, component, entrance, others, self.crossings if self.limited else math.inf)
         found, left, work = problem.solve(self.tolerance, self.budget)
         self.sums.work += work
         places = [number for number, node in enumerate(exits) if node != entrance]

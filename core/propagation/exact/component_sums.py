@@ -46,17 +46,13 @@ ROUNDING = 1e-11
 
 @dataclass(frozen=True, slots=True)
 class ComponentSum:
-    """The sum over the paths of a component from its entrance to its exits, over at most ``crossings`` contacts.
-
-    ``patch`` (c,) as of `contact_patches`.
-    """
+    """The sum over the paths of a component from its entrance to its exits, over at most ``crossings`` contacts."""
 
     graph: HapticGraph
     component: Component
     entrance: int
     exits: Sequence[int]
     crossings: float
-    patch: IntArray
 
     @property
     def limited(self) -> bool:
@@ -75,7 +71,7 @@ class ComponentSum:
         if exact is not None:
             return exact, np.zeros(len(self.exits)), spent
         entries, whole = self._entries()
-        search_graph = build_search_graph(self.graph, entries, [self.entrance], self.exits, self.patch)
+        search_graph = build_search_graph(self.graph, entries, [self.entrance], self.exits)
         bounds = WalkBounds(search_graph, self.crossings, whole)
         known, unknown = np.zeros(len(self.exits)), np.full(len(search_graph.nodes), math.inf)
         best: SearchResult | None = None
@@ -222,7 +218,7 @@ class SimpathSum:
         joins = intra_lanes(graph, np.repeat(nodes, sizes), others)
         ends = self._ends(nodes)
         contact = graph.contact[nodes[::2]]
-        through = np.repeat((graph.transmission * graph.share)[contact][:, None], self.lanes, axis=1)
+        through = np.repeat(graph.transmission[contact][:, None], self.lanes, axis=1)
         if graph.contact_band_gains is not None:
             through[:, 1:] *= graph.contact_band_gains[contact]
         alone = np.ones((1, self.lanes))

@@ -1,6 +1,6 @@
 """Sums over paths by breadth-first search: all partial paths with the same number of contacts take their next step at once, as arrays.
 
-Without a threshold, partial paths that have crossed the same patches in different orders and stand at the same entry have the same
+Without a threshold, partial paths that have crossed the same contacts in different orders and stand at the same entry have the same
 continuations: they are merged into one state, their gains added. (A ground with m arches has m! orders of its arches but only 2^m sets of
 them.) With a threshold each partial path keeps its own gain, because each may or may not fall below the threshold later; those that cannot
 reach it, even over the cheapest path to a listener, are dropped.
@@ -35,10 +35,10 @@ BINS, TABLE = 64, 1 << 20
 """Bins of the costs of steps, fewer where the table of counts would exceed this size."""
 
 BYTES_PER_WORK = 256
-"""Bytes of crossed patches copied in the time of one unit of work."""
+"""Bytes of crossed contacts copied in the time of one unit of work."""
 
 NUMBERED = 64
-"""Largest number of patches of a graph for which sets have a bit per patch of the graph; otherwise, per patch of the search."""
+"""Largest number of contacts of a graph for which sets have a bit per contact of the graph; otherwise, per contact of the search."""
 
 BYTES = 1 << 28
 """Most bytes that the states may take."""
@@ -82,7 +82,7 @@ class SearchResult:
         missing: (l,) bound on the sum of all paths left out.
         paths: (l,) number of paths summed.
         work: work done.
-        recrossed: (e,) values of the walks that were not continued because they cross a patch twice, by the entry where they end.
+        recrossed: (e,) values of the walks that were not continued because they cross a contact twice, by the entry where they end.
     """
 
     sums: FloatArray
@@ -139,7 +139,7 @@ _SCALE = 1024.0
 
 @dataclass(slots=True)
 class _States:
-    """Partial paths: the entry where each stands, its gain, its value (n, lanes) with shares and bands, the bit set of the patches crossed
+    """Partial paths: the entry where each stands, its gain, its value (n, lanes) in lanes, the bit set of the contacts crossed
     (n, bytes), and the hash of that set where states are merged."""
 
     entry: IntArray
@@ -167,7 +167,7 @@ class PathSearch:
         bounds: computed only when something has to be dropped.
         merge: merge partial paths with the same continuations; only without a threshold.
         ranking: steps ranked by the same ``ahead`` as in the limits, which makes a search with a threshold faster where there are many.
-        recrossings: collect the walks that are not continued because they cross a patch twice.
+        recrossings: collect the walks that are not continued because they cross a contact twice.
     """
 
     def __init__(
@@ -188,7 +188,7 @@ class PathSearch:
         self._amplified = not np.all(np.isfinite(limits.ahead))
         self._keys = _keys(search_graph) if merge else None
         self._plain = not merge and search_graph.lanes == 1 and np.all(starts == 1) and np.array_equal(steps.weight[:, 0], steps.gain)
-        self._sets = _PatchSets(search_graph.patch)
+        self._sets = _ContactSets(search_graph.contact)
         self._each = 1 / STEPS_PER_WORK + self._sets.size / BYTES_PER_WORK
         self._room = min(limits.states, BYTES // (self._sets.size + 64))
         roots = np.arange(len(search_graph.nodes) - len(starts), len(search_graph.nodes))
@@ -302,28 +302,28 @@ class PathSearch:
             self._missing[:] = LARGEST
 
     def _collect(self, states: _States, which: IntArray, step: IntArray, crossed: BoolArray) -> None:
-        """Add the values of walks that cross a patch twice to the entries where they end; back through the same patch is no walk."""
+        """Add the values of walks that cross a contact twice to the entries where they end; back through the same contact is no walk."""
         assert self._recrossed is not None
         again = crossed.nonzero()[0]
         to, begin = self._steps.to[step[again]], states.entry[which[again]]
-        other = (self._graph.patch[to] != self._graph.patch[begin]).nonzero()[0]
+        other = (self._graph.contact[to] != self._graph.contact[begin]).nonzero()[0]
         again, to = again[other], to[other]
         values = states.value[which[again], 0] * self._steps.weight[step[again], 0]
         self._recrossed += np.bincount(to, weights=values, minlength=len(self._recrossed))
 
 
-class _PatchSets:
-    """Bit sets of patches, a row of bytes each."""
+class _ContactSets:
+    """Bit sets of contacts, a row of bytes each."""
 
-    def __init__(self, patch: IntArray) -> None:
-        which, count = patch, int(patch.max()) + 1
+    def __init__(self, contact: IntArray) -> None:
+        which, count = contact, int(contact.max()) + 1
         if count > NUMBERED:
-            numbers, which = np.unique(patch, return_inverse=True)
+            numbers, which = np.unique(contact, return_inverse=True)
             none = int(numbers[0] == -1)
             which, count = which - none, len(numbers) - none
         self.size = count // 8 + 1
         """Bytes per set."""
-        self._bit = np.where(patch == -1, 0, 1 << (which & 7)).astype(np.uint8)
+        self._bit = np.where(contact == -1, 0, 1 << (which & 7)).astype(np.uint8)
         self._place = np.maximum(which, 0) >> 3
 
     def none(self, count: int) -> BitArray:
@@ -331,25 +331,25 @@ class _PatchSets:
         return np.zeros((count, self.size), dtype=np.uint8)
 
     def missing(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BoolArray:
-        """Whether the patch that leads into ``entry[k]`` is missing from the set ``crossed[which[k]]``."""
+        """Whether the contact that leads into ``entry[k]`` is missing from the set ``crossed[which[k]]``."""
         return np.asarray((crossed.reshape(-1)[which * self.size + self._place[entry]] & self._bit[entry]) == 0)
 
     def added(self, crossed: BitArray, which: IntArray, entry: IntArray) -> BitArray:
-        """Sets with the patches that lead into the entries added."""
+        """Sets with the contacts that lead into the entries added."""
         sets = crossed.take(which, axis=0)
         sets.reshape(-1)[np.arange(0, sets.size, self.size) + self._place[entry]] |= self._bit[entry]
         return sets
 
 
 def _keys(search_graph: SearchGraph) -> tuple[KeyArray, KeyArray]:
-    """Random keys of the patches that lead into the entries, and of the entries. A set is hashed by the sum of its keys, and compared in
+    """Random keys of the contacts that lead into the entries, and of the entries. A set is hashed by the sum of its keys, and compared in
     full before states are merged."""
     generator = np.random.default_rng(0)
-    count = len(search_graph.patch)
-    _, patch = np.unique(search_graph.patch, return_inverse=True)
-    of_patches: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
+    count = len(search_graph.contact)
+    _, contact = np.unique(search_graph.contact, return_inverse=True)
+    of_contacts: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
     of_entries: KeyArray = generator.integers(0, 1 << 63, count, dtype=np.uint64)
-    return of_patches[patch], of_entries
+    return of_contacts[contact], of_entries
 
 
 def _end(search_graph: SearchGraph, standing: list[_States], levels: int, least: float) -> tuple[IntArray, FloatArray]:
@@ -386,7 +386,7 @@ def _add_up(ended: list[tuple[IntArray, FloatArray]], levels: int, search_graph:
 
 
 def _merge(states: _States, entry_key: KeyArray) -> _States:
-    """The states with those merged that stand at the same entry and have crossed the same patches."""
+    """The states with those merged that stand at the same entry and have crossed the same contacts."""
     if len(states) < 2:
         return states
     key = states.key ^ entry_key[states.entry]

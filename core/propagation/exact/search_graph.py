@@ -30,7 +30,7 @@ class Arcs:
         to: the entry or the number of the listener that a step leads to.
         inside: gain of its intra-connection.
         gain: that times the gain of its inter-connection.
-        weight: (n, lanes) gain times the share of the contact; lane 0 the plain gain, the others those of the bands.
+        weight: (n, lanes) gain in lanes; lane 0 the plain gain, the others those of the bands.
     """
 
     start: IntArray
@@ -53,14 +53,14 @@ class SearchGraph:
 
     Attributes:
         nodes: (e,) nodes of the haptic graph that are entries, the roots last.
-        patch: (e,) number of the patch that leads into the entry, -1 for a root.
+        contact: (e,) number of the contact that leads into the entry, -1 for a root.
         steps: steps to other entries.
         ends: steps to listeners.
         listeners: number of listeners.
     """
 
     nodes: IntArray
-    patch: IntArray
+    contact: IntArray
     steps: Arcs
     ends: Arcs
     listeners: int
@@ -76,12 +76,11 @@ def build_search_graph(
     entries: IntArray,
     roots: Sequence[int],
     listeners: Sequence[int],
-    patch: IntArray,
     within: tuple[FloatArray, FloatArray, float] | None = None,
 ) -> SearchGraph:
     """The search graph from ``roots`` over ``entries`` (contact nodes) to ``listeners``.
 
-    ``patch`` as of `contact_patches`. ``within``: (n,) least cost from a root to each node as an entry, (n,) least cost from it to a
+    ``within``: (n,) least cost from a root to each node as an entry, (n,) least cost from it to a
     listener, and a limit: steps on no path within the limit are left out.
     """
     entries = np.sort(entries)
@@ -93,7 +92,7 @@ def build_search_graph(
     steps = _rows(graph, nodes, np.sort(graph.partner[entries]), None, local, within)
     ends = _rows(graph, nodes, exits[number], number, local, within)
     entered = np.full(len(nodes), -1, dtype=np.int64)
-    entered[: len(entries)] = patch[graph.contact[entries]]
+    entered[: len(entries)] = graph.contact[entries]
     return SearchGraph(nodes, entered, steps, ends, len(exits))
 
 
@@ -118,18 +117,17 @@ def _rows(
         kept = (a != b).nonzero()[0]
         which, place, a, b = which[kept], place[kept], a[kept], b[kept]
         inside, distance = intra_gains(graph, a, b)
-        gain = weight = inside
+        gain = inside
         if number is None:
             to, contact = graph.partner[b], graph.contact[b]
             gain = np.minimum(inside * graph.transmission[contact], OVERFLOWN)
-            weight = gain * graph.share[contact]
             onwards = behind[to]
         else:
             to = number[place]
             onwards = np.zeros(len(b))
         with np.errstate(divide="ignore"):
             useful = ((gain > 0) & (before[a] - np.log(gain) + onwards <= limit)).nonzero()[0]
-        lanes = weight[useful, None]
+        lanes = gain[useful, None]
         if graph.uses_bands:
             bands = band_factors(graph, graph.node_object[a[useful]], distance[useful])
             if number is None and graph.contact_band_gains is not None:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...graph.contact_patches import contact_patches
 from ...graph.haptic_graph import HapticGraph
 from ..connections import HOPS, LARGEST, SLACK, PathConnections, cost_limit, lanes_of
 from ..hop_constrained import hop_constrained_paths
@@ -57,7 +56,7 @@ def sum_over_paths(
 
     Args:
         known: costs up to the threshold and the source's row in them; None if some gain exceeds 1.
-        recrossings: whether the result includes the walks that were stopped because they cross a patch twice.
+        recrossings: whether the result includes the walks that were stopped because they cross a contact twice.
     """
     if limits.threshold == 0:
         return bridge_tree_sums(graph, roots, listeners, limits)
@@ -73,11 +72,9 @@ def sum_over_paths(
     before = arrival[graph.partner] + np.append(graph.transmission_loss, math.inf)[graph.contact]
     before[list(roots)] = 0.0
     entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
-    patch = contact_patches(graph)
-    single_points = len(roots) == 1 and bool(np.all(graph.share == 1))
-    if known is not None and single_points and limits.crossings > LONG and is_forest(graph, entries, patch):
+    if known is not None and len(roots) == 1 and limits.crossings > LONG and is_forest(graph, entries):
         return _only_paths(graph, listeners, known[0].forward, known[1], limit)
-    search_graph = build_search_graph(graph, entries, roots, listeners, patch, (before, behind, limit))
+    search_graph = build_search_graph(graph, entries, roots, listeners, (before, behind, limit))
     ahead = np.full(len(search_graph.nodes), math.inf) if known is None else np.exp(-behind[search_graph.nodes])
     found = _search(search_graph, limits, ahead, len(roots), recrossings)
     sums = np.minimum(found.sums.sum(axis=0), LARGEST)
@@ -104,7 +101,7 @@ def _search(search_graph: SearchGraph, limits: PathLimits, ahead: FloatArray, ro
 
 
 def _only_paths(graph: HapticGraph, listeners: Sequence[int], forward: ShortestPaths, row: int, limit: float) -> PathSums:
-    """The sums in a forest of contacts of one point each, where the best path to a listener is the only one."""
+    """The sums in a forest of contacts, where the best path to a listener is the only one."""
     sums = PathSums(np.zeros((len(listeners), lanes_of(graph))), np.zeros(len(listeners)), np.zeros(len(listeners), dtype=np.int64), 0)
     nodes = np.array(listeners, dtype=np.int64)
     rows, backwards = np.full(len(nodes), row), np.zeros(len(nodes), dtype=np.bool_)

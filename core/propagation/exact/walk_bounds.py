@@ -1,11 +1,11 @@
 """Upper bounds on sums over paths: sums over all walks to the listeners.
 
-A walk takes steps like a path but may cross a patch again (though not turn round at once), so the sum over all walks from an entry is an
+A walk takes steps like a path but may cross a contact again (though not turn round at once), so the sum over all walks from an entry is an
 upper bound on the sum over all continuations of a path from there. It solves the linear equations ``S = R + W S``, where R holds the gains
 of ending at once and W, the walk operator, those of a step. The series converges where the spectral radius of W is below 1; then the rest
 after any number of terms is bounded by Collatz and Wielandt: if ``W d <= q d`` element by element with q < 1, the terms after d sum to at
 most ``d q / (1 - q)`` (R. S. Varga, *Matrix Iterative Analysis*, Springer 2000, theorem 2.2). Where it diverges, a path still crosses each
-patch at most once, which bounds the number of terms.
+contact at most once, which bounds the number of terms.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class WalkBounds:
 
     def __init__(self, search_graph: SearchGraph, crossings: float, whole: bool = True) -> None:
         self._search_graph = search_graph
-        self._crossings = min(crossings, len(set(search_graph.patch.tolist()) - {-1}))
+        self._crossings = min(crossings, len(set(search_graph.contact.tolist()) - {-1}))
         self._whole = whole
 
     @cached_property
@@ -53,7 +53,7 @@ class WalkBounds:
         return walk_sums(self._search_graph, int(self._crossings)) if self._whole else np.full((1, *self.strongest.shape), LARGEST)
 
     def sums(self, level: int) -> FloatArray:
-        """(e, l) for paths that have crossed ``level`` contacts. A path crosses each patch once, so only the others are left."""
+        """(e, l) for paths that have crossed ``level`` contacts. A path crosses each contact once, so only the others are left."""
         return np.asarray(self._sums[min(int(self._crossings) - level, len(self._sums) - 1)])
 
     @cached_property

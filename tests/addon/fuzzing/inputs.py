@@ -134,7 +134,6 @@ STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = 
             {
                 "contacts": [{"objects": ["a", "b"], "positions": [[0, 0, 0], [0, 0, 0]], "normal": [0, 0, 1]}],
                 "tolerance": 0.005,
-                "patch_points": False,
             },
         ),
     ),

@@ -22,7 +22,7 @@ def contacts(*items):
 
 def test_between_settled_objects_only_the_authored_count():
     found = contacts(contact("a", "b", 1.0), contact("b", "c", 2.0))
-    given = contact("a", "b", 5.0, area=0.25, depth=-0.001, share=0.5, transmission=Constant(gain_value=0.5))
+    given = contact("a", "b", 5.0, area=0.25, depth=-0.001, transmission=Constant(gain_value=0.5))
     elsewhere = contact("a", "gone")
     assert AuthoredContacts.of("abc", "ab", (given, elsewhere), {}).over(found).to_contacts("abc") == (contact("b", "c", 2.0), given)
     assert AuthoredContacts.of("abc", "ab", (), {}).over(found).to_contacts("abc") == (contact("b", "c", 2.0),)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.motion import rotations
-from haptic_tracing.core.contacts.narrow.body_patches import PatchPoints
 from haptic_tracing.core.contacts.narrow.boxes import box_contacts
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.shapes import Box, Compound, pose_matrix
@@ -70,14 +69,14 @@ def test_both_methods_find_the_same_corners_of_patches(seed, tilt, shift):
     rotation = np.einsum("ij,jkp,lk->ilp", turn, rotation, turn)
     offset = turn @ offset + place[:, None] - np.einsum("ijp,j->ip", rotation, place)
     placing = np.tile([[0, 1]], (COUNT, 1)), rotation, offset, np.full(COUNT, 0.01)
-    general = narrow._general(*placing, PatchPoints.CORNERS)
+    general = narrow._general(*placing, corners=True)
     number, corners = narrow.corners(*placing, general.normal, general.centre)
     ways = np.random.default_rng(seed).normal(size=(20, 3))
     near = np.flatnonzero(general.distance <= 0.01)
     assert len(near) > 0.3 * COUNT
     for k in near.tolist():
         reach = (ways @ corners[:, number == k]).max(axis=1)
-        np.testing.assert_allclose(reach, (ways @ general.points[k].T).max(axis=1), atol=1.5e-4)
+        np.testing.assert_allclose(reach, (ways @ general.corners[k].T).max(axis=1), atol=1.5e-4)
 
 
 @pytest.mark.filterwarnings("error")

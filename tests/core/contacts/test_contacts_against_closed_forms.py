@@ -45,14 +45,14 @@ def quaternion(matrix):
     return (float(w), float(x), float(y), float(z))
 
 
-def contact(first: tuple[Shape, Pose], second: tuple[Shape, Pose], frame=None, tolerance=0.01, points=False):
+def contact(first: tuple[Shape, Pose], second: tuple[Shape, Pose], frame=None, tolerance=0.01):
     """The contacts of two shapes, seen and placed in a frame turned anyhow; results turned back."""
     frame = np.eye(4) if frame is None else frame
     objects = []
     for name, (shape, pose) in (("a", first), ("b", second)):
         placed = frame @ pose_matrix(pose)
         objects.append(HapticObject(name, 0.1, 0.9, shape=shape, pose=Pose(tuple(placed[:3, 3]), quaternion(placed))))
-    found = contacts_of_scene(HapticScene(tuple(objects)), tolerance, points)
+    found = contacts_of_scene(HapticScene(tuple(objects)), tolerance)
     back = frame[:3, :3].T
     return found, (found.positions - frame[:3, 3]) @ back.T, found.normal @ back.T
 
@@ -209,44 +209,6 @@ def test_rounded_box_on_its_corner_is_shorter():
         shape, origin = GROUNDS[name]
         found, _, _ = contact((shape, Pose(origin)), (cube, at(0, 0, height + 0.002, rotation)))
         np.testing.assert_allclose(found.distance, [0.002], atol=1e-5, err_msg=name)
-
-
-def test_patch_points_share_what_one_contact_has():
-    table = Compound(tuple((Box((0.1, 0.1, 0.8)), at(x, y)) for x in (-0.5, 0.5) for y in (-0.4, 0.4)))
-    for pair in ((Box((1, 0.8, 0.8)), at(0, 0, 0.4)), (table, at(0, 0, 0.4)), (Sphere(0.4), at(0, 0, 0.4))):
-        shape, origin = GROUNDS["box"]
-        whole, middle, _ = contact((shape, Pose(origin)), pair)
-        points, places, _ = contact((shape, Pose(origin)), pair, points=True)
-        np.testing.assert_allclose(points.share.sum(), 1.0)
-        np.testing.assert_allclose(points.area.sum(), whole.area.sum())
-        np.testing.assert_allclose(np.average(places, axis=0, weights=points.share), middle[0], atol=1e-5)
-        assert len(points) == {Box: 4, Compound: 4, Sphere: 1}[type(pair[0])] and len(whole) == 1
-
-
-@pytest.mark.parametrize("corners", [3, 4, 5, 6, 8])
-@settings(max_examples=5, derandomize=True, deadline=None)
-@given(frame=frames)
-def test_patch_points_of_a_prism_are_as_far_from_its_centre_as_its_face(corners, frame):
-    """The mean square distance of a regular polygon from its centre is R² (2 + cos(2π/n)) / 6."""
-    angle = 2 * np.pi * np.arange(corners) / corners
-    ring = 0.4 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    prism = ConvexHull(np.concatenate([np.column_stack([ring, np.full(corners, z)]) for z in (0.0, 0.8)]))
-    found, places, _ = contact((GROUNDS["box"][0], Pose(GROUNDS["box"][1])), (prism, at(1, 2)), frame, points=True)
-    assert len(found) == corners
-    np.testing.assert_allclose(places.mean(axis=(0, 1)), [1, 2, 0], atol=1e-4)
-    away = np.square(places.mean(axis=1)[:, :2] - [1, 2]).sum(axis=1).mean()
-    np.testing.assert_allclose(away, 0.16 * (2 + np.cos(2 * np.pi / corners)) / 6, rtol=1e-3)
-
-
-def test_patch_points_lie_on_the_feet_and_along_the_line_that_touch():
-    foot, apart = 0.1, (0.5, 0.4)
-    table = Compound(tuple((Box((foot, foot, 0.8)), at(x, y)) for x in (-apart[0], apart[0]) for y in (-apart[1], apart[1])))
-    _, places, _ = contact((GROUNDS["box"][0], Pose(GROUNDS["box"][1])), (table, at(0, 0, 0.4)), points=True)
-    outer = np.array(apart) + foot / (2 * np.sqrt(3))  # the outer Gauss point of each foot
-    np.testing.assert_allclose(np.abs(places.mean(axis=1)[:, :2]), np.tile(outer, (4, 1)), atol=1e-5)
-    _, places, _ = contact((GROUNDS["box"][0], Pose(GROUNDS["box"][1])), (Capsule(0.2, 1.0), at(0, 0, 0.2, LYING)), points=True)
-    assert len(places) == 2
-    np.testing.assert_allclose(np.ptp(places.mean(axis=1)[:, 1]), 1 / np.sqrt(3), atol=1e-3)
 
 
 def test_media_touch_what_they_overlap():

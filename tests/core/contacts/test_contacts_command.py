@@ -57,13 +57,6 @@ def test_tolerance_decides_what_touches(scene_file, capsys):
         assert len(json.loads(capsys.readouterr().out)["contacts"]) - count in ((0, 1) if tolerance == "0" else (0,))
 
 
-def test_points_have_shares(scene_file, capsys):
-    assert main(["contacts", str(scene_file(("floor", "crate"))), "--points"]) == 0
-    contacts = json.loads(capsys.readouterr().out)["contacts"]
-    assert len(contacts) == 4 and sum(contact["share"] for contact in contacts) == pytest.approx(1)
-    assert sum(contact["area"] for contact in contacts) == pytest.approx(2.0)
-
-
 def test_output_is_a_scene_file(scene_file, capsys, tmp_path):
     path = scene_file()
     main(["contacts", str(path)])

@@ -296,7 +296,7 @@ def test_one_impact_of_many_points_and_one_within_the_refractory_time():
     table = ConvexHull(np.array(feet))
     for refractory, expected in ((0.1, 3), (1.0, 1)):
         bodies = [Body("ground", Box((50, 50, 1)), motion="static"), Body("table", table, 20.0)]
-        tracker = ContactTracker(bodies, ContactSettings(refractory=refractory, patch_points=True))
+        tracker = ContactTracker(bodies, ContactSettings(refractory=refractory))
         impacts = []
         for frame in range(48):
             impacts += tracker.update(frame / 24, poses((0, 0, -0.5), (0, 0, 0.4 + height(1.5, 0.5, frame / 24)))).impacts

@@ -211,13 +211,6 @@ def test_most_specific_row_counts_and_without_one_nothing_plays():
     assert not any(result.sources for result in play(silent, Box((EDGE,) * 3), poses))
 
 
-def test_patches_of_points_are_one_source():
-    poses = slid(straight(1.0, 6))
-    of_points, of_one = (play(rules(((), (), TONE), patch_points=points), Box((EDGE,) * 3), poses)[-1].sources for points in (True, False))
-    assert [source.name for source in of_points] == [source.name for source in of_one]
-    assert [source.amplitude for source in of_points] == pytest.approx([source.amplitude for source in of_one], rel=1e-6)
-
-
 @pytest.mark.parametrize(
     ("values", "words"),
     [({"period": 0.0}, "period"), ({"noise": 1.5}, "noise"), ({"sliding": np.nan}, "sliding"), ({"full_speed": np.inf}, "full_speed")],

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable
 
 import pytest
-from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import Constant, Exponential, Identity
@@ -20,30 +18,13 @@ LIMITS = st.tuples(st.sampled_from([None, 0, 1, 2, 3, 5, 7, 9]), st.sampled_from
 SEEDS = st.integers(0, 10**6)
 
 
-def shares(graph: HapticGraph) -> Callable[[tuple[int, ...]], float | None]:
-    """Gives the product of the shares of the contacts on a path; None where it crosses two points of one patch."""
-    partner, number, share, objects = (values.tolist() for values in (graph.partner, graph.contact, graph.share, graph.node_object))
-
-    def share_of(path: tuple[int, ...]) -> float | None:
-        crossed = [(a, number[a]) for a, b in itertools.pairwise(path) if partner[a] == b]
-        patches = [frozenset((objects[a], objects[partner[a]])) if share[contact] < 1 else contact for a, contact in crossed]
-        return math.prod(share[contact] for _, contact in crossed) if len(set(patches)) == len(patches) else None
-
-    return share_of
-
-
 def check(scene: HapticScene, max_connections: int | None, threshold: float, reference: str = "networkx", tolerance: float = 0.0) -> None:
     graph = graph_of_scene(scene)
     chosen = Settings(strategy=Strategy.ALL_PATHS, max_connections=max_connections, threshold=threshold, tolerance=tolerance)
     result = propagate(graph, chosen)
-    share_of = shares(graph)
     within = max_connections is None or (max_connections - 1) // 2 >= graph.contact_count
     for column in range(len(graph.listeners)):
-        paths = [
-            (gains, math.prod(gains) * share)
-            for path, gains in REFERENCES[reference](graph, 0, column)
-            if (share := share_of(path)) is not None and math.prod(gains) > 0
-        ]
+        paths = [(gains, math.prod(gains)) for _, gains in REFERENCES[reference](graph, 0, column) if math.prod(gains) > 0]
         kept = [gain for gains, gain in paths if meets(gains, max_connections, threshold)]
         total, unlimited = math.fsum(kept), math.fsum(gain for _, gain in paths)
         gain, error = result.gain[0, column], result.error_bound[0, column]

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 import networkx
-import numpy as np
 import pytest
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene.functions import Constant, Identity, Linear
+from haptic_tracing.core.scene.functions import Identity, Linear
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import AMPLIFYING, METRIC, OTHER, REFERENCES, connected_scene, meets, networkx_paths, recursive_paths, scenes
 
@@ -118,39 +116,3 @@ def test_cheapest_walk_that_crosses_a_contact_twice_is_no_path(way_back):
     scene = HapticScene(objects, tuple(contacts), (Source("s", "plank"),), (Listener("l", "plank", (3.0, 0, 0)),))
     check(scene, None, 0.0)
     check(scene, 9, 0.0)
-
-
-def one_contact_for_each_patch(scene: HapticScene) -> HapticScene:
-    """The scene with the points of each patch, contacts of one pair of objects with a share below 1, as one contact at their centre with
-    their mean gain; all shares are equal."""
-    patches: dict[object, list[Contact]] = {}
-    for number, contact in enumerate(scene.contacts):
-        patches.setdefault(frozenset(contact.objects) if contact.share < 1 else number, []).append(contact)
-    contacts = []
-    for points in patches.values():
-        first = points[0].objects
-        places = [point.positions if point.objects == first else point.positions[::-1] for point in points]
-        gains = [float(point.transmission.gain(np.array(math.dist(*point.positions)), 0, 1, 0)) for point in points]
-        centres = tuple(map(tuple, np.mean(places, axis=0).tolist()))
-        contacts.append(Contact(first, centres, Constant(gain_value=math.fsum(gains) / len(gains))))
-    return dataclasses.replace(scene, contacts=tuple(contacts))
-
-
-TWO_POINTS = HapticScene(
-    (HapticObject("a", 0, 0.3), HapticObject("b", 0, 0.3)),
-    tuple(Contact(("a", "b"), ((0, 0, height), (0, 0, height)), share=0.5) for height in (0.0, 0.25)),
-    (Source("s", "a"),),
-    (Listener("l", "b"),),
-)
-
-
-@settings(max_examples=60, deadline=None, derandomize=True)
-@given(scenes(METRIC, most_contacts=5, refined=True))
-@example(TWO_POINTS)
-def test_share_does_not_weight_the_best_path(scene):
-    """It takes the points of a patch as one contact at their centre, however much they share."""
-    graph, merged = graph_of_scene(scene), graph_of_scene(one_contact_for_each_patch(scene))
-    result = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0))
-    for column in range(len(graph.listeners)):
-        best = max((math.prod(gains) for _, gains in recursive_paths(merged, 0, column)), default=0.0)
-        assert result.gain[0, column] == pytest.approx(best, rel=1e-9, abs=0)

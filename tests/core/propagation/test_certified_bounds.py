@@ -8,7 +8,6 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from haptic_tracing.core.graph.contact_patches import contact_patches
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate
@@ -89,7 +88,7 @@ def test_search_with_and_without_merging(seed, merge, crossings):
     graph = graph_of_scene(connected_scene(seed, METRIC[:3], extra=4, listeners=3))
     entries = np.flatnonzero(graph.partner >= 0)
     roots, listeners = list(graph.sources[0].nodes), graph.listener_nodes.tolist()
-    search_graph = build_search_graph(graph, entries, roots, listeners, contact_patches(graph))
+    search_graph = build_search_graph(graph, entries, roots, listeners)
     limits = Limits(crossings, 0.0, np.full(len(search_graph.nodes), math.inf), 0.0, np.zeros(len(listeners)), 10**6, 10**7)
     found = PathSearch(search_graph, np.ones((len(roots), 1)), limits, WalkBounds(search_graph, crossings), merge).run()
     true = true_sums(graph, None if crossings == math.inf else 9)

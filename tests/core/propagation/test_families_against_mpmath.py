@@ -11,7 +11,6 @@ import mpmath
 import numpy as np
 import pytest
 from energy_reference import energy_gain
-from haptic_tracing.core.graph.contact_patches import contact_patches
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.exact.search_graph import build_search_graph
@@ -155,7 +154,7 @@ def test_walks(seed):
     """The bound of all walks is none too small, and not larger than rounding and its own remainder make it."""
     graph = graph_of_scene(connected_scene(seed, (Exponential(alpha=0.4), Constant(gain_value=0.3), Constant(gain_value=0.1)), extra=3))
     entries = np.flatnonzero(graph.partner >= 0)
-    search_graph = build_search_graph(graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist(), contact_patches(graph))
+    search_graph = build_search_graph(graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist())
     count = len(search_graph.nodes)
     with mpmath.workdps(40):
         step = mpmath.zeros(count, count)

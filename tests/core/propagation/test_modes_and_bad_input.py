@@ -120,7 +120,7 @@ def test_settings_name_what_is_wrong(argument, value):
         ({"pairs": [[1, 1]]}, "contacts: 'ground' can't touch itself"),
         ({"positions": [[[0, 0, math.nan], [0, 0, 0]]]}, "contacts: positions must be finite"),
         ({"area": [math.inf]}, "contacts: area must be finite"),
-        ({"share": [1.5]}, "contacts: share must lie in"),
+        ({"weight": [1.5]}, "contacts: weight must lie in"),
     ],
 )
 def test_contacts_name_what_is_wrong(change, message):

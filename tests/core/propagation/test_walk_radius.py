@@ -29,17 +29,12 @@ def dense_operator(graph: HapticGraph) -> tuple[np.ndarray, np.ndarray]:
     nodes = np.flatnonzero(graph.partner >= 0)
     number = {node: k for k, node in enumerate(nodes.tolist())}
 
-    def patch(node: int) -> object:
-        ends = sorted([node, int(graph.partner[node])])
-        share = graph.share[graph.contact[node]]
-        return tuple(graph.node_object[ends].tolist()) if share < 1 else ends[0] + 0.5
-
     matrix = np.zeros((len(nodes), len(nodes)))
     for a in nodes.tolist():
         for b, edge in explicit.adj[a].items():
-            if edge["connection"] == "intra" and graph.partner[b] >= 0 and patch(a) != patch(b):
+            if edge["connection"] == "intra" and graph.partner[b] >= 0 and a != b:
                 crossing = explicit.edges[b, int(graph.partner[b])]
-                matrix[number[a], number[int(graph.partner[b])]] = edge["gain"] * crossing["gain"] * crossing["share"]
+                matrix[number[a], number[int(graph.partner[b])]] = edge["gain"] * crossing["gain"]
     return matrix, nodes
 
 
@@ -177,7 +172,7 @@ def test_sums_over_walks(seed, refined):
             expected += inside(root, listener)
             for number, node in enumerate(nodes.tolist()):
                 crossing = explicit.edges[node, int(graph.partner[node])]
-                expected += inside(root, int(graph.partner[node])) * crossing["gain"] * crossing["share"] * onwards[number]
+                expected += inside(root, int(graph.partner[node])) * crossing["gain"] * onwards[number]
         assert expected * (1 - 1e-9) <= total < math.inf
         assert total <= expected * (1 + 1e-6) + 1e-300 or operator.radius.high > 0.95  # 0.95**1000 is 5e-23
 
@@ -246,19 +241,6 @@ def test_a_known_path_is_a_floor(size):
     result = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0), 20_000)
     best = 0.4 ** (2 * size - 1)
     assert result.gain[0, 0] >= best * (1 - 1e-12)
-
-
-def test_a_known_path_through_refined_patches_is_a_floor():
-    """Every choice of points of the patches on the best path counts."""
-    scene = lattice(7, 7, 0.4)
-    contacts = tuple(
-        Contact(contact.objects, (place, place), share=1 / 3)
-        for contact in scene.contacts
-        for place in ((0, 0, 0), (0.1, 0, 0), (0, 0.1, 0))
-    )
-    graph = graph_of_scene(HapticScene(scene.objects, contacts, scene.sources, scene.listeners))
-    result = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0), 2_000)
-    assert result.gain[0, 0] >= 0.4**13 * (1 - 1e-12)
 
 
 def test_sum_without_limits_says_its_radius_too():
