@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray
 from ...scene.bhaptics import DEVICES, region
 from ...scene.body import BODY_PARTS
 from ..io.atomic import write_text
@@ -32,8 +33,10 @@ INTERVAL = 20
 
 FREQUENCY = 100.0
 """Frequency of the vibrations (hertz): the format has only strengths."""
-STEP = 10
-"""Step of the strengths that are read (milliseconds)."""
+SPREAD = 0.85
+"""Power of the barycentric coordinates by which motors play a point between them."""
+ROUNDED_DOWN = 0.05
+"""By how much the player places a point too far left and up, on average (distances of motors)."""
 LONGEST = 3_600_000
 """Longest file (milliseconds)."""
 MOST_STEPS = 5_000_000
@@ -46,8 +49,9 @@ _FADES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
     "FADE_IN": lambda share: share,
     "FADE_OUT": lambda share: 1 - share,
     "FADE_IN_OUT": lambda share: 1 - np.abs(2 * share - 1),
+    "NONE": np.ones_like,
 }
-"""Amplitude by the part of an interval that has passed, both 0 to 1, for each fade; without a fade it is 1."""
+"""Amplitude by the part of an interval that has passed, both 0 to 1, for each fade."""
 _LISTS = ("dotMode", "pathMode")
 _NUMBERS: Mapping[str, Callable[[str], float]] = {"index": int, "intensity": float, "x": float, "y": float, "time": float}
 _LAYOUTS = {position: places for layout in DEVICES.values() for position, places in layout.items()}
@@ -166,9 +170,9 @@ def read(path: Path) -> VibrationFile:
             if position not in _LAYOUTS:
                 losses[f"the position {position} is not known"] = None
                 continue
-            table = strengths.setdefault(position, np.zeros((len(_LAYOUTS[position]), max(-(-round(length) // STEP), 0))))
+            table = strengths.setdefault(position, np.zeros((len(_LAYOUTS[position]), max(math.floor(length / INTERVAL) + 1, 0))))
             player = _Player(table, _LAYOUTS[position], effect["startTime"], effect["offsetTime"])
-            player.play(mode, losses)
+            player.play(mode)
             steps += player.steps
             if steps > MOST_STEPS:
                 raise FormatError(path, "/project/tracks", "too many effects at once")
@@ -189,55 +193,85 @@ def _convert_numbers(document: Any) -> None:
 
 
 class _Player:
-    """Enters an effect into a table of strengths (motors, steps): of simultaneous strengths the highest counts.
+    """Adds effects to a table of strengths (motors, steps), each of which is that at the beginning of its step, as the player samples them.
 
-    start and length of the effect in milliseconds. ``steps``: number of steps entered.
+    start and length of the effect in milliseconds. ``steps``: number of steps played.
     """
 
     def __init__(self, table: FloatArray, places: Sequence[tuple[float, float]], start: float, length: float) -> None:
-        self._table, self._places, self._start, self._length = table, places, start, length
+        self._places, self._length = places, length
+        bounds = math.ceil(start / INTERVAL), math.floor((start + length) / INTERVAL) + 1
+        first, last = (min(max(step, 0), table.shape[1]) for step in bounds)
+        self._played = table[:, first : max(first, last)]
+        self._times = np.arange(first, max(first, last)) * INTERVAL - start
         self.steps = 0
 
-    def play(self, mode: Mapping[str, Any], losses: dict[str, None]) -> None:
-        """Enter the mode that the effect uses."""
+    def play(self, mode: Mapping[str, Any]) -> None:
+        """Add the mode that the effect uses."""
         if mode["mode"] == "PATH_MODE":
             for feedback in mode["pathMode"]["feedback"]:
-                if feedback["pointList"]:
-                    self._play_path(feedback)
-            return
-        if mode["dotMode"].get("dotConnected"):
-            losses["connected dots are played one by one"] = None
-        for feedback in mode["dotMode"]["feedback"]:
-            steps, shares = self._steps(feedback, feedback["startTime"], feedback["endTime"])
-            for point in feedback["pointList"]:
-                if point["index"] < len(self._places):
-                    self._enter(point["index"], steps, shares * point["intensity"])
+                self._play_path(feedback)
+        elif mode["dotMode"].get("dotConnected"):
+            self._play_connected(mode["dotMode"]["feedback"])
+        else:
+            for feedback in mode["dotMode"]["feedback"]:
+                start, end = feedback["startTime"], feedback["endTime"]
+                here = (self._times >= start) & (self._times < end)
+                share = (self._times[here] - start) / max(end - start, 1e-9)
+                self._add(here, np.outer(self._dots(feedback), _FADES[feedback["playbackType"]](share)))
+
+    def _dots(self, feedback: Mapping[str, Any]) -> FloatArray:
+        """The strength of each motor in an interval; a motor that is named several times has the sum."""
+        strengths = np.zeros(len(self._places))
+        for point in feedback["pointList"]:
+            if point["index"] < len(strengths):
+                strengths[point["index"]] += point["intensity"]
+        return strengths
+
+    def _play_connected(self, feedback: Sequence[Mapping[str, Any]]) -> None:
+        """Dots that blend: the strength of a motor is linear between the beginnings of the intervals, whose fades do not count."""
+        intervals = sorted(feedback, key=lambda interval: interval["startTime"])
+        for one, other in pairwise(intervals):
+            here, share = self._between(one["startTime"], other["startTime"])
+            self._add(here, np.outer(self._dots(one), 1 - share) + np.outer(self._dots(other), share))
 
     def _play_path(self, feedback: Mapping[str, Any]) -> None:
-        """A point that moves between motors: each plays it with a weight that falls linearly to 0 at the next column and row."""
+        """A point that moves between motors. A fade applies between every two points of the path; a single point stays for the whole
+        effect."""
         points = sorted(feedback["pointList"], key=lambda point: point["time"])
-        times = [point["time"] for point in points]
-        steps, shares = self._steps(feedback, times[0], times[-1])
-        middles = (np.arange(steps.start, steps.stop) + 0.5) * STEP - self._start
-        x, y, strength = (np.interp(middles, times, [point[key] for point in points]) for key in ("x", "y", "intensity"))
-        columns, rows = (sorted({place[k] for place in self._places}) for k in (0, 1))
-        for index, (column, row) in enumerate(self._places):
-            weights = np.interp(x, columns, [float(knot == column) for knot in columns])
-            weights *= np.interp(y, rows, [float(knot == row) for knot in rows])
-            self._enter(index, steps, weights * strength * shares)
+        if len(points) == 1:
+            points = [points[0] | {"time": 0.0}, points[0] | {"time": self._length}]
+        for one, other in pairwise(points):
+            here, share = self._between(one["time"], other["time"])
+            x, y, strength = (one[key] + share * (other[key] - one[key]) for key in ("x", "y", "intensity"))
+            self._add(here, _weights(self._places, x, y) * strength * _FADES[feedback["playbackType"]](share))
 
-    def _steps(self, feedback: Mapping[str, Any], start: float, end: float) -> tuple[slice, FloatArray]:
-        """The steps of an interval (milliseconds from the effect's start), and the share of the strength in each."""
-        begin, until = (self._start + min(max(time, 0.0), self._length) for time in (start, end))
-        count = self._table.shape[1]
-        first, last = min(max(round(begin / STEP), 0), count), min(max(round(until / STEP), 0), count)
-        last = max(first, last)
-        self.steps += last - first
-        share = (np.arange(first, last) + 0.5 - first) / max(last - first, 1)
-        return slice(first, last), _FADES.get(feedback.get("playbackType", ""), np.ones_like)(share)
+    def _between(self, start: float, end: float) -> tuple[BoolArray, FloatArray]:
+        """Which steps begin from ``start`` to ``end``, both included, and the part of that time that has passed in them."""
+        here = (self._times >= start) & (self._times <= end)
+        return here, (self._times[here] - start) / max(end - start, 1e-9)
 
-    def _enter(self, index: int, steps: slice, strengths: FloatArray) -> None:
-        np.maximum(self._table[index, steps], strengths, out=self._table[index, steps])
+    def _add(self, here: BoolArray, strengths: FloatArray) -> None:
+        self._played[:, here] += strengths
+        self.steps += strengths.shape[1]
+
+
+def _weights(places: Sequence[tuple[float, float]], x: FloatArray, y: FloatArray) -> FloatArray:
+    """The weights (motors, n) with which the motors at ``places`` play a point at ``x``, ``y`` (n,).
+
+    The rectangles between neighbouring motors are cut into two triangles, from lower left to upper right. The corners of a point's triangle
+    play it, each with a power of its barycentric coordinate. The power and the shift of the point were fitted to frames that the maker's
+    program has written into files: it rounds positions down.
+    """
+    columns, rows = (np.unique([place[k] for place in places]) for k in (0, 1))
+    across, down = (
+        np.maximum(np.interp(values, knots, np.arange(len(knots))) - ROUNDED_DOWN, 0.0) for values, knots in ((x, columns), (y, rows))
+    )
+    # A motor's triangles form a hexagon, in which its coordinate falls linearly from 1 to 0.
+    right = across - np.searchsorted(columns, [[place[0]] for place in places])
+    below = down - np.searchsorted(rows, [[place[1]] for place in places])
+    coordinates = 1 - np.maximum(np.maximum(np.abs(right), np.abs(below)), np.abs(right + below))
+    return np.asarray(np.maximum(coordinates, 0.0) ** SPREAD)
 
 
 def _channels(strengths: Mapping[str, FloatArray], duration: float) -> Iterator[Channel]:
@@ -248,7 +282,7 @@ def _channels(strengths: Mapping[str, FloatArray], duration: float) -> Iterator[
         levels = np.clip(table[region(part, _LAYOUTS[part.bhaptics])].max(axis=0, initial=0.0), 0.0, 1.0)
         if levels.any():
             changed = np.flatnonzero(np.diff(levels)) + 1
-            times = np.repeat(changed * (STEP / 1000), 2)
+            times = np.repeat(changed * (INTERVAL / 1000), 2)
             values = np.column_stack([levels[changed - 1], levels[changed]]).ravel()
             keys = np.concatenate([[0.0], times]), np.concatenate([levels[:1], values])
             carrier = Carrier(0.0, duration, 0.0, *keys, np.zeros(1), np.full(1, FREQUENCY))
