@@ -32,7 +32,7 @@ def disable() -> None:
 
 def wheel_origins() -> dict[str, str]:
     """Where each carried package comes from, imported as the extension imports it."""
-    names = ["networkx", "fcl", "fastjsonschema", "soxr", "hidraw" if sys.platform == "linux" else "hid"]
+    names = ["fcl", "fastjsonschema", "soxr", "hidraw" if sys.platform == "linux" else "hid"]
     return {name: importlib.import_module(name).__file__ for name in names}
 
 

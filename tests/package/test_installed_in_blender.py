@@ -11,7 +11,7 @@ import pytest
 pytestmark = pytest.mark.slow  # all read the report of one installation, which takes seconds
 
 HERE = Path(__file__).parent
-CARRIED = {"networkx", "fcl", "python_fcl", "hid", "hidraw", "hidapi", "fastjsonschema", "soxr", "__editable__"}
+CARRIED = {"fcl", "python_fcl", "hid", "hidraw", "hidapi", "fastjsonschema", "soxr", "__editable__"}
 
 
 @pytest.fixture(scope="module")
