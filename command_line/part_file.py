@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.arrays import FloatArray
 from ..core.formats.io.atomic import atomic_file
 from ..core.formats.io.error import FormatError
 from ..core.formats.io.strict_json import parse_json
@@ -207,14 +206,8 @@ def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part
         )
         delay = arrays["delay"][delays[k] : delays[k + 1]] if arrays["has_delay"][k] else None
         band_gain = arrays["bands"][bands[k] : bands[k + 1]] if arrays["has_bands"][k] else None
-        propagation = _propagation(arrays["gain"][own], band_gain, delay)
+        propagation = Propagation.of_gains(arrays["gain"][own], band_gain, delay)
         frames.append(HeardFrame(first - more + k, time, heard, tuple(listeners[n] for n in arrays["listener"][k].tolist()), propagation))
     if more < 0 or (more and header["number"] > 1) or rows[-1] != len(arrays["gain"]):
         raise ValueError("frames are missing")
     return Part(origin, header["number"], float(header["sample_rate"]), header["before"], header["after"], tuple(frames))
-
-
-def _propagation(gain: FloatArray, band_gain: FloatArray | None, delay: FloatArray | None) -> Propagation:
-    """The propagation result in the form that rendering needs."""
-    none = np.zeros(gain.shape, dtype=np.int64)
-    return Propagation(gain, np.zeros(gain.shape), none, none.astype(np.bool_), {}, (), band_gain, delay)

@@ -7,6 +7,7 @@ import dataclasses
 import json
 import math
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from ..core.contacts.scene_contacts import contacts_of_scene
@@ -19,7 +20,7 @@ from ..core.modalities.propagation import Felt
 from ..core.propagation import Propagation, objects_on, propagate
 from ..core.render.frame_result import Sounding
 from ..core.render.masking import felt_sources
-from ..core.scene.values import HapticScene, Strategy
+from ..core.scene.values import HapticScene, Listener, Strategy
 from . import warn_of_unknown
 
 
@@ -46,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     except ValueError as error:
         raise ValueError(f"{args.scene}: {error}") from None
     seconds = {"graph_seconds": built - started, "propagate_seconds": finished - built}
-    printed = report(graph, result, settings.strategy, seconds)
+    printed = report(graph, scene.listeners, result, settings.strategy, seconds)
     if args.felt:
         sounding = Sounding(0.0, scene.sources, scene.listeners, result)
         printed["felt"] = [part for column in range(len(scene.listeners)) for part in _who_is_felt(sounding, column)]
@@ -92,19 +93,22 @@ def _pointer(scene: HapticScene, error: NoGain) -> str:
     return f"/contacts/{pairs.index(frozenset(error.objects))}/transmission"
 
 
-def report(graph: HapticGraph, result: Propagation, strategy: Strategy, seconds: dict[str, float]) -> dict[str, Any]:
+def report(
+    graph: HapticGraph, listeners: Sequence[Listener], result: Propagation, strategy: Strategy, seconds: dict[str, float]
+) -> dict[str, Any]:
     """The printed object: all pairs with gains including the source's amplitude; band gains (relative to the source, in the order of
     `core.scene.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths if the scene uses them."""
     pairs = []
     for row, source in enumerate(graph.sources):
-        for column, listener in enumerate(graph.listeners):
+        for column, listener in enumerate(listeners):
             paths = int(result.paths[row, column])
             pair: dict[str, Any] = {
                 "source": source.name,
-                "listener": listener,
+                "listener": listener.name,
                 "gain": source.amplitude * float(result.gain[row, column]),
                 "error_bound": source.amplitude * bound if (bound := float(result.error_bound[row, column])) < math.inf else None,
                 "limited": bool(result.limited[row, column]),
+                "silenced": bool(result.silenced[row, column]) or source.amplitude == 0 or listener.gain == 0,
                 "paths": None if paths < 0 else paths,
                 "path": list(objects_on(graph, result.best_path.get((row, column), ()))),
             }

@@ -15,6 +15,7 @@ import pyarrow as pa
 from matplotlib import pyplot as plt
 
 from ...core.formats.io.atomic import atomic_file
+from ...core.perception import BEST_LEVEL
 from . import wishes
 from .table import read_table, varied_columns
 
@@ -39,7 +40,10 @@ def run(args: argparse.Namespace, path: Path) -> int:
             figure.savefig(file, format="svg")
         plt.close(figure)
         print(f"wrote {args.out / name}")
-    for number, row in enumerate(pareto(rows), 1):
+    best = pareto(rows)
+    if not best:
+        print("no variant bounds the error and reaches every listener who feels something in another one")
+    for number, row in enumerate(best, 1):
         print(f"{number}: fastest for its error, {row['milliseconds']:.2f} ms, {row['error_bound']:.3g}: {_words(row, varied)}")
     if wished:
         _print_answer(rows, wished, varied)
@@ -71,14 +75,27 @@ def _levels(rows: Sequence[Row], over: str) -> Any:
 
 
 def by_variant(rows: Sequence[Row]) -> list[Row]:
-    """One row per variant with error bounds: that of the listener with the largest bound."""
-    worst: dict[str, Row] = {}
-    unbounded = {row["key"] for row in rows if row["error_bound"] is None}
+    """One row per variant with error bounds: that of the listener with the largest bound.
+
+    Left out are variants with a listener for which nothing bounds the error, those in which nobody feels anything, and those whose limits
+    cut off a listener who feels something in another variant: a small bound on nothing is no accuracy.
+    """
+    feeling = {row["listener"] for row in rows if _is_felt(row)}
+    by_key: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
-        key = row["key"]
-        if key not in unbounded and (key not in worst or row["error_bound"] > worst[key]["error_bound"]):
-            worst[key] = row
-    return list(worst.values())
+        by_key[row["key"]].append(row)
+    return [
+        max(own, key=lambda row: row["error_bound"])
+        for own in by_key.values()
+        if any(map(_is_felt, own))
+        and all(row["error_bound"] is not None for row in own)
+        and not any(row["level"] is None and row["error_bound"] > 0 and row["listener"] in feeling for row in own)
+    ]
+
+
+def _is_felt(row: Row) -> bool:
+    """Whether the level is above the lowest threshold of feeling."""
+    return row["level"] is not None and row["level"] > BEST_LEVEL
 
 
 def pareto(rows: Sequence[Row]) -> list[Row]:

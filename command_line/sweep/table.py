@@ -26,6 +26,7 @@ _RESULT = {
     "impacts": pa.int64(),
     "gains": pa.map_(pa.string(), pa.float64()),
     "error_bound": pa.float64(),
+    "silenced": pa.bool_(),
     "milliseconds": pa.float64(),
 }
 
@@ -34,7 +35,8 @@ def write_table(path: Path, folder: Path, keyed: Sequence[tuple[str, Variant]]) 
     """Write the results of variants in ``folder``, in the given order.
 
     Columns: ``key``, the varied parameters, ``level`` in dB of the RMS (0 dB: a constant 1; null if nothing is felt), ``peak``, ``gains``
-    (mean over the frames, by persistent source, including the amplitude), ``error_bound``, and ``milliseconds`` of tracing a frame.
+    (mean over the frames, by persistent source, including the amplitude), ``error_bound``, ``silenced``, and ``milliseconds`` of tracing a
+    frame.
     """
     varied: dict[str, pa.DataType] = {}
     for _, variant in keyed:

@@ -94,26 +94,33 @@ def _trace(task: Mapping[str, Any]) -> None:
 
 
 class _Felt:
-    """Gains and their error bounds over the frames of a variant."""
+    """Gains and their error bounds over the frames of a variant, and which listeners its settings silence."""
 
     def __init__(self) -> None:
         self._gains: dict[str, Any] = defaultdict(float)
         self._error: Any = 0.0
+        self._silenced: Any = False
         self._milliseconds: list[float] = []
 
     def add(self, result: FrameResult, milliseconds: float) -> None:
         """Add a frame that took ``milliseconds`` to trace."""
         self._milliseconds.append(milliseconds)
+        found = result.propagation
+        self._silenced = self._silenced | np.array([item.gain == 0 for item in result.listeners])
         for row, source in enumerate(result.sources):
             if source.kind is SourceKind.PERSISTENT:
                 self._gains[source.name] = self._gains[source.name] + result.gains[row]
-                self._error = np.maximum(self._error, source.amplitude * result.propagation.error_bound[row])
+            if source.amplitude > 0:
+                self._silenced = self._silenced | found.silenced[row]
+                if source.kind is SourceKind.PERSISTENT:
+                    self._error = np.maximum(self._error, source.amplitude * found.error_bound[row])
 
     def result(self, tracks: Tracks) -> dict[str, Any]:
         """The median time of a frame; per listener RMS and peak of its samples, impacts, mean gains of persistent sources (amplitudes
-        included), and the greatest error bound of any of these gains in any frame, None where there is no bound."""
+        included), the greatest error bound of any of these gains in any frame, None where there is no bound, and whether a setting
+        silences the listener, at least for some source in some frame."""
         count = len(self._milliseconds)
-        errors = np.broadcast_to(self._error, len(tracks.listeners))
+        errors, silenced = (np.broadcast_to(values, len(tracks.listeners)) for values in (self._error, self._silenced))
         return {
             "milliseconds": float(np.median(self._milliseconds)),
             "frames": count,
@@ -126,6 +133,7 @@ class _Felt:
                     "impacts": len(item.impacts),
                     "gains": {name: float(total[row]) / count for name, total in sorted(self._gains.items())},
                     "error_bound": float(errors[row]) if np.isfinite(errors[row]) else None,
+                    "silenced": bool(silenced[row]),
                 }
                 for row, item in enumerate(tracks.listeners)
             ],

@@ -12,7 +12,7 @@ from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from ..scene.choices import Strategy
 from ..scene.values import Settings
-from .connections import HOPS, LARGEST, SLACK, PathConnections, bounded_exp, clusters, cost_limit, intra_costs
+from .connections import HOPS, LARGEST, SLACK, PathConnections, bounded_exp, cost_limit, intra_costs, joined
 from .hop_constrained import hop_constrained_paths
 from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import StrongestPaths
@@ -31,13 +31,16 @@ EXPANSION = 32
 class BestPaths:
     """Per pair (row of the source, column of the listener): the nodes of its best path, and its cost ``-log(gain)``. Pairs without a path
     are left out. ``bands`` (p, bands): gains of these paths in each band, in their order and relative to the plain gain; None without
-    bands. ``bound``: a lower bound on the cost for pairs whose path may not be the best. ``visited``: largest number of nodes reached from
-    one source or listener; ``relaxed``: number of connections evaluated; ``searched``: number of partial paths."""
+    bands. ``bound``: a lower bound on the cost for pairs whose path within the limits may not be the best of these. ``cut``: the most by
+    which the gain of the best path without limits may differ, for pairs of which the limits may leave that path out. ``visited``: largest
+    number of nodes reached from one source or listener; ``relaxed``: number of connections evaluated; ``searched``: number of partial
+    paths."""
 
     nodes: dict[Pair, Path] = field(default_factory=dict)
     cost: dict[Pair, float] = field(default_factory=dict)
     bands: FloatArray | None = None
     bound: dict[Pair, float] = field(default_factory=dict)
+    cut: dict[Pair, float] = field(default_factory=dict)
     visited: int = 0
     relaxed: int = 0
     searched: int = 0
@@ -76,15 +79,21 @@ def best_paths(
     result = BestPaths()
     result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
     crossings = crossings_of(max_connections)
+    if amplified and (threshold > 0 or crossings < graph.contact_count):
+        result.cut = dict.fromkeys(_keys(pairs[joined(graph, pairs)]), math.inf)
+    elif crossings < 0:
+        result.cut = dict.fromkeys(_keys(pairs[joined(graph, pairs)]), 1.0)
     if len(pairs) == 0 or crossings < 0:
         return result
     limit = cost_limit(threshold)
     in_band = {band: graph.in_band(band) for band in set(bands.values())}
     views = {row: in_band[bands[row]] if row in bands else graph for row in np.unique(pairs[:, 0]).tolist()}
+    longer: dict[Pair, Path] = {}
+    weak: list[Pair] = []
     while len(pairs):
         left: list[Pair] = []
         if amplified:
-            left += map(tuple, pairs.tolist())
+            left += _keys(pairs)
         else:
             found = _unconstrained_paths(_Walks(graph, views, limit), pairs, known, result)
             judged = bool(graph.table.special)
@@ -92,31 +101,41 @@ def best_paths(
                 longest = 2 * crossings + 2
                 left += (pair for pair, path in found.items() if len(path) > longest or (judged and crosses_twice(graph, path)))
             for pair in left:
-                del found[pair]
+                longer.setdefault(pair, found.pop(pair))
             result.nodes |= found
         for row in sorted({row for row, _ in left}):
             _search_row(views[row], row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
         # Bands in which the source is weak may still arrive.
-        pairs, views, known = _unreached(graph, pairs, views, result), dict.fromkeys(views, graph), {}
+        pairs = np.array([pair for pair in _keys(pairs) if pair not in result.nodes], dtype=np.int64).reshape(-1, 2)
+        pairs = pairs[joined(graph, pairs)]
+        banded = np.array([views[row] is not graph for row in pairs[:, 0].tolist()], dtype=np.bool_)
+        if threshold > 0:
+            for pair, by_band in zip(_keys(pairs), banded.tolist(), strict=True):
+                if by_band:
+                    weak.append(pair)
+                else:
+                    result.cut.setdefault(pair, threshold)  # of gains above 1, nothing is known
+        pairs, views, known = pairs[banded], dict.fromkeys(views, graph), {}
     _judge(graph, result)
+    if crossings < graph.contact_count and not amplified:
+        _bound_longer(graph, longer, bands, result)
+    for pair in result.nodes.keys() & weak:  # without a threshold, another path would have been chosen, by the band
+        result.cut[pair] = max(result.cut.get(pair, 0.0), bounded_exp(-result.cost[pair]))
     return result
 
 
-def _unreached(graph: HapticGraph, pairs: IntArray, views: Mapping[int, HapticGraph], result: BestPaths) -> IntArray:
-    """Those of ``pairs`` (p, 2) without a path by their band, though contacts join them."""
-    plain = [row for row, view in views.items() if view is graph]
-    if len(plain) == len(views):
-        return pairs[:0]
-    lacking = np.zeros((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
-    lacking[tuple(pairs.T)] = True
-    lacking[tuple(np.array(list(result.nodes), dtype=np.int64).reshape(-1, 2).T)] = lacking[plain] = False
-    row, column = lacking.nonzero()
-    if len(row) == 0:
-        return pairs[:0]
-    hangs_on = clusters(graph)[graph.node_object]
-    ends = np.array([(source.nodes[0], source.nodes[-1]) for source in graph.sources]).T
-    joined = (hangs_on[ends[:, row]] == hangs_on[graph.listener_nodes[column]]).any(axis=0)
-    return np.array([row[joined], column[joined]]).T
+def _keys(pairs: IntArray) -> list[Pair]:
+    return list(map(tuple, pairs.tolist()))
+
+
+def _bound_longer(graph: HapticGraph, longer: Mapping[Pair, Path], bands: Mapping[int, int], result: BestPaths) -> None:
+    """Bound what pairs lose whose best path, or cheapest walk, ``longer`` has more connections than allowed."""
+    for (pair, path), cost in zip(longer.items(), PathConnections(graph, longer.values()).costs(), strict=True):
+        # Of a walk that is no path, only the gain by which it was found bounds those of paths.
+        most = 1.0 if pair[0] in bands and crosses_twice(graph, path) else bounded_exp(-cost)
+        gain = bounded_exp(-result.cost.get(pair, math.inf))
+        if most != gain:
+            result.cut[pair] = abs(most - gain)
 
 
 def _judge(graph: HapticGraph, result: BestPaths) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray, connected
+from ..arrays import BoolArray, FloatArray, IntArray, connected
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 
@@ -23,6 +23,9 @@ LARGEST = 1e300
 
 HOPS = 64
 """Most contacts on hop-constrained walks if gains exceed 1 and connections are not limited."""
+
+STEPS = 8
+"""Contacts around a source within which listeners are looked for before the connected components of the whole scene are computed."""
 
 PAIRS_EVALUATED = 1 << 18
 """Most intra-connections of one object that are evaluated to find gains above 1 if the bounds of its function allow them."""
@@ -137,10 +140,24 @@ def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
     return math.fsum(delays)
 
 
-def clusters(graph: HapticGraph) -> IntArray:
-    """For each object (o,) the lowest number of an object in its connected component."""
-    crossed = (graph.partner >= 0).nonzero()[0]
-    return connected(graph.node_object[np.column_stack([crossed, graph.partner[crossed]])], len(graph.start) - 1)
+def joined(graph: HapticGraph, pairs: IntArray) -> BoolArray:
+    """(p,) whether a chain of contacts, or one object, joins the source and the listener of each of ``pairs`` (p, 2)."""
+    if len(pairs) == 0:
+        return np.zeros(0, dtype=np.bool_)
+    ends = graph.node_object[[(source.nodes[0], source.nodes[-1]) for source in graph.sources]].T[:, pairs[:, 0]]
+    listeners = graph.node_object[graph.listener_nodes[pairs[:, 1]]]
+    crossed = (graph.partner > np.arange(graph.node_count)).nonzero()[0]
+    one, other = graph.node_object[crossed], graph.node_object[graph.partner[crossed]]
+    # Most scenes are one heap, so what lies a few contacts around a source mostly decides.
+    reached = np.zeros(len(graph.start) - 1, dtype=np.bool_)
+    reached[ends[:, 0]] = True
+    for _ in range(STEPS):
+        if reached[listeners].all() and reached[ends].all():
+            return reached[listeners]
+        crossing = reached[one] != reached[other]
+        reached[one[crossing]] = reached[other[crossing]] = True
+    cluster = connected(np.column_stack([one, other]), len(reached))
+    return np.asarray((cluster[ends] == cluster[listeners]).any(axis=0))
 
 
 def amplifying(graph: HapticGraph) -> bool:

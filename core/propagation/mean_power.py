@@ -51,6 +51,7 @@ def over_volumes(graph: HapticGraph, propagated: Callable[[HapticGraph, IntArray
         error_bound=mean(result.error_bound),
         paths=np.maximum.reduceat(result.paths, begin, axis=1),
         limited=np.logical_or.reduceat(result.limited, begin, axis=1),
+        silenced=result.silenced[:, begin],
         best_path={pair: result.best_path[other] for pair, other in point.items()},
         band_gain=None if result.band_gain is None else mean(result.band_gain),
         delay=delay,

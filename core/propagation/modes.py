@@ -32,12 +32,12 @@ def nearest_listener(graph: HapticGraph) -> BoolArray:
 
 def localised(result: Propagation, nearest: BoolArray, localise: float) -> Propagation:
     """The blend between haptic tracing and the nearest listener: gains, bounds, bands and taps of all pairs but those of ``nearest`` (s, l)
-    times ``1 - localise``."""
+    times ``1 - localise``, which is above 0."""
     factor = np.where(nearest, 1.0, 1.0 - localise)
     return dataclasses.replace(
         result,
         gain=result.gain * factor,
-        error_bound=np.where(factor > 0, result.error_bound * np.where(factor > 0, factor, 1.0), 0.0),
+        error_bound=result.error_bound * factor,
         band_gain=None if result.band_gain is None else result.band_gain * factor[:, :, None],
         taps={pair: tuple((delay, gain * float(factor[pair])) for delay, gain in taps) for pair, taps in result.taps.items()},
     )

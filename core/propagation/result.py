@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -17,10 +18,12 @@ class Propagation:
 
     Attributes:
         gain: (s, l).
-        error_bound: (s, l) absolute: what was asked for lies within ``gain ± error_bound``; infinite where nothing bounds it. Of a sum over
-            paths, limited or not, that is the sum over all paths.
+        error_bound: (s, l) absolute: the best path or the sum over all paths lies within ``gain ± error_bound``, whatever the limits leave
+            out; infinite where nothing bounds it.
         paths: (s, l) number of paths summed, -1 where they were not counted.
-        limited: (s, l) whether the limits of a sum over paths may leave out more than the tolerance of it.
+        limited: (s, l) whether the limits may leave out a better path, or more than the tolerance of a sum.
+        silenced: (s, l) whether a setting silences the listener for the source, so that nothing was computed: mode SD, *Localise*, or
+            amplitude 0.
         best_path: nodes of the best path by (source, listener).
         strategy: of each source.
         band_gain: (s, l, bands), or None where no function uses bands.
@@ -34,6 +37,7 @@ class Propagation:
     error_bound: FloatArray
     paths: IntArray
     limited: BoolArray
+    silenced: BoolArray
     best_path: Mapping[tuple[int, int], tuple[int, ...]]
     strategy: tuple[str, ...]
     band_gain: FloatArray | None = None
@@ -41,6 +45,12 @@ class Propagation:
     taps: Mapping[tuple[int, int], tuple[tuple[float, float], ...]] = field(default_factory=dict)
     warnings: tuple[Message, ...] = ()
     statistics: Mapping[str, int | float] = field(default_factory=dict)
+
+    @classmethod
+    def of_gains(cls, gain: FloatArray, band_gain: FloatArray | None = None, delay: FloatArray | None = None) -> Propagation:
+        """Gains that were stored without their paths and error bounds."""
+        no = np.zeros(gain.shape, dtype=np.bool_)
+        return cls(gain, np.full(gain.shape, math.inf), np.full(gain.shape, -1), no, no, {}, ("",) * len(gain), band_gain, delay)
 
     def latest(self, names: Sequence[str]) -> dict[str, float]:
         """The longest delay [s] of each source, by its name, at the listeners that it reaches; nothing where there are no delays."""

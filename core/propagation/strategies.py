@@ -15,7 +15,7 @@ from ..scene.bands import BAND_COUNT
 from ..scene.choices import Mode, SourceKind, Strategy
 from ..scene.values import Settings
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error, most_connections
-from .connections import LARGEST, ROUNDING, amplifying, bounded_exp, lanes_of, path_delay
+from .connections import LARGEST, ROUNDING, amplifying, bounded_exp, joined, lanes_of, path_delay
 from .energy_balance import energy_gains
 from .exact import PathLimits, ThresholdCosts, threshold_costs
 from .mean_power import over_volumes
@@ -60,16 +60,12 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, soun
         wanted[[source.amplitude == 0 for source in graph.sources]] = False
     if settings.mode is Mode.SD:
         graph, wanted = distance_only(graph), wanted & nearest_listener(graph)
-    elif settings.localise > 0:
-        nearest = nearest_listener(graph)
-        wanted = wanted & nearest if settings.localise == 1 else wanted
-        return localised(_traced(graph, settings, strategies, wanted, budget), nearest, settings.localise)
-    return _traced(graph, settings, strategies, wanted, budget)
-
-
-def _traced(graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, ...], wanted: BoolArray, budget: int) -> Propagation:
-    """Gains of the ``wanted`` pairs (s, l) over the graph."""
-    return over_volumes(graph, lambda apart, number: _Run(apart, settings, strategies, wanted[:, number], budget).result())
+    elif settings.localise == 1:
+        wanted &= nearest_listener(graph)
+    result = over_volumes(graph, lambda apart, number: _Run(apart, settings, strategies, wanted[:, number], budget).result())
+    if settings.mode is Mode.HT and 0 < settings.localise < 1:
+        return localised(result, nearest_listener(graph), settings.localise)
+    return result
 
 
 class _Gains:
@@ -120,15 +116,16 @@ class _Run:
         delays = graph.uses_delays
         return Propagation(
             gain=gains.gain,
-            error_bound=np.where(gains.error >= LARGEST, math.inf, gains.error),
+            error_bound=np.where((gains.error >= LARGEST) | ~self.wanted, math.inf, gains.error),
             paths=gains.paths,
             limited=gains.limited,
+            silenced=~self.wanted,
             best_path=best.nodes,
             strategy=tuple(str(strategy) for strategy in self.strategies),
             band_gain=gains.bands,
             delay=_delays(graph, self.wanted.shape, best) if delays else None,
             taps=self._taps(best, amplified) if delays else {},
-            warnings=self._warnings(amplified, best, sums),
+            warnings=self._warnings(amplified, best, sums, rows),
             statistics={
                 **statistics_of(graph),
                 "nodes_visited": best.visited,
@@ -166,6 +163,11 @@ class _Run:
         for pair, bound in best.bound.items():
             if chosen[pair[0]]:
                 gains.gain[pair], gains.error[pair] = gain_and_error(best.cost.get(pair), bound)
+        cut = np.array(list(best.cut), dtype=np.int64).reshape(-1, 2)
+        mine = chosen[cut[:, 0]]
+        places = tuple(cut[mine].T)
+        gains.error[places] = np.maximum(gains.error[places], np.array(list(best.cut.values()))[mine])
+        gains.limited[places] = True
         return best
 
     def _sum_over_paths(self, best: BestPaths, known: ThresholdCosts | None, rows: list[int]) -> _Sums:
@@ -175,8 +177,11 @@ class _Run:
         crossings = crossings_of(most_connections(settings))
         if not rows:
             return sums
+        pairs = np.argwhere(self.wanted)
+        pairs = pairs[joined(graph, pairs)]
         if crossings < 0:  # no connection is allowed
-            gains.limited[rows], gains.error[rows] = self.wanted[rows], np.where(self.wanted[rows], math.inf, 0.0)
+            cut = tuple(pairs[np.isin(pairs[:, 0], rows)].T)
+            gains.limited[cut], gains.error[cut] = True, math.inf
             return sums
         limits = PathLimits(crossings, settings.threshold, settings.tolerance, self.budget)
         # Products may overflow or underflow; then the sum has no bound.
@@ -184,7 +189,7 @@ class _Run:
             operator = WalkOperator(graph)
             sums.radius = operator.radius
             for number, row in enumerate(rows):
-                columns = np.flatnonzero(self.wanted[row])
+                columns = pairs[pairs[:, 0] == row, 1]
                 least = np.zeros((len(columns), lanes_of(graph)))
                 for place, column in enumerate(columns.tolist()):
                     if (row, column) in best.nodes:
@@ -210,15 +215,15 @@ class _Run:
         if gains.bands is not None and energies.bands is not None:
             gains.bands[balanced] = energies.bands[balanced]
 
-    def _warnings(self, amplified: bool, best: BestPaths, sums: _Sums) -> tuple[Message, ...]:
+    def _warnings(self, amplified: bool, best: BestPaths, sums: _Sums, rows: list[int]) -> tuple[Message, ...]:
         gains, warnings = self.gains, []
         if amplified:
             warnings.append(Message.of(Cause.AMPLIFICATION))
         if best.bound:
             warnings.append(Message.of(Cause.PATH_BUDGET))
-        limited = np.flatnonzero(gains.limited.any(axis=1))
-        if len(limited) and sums.radius is not None:
-            warnings.append(self._limited_message(int(limited[0]), sums.radius))
+        limited = [row for row in rows if gains.limited[row].any()]
+        if limited and sums.radius is not None:
+            warnings.append(self._limited_message(limited[0], sums.radius))
         if sums.diverges:
             warnings.append(Message.of(Cause.SUM_DIVERGES))
         elif sums.uncertain:
@@ -270,9 +275,10 @@ def _direct(graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, 
     kept = (gain >= settings.threshold * (1 - ROUNDING)) & (settings.max_connections is None or settings.max_connections >= 1)
     return Propagation(
         gain=np.where(kept, gain, 0.0),
-        error_bound=np.zeros(gain.shape),
+        error_bound=np.where(kept, 0.0, gain),
         paths=kept.astype(np.int64),
-        limited=np.zeros(gain.shape, dtype=np.bool_),
+        limited=~kept,
+        silenced=np.zeros(gain.shape, dtype=np.bool_),
         best_path={
             (int(row), int(column)): (graph.sources[row].nodes[0], int(graph.listener_nodes[column])) for row, column in np.argwhere(kept)
         },

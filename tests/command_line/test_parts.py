@@ -212,9 +212,9 @@ def test_a_part_keeps_recordings_bands_and_delays_to_the_bit(tmp_path):
     hit = Source("hit", "box", kind=SourceKind.TEMPORARY, signal=Sine(60.0 + 1e-13), second_object="floor", onset=0.1 / 3)
 
     def frame(number, *sources, bands):
-        shape, none = (len(sources), 1), np.zeros((len(sources), 1))
+        shape = len(sources), 1
         more = (rng.random((*shape, 6)), None) if bands else (None, rng.random(shape))
-        gains = Propagation(rng.random(shape), none, none.astype(int), none.astype(bool), {}, (), *more)
+        gains = Propagation.of_gains(rng.random(shape), *more)
         return HeardFrame(number, number / 7, sources, (Listener("hand", "box", (number, 0.0, 0.0)),), gains)
 
     frames = (

@@ -220,7 +220,16 @@ def results(tmp_path):
     keyed = []
     for number, (kappa, rms, milliseconds, bound) in enumerate([(0.1, 0.1, 1.0, 0.5), (0.5, 0.01, 2.0, 0.6), (0.9, 0.001, 3.0, 0.0)]):
         listeners = [
-            {"listener": name, "body_part": "", "rms": rms * scale, "peak": rms, "impacts": 0, "gains": {"saw": rms}, "error_bound": bound}
+            {
+                "listener": name,
+                "body_part": "",
+                "rms": rms * scale,
+                "peak": rms,
+                "impacts": 0,
+                "gains": {"saw": rms},
+                "error_bound": bound,
+                "silenced": False,
+            }
             for name, scale in (("hand", 1.0), ("foot", 10.0))
         ]
         (tmp_path / "results" / f"{number}.json").write_text(
@@ -241,6 +250,21 @@ def test_the_nearest_variant_and_the_fastest_for_their_error(results):
     wished = {"hand": -50.0, "foot": -24.0}
     assert wishes.nearest(wishes.felt_variants(rows, wished), wished)["hand"]["key"] == "1"
     assert [row["key"] for row in plot.pareto(rows)] == ["0", "2"]  # the second is slower and less exact than the first
+
+
+def test_a_threshold_that_cuts_off_who_feels_something_is_not_fast_for_its_error():
+    def row(key: str, milliseconds: float, listener: str, level: float | None, bound: float | None) -> dict[str, object]:
+        return {"key": key, "milliseconds": milliseconds, "listener": listener, "level": level, "error_bound": bound}
+
+    rows = [
+        row("all cut", 1.0, "hand", None, 0.1), row("all cut", 1.0, "foot", None, 0.1), row("all cut", 1.0, "far", None, 0.1),
+        row("hand cut", 2.0, "hand", None, 0.03), row("hand cut", 2.0, "foot", -31.0, 0.0), row("hand cut", 2.0, "far", None, 0.03),
+        row("unknown", 2.5, "hand", -40.0, None), row("unknown", 2.5, "foot", -31.0, 0.0), row("unknown", 2.5, "far", None, 0.0),
+        row("default", 3.0, "hand", -40.0, 0.0), row("default", 3.0, "foot", -31.0, 0.0), row("default", 3.0, "far", None, 0.001),
+        row("free", 4.0, "hand", -40.0, 0.0), row("free", 4.0, "foot", -31.0, 0.0), row("free", 4.0, "far", -90.0, 0.0),
+    ]  # fmt: skip
+    assert [(item["key"], item["error_bound"]) for item in plot.pareto(rows)] == [("default", 0.001), ("free", 0.0)]
+    assert plot.pareto(rows[:3]) == []
 
 
 def test_settings_between_variants_where_levels_are_linear():

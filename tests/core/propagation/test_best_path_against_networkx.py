@@ -21,14 +21,15 @@ def check(scene: HapticScene, max_connections: int | None, threshold: float, ref
     graph = graph_of_scene(scene)
     result = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=max_connections, threshold=threshold))
     for column in range(len(graph.listeners)):
-        kept = {
-            path: math.prod(gains)
-            for path, gains in REFERENCES[reference](graph, 0, column)
-            if meets(gains, max_connections, threshold) and math.prod(gains) > 0
-        }
+        paths = list(REFERENCES[reference](graph, 0, column))
+        kept = {path: math.prod(gains) for path, gains in paths if meets(gains, max_connections, threshold) and math.prod(gains) > 0}
         best = max(kept.values(), default=0.0)
         assert result.gain[0, column] == pytest.approx(best, rel=1e-9, abs=0)
-        assert result.error_bound[0, column] == 0
+        without_limits = max((math.prod(gains) for _, gains in paths), default=0.0)
+        assert abs(without_limits - best) <= result.error_bound[0, column] + 1e-9 * without_limits
+        assert result.limited[0, column] == (result.error_bound[0, column] > 0)
+        if without_limits >= threshold and max_connections is None:
+            assert result.error_bound[0, column] in (0, math.inf)
         assert result.paths[0, column] == bool(kept)
         found = result.best_path.get((0, column), ())
         assert bool(found) == bool(kept)
