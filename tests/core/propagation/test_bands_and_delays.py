@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.propagation.connections import clusters
+from haptic_tracing.core.propagation.connections import joined
 from haptic_tracing.core.scene.bands import BAND_COUNT, BAND_EDGES
 from haptic_tracing.core.scene.functions import Constant, Spectrum
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
@@ -160,13 +160,12 @@ def test_what_hangs_together_by_contacts(seed, count, degree):
     names = [f"{number:02d}" for number in range(count)]
     pairs = [tuple(random.choice(names, 2, replace=False).tolist()) for _ in range(int(degree * count)) if count > 1]
     contacts = tuple(Contact(pair, ((0.0, 0.0, float(k)), (0.0, 0.0, float(k)))) for k, pair in enumerate(pairs))
-    scene = HapticScene(tuple(HapticObject(name, 0.1, 0.9) for name in names), contacts, (), ())
+    ends = tuple(Source(f"s {name}", name) for name in names), tuple(Listener(f"l {name}", name) for name in names)
+    graph = graph_of_scene(HapticScene(tuple(HapticObject(name, 0.1, 0.9) for name in names), contacts, *ends))
     expected = networkx.Graph(pairs)
     expected.add_nodes_from(names)
-    label = clusters(graph_of_scene(scene))
-    assert {frozenset(np.flatnonzero(label == one).tolist()) for one in label} == {
-        frozenset(map(int, part)) for part in networkx.connected_components(expected)
-    }
+    wanted = random.integers(0, count, (random.integers(0, 9), 2))
+    assert joined(graph, wanted).tolist() == [networkx.has_path(expected, names[a], names[b]) for a, b in wanted.tolist()]
 
 
 def test_what_only_low_frequencies_carry_still_arrives():
