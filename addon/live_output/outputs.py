@@ -165,6 +165,14 @@ def disconnect_all() -> None:
         disconnect(key)
 
 
+def stop_and_tell(timeout: float) -> list[tuple[str, str]]:
+    """Disconnect all devices, waiting up to ``timeout`` seconds. Returns the title of each, and why it may still vibrate, or ""."""
+    stopping = list(dict.fromkeys([*_state.running.values(), *guard.outputs()]))
+    disconnect_all()
+    guard.stop_all(timeout)
+    return [(output.profile.title, "" if output.is_silent else output.status.message or "no answer") for output in stopping]
+
+
 def stop_all(timeout: float = 1.0) -> bool:
     """Disconnect all devices, waiting up to ``timeout`` seconds. Returns whether all are done."""
     disconnect_all()

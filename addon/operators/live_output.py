@@ -12,6 +12,8 @@ from ..live_output import outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
 
+# A guard that does not answer is replaced within half a second, and the new one has silenced the devices after another second.
+_PANIC_SECONDS = 2.0
 _AUTOMATIC, _NONE = "AUTOMATIC", "NONE"
 _items: list[tuple[str, str, str, str, int]] = []  # Blender keeps no copy of dynamic items
 
@@ -130,6 +132,11 @@ class HAPTIC_OT_panic(Action, Operator):
 
     def apply(self, context: Context) -> None:
         player.rest()
-        outputs.disconnect_all()
         preview.switch_off()
-        self.report({"INFO"}, _rpt("All haptic output is off"))
+        devices = outputs.stop_and_tell(_PANIC_SECONDS)
+        silent = ", ".join(title for title, fault in devices if not fault)
+        faults = "; ".join(f"{title} ({fault})" for title, fault in devices if fault)
+        if faults:
+            self.report({"WARNING"}, _rpt("Unplug or switch off what still vibrates: {}. Off: {}").format(faults, silent or "-"))
+        else:
+            self.report({"INFO"}, " ".join(filter(None, [_rpt("All haptic output is off"), f"({silent})" if silent else ""])))

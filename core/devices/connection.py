@@ -26,6 +26,10 @@ class DeviceError(OSError):
     """A device is unavailable; the text gives the reason in one line."""
 
 
+class DeviceInUse(DeviceError):
+    """Another output of this process has opened the device."""
+
+
 def carried_module(name: str, needed_by: str) -> Any:
     """A module of a package that is part of the extension. Raises DeviceError with instructions if it is missing."""
     try:
@@ -139,7 +143,7 @@ def open_device(hid: HidModule, family: AnyFamily, serial: str = "") -> Opened:
         raise DeviceError(f"{family.title} is not connected")
     free = [interface for path, interface in matching.items() if path not in _held]
     if not free:
-        raise DeviceError(f"{family.title} is already in use here")
+        raise DeviceInUse(f"{family.title} is already in use here")
     problem: DeviceError | None = None
     silent: Opened | None = None
     for interface in free:
@@ -165,7 +169,7 @@ def _open(hid: HidModule, interface: Interface) -> Opened:
     device = hid.device()
     with _hidapi:
         if interface.path in _held:
-            raise DeviceError(f"{interface.title or 'device'} is already in use here")
+            raise DeviceInUse(f"{interface.title or 'device'} is already in use here")
         try:
             device.open_path(interface.path)
         except DeviceError:

@@ -1,7 +1,8 @@
 """The program's side of the guard: starts the process that drives the devices, sends it orders, and reads the statuses of the outputs.
 
 Nothing here blocks the caller: an order is written as far as the pipe accepts it, and a thread writes the rest; another thread reads the
-statuses. An order that is not written yet is replaced by a newer one of the same method. The guard ends with the last output.
+statuses. An order that is not written yet is replaced by a newer one of the same method. The guard ends with the last output. A guard that
+does not answer is killed, and a new one silences the devices.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -26,11 +27,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .actuation import checked_block
-from .guard_process import HEARTBEAT, packed, started_threads
+from .guard_process import ANSWER, HEARTBEAT, packed, started_threads
 from .mapping import ActuatedDevice
 from .profiles import Adjustment, Profile, check_adjustment
 from .sound_card import SoundCard, SoundCardWriter
-from .status import Status, ThreadedOutput, stop_together
+from .status import UNREACHED, Output, Status, stop_together
 from .writer import DeviceWriter
 
 _PACKAGE = __package__.removesuffix(".core.devices")
@@ -48,6 +49,8 @@ importlib.import_module(package + ".core.devices.guard_process").main(program)
 """
 _EXIT_SECONDS = 1.0
 _FULL = 0.002  # seconds after which a full pipe is tried again
+# Seconds without an answer after which the guard is killed, while a device is open and otherwise: starting it and searching take long.
+_ANSWERS_WITHIN, _STARTS_WITHIN = 0.5, 10.0
 # Earlier orders that an order makes obsolete, besides those of the same method.
 _OBSOLETE = {"send": ("expect",), **dict.fromkeys(("silence", "rest", "request_stop"), ("send", "expect"))}
 
@@ -76,22 +79,27 @@ class Guard:
         # Guarded by _condition:
         self._orders: dict[tuple[int, str], tuple[Any, ...]] = {}
         self._unwritten = memoryview(b"")
-        self._makers: dict[int, Callable[[], ThreadedOutput]] = {}
+        self._outputs: dict[int, GuardedOutput] = {}
         self._statuses: dict[int, Status] = {}
         self._replaced: dict[int, int] = {}
-        self._closing = False
-        self._lost = ""
-        self._threads = started_threads(orders=self._write, statuses=self._read)
+        self._closing = self._lost = self._answered = False
+        self._ended = threading.Event()
+        self._threads = started_threads(orders=self._write, statuses=self._read, watch=self._watch)
 
-    def open(self, number: int, make: Callable[[], ThreadedOutput], name: str = "open") -> bool:
-        """Let the guard create and start an output. Returns False if the guard is ending."""
+    def open(self, output: GuardedOutput, name: str = "open") -> bool:
+        """Let the guard create and start an output, or ``quieten`` its device. Returns False if the guard is ending."""
         with self._condition:
-            if self._closing or self._lost:
+            if self._closing or self._ended.is_set():
                 return False
-            self._makers[number] = make
-            self._orders[number, name] = (make,)
+            self._outputs[output.number] = output
+            self._orders[output.number, name] = (output.make,)
             self._write_some()
             return True
+
+    def outputs(self) -> list[GuardedOutput]:
+        """The outputs that have not ended."""
+        with self._condition:
+            return [output for number, output in self._outputs.items() if not self._status(number).is_over]
 
     def order(self, number: int, name: str, *arguments: Any) -> None:
         """Call a method of an output, in the order of the calls; a later call of the same method replaces a pending one."""
@@ -107,15 +115,17 @@ class Guard:
     def status(self, number: int) -> Status:
         """The last status of an output."""
         with self._condition:
-            status = self._statuses.get(number, Status())
-            if self._lost and not status.is_over:
-                return replace(status, state="failed", message=self._lost, writing_for=0.0)
+            status = self._status(number)
             return replace(status, dropped_blocks=status.dropped_blocks + self._replaced.get(number, 0))
 
+    def _status(self, number: int) -> Status:
+        return self._statuses.get(number, Status())
+
     def wait_until_over(self, number: int, timeout: float) -> bool:
-        """Wait for the end of an output. Returns whether it has ended."""
+        """Wait for the end of an output, or of the guard. Returns whether the output has ended."""
         with self._condition:
-            return self._condition.wait_for(lambda: self.status(number).is_over, timeout)
+            self._condition.wait_for(lambda: self._lost or self._status(number).is_over, timeout)
+            return self._status(number).is_over
 
     def join(self, timeout: float) -> None:
         """Wait for the guard's end, which comes after that of the last output."""
@@ -166,20 +176,28 @@ class Guard:
             while True:
                 statuses = pickle.load(self._process.stdout)
                 with self._condition:
-                    self._statuses = statuses
-                    self._closing = all(statuses.get(number, Status()).is_over for number in self._makers)
+                    self._statuses, self._answered = statuses, True
+                    self._closing = all(self._status(number).is_over for number in self._outputs)
                     self._condition.notify_all()
         except (EOFError, OSError, pickle.UnpicklingError):
             pass
         code = self._process.wait()
         self._process.stdout.close()
+        self._ended.set()
+        _state.quieten(self.outputs(), f"the process that guards the devices has ended ({code})")
         with self._condition:
-            open_ones = [make for number, make in self._makers.items() if not self._statuses.get(number, Status()).is_over]
-            if not self._closing:
-                self._lost = f"the process that guards the devices has ended ({code}): disconnect and connect them again"
+            self._lost = True
             self._condition.notify_all()
-        if open_ones:
-            _state.quieten(open_ones)
+
+    def _watch(self) -> None:
+        """The thread that kills a guard that does not answer. It counts its own steps, because this program may have been stopped."""
+        silent = 0
+        while not self._ended.wait(ANSWER):
+            with self._condition:
+                silent, self._answered = 0 if self._answered else silent + 1, False
+                drives = any(status.state == "open" for status in self._statuses.values())
+            if silent * ANSWER >= (_ANSWERS_WITHIN if drives else _STARTS_WITHIN):
+                self._process.kill()
 
 
 def _message(orders: Mapping[tuple[int, str], tuple[Any, ...]]) -> memoryview:
@@ -197,116 +215,114 @@ def _never_blocks(pipe: BinaryIO) -> bool:
 
 
 class _State:
-    """The guard that runs, if any, and the outputs of this program. start: starts a guard process."""
+    """The guard that runs, if any. start: starts a guard process."""
 
     def __init__(self) -> None:
         self.start: Callable[[], Any] = start_process
         self._lock = threading.Lock()
         self.guard: Guard | None = None
-        self._numbers = itertools.count()
-        self.outputs: set[GuardedOutput] = set()  # started and not ended
+        self.numbers = itertools.count()
 
-    def open(self, make: Callable[[], ThreadedOutput]) -> tuple[Guard, int]:
-        """Let a guard drive one more output. Raises OSError if none can be started."""
+    def open(self, output: GuardedOutput, name: str = "open") -> Guard:
+        """Let a guard drive one more output, or ``quieten`` its device. Raises OSError if none can be started."""
         with self._lock:
-            number = next(self._numbers)
-            if self.guard is None or not self.guard.open(number, make):
+            if self.guard is None or not self.guard.open(output, name):
                 self.guard = Guard()
-                self.guard.open(number, make)
-            return self.guard, number
+                self.guard.open(output, name)
+            return self.guard
 
-    def quieten(self, makers: list[Callable[[], ThreadedOutput]]) -> None:
+    def quieten(self, outputs: Iterable[GuardedOutput], reason: str) -> None:
         """Silence devices whose guard ended while it drove them, by a new guard."""
-        try:
-            guard = Guard()
-        except OSError:
-            return
-        for number, make in enumerate(makers):
-            guard.open(number, make, "quieten")
+        for output in outputs:
+            try:
+                output.lose(self.open(output, "quieten"), reason)
+            except OSError as error:
+                output.lose(None, f"{reason}, and no other can be started: {error}")
 
 
 _state = _State()
 
 
-class GuardedOutput:
-    """An output that the guard process drives."""
+class GuardedOutput(Output):
+    """An output that the guard process drives.
 
-    def __init__(self, profile: ActuatedDevice, make: Callable[[], ThreadedOutput]) -> None:
-        """make: makes the output inside the guard; it is pickled. Raises ValueError as ``make`` does."""
+    number: by which the guard knows it. make: makes the output inside the guard.
+    """
+
+    def __init__(self, profile: ActuatedDevice, make: Callable[[], Output]) -> None:
+        """make: is pickled. Raises ValueError as ``make`` does."""
         make()
         self.profile = profile
-        self._make = make
+        self.number = next(_state.numbers)
+        self.make = make
         self._guard: Guard | None = None
-        self._number = 0
         self._own = Status()
+        self._lost = ""  # why its guard ended; another one then silences the device
 
     def start(self) -> None:
-        """Search for the device and drive it from now on."""
         try:
-            self._guard, self._number = _state.open(self._make)
+            self._guard = _state.open(self)
         except OSError as error:
             self._own = Status("failed", f"the process that guards the devices can't be started: {error}")
-            return
-        _state.outputs.add(self)
+
+    def lose(self, guard: Guard | None, reason: str) -> None:
+        """Fail for a reason, while ``guard`` silences the device."""
+        self._own = Status("failed", reason)
+        self._lost, self._guard = reason, guard
 
     def adjust(self, adjustment: Adjustment) -> None:
-        """Follow these settings from now on. Never blocks. Raises ValueError for a calibration of an unknown actuator."""
         check_adjustment(adjustment, self.profile.actuators)
         self._order("adjust", adjustment)
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
-        """Play a block, whose first sample is to be felt now; the rest of the block before is dropped. Never blocks.
-
-        block: (actuators, n) in [-1, 1] at the rate. sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
-        Raises ValueError if the block has another shape or is not finite.
-        """
         checked = checked_block(np.asarray(block), len(self.profile.actuators))
         sent = time.perf_counter() if sent is None else sent
         self._order("send", packed(checked), sent)
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block arrives in time.
-
-        Never blocks. Raises ValueError if it has another shape or is not finite.
-        """
         self._order("expect", packed(checked_block(np.asarray(ahead), len(self.profile.actuators))), sent)
 
     def silence(self) -> None:
-        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next block plays again. Never blocks."""
         self._order("silence")
 
     def rest(self) -> None:
-        """Write zero and the release report, but keep the device open: the next block plays again. Never blocks."""
         self._order("rest")
 
     def request_stop(self) -> None:
-        """Begin to stop, without waiting. Never blocks."""
         self._order("request_stop")
         if self._guard is None and not self._own.is_over:
             self._own = Status("stopped")
 
     def stop(self, timeout: float = 1.0) -> bool:
-        """Write zero and the release report, and close the device. Returns after at most ``timeout`` seconds whether that is done.
-
-        If not, a write is blocked inside the system; the guard goes on with the rest as soon as it returns.
-        """
         self.request_stop()
-        if self._guard is None:
-            return True
-        done = self._guard.wait_until_over(self._number, timeout)
-        if done:
-            _state.outputs.discard(self)
-        return done
+        deadline = time.monotonic() + timeout
+        while (guard := self._guard) is not None:
+            done = guard.wait_until_over(self.number, deadline - time.monotonic())
+            if done or guard is self._guard:
+                return done
+        return not self._lost
 
     @property
     def status(self) -> Status:
-        """The state of the output, at most 50 ms old. Never blocks."""
-        return self._own if self._guard is None else self._guard.status(self._number)
+        if self._guard is None:
+            return self._own
+        status = self._guard.status(self.number)
+        if not self._lost:
+            return status
+        outcome = {"stopped": "another one has silenced it", "failed": f"another one can't silence it ({status.message}): {UNREACHED}"}
+        message = f"{self._lost}; {outcome.get(status.state, 'another one is silencing it')}. Disconnect it and connect it again"
+        return Status("failed", message)
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether its device has taken the last zero, or was never found."""
+        status = self._own if self._guard is None else self._guard.status(self.number)
+        return status.state == "stopped"
 
     def _order(self, name: str, *arguments: Any) -> None:
-        if self._guard is not None:
-            self._guard.order(self._number, name, *arguments)
+        if self._guard is not None and not self._lost:
+            self._guard.order(self.number, name, *arguments)
 
 
 class DeviceOutput(GuardedOutput):
@@ -325,11 +341,16 @@ class SoundCardOutput(GuardedOutput):
         super().__init__(card, partial(SoundCardWriter, card, adjustment=adjustment, **options))
 
 
+def outputs() -> list[GuardedOutput]:
+    """The outputs of this program that have not ended."""
+    return [] if _state.guard is None else _state.guard.outputs()
+
+
 @atexit.register
 def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
     """Stop all outputs within ``timeout`` seconds together, and the guard with them. Returns whether all are done."""
     deadline = time.perf_counter() + timeout
-    done = stop_together(_state.outputs, timeout)
+    done = stop_together(outputs(), timeout)
     if done and _state.guard is not None:
         _state.guard.join(max(deadline - time.perf_counter(), 0.0))
     return done

@@ -1,8 +1,9 @@
 """The guard process: drives the devices on the orders of a program, and silences them when that program stops or ends.
 
-The program sends a list of orders at least every `HEARTBEAT` seconds; a list may be empty. A closed pipe means that the program has ended.
-If a list is late, the guard queries the state of the program: if it is stopped, crashing or gone, the devices are silenced; if it runs,
-it only waits for the GIL, and the samples that it has sent ahead are played.
+The program sends a list of orders at least every `HEARTBEAT` seconds; a list may be empty. The guard answers with the statuses of the
+outputs every `ANSWER` seconds. A closed pipe means that the program has ended. If a list is late, the guard queries the state of the
+program: if it is stopped, crashing or gone, the devices are silenced; if it runs, it only waits for the GIL, and the samples that it has
+sent ahead are played.
 """
 
 from __future__ import annotations
@@ -16,19 +17,21 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from ..arrays import FloatArray
-from .status import Status, ThreadedOutput, stop_together
+from .status import Output, Status, stop_together
 
 HEARTBEAT = 0.010
 """Greatest time between two lists of orders [s]."""
 _LATE = 0.015
 _LOOK = 0.005
-_REPORT = 0.050
+ANSWER = 0.050
+"""Time between two answers to lists of orders [s]."""
 _STOP_SECONDS = 10.0
 _QUIETEN_SECONDS = 3.0
 _URGENCY = 5
@@ -44,15 +47,17 @@ class Service:
     def __init__(self, orders: BinaryIO, statuses: BinaryIO, program: int) -> None:
         """orders, statuses: pipes from and to the program. program: its process id."""
         self._orders, self._statuses, self._program = orders, statuses, program
-        self._outputs: dict[int, ThreadedOutput] = {}
+        self._outputs: dict[int, Output] = {}
         self._failed: dict[int, Status] = {}
+        self._quieting: list[threading.Thread] = []
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._heard = time.perf_counter()  # when orders were last read, or executed
 
     def run(self) -> None:
         """Execute orders until the program ends, then silence and close the devices."""
-        threads = started_threads(watch=self._watch, report=self._report)
+        threads = started_threads(watch=self._watch)
+        answered = 0.0
         try:
             while True:
                 orders: list[Order] = pickle.load(self._orders)
@@ -60,6 +65,9 @@ class Service:
                 for number, name, arguments in orders:
                     self._obey(number, name, arguments)
                 self._heard = time.perf_counter()
+                if self._heard - answered >= ANSWER:
+                    answered = self._heard
+                    self._answer()
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):
             pass  # the program has ended
         finally:
@@ -73,18 +81,27 @@ class Service:
         elif number in self._outputs:
             getattr(self._outputs[number], name)(*map(_unpacked, arguments))
 
-    def _open(self, number: int, name: str, make: Callable[[], ThreadedOutput]) -> None:
+    def _open(self, number: int, name: str, make: Callable[[], Output]) -> None:
         try:
             output = make()
             output.start()
         except Exception as error:
-            with self._lock:
-                self._failed[number] = Status("failed", f"{type(error).__name__}: {error}")
+            self._failed[number] = Status("failed", f"{type(error).__name__}: {error}")
             return
         with self._lock:
             self._outputs[number] = output
         if name == "quieten":
-            threading.Thread(target=_quieten, args=(output,), name="haptics guard quieten", daemon=True).start()
+            self._quieting += started_threads(quieten=partial(self._quieten, number, output))
+
+    def _quieten(self, number: int, output: Output) -> None:
+        """Open a device, which writes zero, and close it again; it failed if the device can't be opened."""
+        deadline = time.perf_counter() + _QUIETEN_SECONDS
+        while output.status.state == "searching" and time.perf_counter() < deadline:
+            time.sleep(_LOOK)
+        before = output.status
+        if before.state == "searching":
+            self._failed[number] = Status("failed", before.message)
+        output.request_stop()
 
     def _watch(self) -> None:
         """The thread that silences the devices while the program is stopped, again after orders that were still executed."""
@@ -96,25 +113,18 @@ class Service:
                 for output in self._all():
                     output.silence()
 
-    def _report(self) -> None:
-        """The thread that sends the statuses of the outputs whenever they change."""
-        told: dict[int, Status] = {}
-        try:
-            while not self._ended.wait(_REPORT):
-                with self._lock:
-                    now = {number: output.status for number, output in self._outputs.items()} | self._failed
-                if now != told:
-                    pickle.dump(now, self._statuses)
-                    self._statuses.flush()
-                    told = now
-        except (OSError, ValueError):
-            pass  # the program has ended
+    def _answer(self) -> None:
+        """Send the statuses of the outputs, which also tells the program that the guard works."""
+        pickle.dump({number: output.status for number, output in self._outputs.items()} | self._failed, self._statuses)
+        self._statuses.flush()
 
-    def _all(self) -> list[ThreadedOutput]:
+    def _all(self) -> list[Output]:
         with self._lock:
             return list(self._outputs.values())
 
     def _end(self) -> None:
+        for thread in self._quieting:
+            thread.join()
         self._ended.set()
         stop_together(self._all(), _STOP_SECONDS)
 
@@ -134,14 +144,6 @@ def packed(block: FloatArray) -> tuple[int, bytes]:
 
 def _unpacked(argument: Any) -> Any:
     return np.frombuffer(argument[1]).reshape(argument[0], -1) if isinstance(argument, tuple) else argument
-
-
-def _quieten(output: ThreadedOutput) -> None:
-    """Open a device, which writes zero, and close it again."""
-    deadline = time.perf_counter() + _QUIETEN_SECONDS
-    while output.status.state == "searching" and time.perf_counter() < deadline:
-        time.sleep(_LOOK)
-    output.request_stop()
 
 
 def main(program: int) -> None:

@@ -118,7 +118,6 @@ class SoundCardWriter(ThreadedOutput):
         self.adjust(adjustment or Adjustment())
 
     def adjust(self, adjustment: Adjustment) -> None:
-        """Follow these settings from the next block on."""
         self._adjustment = adjustment
         self._drive.scale_ceilings(adjustment.ceiling)
         gains = [adjustment.calibrations.get(actuator.name, actuator.calibration).gain for actuator in self.profile.actuators]
@@ -157,23 +156,21 @@ class SoundCardWriter(ThreadedOutput):
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block comes in time."""
         expected = checked_block(np.asarray(ahead), self._rows)
         with self._lock:
             if sent == self._sent:
                 self._queue.ahead = Ahead(expected, self._rate, self._end)
 
     def silence(self) -> None:
-        """Go to zero at once, and forget what was sent so far."""
         with self._lock:
             self._queue.clear()
             self._sent = None
             self._resampler.reset()
 
-    rest = silence  # a card needs no release
+    def rest(self) -> None:
+        self.silence()  # a card needs no release
 
     def request_stop(self) -> None:
-        """Begin to stop, without waiting."""
         self.silence()
         self._stop.set()
 

@@ -9,10 +9,17 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 from statistics import median
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
+
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from .profiles import Adjustment
 
 State = Literal["searching", "open", "stopped", "failed"]
 
+UNREACHED = "if it still vibrates, unplug it or switch it off"
+"""What to do about a device that did not take the last zero."""
 _MEASURED_BLOCKS = 256
 
 
@@ -20,7 +27,8 @@ _MEASURED_BLOCKS = 256
 class Status:
     """The status of an output.
 
-    state: ``searching`` until the device is found; ``open``; ``stopped``; ``failed`` after an error that ends the output.
+    state: ``searching`` until the device is found; ``open``; ``stopped``: the device is silent, or was never found; ``failed`` after an
+    error that ends the output, or if the device did not take the last zero.
     message: why it is not open, or the last error; empty if all is well.
     written, failed_writes: reports. losses: number of disconnections while it was open. dropped_blocks: blocks that were replaced before
     they were played. writing_for: seconds that the write in progress has been blocking, else 0. delay: median seconds from ``send`` to the
@@ -44,14 +52,48 @@ class Status:
         return self.state in ("stopped", "failed")
 
 
-class Stoppable(Protocol):
-    """An output that can be stopped. Only ``stop`` blocks."""
+class Output(Protocol):
+    """What plays blocks of samples: a writer in the guard process, or a `GuardedOutput` that passes orders on to it. Only ``stop`` blocks.
 
-    def request_stop(self) -> None: ...
-    def stop(self, timeout: float = 1.0) -> bool: ...
+    Blocks are arrays (actuators, n) in [-1, 1] at the rate of the output; one of another shape, or that is not finite, raises ValueError.
+    """
+
+    def start(self) -> None:
+        """Search for the device and drive it from now on."""
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        """Follow these settings from now on. Raises ValueError for a calibration of an unknown actuator."""
+
+    def send(self, block: ArrayLike, sent: float | None = None) -> float:
+        """Play a block, whose first sample is to be felt now; the rest of the block before is dropped.
+
+        sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
+        """
+
+    def expect(self, ahead: ArrayLike, sent: float) -> None:
+        """Play the samples ``ahead`` after the block of ``sent`` if no other block arrives in time."""
+
+    def silence(self) -> None:
+        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next block plays again."""
+
+    def rest(self) -> None:
+        """Write zero and the release report, but keep the device open: the next block plays again."""
+
+    def request_stop(self) -> None:
+        """Begin to stop, without waiting."""
+
+    def stop(self, timeout: float = 1.0) -> bool:
+        """Write zero and the release report, and close the device. Returns after at most ``timeout`` seconds whether that is done.
+
+        If not, a write is blocked inside the system; zero and release follow as soon as it returns.
+        """
+
+    @property
+    def status(self) -> Status:
+        """The state of the output."""
 
 
-class ThreadedOutput(ABC):
+class ThreadedOutput(Output, ABC):
     """The state of an output that a thread of its own drives. That thread writes it, anyone may read it."""
 
     def __init__(self, name: str) -> None:
@@ -70,24 +112,11 @@ class ThreadedOutput(ABC):
     def _lag(self, delay: float) -> float:
         """Seconds by which touch lags behind the picture for a delay of the report."""
 
-    @abstractmethod
-    def silence(self) -> None:
-        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next block plays again. Never blocks."""
-
-    @abstractmethod
-    def request_stop(self) -> None:
-        """Begin to stop, without waiting. Never blocks."""
-
     def start(self) -> None:
-        """Search for the device and drive it from now on. Raises RuntimeError if started before."""
         self._thread.start()
 
     def stop(self, timeout: float = 1.0) -> bool:
-        """Silence and close the device. Returns after at most ``timeout`` seconds whether that is done.
-
-        If not, a write is blocked inside the system. The thread is a daemon: it silences and closes the device as soon as that write
-        returns, and does not keep the program from exiting; until then the device does what it does when a program is killed.
-        """
+        # The thread is a daemon: if a write is blocked, the thread does not keep the process from exiting.
         self.request_stop()
         if self._thread.is_alive():
             self._thread.join(timeout)
@@ -97,7 +126,6 @@ class ThreadedOutput(ABC):
 
     @property
     def status(self) -> Status:
-        """The current state of the output. Never blocks."""
         since = self._writing_since
         delays = list(self._delays)
         delay = median(delays) if delays else None
@@ -114,7 +142,7 @@ class ThreadedOutput(ABC):
         )
 
 
-def stop_together(outputs: Iterable[Stoppable], timeout: float) -> bool:
+def stop_together(outputs: Iterable[Output], timeout: float) -> bool:
     """Stop outputs within ``timeout`` seconds together. Returns whether all are done."""
     stopping = tuple(outputs)
     for output in stopping:

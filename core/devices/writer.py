@@ -18,16 +18,18 @@ from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
 from .actuation import checked_block
-from .connection import DeviceError, HidModule, Opened, hid_module, open_device
+from .connection import DeviceError, DeviceInUse, HidModule, Opened, hid_module, open_device
 from .families.family import AnyFamily
 from .pacing import WATCHDOG, Pacing, pacing_of
 from .profiles import Adjustment, Profile, check_adjustment
 from .report import Report
-from .status import ThreadedOutput, stop_together
+from .status import UNREACHED, ThreadedOutput, stop_together
 
 SAMPLE_RATE = 8000
 RESCAN = 1.5
 """Seconds between two searches for a missing device."""
+REOPEN = 0.1
+"""Seconds after which a device is tried again that another output of this process is about to close."""
 
 # hidapi reports a vanished device only by failing writes; a single failure can be a radio disturbance.
 _FAILURES_TO_CLOSE = 3
@@ -71,10 +73,10 @@ class DeviceWriter(ThreadedOutput):
         self._stopping = False
         # Written by the thread alone:
         self._wrote = self._lead = 0.0
+        self._may_vibrate = False
         self.adjust(adjustment or Adjustment())
 
     def adjust(self, adjustment: Adjustment) -> None:
-        """Follow these settings from now on. Never blocks. Raises ValueError for a calibration of an unknown actuator."""
         check_adjustment(adjustment, self.profile.actuators)
         self._adjustment = adjustment
 
@@ -83,11 +85,6 @@ class DeviceWriter(ThreadedOutput):
         super().start()
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
-        """Play a block, whose first sample is to be felt now; the rest of the block before is dropped. Never blocks.
-
-        block: (actuators, n) in [-1, 1] at the rate. sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
-        Raises ValueError if the block has another shape or is not finite.
-        """
         checked = checked_block(np.asarray(block), len(self.profile.actuators))
         sent = time.perf_counter() if sent is None else sent
         with self._wake:
@@ -97,25 +94,18 @@ class DeviceWriter(ThreadedOutput):
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """Play the samples ``ahead`` (actuators, n) after the block of ``sent`` if no other block arrives in time.
-
-        Never blocks. Raises ValueError if it has another shape or is not finite.
-        """
         checked = checked_block(np.asarray(ahead), len(self.profile.actuators))
         with self._wake:
             self._expected = checked, sent
             self._wake.notify()
 
     def silence(self) -> None:
-        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next block plays again. Never blocks."""
         self._drop(_silence=True)
 
     def rest(self) -> None:
-        """Write zero and the release report, but keep the device open: the next block plays again. Never blocks."""
         self._drop(_rest=True)
 
     def request_stop(self) -> None:
-        """Begin to stop, without waiting. Never blocks."""
         self._drop(_stopping=True)
 
     def _drop(self, **wanted: bool) -> None:
@@ -139,7 +129,11 @@ class DeviceWriter(ThreadedOutput):
                 opened = self._open(hid)
                 if opened is not None:
                     self._play(opened)
+            if self._may_vibrate:
+                raise DeviceError(f"{self._message or f'{self.profile.title} did not take the last zero'}: {UNREACHED}")
             self._state = "stopped"
+        except DeviceError as error:
+            self._state, self._message = "failed", str(error)
         except Exception as error:
             self._state, self._message = "failed", f"{type(error).__name__}: {error}"
         finally:
@@ -154,7 +148,7 @@ class DeviceWriter(ThreadedOutput):
             opened = open_device(hid, self.profile.family, self._serial)
         except OSError as error:
             self._message = str(error)
-            self._pause()
+            self._pause(REOPEN if isinstance(error, DeviceInUse) else RESCAN)
             return None
         self._message = ""
         return opened
@@ -165,16 +159,17 @@ class DeviceWriter(ThreadedOutput):
         try:
             pacing = self._prepare(opened)
             self._lead = pacing.lead
-            self._state = "open"
+            self._state, self._may_vibrate = "open", True
             while self._follow(opened, pacing) == "rest":
                 if not self._end(opened, pacing, farewell=False):
                     self._lose()
                     break
                 self._sleep()
+                self._may_vibrate = True
                 pacing.restart()
         except OSError as error:
             self._message = str(error)
-            self._pause()
+            self._pause(RESCAN)
         finally:
             try:
                 if pacing is not None and self._state == "open":
@@ -192,10 +187,10 @@ class DeviceWriter(ThreadedOutput):
         transport = opened.interface.transport
         return pacing_of(self.profile, family, transport, self._rate, self._adjustment, self._written - before)
 
-    def _pause(self) -> None:
+    def _pause(self, seconds: float) -> None:
         """Wait until the next search for the device, or until a stop."""
         with self._wake:
-            self._wake.wait_for(lambda: self._stopping, RESCAN)
+            self._wake.wait_for(lambda: self._stopping, seconds)
 
     def _sleep(self) -> None:
         """Wait until a block arrives, or until a stop."""
@@ -280,7 +275,8 @@ class DeviceWriter(ThreadedOutput):
     def _end(self, opened: Opened, pacing: Pacing, *, farewell: bool) -> bool:
         """Write zero and release at the device's pace, the second even if the first fails. Returns whether both arrived."""
         taken = [self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell)]
-        return all(taken)
+        self._may_vibrate = not all(taken)
+        return not self._may_vibrate
 
     def _insist(self, opened: Opened, report: Report, interval: float) -> bool:
         """Write a report, and again if that fails."""

@@ -56,10 +56,27 @@ def test_unregister_lets_go_of_the_device_and_ends_its_thread(sounds):
     haptic_tracing.register()
 
 
-def test_panic_stops_everything_at_once(sounds):
+def test_panic_stops_everything_and_says_so(sounds, capfd):
     assert bpy.ops.haptic.panic() == {"FINISHED"}
-    assert until(lambda: silent(sounds) and sounds.closed == 1)
+    assert silent(sounds) and sounds.closed == 1
     assert not outputs.running()
+    assert "Info: All haptic output is off (DualSense)" in capfd.readouterr().out
+
+
+@pytest.mark.slow
+def test_panic_says_which_device_it_did_not_reach(sounds, plug, connect, capfd, monkeypatch):
+    """One write blocks inside the system, and another pad refuses every report."""
+    refusing = plug(serial="refusing", vendor=0x18D1, product=0x9400, number=1)
+    connect()
+    until(lambda: refusing.written)
+    refusing.failing = 1_000_000
+    sounds.gate.clear()
+    bpy.ops.haptic.panic()
+    said = capfd.readouterr().out
+    assert "Unplug or switch off what still vibrates" in said
+    assert "DualSense (no answer)" in said
+    assert "Stadia Controller (Stadia Controller: write failed: No such device" in said
+    assert "Off: -" in said
 
 
 def test_disconnecting_lets_go_of_the_device(sounds):

@@ -19,6 +19,9 @@ class GuardInThread:
         with orders, statuses:
             Service(orders, statuses, os.getpid()).run()
 
+    def kill(self):
+        self.stdin.close()
+
     def wait(self):
         self._thread.join()
         return 0

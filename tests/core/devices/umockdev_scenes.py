@@ -232,21 +232,95 @@ def scene_lock(name, folder):
     }
 
 
-def scene_guard_dies(name, folder):
-    """The guard itself is killed while it plays."""
+def scene_guard_fails(how, folder, *names):
+    """The guard itself is killed or stopped while it plays; then the devices are connected again and play.
+
+    Returns seconds since then: of the reports, of the statuses, and of connecting again.
+    """
+    devices = [replace(profile(name), slew=10_000.0) for name in names]
+
+    def started():
+        outputs = [DeviceOutput(device, serial=serial_of(i), hid=TimedHid(folder)) for i, device in enumerate(devices)]
+        for output in outputs:
+            output.start()
+        return outputs
+
+    def play_all(outputs):
+        for _ in range(20):
+            for output in outputs:
+                output.send(np.tile(0.5 * np.sin(2 * np.pi * 200.0 * np.arange(320) / RATE), (len(output.profile.actuators), 1)))
+            time.sleep(0.02)
+
+    outputs = started()
+    wait_until(lambda: all(output.status.state == "open" for output in outputs))
+    (guard,) = children()
+    play_all(outputs)
+    failed = time.perf_counter()
+    os.kill(guard, signal.Signals[how])
+    wait_until(lambda: any(output.status.state == "failed" for output in outputs))
+    said = time.perf_counter()
+    wait_until(lambda: all(output.is_silent for output in outputs))
+    quiet, messages = time.perf_counter(), [output.status.message for output in outputs]
+    stopped = [output.stop() for output in outputs]
+    again = started()
+    begun = time.perf_counter()
+    wait_until(lambda: all(output.status.state == "open" for output in again))
+    reopened = time.perf_counter()
+    play_all(again)
+    stop_all()
+    reports = {f"hidraw{i}": reports_of(folder, f"hidraw{i}") for i in range(len(names))}
+    return {
+        "said": said - failed,
+        "quiet": quiet - failed,
+        "again": begun - failed,
+        "reopened": reopened - begun,
+        "messages": messages,
+        "stopped": stopped,
+        "guards": len(children()),
+        "reports": {node: [(seconds - failed, data.hex()) for seconds, data in written] for node, written in reports.items()},
+    }
+
+
+def scene_stop_with_a_hung_guard(name, folder):
+    """The guard hangs when all output is to be stopped."""
     output = DeviceOutput(replace(profile(name), slew=10_000.0), hid=TimedHid(folder))
     output.start()
     wait_until(lambda: output.status.state == "open")
+    play(output, 0.3, len(output.profile.actuators), 200.0)
     (guard,) = children()
-    play(output, 0.4, len(output.profile.actuators), 200.0)
-    os.kill(guard, signal.SIGKILL)
-    before = len(reports_of(folder, "hidraw0"))
-    wait_until(lambda: output.status.state == "failed")
-    message = output.status.message
-    time.sleep(1.0)
-    output.send(np.zeros((len(output.profile.actuators), 10)))
-    reports = [data.hex() for _, data in reports_of(folder, "hidraw0")]
-    return {"message": message, "before": before, "reports": reports, "stopped": output.stop()}
+    os.kill(guard, signal.SIGSTOP)
+    begun = time.perf_counter()
+    done = stop_all(10.0)
+    seconds, last = time.perf_counter() - begun, reports_of(folder, NODE.name)[-1][1]
+    return {"done": done, "silent": output.is_silent, "seconds": seconds, "last": last.hex()}
+
+
+def scene_program_pauses(name, folder):
+    """A program that is stopped for 2 s, and then holds Python's lock for 2 s."""
+    program = f"""
+import sys; sys.path[0] = {HERE!r}
+from umockdev_scenes import *
+import ctypes
+output = DeviceOutput(profile({name!r}), hid=TimedHid({folder!r}))
+output.start()
+wait_until(lambda: output.status.state == "open")
+play(output, 0.2, 2, 200.0)
+before = children()
+print(flush=True)
+time.sleep(0.5)
+ctypes.PyDLL(None).usleep(900_000)
+ctypes.PyDLL(None).usleep(900_000)
+time.sleep(1.0)
+print(json.dumps({{"state": output.status.state, "same guard": children() == before}}), flush=True)
+"""
+    child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
+    child.stdout.readline()
+    child.send_signal(signal.SIGSTOP)
+    time.sleep(2.0)
+    child.send_signal(signal.SIGCONT)
+    found = json.loads(child.stdout.readline())
+    child.wait()
+    return found
 
 
 def scene_nothing_left(name):
