@@ -27,11 +27,12 @@ _LENT = {
     "addon.session": "session",
     "addon.view": "comparison explanation gain_plot graph_mesh lane levels meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture watched",
+    "core": "signals",
     "core.design": "recordings wishes",
     "core.devices": "connection mapping profiles",
     "core.formats": "haptic_scene registry",
     "core.render": "limiter mixing",
-    "core.scene": "functions spectra",
+    "core.scene": "spectra",
 }
 MODULES = tuple(f"{package}.{name}" for package, names in _LENT.items() for name in names.split())
 """Those that modules imported at registration use, by their names in the extension's package."""

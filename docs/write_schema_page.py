@@ -1,4 +1,4 @@
-"""Writes docs/schema.md from the schema of haptic scenes: every property with its values and what it means.
+"""Writes the schema of haptic scenes, and from it docs/schema.md: every property with its values and what it means.
 
 python docs/write_schema_page.py      (part of `make docs`)
 """
@@ -10,19 +10,25 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from haptic_tracing.core.formats.io.scene_schema import scene_schema
+
 HERE = Path(__file__).resolve().parent
 NAME = "haptic-scene-1.1.schema.json"
-SCHEMA = HERE.parent / "core" / "formats" / "schemas" / NAME
 HEAD = f"""# Haptic scene, property by property
 
-Made from the [schema](../core/formats/schemas/{NAME}) by `docs/write_schema_page.py`. What the parts are for is said in
+Made, like the [JSON Schema]({NAME}), from the declarations of the fields by `docs/write_schema_page.py`. What the parts are for is said in
 [Formats](formats.md). Axes are right-handed with z up; lengths in metres, masses in kilograms, times in seconds, energies in joules.
 """
 
 
+def document() -> str:
+    """The JSON Schema."""
+    return json.dumps(scene_schema(), indent=1, ensure_ascii=False) + "\n"
+
+
 def page() -> str:
     """The page as Markdown."""
-    schema = json.loads(SCHEMA.read_text("utf-8"))
+    schema = scene_schema()
     parts = [HEAD, *_section("document", schema, schema["$defs"], "The file")]
     for name, definition in schema["$defs"].items():
         if "properties" in definition:
@@ -90,4 +96,5 @@ def _cell(text: str) -> str:
 
 
 if __name__ == "__main__":
+    (HERE / NAME).write_text(document(), "utf-8")
     (HERE / "schema.md").write_text(page(), "utf-8")

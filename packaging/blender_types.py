@@ -2,6 +2,7 @@
 
 - A property is an annotation that holds a call, ``amplitude: FloatProperty(...)`` or that of a function declared to return one. Its type is
   that of its values.
+- A group that `holding` a class of the core decorates has members for its fields.
 - Node groups, objects and scenes have `haptics`, as ``addon/registration/properties.py`` says.
 - The stubs declare most members as optional. `NEVER_NONE` exist whenever the extension runs, the context's object if `poll` checks it.
 - Members with too narrow types in the stubs have any type, or that of text.
@@ -13,7 +14,19 @@ from functools import cache
 from pathlib import Path
 
 from mypy.checker import TypeChecker
-from mypy.nodes import MDEF, AssignmentStmt, Decorator, FuncDef, MypyFile, NameExpr, SymbolTableNode, TypeInfo, Var
+from mypy.nodes import (
+    MDEF,
+    AssignmentStmt,
+    CallExpr,
+    Decorator,
+    FuncDef,
+    MypyFile,
+    NameExpr,
+    StrExpr,
+    SymbolTableNode,
+    TypeInfo,
+    Var,
+)
 from mypy.plugin import AnalyzeTypeContext, AttributeContext, ClassDefContext, FunctionContext, Plugin
 from mypy.types import AnyType, CallableType, Instance, NoneType, Type, TypeOfAny, UnboundType, UnionType, get_proper_type
 from mypy.types_utils import remove_optional
@@ -84,6 +97,10 @@ class BlenderTypes(Plugin):
         if name.startswith("bpy_prop_collection"):
             return _return_items
         return _add_haptics if name in HAPTICS else _pass_context if name in CALLED_BACK else None
+
+    def get_class_decorator_hook_2(self, fullname: str) -> Callable[[ClassDefContext], bool] | None:
+        """What changes a class after its body is analyzed."""
+        return _add_declared if fullname == f"{ADDON}.properties.declared.holding" else None
 
     def get_type_analyze_hook(self, fullname: str) -> Callable[[AnalyzeTypeContext], Type] | None:
         """What a name means in an annotation."""
@@ -167,6 +184,29 @@ def _some(kind: Type) -> Type:
     if not isinstance(kind, UnionType):
         return kind
     return UnionType([_some(item) for item in kind.items if not (isinstance(item, UnboundType) and item.name == "None")], kind.line)
+
+
+def _add_declared(context: ClassDefContext) -> bool:
+    """Give a property group members for the fields of the class that it holds, by the names that the decorator says."""
+    call, group = context.reason, context.cls.info
+    assert isinstance(call, CallExpr) and isinstance(call.args[0], NameExpr) and isinstance(call.args[0].node, TypeInfo)
+    names = {key: value.value for key, value in zip(call.arg_names, call.args, strict=True) if isinstance(value, StrExpr)}
+    for name, symbol in call.args[0].node.names.items():
+        if isinstance(symbol.node, Var) and names.get(name, name) not in group.names:
+            if symbol.node.type is None:
+                return False
+            variable = Var(names.get(name, name), _held(symbol.node.type, context))
+            variable.info = group
+            group.names[variable.name] = SymbolTableNode(MDEF, variable, plugin_generated=True)
+    return True
+
+
+def _held(kind: Type, context: ClassDefContext) -> Type:
+    """The type of the values of a property that holds those of a field."""
+    kind = get_proper_type(remove_optional(kind))
+    if isinstance(kind, Instance) and kind.type.has_base("builtins.str"):
+        return context.api.named_type("builtins.str")
+    return kind if isinstance(kind, Instance) and kind.type.module_name == "builtins" else AnyType(TypeOfAny.explicit)
 
 
 def _write_types(context: ClassDefContext) -> None:

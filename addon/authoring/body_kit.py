@@ -10,7 +10,9 @@ from bpy.types import Collection, Object
 from mathutils import Matrix, Vector
 
 from ...core.scene.body import BODY_PART, BodyPart
+from ...core.scene.declaration import shown
 from ...core.scene.skeleton import Bone, Place, partner, places
+from ...core.scene.values import Listener
 from ..scene_reader.collision_shapes import vertices_of
 
 # Positions of the parts of a standing body in its bounding box: from the middle to the side (left is +x), from front (-y) to back, height.
@@ -128,7 +130,7 @@ def mirrored(listener: Object) -> Object:
         else:
             local = parent.matrix_world.inverted_safe() @ place
             attach(partner, parent, _other_bone(parent, listener), parent.matrix_world @ Vector((-local.x, local.y, local.z)))
-    for name in ("radius", "extent", "gain", "mixing", "mixing_expression", "ducking", "s_max", "limiter"):
+    for name in shown(Listener).keys() - {"body_part"}:
         setattr(partner.haptics.listener, name, getattr(listener.haptics.listener, name))
     return partner
 

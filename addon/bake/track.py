@@ -134,7 +134,7 @@ class HapticTrack:
         rows = slice(*self.rows[k : k + 2].tolist())
         sources = tuple(map(self._source, self.row_source[rows].tolist(), self.row_amplitude[rows].tolist(), self.row_place[rows].tolist()))
         listeners = tuple(
-            Listener(item.name, item.name, tuple(place), item.body_part, item.radius, 1.0, "cumulative", item.s_max)
+            Listener(item.name, item.name, tuple(place), item.body_part, radius=item.radius, s_max=item.s_max)
             for item, place in zip(self.listeners, self.places[k].tolist(), strict=True)
         )
         gains = self.row_gain[rows].astype(np.float64)

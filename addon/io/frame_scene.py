@@ -20,7 +20,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind, TriggerKind
 from ..blender.single_precision import shortest
 from ..properties.modalities import SHOWN
-from ..scene_reader.imported import FileContacts, file_contacts, imported_listener, imported_object, imported_scene, imported_source
+from ..scene_reader.imported import FileContacts, file_contacts, imported_object, imported_scene, imported_source
 from ..scene_reader.modalities import read_modality
 from ..scene_reader.problem import why_untraced
 from ..scene_reader.reading import Reading
@@ -142,8 +142,7 @@ def _source(item: Source, obj: Object | None) -> Source:
 
 
 def _listener(item: Listener, obj: Object | None) -> Listener:
-    kept = imported_listener(obj.haptics.listener.imported if obj is not None else "")
-    return replace(item, extras={**kept.extras, MUTED: True} if is_muted(obj) else dict(kept.extras))
+    return replace(item, extras={**item.extras, MUTED: True}) if is_muted(obj) else item
 
 
 def _contacts(result: FrameResult, kept: FileContacts) -> tuple[Contact, ...]:

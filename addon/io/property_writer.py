@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from bpy.types import Object
@@ -16,6 +17,7 @@ from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind, TriggerKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
+from ..properties.declared import held_as
 from ..properties.drawing import HERTZ
 from ..properties.function import CONTACT_PARAMETERS, PARAMETERS
 from ..properties.function import TRANSMISSIONS as CONTACTS
@@ -96,17 +98,26 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
 def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[str]:
     """Set a listener's properties, as `write_source` does. Returns sentences about losses."""
     listener.enabled = True
-    numbers = write_numbers(listener, radius=item.radius, gain=item.gain, s_max=item.s_max, ducking=item.ducking)
-    listener.limiter, listener.extent = item.limiter, item.extent.value
-    if item.mixing == "custom":
-        listener.mixing_expression = item.mixing_expression
-    losses = [f"{name} {value:g}" for name, value in (("gain", item.gain), ("s_max", item.s_max)) if not takes(listener, name, value)]
-    if item.body_part and not _choose(listener, "body_part", item.body_part):
-        losses.append(f"body part {item.body_part!r}")
-    if not _choose(listener, "mixing", item.mixing):
-        losses.append(f"mixing {item.mixing!r}")
-    listener.imported = text_of(position=item.position if placed else None, numbers=numbers, extras=dict(item.extras))
+    listener.imported = stored_text(item, () if placed else ("position",))
+    return write_values(listener, item)
+
+
+def write_values(group: Any, item: Any) -> list[str]:
+    """Set the properties of a group to what they hold of the fields of ``item``. Returns sentences about losses."""
+    losses = []
+    for key, name in group.held[type(item)].items():
+        value = getattr(item, key)
+        held = held_as(type(item), key, value)
+        if held is None:
+            losses.append(f"{key.replace('_', ' ')} {value!r}")
+        else:
+            setattr(group, name, held)
     return losses
+
+
+def stored_text(item: Any, without: Collection[str] = ()) -> str:
+    """The text that stores an item, except its name, its object, and the fields ``without``."""
+    return text_of(**{key: value for key, value in item_to_dict(item).items() if key not in ("name", "object", *without)})
 
 
 def write_tables(haptics: Any, rules: ContactSettings) -> None:

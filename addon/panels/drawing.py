@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from bpy.app.translations import pgettext_iface as iface_
@@ -68,6 +69,15 @@ def draw_each(layout: UILayout, owner: Any, *names: str, **look: Any) -> None:
 def draw_properties(layout: UILayout, owner: Any, *names: str) -> None:
     """Draw properties as a block, one under the other."""
     draw_each(layout.column(align=True), owner, *names)
+
+
+def draw_held(layout: UILayout, owner: Any, cls: type, **own: Callable[[UILayout], None]) -> None:
+    """Draw the properties that ``owner`` has of the fields of ``cls``, in the order of the fields; some by functions of their ``own``."""
+    for key, name in owner.held[cls].items():
+        if key in own:
+            own[key](layout)
+        else:
+            layout.prop(owner, name)
 
 
 def draw_level(layout: UILayout, level: Level, share: float, text: str) -> None:

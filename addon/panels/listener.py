@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel
+from functools import partial
+
+from bpy.types import Context, Panel, UILayout
 
 from ...core.render import mixing
-from .drawing import HapticsPanel, draw_carrier, draw_each, draw_properties, poll_object
+from ...core.scene.values import Listener
+from ..properties.listener import HapticListenerProperties
+from .drawing import HapticsPanel, draw_carrier, draw_held, poll_object
 from .formula import draw_finding
 
 
@@ -24,22 +28,24 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         listener = context.object.haptics.listener
         if not listener.enabled:
             return
-        layout.prop(listener, "body_part")
-        column = layout.column(align=True)
-        column.prop(listener, "extent")
-        row = column.row()
-        row.active = listener.extent != "none"
-        row.prop(listener, "radius")
-        layout.prop(listener, "mixing")
-        if listener.mixing == "custom":
-            row = layout.row()
-            row.use_property_split = False
-            row.prop(listener, "mixing_expression", text="")
-            draw_finding(layout, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))
-        layout.prop(listener, "ducking")
-        draw_properties(layout, listener, "gain", "s_max")
-        draw_each(layout, listener, "limiter", "muted")
+        draw_held(layout, listener, Listener, radius=partial(_draw_radius, listener), mixing_expression=partial(_draw_formula, listener))
+        layout.prop(listener, "muted")
         draw_carrier(layout, context.object, "Feels")
         row = layout.row(align=True)
         row.operator("haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE")
         row.operator("haptic.mirror_listeners", text="", icon="MOD_MIRROR")
+
+
+def _draw_radius(listener: HapticListenerProperties, layout: UILayout) -> None:
+    row = layout.row()
+    row.active = listener.extent != "none"
+    row.prop(listener, "radius")
+
+
+def _draw_formula(listener: HapticListenerProperties, layout: UILayout) -> None:
+    """Draw the formula of custom mixing with its fault."""
+    if listener.mixing == "custom":
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(listener, "mixing_expression", text="")
+        draw_finding(layout, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))

@@ -59,11 +59,14 @@ def updating(callback: Callback | None = None, *, animated: bool = True) -> Call
     return decorate
 
 
-class Imported:
-    """Mixin: a property group with the values of an imported file that its properties cannot hold, as JSON text; see
-    `scene_reader.imported`."""
+class Stored:
+    """Mixin: a property group with an item of an imported file as JSON text; see `scene_reader.imported`."""
 
     imported: text("Imported", "What an imported file says beyond these properties", options={"HIDDEN"}, update=changed)
+
+
+class Imported(Stored):
+    """Mixin: a property group with the values of an imported file that its properties cannot hold."""
 
     def drop_imported(self, name: str) -> None:
         """Drop the exact number that was imported for the property ``name``: because it was edited."""

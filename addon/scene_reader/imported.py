@@ -16,16 +16,19 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...core.contacts.shapes import Shape, shape_from_dict
-from ...core.formats.io.schema import load_schema
+from ...core.formats.io.scene_schema import DEFINED, SCENE
+from ...core.formats.io.schema import load_schema, validate
 from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import by_pair, pair_of
 from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
-from ...core.formats.scene.values_json import item_to_dict, read_triggers
+from ...core.formats.scene.values_json import item_to_dict, read_members, read_triggers
+from ...core.scene.declaration import declared
 from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
 from ...core.scene.rules import Motion
 from ...core.scene.values import Contact, Pose, SourceKind, Trigger, Vector
 from ...core.signals import Signal, signal_from_dict
 from ..blender.single_precision import authored, shortest
+from ..properties.declared import held_as, value_of
 
 RULES = {
     "contact_tolerance": "tolerance",
@@ -114,6 +117,34 @@ def exact(owner: Any, name: str, numbers: Numbers) -> Any:
     return number if number is not None and shortest(number) == value else value
 
 
+@lru_cache(maxsize=8192)
+def stored_item(text: str, name: str) -> Mapping[str, Any]:
+    """The fields of the item in a text, without its name and its references; ``name``: that of its definition in the schema of scenes.
+
+    Raises ValueError if the text is damaged.
+    """
+    if not text:
+        return {}
+    with _damaged():
+        form = parse_json(text.encode("utf-8", "surrogatepass"), "imported")
+        if isinstance(form, dict) and isinstance(form.get("numbers"), dict):  # until version 0.1 these were apart
+            form |= form.pop("numbers")
+        validate(form, f"{SCENE}#{name}", "imported")
+        return read_members({key: value for key, value in form.items() if key in declared(DEFINED[name])}, ())
+
+
+def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of the fields of ``cls`` that the properties of ``group`` hold, and those ``stored`` of the others. A stored value counts
+    as long as its property holds it, which may be with fewer digits."""
+    values = dict(stored)
+    for key, name in group.held[cls].items():
+        held = getattr(group, name)
+        held = tuple(held) if hasattr(held, "foreach_get") else held
+        if key not in stored or held_as(cls, key, stored[key]) != held:
+            values[key] = value_of(cls, key, held)
+    return values
+
+
 def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> str:
     """The text of an object with further emitters and numbers."""
     form = stored(text, "object")
@@ -127,7 +158,6 @@ def _reader(kind: str, kept: int) -> Callable[[str], Imported]:
 
 imported_object = _reader("object", 4096)
 imported_source = _reader("source", 4096)
-imported_listener = _reader("listener", 4096)
 imported_scene = _reader("scene", 8)
 imported_rule = _reader("rule", 1024)
 imported_device = _reader("device", 64)

@@ -7,12 +7,12 @@ from bpy.types import Object
 
 from ...core.contacts.settings import Motion
 from ...core.scene.materials import named_in
-from ...core.scene.values import Extent, HapticObject, Listener, Source, SourceKind
+from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import impact_material
 from ..blender.single_precision import shortest
 from .animated_curves import Curves
 from .functions import read_function
-from .imported import exact, imported_listener, imported_object, imported_source
+from .imported import exact, imported_object, imported_source, read_values, stored_item
 from .signals import decaying, played_once, read_signal
 
 
@@ -60,21 +60,13 @@ def read_source(obj: Object, carrier: str, curves: Curves = (None, None), is_sil
 def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Listener:
     """The listener of a Blender object on the haptic object ``carrier``; its position as for a source."""
     properties = obj.haptics.listener
-    imported = imported_listener(properties.imported)
-    return Listener(
-        name=obj.name_full,
-        object=carrier,
-        position=imported.position or (0.0, 0.0, 0.0),
-        body_part=properties.part,
-        radius=exact(properties, "radius", imported.numbers),
-        gain=0.0 if is_silenced else exact(properties, "gain", imported.numbers),
-        mixing=properties.mixing,
-        s_max=exact(properties, "s_max", imported.numbers),
-        mixing_expression=properties.mixing_expression if properties.mixing == "custom" else "",
-        limiter=properties.limiter,
-        extent=Extent(properties.extent),
-        ducking=exact(properties, "ducking", imported.numbers),
-    )
+    stored = stored_item(properties.imported, "listener")
+    values = read_values(Listener, properties, stored)
+    if values["mixing"] != "custom":
+        values["mixing_expression"] = stored.get("mixing_expression", "")
+    if is_silenced:
+        values["gain"] = 0.0
+    return Listener(obj.name_full, carrier, **values)
 
 
 def read_impact_material(obj: Object) -> str | None:

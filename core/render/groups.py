@@ -10,15 +10,18 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from ..scene.bands import BAND_COUNT
+from ..scene.declaration import MOST
 from .gains import Bend, Frame, Gains, any_gain
 from .voices import Stream, Voice
 
-MAX_GAIN = 1e6
-"""Largest magnitude of a gain and of an amplitude."""
+MAX_GAIN = 1e30
+"""Largest magnitude of a gain, of an amplitude and of a priority: their products with signals remain finite, and the squares of these."""
 MAX_DELAY = 60.0
 """Seconds."""
 MAX_TIME = 1e6
 """Seconds before and after 0 within which frames lie."""
+MAX_ONSET = MOST
+"""Seconds before and after 0 within which signals begin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,8 +139,8 @@ class Groups:
                 raise ValueError(f"delays: those of {key!r} have shape {delays.shape}, not {plain}")
             if not -MAX_GAIN <= amplitude <= MAX_GAIN:
                 raise ValueError(f"amplitude: that of {key!r} must be within ±{MAX_GAIN:g}")
-            if not -MAX_TIME <= onset <= MAX_TIME:
-                raise ValueError(f"onset: that of {key!r} must be within ±{MAX_TIME:g} seconds")
+            if not -MAX_ONSET <= onset <= MAX_ONSET:
+                raise ValueError(f"onset: that of {key!r} must be within ±{MAX_ONSET:g} seconds")
             if not 0.0 <= priority <= MAX_GAIN:
                 raise ValueError(f"priority: that of {key!r} must be from 0 to {MAX_GAIN:g}")
 

@@ -27,7 +27,7 @@ class Voice(NamedTuple):
     gains: shape (n_listeners,), or (n_listeners, 6) by frequency band; multiplied by `amplitude`.
     onset: seconds at which the signal begins, on the frames' clock, any real number.
     delays: seconds on the way to each listener, shape (n_listeners,), from 0 to 60; where the gain is 0 the delay does not matter.
-    priority: weight in `weighted` mixing, from 0 to 1e6.
+    priority: weight in `weighted` mixing, 0 or more.
     """
 
     key: Hashable

@@ -1,11 +1,8 @@
-"""Enumerations of an author's choices, and the largest ducking."""
+"""Enumerations of an author's choices."""
 
 from __future__ import annotations
 
 import enum
-
-MOST_DUCKING = 60.0
-"""Largest ducking of a listener [dB]."""
 
 
 class Mode(enum.StrEnum):

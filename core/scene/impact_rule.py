@@ -7,9 +7,13 @@ import math
 import struct
 from dataclasses import dataclass
 from hashlib import blake2b
+from typing import TYPE_CHECKING
 
-from ..signals import LONGEST, Signal, Struck
+from .. import signals
 from .functions.modulation import require
+
+if TYPE_CHECKING:
+    from ..signals import Signal
 
 
 class ImpactTemplates(enum.StrEnum):
@@ -33,8 +37,8 @@ _STEPS = 48
 
 def require_template(key: str, signal: Signal) -> None:
     """Raise ValueError that names ``key`` if impacts and triggers cannot play the signal."""
-    if not signal.duration <= LONGEST:
-        raise ValueError(f"{key}: the signal of an impact or a trigger must end within {LONGEST:g} seconds")
+    if not signal.duration <= signals.LONGEST:
+        raise ValueError(f"{key}: the signal of an impact or a trigger must end within {signals.LONGEST:g} seconds")
     if not signal.peak >= QUIETEST:
         raise ValueError(f"{key}: the signal of an impact or a trigger must not be silent")
 
@@ -72,7 +76,7 @@ class ImpactRule:
     limits: ImpactLimits | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.template, Signal):
+        if not isinstance(self.template, signals.Signal):
             object.__setattr__(self, "template", ImpactTemplates(self.template))
         else:
             require_template("template", self.template)
@@ -99,7 +103,7 @@ class ImpactRule:
             return template, amplitude
         low, high = RANGES["pitch"]
         step = round(_STEPS * math.log2(min(max(pitch, low), high)))
-        return Struck(template, 2.0 ** (step / _STEPS), max(decay, RANGES["decay"][0]), brightness), amplitude
+        return signals.Struck(template, 2.0 ** (step / _STEPS), max(decay, RANGES["decay"][0]), brightness), amplitude
 
 
 def _chances(seed: int, names: tuple[str, str], onset: float) -> tuple[float, float, float]:

@@ -9,9 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from ..signals import Constant, Noise, Product, Saw, Signal, Sine, Sum
-from ..signals.limits import MAX_FREQUENCY
+from .. import signals
+
+if TYPE_CHECKING:
+    from ..signals import Signal
 
 OF_FORCE, OF_SLIDING, OF_ROLLING = 0.5, 0.75, 1.5
 """Powers of force and speed in the amplitude."""
@@ -60,7 +63,7 @@ class Texture:
 
     def amplitude(self, speed: float, force: float, rolls: bool) -> float:
         """Amplitude at a speed [m/s] and a force [N]; NaN, an unknown force, counts as the full force."""
-        if not speed < self.period * MAX_FREQUENCY:
+        if not speed < self.period * signals.MAX_FREQUENCY:
             return 0.0
         most, power = (self.rolling, OF_ROLLING) if rolls else (self.sliding, OF_SLIDING)
         pressed = 1.0 if math.isnan(force) else force / self.full_force
@@ -74,13 +77,14 @@ class Texture:
         phase -= math.floor(phase)
         sticks = max(1.0 - speed / self.stick_speed, 0.0) if self.stick_speed else 0.0
         # The squares of sine and cosine add up to one: the amplitudes of the coherent tone and the powers of the incoherent noises.
-        fades = Sine(0.25 / step)
+        fades = signals.Sine(0.25 / step)
         parts: list[Signal] = []
-        for part, wave, shift in ((1.0 - sticks, Sine, 0.0), (sticks, Saw, 0.5)):  # both rise through 0 at the same time
+        for part, wave, shift in ((1.0 - sticks, signals.Sine, 0.0), (sticks, signals.Saw, 0.5)):  # both rise through 0 at the same time
             if part and self.noise < 1.0:
-                parts.append(Product((fades, wave(frequency, part * math.sqrt(1.0 - self.noise), phase + shift))))
+                parts.append(signals.Product((fades, wave(frequency, part * math.sqrt(1.0 - self.noise), phase + shift))))
         if self.noise:
-            rate = min(max(self.bandwidth * frequency, 1.0), MAX_FREQUENCY)
-            parts.append(Product((Sine(frequency, _AS_STRONG * math.sqrt(self.noise), phase), Noise(seed=seed, rate=rate))))
-        gate = Constant(1.0, 2.0 * step - _ROUNDING)
-        return Product((gate, fades, parts[0] if len(parts) == 1 else Sum(tuple(parts))))
+            rate = min(max(self.bandwidth * frequency, 1.0), signals.MAX_FREQUENCY)
+            tone = signals.Sine(frequency, _AS_STRONG * math.sqrt(self.noise), phase)
+            parts.append(signals.Product((tone, signals.Noise(seed=seed, rate=rate))))
+        gate = signals.Constant(1.0, 2.0 * step - _ROUNDING)
+        return signals.Product((gate, fades, parts[0] if len(parts) == 1 else signals.Sum(tuple(parts))))

@@ -9,20 +9,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..signals import DEFAULT_IMPACT, DEFAULT_PERSISTENT, IMPACT_MATERIALS, Signal
-from .choices import MOST_DUCKING
+from .. import signals
+from .body import BODY_PARTS
 from .choices import Extent as Extent
 from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
 from .choices import TriggerKind as TriggerKind
+from .declaration import check, choice, extras, name_of, number, numbers, switch, text
 from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
 from .functions.modulation import require
 from .impact_rule import require_template
 from .references import require_known, require_unique
 from .rules import ContactSettings, Motion
+
+if TYPE_CHECKING:
+    from ..signals import Signal
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -124,8 +128,8 @@ class HapticObject:
     def __post_init__(self) -> None:
         _name("name", self.name)
         object.__setattr__(self, "motion", Motion(self.motion))
-        if self.impact_material and self.impact_material not in IMPACT_MATERIALS:
-            raise ValueError(f"impact_material: {self.impact_material!r} is not one of {', '.join(IMPACT_MATERIALS)}")
+        if self.impact_material and self.impact_material not in signals.IMPACT_MATERIALS:
+            raise ValueError(f"impact_material: {self.impact_material!r} is not one of {', '.join(signals.IMPACT_MATERIALS)}")
         _unit_interval("kappa", self.kappa)
         _unit_interval("rho", self.rho)
         if self.mass is not None and not 0 <= self.mass < math.inf:
@@ -236,7 +240,10 @@ class Source:
     @property
     def emitted(self) -> Signal:
         """Its signal; without one a tone if it is persistent, or an impact if it is temporary or has triggers."""
-        return self.signal or (DEFAULT_PERSISTENT if self.kind is SourceKind.PERSISTENT and self.triggers is None else DEFAULT_IMPACT)
+        if self.signal is not None:
+            return self.signal
+        hums = self.kind is SourceKind.PERSISTENT and self.triggers is None
+        return signals.DEFAULT_PERSISTENT if hums else signals.DEFAULT_IMPACT
 
     @property
     def rubs(self) -> bool:
@@ -249,37 +256,85 @@ class Source:
         return _with(self, position=_finite_vector("position", position), second_position=second)
 
 
+MIXING = {
+    "cumulative": ("Cumulative", "Sums all signals and limits the sum to the ceiling"),
+    "weighted": ("Weighted", "Averages the signals by the priorities of their sources"),
+    "strongest": ("Strongest", "Only the strongest signal is felt"),
+    "power": ("Power", "Adds up energies: the root of the sum of squares"),
+    "custom": ("Custom", "Your own formula from the results of the other methods"),
+}
+"""Methods of mixing."""
+EXTENTS = {
+    Extent.NONE: ("Point", "Feels what arrives at its origin, whatever the radius"),
+    Extent.STRONGEST: ("Strongest", "Contacts within the radius count as if they were at the origin"),
+    Extent.MEAN_POWER: ("Mean Power", "Feels the mean of the power over its volume"),
+}
+PARTS = {
+    "": ("None", "Not a part of the body"),
+    **{p.name: (p.name.replace("_", " ").title(), f"Stands for the {p.name.replace('_', ' ')}") for p in BODY_PARTS},
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Receives signals at a point of the body. ``radius`` [m] is that of its bounding volume; ``extent`` says how the volume enters the
-    gain. ``mixing_expression``: the formula over `MIXING_VARIABLES` of ``custom`` mixing. ``limiter``: peaks above ``s_max`` are attenuated
-    instead of clipped. ``ducking`` [dB]: attenuation of sources while one of higher priority arrives."""
+    """Receives signals at a point of the body. The fields' declarations say what they are."""
 
-    name: str
-    object: str
-    position: Vector = (0.0, 0.0, 0.0)
-    body_part: str = ""
-    radius: float = 0.05
-    gain: float = 1.0
-    mixing: str = "cumulative"
-    s_max: float = 1.0
-    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    mixing_expression: str = ""
-    limiter: bool = False
-    extent: Extent = Extent.NONE
-    ducking: float = 0.0
+    name: str = field(metadata=name_of("Name, unique among listeners"))
+    object: str = field(metadata=name_of("Name of the listener's object"))
+    position: Vector = field(default=(0.0, 0.0, 0.0), metadata=numbers("", "Position of the listener", 3, unit="m", required=True))
+    body_part: str = field(
+        default="", metadata=choice("Body Part", "The place on the body that this listener stands for", PARTS, open=True)
+    )
+    extent: Extent = field(
+        default=Extent.NONE,
+        metadata=choice(
+            "Extent",
+            "What the listener feels of its bounding volume. New listeners feel the strongest; those of earlier files are points",
+            EXTENTS,
+        ),
+    )
+    radius: float = field(
+        default=0.05, metadata=number("Radius", "Radius of the listener's bounding volume", 0.0, soft=(0.0, 0.5), unit="m")
+    )
+    mixing: str = field(default="cumulative", metadata=choice("Mixing", "How signals that arrive together are combined", MIXING))
+    mixing_expression: str = field(
+        default="",
+        metadata=text(
+            "Formula",
+            "The mix, sample by sample, of sum, weighted, strongest and power (what the other methods give) and s_max (the ceiling)",
+            most=500,
+            shown="s_max * tanh(sum / s_max)",
+        ),
+    )
+    ducking: float = field(
+        default=0.0,
+        metadata=number(
+            "Ducking",
+            "Sources are turned down by so many decibels while one of higher priority arrives here",
+            0.0,
+            60.0,
+            soft=(0.0, 24.0),
+            unit="dB",
+        ),
+    )
+    gain: float = field(
+        default=1.0, metadata=number("Gain", "Factor of this listener's mixed signal; can be animated", 0.0, soft=(0.0, 2.0))
+    )
+    s_max: float = field(
+        default=1.0, metadata=number("Ceiling", "No sample of the mixed signal is stronger than this", 0.0, 1.0, above=True)
+    )
+    limiter: bool = field(
+        default=False,
+        metadata=switch(
+            "Limiter",
+            "Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of cutting it off, which distorts. "
+            "All listeners then feel 5 ms later",
+        ),
+    )
+    extras: Mapping[str, Any] = extras()
 
     def __post_init__(self) -> None:
-        _name("name", self.name)
-        _name("object", self.object)
-        object.__setattr__(self, "extent", Extent(self.extent))
-        object.__setattr__(self, "position", _finite_vector("position", self.position))
-        for key in ("radius", "gain"):
-            require(key, getattr(self, key))
-        if not 0 < self.s_max <= 1:
-            raise ValueError(f"s_max: must lie in (0, 1], got {self.s_max!r}")
-        if not 0 <= self.ducking <= MOST_DUCKING:
-            raise ValueError(f"ducking: must lie in [0, {MOST_DUCKING:g}] dB, got {self.ducking!r}")
+        check(self)
         if self.mixing == "custom":
             try:
                 compile_expression(self.mixing_expression, MIXING_VARIABLES)

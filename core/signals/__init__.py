@@ -5,6 +5,7 @@ from .base import Delay, Gain, Loop, Product, Sequence, Signal, Sum
 from .drawn import Drawing, Emphasis
 from .envelopes import Adsr, Constant, Decay, Keyed
 from .impacts import DecayingSine, Impulse
+from .limits import MAX_FREQUENCY
 from .noise import Noise
 from .oscillators import Oscillator, Pulse, Saw, Sine, Square, Triangle
 from .sampled import Sampled

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .error import FormatError, json_pointer
+from .scene_schema import SCENE, scene_schema
 
 SCHEMAS = Path(__file__).parents[1] / "schemas"
 
@@ -80,7 +81,12 @@ def _fault(document: Any, schema: str) -> _Fault | None:
 
 
 def load_schema(schema: str) -> dict[str, Any]:
-    """The schema as a JSON document."""
+    """The schema as a JSON document. ``haptic-scene-1.1#NAME``: that of an object with any of the properties of the definition NAME."""
+    name, _, part = schema.partition("#")
+    if name == SCENE:
+        scene = scene_schema()
+        definitions = scene["$defs"]
+        return {"type": "object", "properties": definitions[part]["properties"], "$defs": definitions} if part else scene
     document: dict[str, Any] = json.loads((SCHEMAS / f"{schema}.schema.json").read_text("utf-8"))
     return document
 

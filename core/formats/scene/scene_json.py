@@ -16,13 +16,13 @@ from ...scene.values import HapticScene, Settings
 from ..io.atomic import atomic_file
 from ..io.error import FormatError, errors_in
 from ..io.json_text import compact
+from ..io.scene_schema import SCENE
 from ..io.schema import validate, without_unknown_keys
 from ..io.strict_json import read_json
 from .values_json import json_value, read_contact, read_listener, read_object, read_rules, read_source, read_value, scene_items
 
 FORMAT = "haptic-scene"
 VERSION = "1.1"
-SCHEMA = f"haptic-scene-{VERSION}"
 
 CONVENTION = {"axes": "right-handed, z up", "length": "m", "mass": "kg", "time": "s", "energy": "J", "rotation": "quaternion w, x, y, z"}
 """Axes and units of every scene file."""
@@ -130,8 +130,8 @@ def current_document(document: Any, file: str | Path) -> tuple[dict[str, Any], t
     if version != VERSION:
         if not isinstance(version, str) or not _NEWER.fullmatch(version):
             raise FormatError(file, "/version", f'this reads version "{min(MIGRATIONS)}" to "{VERSION}", not {json.dumps(version)[:40]}')
-        return without_unknown_keys({**document, "version": VERSION}, SCHEMA, file)
-    validate(document, SCHEMA, file)
+        return without_unknown_keys({**document, "version": VERSION}, SCENE, file)
+    validate(document, SCENE, file)
     return document, ()
 
 

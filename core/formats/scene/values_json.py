@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import partial
+from functools import cache, partial
 from typing import Any, TypeVar
 
 import numpy as np
 
 from ...contacts.shapes import Shape, shape_from_dict
+from ...scene.declaration import default_of
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.references import Place, PlacedError
@@ -25,9 +26,15 @@ T = TypeVar("T")
 
 
 def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) -> T:
-    """``make`` with the members of ``form`` as arguments: some converted by `_READERS`, other lists as tuples."""
+    """``make`` with the members of ``form`` as arguments."""
+    members = read_members(form, place)
+    return _placed(lambda _: make(**members), form, place)
+
+
+def read_members(form: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    """The members of an item as arguments of its class: some converted by `_READERS`, other lists as tuples."""
     members = {key: _READERS[key](value, (*place, key)) if key in _READERS else value for key, value in form.items()}
-    return _placed(lambda _: make(**{key: tuple(v) if isinstance(v, list) else v for key, v in members.items()}), form, place)
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in members.items()}
 
 
 read_contact = partial(read_value, Contact)
@@ -114,13 +121,14 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
 
 def item_to_dict(item: Any) -> dict[str, Any]:
     """The JSON object of an item: positions always, other values where they differ from their default."""
-    form: dict[str, Any] = {}
-    for key in fields(item):
-        value = getattr(item, key.name)
-        default = key.default if key.default_factory is MISSING else key.default_factory()
-        if value != default or key.name == "position":
-            form[key.name] = json_value(value)
-    return form
+    values = ((name, getattr(item, name), default) for name, default in _defaults(item.__class__).items())
+    return {name: json_value(value) for name, value, default in values if value != default or name == "position"}
+
+
+@cache
+def _defaults(cls: type) -> Mapping[str, Any]:
+    """The defaults of the fields of a class, `MISSING` for a field without one."""
+    return {entry.name: default_of(cls, entry.name) for entry in fields(cls)}
 
 
 def _does_to_dict(does: ImpactRule | ModulationFunction | Texture) -> dict[str, Any]:

@@ -125,7 +125,7 @@ STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = 
         ),
     ),
     "source": (imported.imported_source, ({"signal": {"signal": "sine", "frequency": 60}, "onset": 0.5, "position": [0, 0, 0]},)),
-    "listener": (imported.imported_listener, ({"position": [0, 1, 2], "numbers": {"gain": 0.1}},)),
+    "listener": (partial(imported.stored_item, name="listener"), ({"position": [0, 1, 2], "numbers": {"gain": 0.1}},)),
     "scene": (imported.imported_scene, ({"tolerance": 1e-3, "numbers": {"epsilon": 0.1}},)),
     "device": (imported.imported_device, ({"profile": "dualsense", "extras": {}},)),
     "contacts": (

@@ -71,8 +71,9 @@ def test_every_schema_has_an_address(path):
     assert json.loads(path.read_text("utf-8"))["$id"] == f"https://haptic-tracing.org/schemas/{path.name}"
 
 
-def test_the_page_is_that_of_the_schema():
+def test_the_published_schema_and_its_page_are_those_of_the_declarations():
     spec = importlib.util.spec_from_file_location("write_schema_page", ROOT / "docs" / "write_schema_page.py")
     writer = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(writer)
     assert (ROOT / "docs" / "schema.md").read_text("utf-8") == writer.page(), "run python docs/write_schema_page.py"
+    assert (ROOT / "docs" / writer.NAME).read_text("utf-8") == writer.document(), "run python docs/write_schema_page.py"

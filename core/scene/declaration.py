@@ -1,0 +1,253 @@
+"""Declarations of the fields of scene values: what a field may be, and how it is presented.
+
+A dataclass declares a field by its metadata:
+
+    gain: float = field(default=1.0, metadata=number("Gain", "Factor of this listener's mixed signal", 0.0, 1e9, soft=(0.0, 2.0)))
+
+From the declaration follow the check of its values, its JSON Schema, and in Blender its property, its tooltip, and its place in a panel. A
+field with a label has a property in Blender; one without a label stands in files only.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from enum import StrEnum
+from functools import cache
+from typing import Any
+
+MOST = 1e9
+"""Largest magnitude of a number without a limit of its own."""
+_KEY = "declaration"
+_RANGE = {True: "exclusiveMinimum", False: "minimum"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Declaration:
+    """``label``: the field's name in panels, "" for a field without a property. ``about``: its meaning, as tooltip and in the schema.
+    ``shown``: the value that a new property has, None for the default. ``optional``: None is a value, too. ``required``: files always have
+    it. ``animated``: the property can have keyframes."""
+
+    label: str = ""
+    about: str = ""
+    shown: Any = None
+    optional: bool = False
+    required: bool = False
+    animated: bool = True
+
+    def checked(self, value: Any) -> Any:
+        """The value in its own type. Raises ValueError with the reason if it is not allowed."""
+        return value
+
+    def schema(self) -> dict[str, Any]:
+        """The JSON Schema of a value other than None."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Number(Declaration):
+    """A number from ``low``, or ``above`` it, to ``high``; ``whole``: an integer. ``soft``: range of sliders. ``digits``: decimal places
+    shown. ``unit``: its unit."""
+
+    low: float
+    high: float
+    soft: tuple[float, float] | None = None
+    unit: str = ""
+    above: bool = False
+    whole: bool = False
+    digits: int | None = None
+
+    def checked(self, value: Any) -> Any:
+        if not (self.low < value if self.above else self.low <= value) or not value <= self.high:
+            span = f"above {self.low:g} and at most {self.high:g}" if self.above else f"from {self.low:g} to {self.high:g}"
+            raise ValueError(f"must be {span}{self.unit and ' '}{self.unit}, got {value!r}")
+        return int(value) if self.whole else value
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "integer" if self.whole else "number", _RANGE[self.above]: self.low, "maximum": self.high}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Numbers(Number):
+    """A fixed ``count`` of numbers, such as a position."""
+
+    count: int
+
+    def checked(self, value: Any) -> Any:
+        numbers = tuple(map(float, value))
+        if len(numbers) != self.count or not all(map(math.isfinite, numbers)):
+            raise ValueError(f"expected {self.count} finite numbers, got {numbers!r}")
+        return numbers
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "array", "minItems": self.count, "maxItems": self.count, "items": Number.schema(self)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Switch(Declaration):
+    """True or false."""
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "boolean"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Choice(Declaration):
+    """One of ``items``: the label and the meaning of each value. ``kind``: the enumeration that the values are converted to. ``open``:
+    other texts are values, too."""
+
+    items: Mapping[str, tuple[str, str]]
+    kind: type[StrEnum] | None = None
+    open: bool = False
+
+    def checked(self, value: Any) -> Any:
+        if not self.open and value not in self.items:
+            raise ValueError(f"must be one of {', '.join(map(str, self.items))}, got {value!r}")
+        return value if self.kind is None else self.kind(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "string", "maxLength": 255} if self.open else {"enum": list(map(str, self.items))}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Text(Declaration):
+    """A text of ``least`` to ``most`` characters."""
+
+    least: int = 0
+    most: int = 255
+
+    def checked(self, value: Any) -> Any:
+        if not isinstance(value, str) or len(value) < self.least:
+            raise ValueError(f"expected a {'name' if self.least else 'text'}, got {value!r}")
+        return value
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "string", **({"minLength": self.least} if self.least else {}), "maxLength": self.most}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part(Declaration):
+    """A value that is defined, and checked, elsewhere: the definition ``ref`` of the schema; with ``most``, a list of so many at most."""
+
+    ref: str
+    most: int = 0
+
+    def schema(self) -> dict[str, Any]:
+        ref = {"$ref": f"#/$defs/{self.ref}"}
+        return {"type": "array", "maxItems": self.most, "items": ref} if self.most else ref
+
+
+def number(label: str, about: str, low: float, high: float = MOST, **more: Any) -> Mapping[str, Any]:
+    """The metadata of a `Number`."""
+    return {_KEY: Number(label=label, about=about, low=low, high=high, **more)}
+
+
+def share(label: str, about: str, **more: Any) -> Mapping[str, Any]:
+    """The metadata of a number from 0 to 1."""
+    return number(label, about, 0.0, 1.0, **more)
+
+
+def numbers(label: str, about: str, count: int, low: float = -MOST, high: float = MOST, **more: Any) -> Mapping[str, Any]:
+    """The metadata of `Numbers`."""
+    return {_KEY: Numbers(label=label, about=about, count=count, low=low, high=high, **more)}
+
+
+def switch(label: str, about: str, **more: Any) -> Mapping[str, Any]:
+    """The metadata of a `Switch`."""
+    return {_KEY: Switch(label=label, about=about, **more)}
+
+
+def choice(label: str, about: str, items: Mapping[Any, tuple[str, str]], **more: Any) -> Mapping[str, Any]:
+    """The metadata of a `Choice`; ``items`` by members of an enumeration, or by texts."""
+    kinds = {type(value) for value in items} - {str}
+    return {_KEY: Choice(label=label, about=about, items=items, kind=next(iter(kinds), None), **more)}
+
+
+def text(label: str, about: str, **more: Any) -> Mapping[str, Any]:
+    """The metadata of a `Text`."""
+    return {_KEY: Text(label=label, about=about, **more)}
+
+
+def name_of(about: str, **more: Any) -> Mapping[str, Any]:
+    """The metadata of a name: of the item, or of another one."""
+    return text("", about, least=1, **more)
+
+
+def part(ref: str, about: str, most: int = 0, **more: Any) -> Mapping[str, Any]:
+    """The metadata of a `Part`."""
+    return {_KEY: Part(ref=ref, about=about, most=most, **more)}
+
+
+def extras() -> Any:
+    """The field of any further data of an item."""
+    return field(default_factory=dict, hash=False, metadata=part("extras", "Anything else: kept as it is"))
+
+
+@cache
+def declared(cls: type) -> Mapping[str, Declaration]:
+    """The declarations of the fields of a class, in their order."""
+    return {item.name: item.metadata[_KEY] for item in fields(cls) if _KEY in item.metadata}
+
+
+def shown(cls: type) -> dict[str, Declaration]:
+    """The declarations of the fields of a class that have a property in Blender."""
+    return {key: declaration for key, declaration in declared(cls).items() if declaration.label}
+
+
+@cache
+def _checked(cls: type) -> list[tuple[str, Declaration]]:
+    """The declared fields of a class whose values are checked."""
+    return [(key, item) for key, item in declared(cls).items() if type(item).checked is not Declaration.checked]
+
+
+def check(item: Any) -> None:
+    """Check all declared fields of a new item and convert their values to their types. Raises ValueError that names the field."""
+    for key, declaration in _checked(item.__class__):
+        value = getattr(item, key)
+        if value is None and declaration.optional:
+            continue
+        try:
+            checked = declaration.checked(value)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{key}: {error}") from None
+        if checked is not value:
+            object.__setattr__(item, key, checked)
+
+
+@cache
+def default_of(cls: type, key: str) -> Any:
+    """The default of a field, `MISSING` without one."""
+    entry = next(entry for entry in fields(cls) if entry.name == key)
+    return entry.default if entry.default_factory is MISSING else entry.default_factory()
+
+
+def schema_of(cls: type) -> dict[str, Any]:
+    """The JSON Schema of the items of a class: an object with its declared fields."""
+    known = declared(cls)
+    return {
+        "type": "object",
+        "properties": {key: _described(item, default_of(cls, key)) for key, item in known.items()},
+        "required": [key for key, item in known.items() if item.required or default_of(cls, key) is MISSING],
+        "additionalProperties": False,
+    }
+
+
+def _described(declaration: Declaration, default: Any) -> dict[str, Any]:
+    """The schema of a field with its description."""
+    sentences = [declaration.about]
+    if isinstance(declaration, Choice):
+        sentences += [f'"{value}": {about}' for value, (_, about) in declaration.items.items()]
+    if isinstance(declaration, Number) and declaration.unit:
+        sentences.append(f"Unit: {declaration.unit}")
+    if isinstance(default, bool | int | float | str | tuple):
+        sentences.append(f"Default: {_json(default)}")
+    found = declaration.schema()
+    if declaration.optional and default is not None:
+        found["type"] = [found["type"], "null"]
+    return {"description": ". ".join(sentences) + ".", **found}
+
+
+def _json(value: Any) -> str:
+    return json.dumps(list(value) if isinstance(value, tuple) else value)
