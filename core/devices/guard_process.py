@@ -24,6 +24,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..arrays import FloatArray
+from .control_group import own_control_group
 from .status import Output, Status, stop_together
 
 HEARTBEAT = 0.010
@@ -32,7 +33,7 @@ _LATE = 0.015
 _LOOK = 0.005
 ANSWER = 0.050
 """Time between two answers to lists of orders [s]."""
-_STOP_SECONDS = 10.0
+_STOP_SECONDS = 4.0
 _QUIETEN_SECONDS = 3.0
 _URGENCY = 5
 
@@ -73,7 +74,7 @@ class Service:
         finally:
             self._end()
             for thread in threads:
-                thread.join(_STOP_SECONDS)
+                thread.join()
 
     def _obey(self, number: int, name: str, arguments: tuple[Any, ...]) -> None:
         if name in ("open", "quieten"):
@@ -123,10 +124,11 @@ class Service:
             return list(self._outputs.values())
 
     def _end(self) -> None:
+        deadline = time.perf_counter() + _STOP_SECONDS
         for thread in self._quieting:
             thread.join()
         self._ended.set()
-        stop_together(self._all(), _STOP_SECONDS)
+        stop_together(self._all(), max(deadline - time.perf_counter(), 0.0))
 
 
 def started_threads(**works: Callable[[], None]) -> list[threading.Thread]:
@@ -159,7 +161,8 @@ def main(program: int) -> None:
         Path("/proc/self/timerslack_ns").write_text("1")
     statuses = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no status
-    Service(os.fdopen(os.dup(0), "rb"), statuses, program).run()
+    with own_control_group():
+        Service(os.fdopen(os.dup(0), "rb"), statuses, program).run()
 
 
 def is_running(process: int) -> bool:

@@ -50,6 +50,7 @@ def pad(name: str, **functions: Any) -> RumbleFamily:
         ids=frozenset((int(pair[:4], 16), int(pair[5:], 16)) for pair in row["ids"]),
         minimum_interval=row["minimum_interval"],
         refresh_interval=row.get("refresh_interval", RESEND),
+        zero_repeats=row.get("zero_repeats", 1),
         encode=partial(_encode, row["reports"]),
         **functions,
     )

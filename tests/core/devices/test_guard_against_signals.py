@@ -1,6 +1,7 @@
 """Whatever ends a program that plays, its devices fall silent: every family, on devices that umockdev makes up."""
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -9,9 +10,10 @@ from pathlib import Path
 import pytest
 from fake_hid import RELEASE
 from haptic_tracing.core.devices.families.family import RumbleFamily
+from haptic_tracing.core.devices.pacing import WATCHDOG
 from haptic_tracing.core.devices.profiles import load_profiles
 from made_up_devices import DUALSENSE_USB, VENDOR, Fake, describe
-from umockdev_scenes import ENDINGS, serial_of
+from umockdev_scenes import ENDINGS, GROUP_ENDINGS, serial_of
 
 HERE = Path(__file__).parent
 PROFILES = load_profiles()[0]
@@ -70,15 +72,41 @@ NAMES = list(PROFILES)
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_every_family_is_silent_within_150_ms(tmp_path, ending):
     """150 ms of the guard's own: what it waits for a processor that other programs have is not its doing."""
+    ends(tmp_path, "ends", ending, SILENT_WITHIN)
+
+
+def ends(tmp_path, name, ending, within):
+    """What the scene returns, in which each device has to be silent within so many seconds."""
     folder = tmp_path / "reports"
     folder.mkdir()
-    fakes = [fake_of(name, number) for number, name in enumerate(NAMES)]
-    written = scene(tmp_path, fakes, "ends", ending, str(folder), *NAMES)
+    fakes = [fake_of(family, number) for number, family in enumerate(NAMES)]
+    written = scene(tmp_path, fakes, name, ending, str(folder), *NAMES)
     found = times_to_silence(written["reports"])
     waited = {name: next((wait for at, wait in written["waits"] if at >= seconds), 0.0) for name, seconds in found.items()}
     print(ending, {name: (round(1000 * found[name]), round(1000 * waited[name])) for name in NAMES})
-    late = {name: (seconds, waited[name]) for name, seconds in found.items() if seconds - waited[name] > SILENT_WITHIN}
+    late = {name: (seconds, waited[name]) for name, seconds in found.items() if seconds - waited[name] > within}
     assert late == {}
+    assert written["guard ended"] < 5.0
+    return written
+
+
+@pytest.fixture
+def control_groups(tmp_path):
+    """The control groups (version 2), mounted outside /sys, which umockdev hides."""
+    folder = tmp_path / "groups"
+    folder.mkdir()
+    subprocess.run(["mount", "-t", "cgroup2", "none", str(folder)], check=True)
+    yield str(folder)
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may mount control groups")
+@pytest.mark.parametrize("ending", GROUP_ENDINGS)
+def test_every_family_is_silent_when_the_programs_control_group_is_killed_or_frozen(tmp_path, ending, control_groups, monkeypatch):
+    """As a session manager or the out-of-memory killer ends one. A frozen program counts as one that hangs."""
+    monkeypatch.setenv("CONTROL_GROUPS", control_groups)
+    written = ends(tmp_path, "group_ends", ending, SILENT_WITHIN + (WATCHDOG if ending == "freeze" else 0.0))
+    assert written["left"] == []
 
 
 def times_to_silence(written):

@@ -119,6 +119,12 @@ def test_a_switch_pad_is_told_zero_five_times():
     assert reports == [rumble_report("switch-pro", 0.0, 0.0, "usb", sequence).data for sequence in range(5)]
 
 
+@pytest.mark.parametrize("name", PROFILES)
+def test_zero_never_waits_longer_than_60_ms_for_its_turn(name):
+    """Of the 150 ms to silence, a device's own pace leaves the rest to the detection of the failure and to a busy machine."""
+    assert all(PROFILES[name].interval(transport) <= 0.060 for transport in PROFILES[name].family.transports)
+
+
 def test_a_steady_drive_is_written_once_where_the_device_holds_it():
     simulation = Simulation(pacing("dualsense", "usb")).run_until(1.0)
     for i in range(25):

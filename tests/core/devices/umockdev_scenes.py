@@ -143,15 +143,20 @@ play(output, 0.2, 2, 200.0)
     return {"code": done.returncode, "captured": NODE.read_bytes().hex()}
 
 
-ENDINGS = ("SIGKILL", "SIGTERM", "SIGHUP", "SIGSEGV", "SIGSTOP", "exit")
+ENDINGS = ("SIGKILL", "SIGTERM", "SIGHUP", "SIGSEGV", "SIGSTOP", "exit", "process group")
+GROUP_ENDINGS = ("kill", "freeze")
 
 
-def scene_ends(ending, folder, *names):
-    """A program that plays on devices and ends in the middle of it: what was written to each node, with seconds after that, and how long
-    what has to silence the devices had waited for a processor by then."""
+def scene_ends(ending, folder, *names, group=None):
+    """A program that plays on devices and ends in the middle of it: what was written to each node, with seconds after that, how long
+    what has to silence the devices had waited for a processor by then, and when the guard ended.
+
+    ending: a signal, ``exit``, ``process group`` (SIGKILL to all of it), or what is done to the control ``group`` of the program.
+    """
     program = f"""
 import sys; sys.path[0] = {HERE!r}
 from umockdev_scenes import *
+if {str(group or "")!r}: Path({str(group)!r}, "cgroup.procs").write_text(str(os.getpid()))
 devices = [replace(profile(name), slew=10_000.0) for name in {names!r}]
 outputs = [DeviceOutput(device, serial=serial_of(i), hid=TimedHid({folder!r})) for i, device in enumerate(devices)]
 for output in outputs: output.start()
@@ -166,25 +171,45 @@ for i in range(100):
     time.sleep(0.04)
     if i == 12 and {ending!r} == "exit": os._exit(3)
 """
-    child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
+    child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True, start_new_session=True)
     child.stdout.readline()
     (guard,) = children(child.pid)
     time.sleep(0.09)
-    if ending != "exit":
+    if group is not None:
+        (group / f"cgroup.{ending}").write_text("1")
+    elif ending == "process group":
+        os.killpg(child.pid, signal.SIGKILL)
+    elif ending != "exit":
         child.send_signal(signal.Signals[ending])
-    while state_of(child.pid) not in "TZX":  # a busy machine may let it run on for a while
+    while ending != "freeze" and state_of(child.pid) not in "TZX":  # a busy machine may let it run on for a while
         pass
     ended = time.perf_counter()
     # The guard's thread that watches the program wakes a device's thread; umockdev answers what is no write to a node.
     chains, waits = [Waits(guard, 2), Waits(os.getppid(), 1)], []
-    while time.perf_counter() < ended + 0.6:
+    while time.perf_counter() < ended + (1.0 if ending == "freeze" else 0.6):
         time.sleep(0.01)
         waits.append((time.perf_counter() - ended, sum(chain.until_now() for chain in chains)))
     nodes = sorted(path.name for path in Path(folder).iterdir())
     reports = {node: [(seconds - ended, data.hex()) for seconds, data in reports_of(folder, node)] for node in nodes}
     child.kill()
+    if ending == "freeze":
+        (group / "cgroup.freeze").write_text("0")
     child.wait()
-    return {"reports": reports, "waits": waits}
+    wait_until(lambda: state_of(guard) in "ZX")
+    return {"reports": reports, "waits": waits, "guard ended": time.perf_counter() - ended}
+
+
+def scene_group_ends(ending, folder, *names):
+    """What `scene_ends` returns for a program in a control group of its own, and what is left of the guard's."""
+    around = Path(os.environ["CONTROL_GROUPS"])
+    group = around / f"program-{os.getpid()}"
+    group.mkdir()
+    try:
+        found = scene_ends(ending, folder, *names, group=group)
+        wait_until(lambda: (group / "cgroup.procs").read_text() == "")
+    finally:
+        group.rmdir()
+    return {**found, "left": [path.name for path in around.rglob("haptic-tracing-guard-*")]}
 
 
 def state_of(process):
