@@ -1,12 +1,30 @@
 """Haptic Tracing: vibration propagated through touching objects.
 
 Outside Blender this is the package ``haptic_tracing``; inside it is the extension ``bl_ext.<repository>.haptic_tracing``.
+
+>>> import haptic_tracing as ht
+>>> scene = ht.load("bench.json")  # doctest: +SKIP
+>>> scene.gains()  # doctest: +SKIP
+{('jackhammer', 'seat'): 0.42}
 """
 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .core.run_time import Run as Run
+    from .core.run_time import Scene as Scene
+    from .core.run_time import Step as Step
+    from .core.run_time import load as load
+    from .core.run_time import loads as loads
+    from .core.run_time import open as open
+
+__version__ = "0.1.0"
+
+_FRONT_DOOR = ("Run", "Scene", "Step", "load", "loads", "open")
+"""What the package offers outside Blender, imported when it is asked for."""
 
 _GLTF = {
     "glTF2ExportUserExtension": "addon.io.gltf",
@@ -18,6 +36,8 @@ _GLTF = {
 
 
 def __getattr__(name: str) -> Any:
+    if name in _FRONT_DOOR:
+        return getattr(import_module(".core.run_time", __package__), name)
     if name in _GLTF:
         return getattr(import_module(f".{_GLTF[name]}", __package__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -5,22 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 
-from ..core.contacts.scene_contacts import contacts_of_scene
-from ..core.formats.io.strict_json import read_json
-from ..core.formats.scene.scene_json import current_document, scene_of
+from ..core.run_time import load
 from . import warn_of_unknown
 
 
 def run(args: argparse.Namespace) -> int:
     """Print ``{"contacts": [...]}`` in the format of the scene file, each contact with its signed ``distance`` in metres."""
-    document, unknown = current_document(read_json(args.scene), args.scene)
-    warn_of_unknown(args.scene, unknown)
-    scene = scene_of(document, args.scene)
-    try:
-        contacts = contacts_of_scene(scene, args.tolerance)
-    except ValueError as error:
-        raise ValueError(f"{args.scene}: {error}") from None
-    names = [item.name for item in scene.objects]
+    scene = load(args.scene)
+    warn_of_unknown(args.scene, scene.unknown)
+    contacts = scene.contacts_found(args.tolerance)
+    names = [item.name for item in scene.content.objects]
     forms = [
         {
             "objects": [names[a], names[b]],

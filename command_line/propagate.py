@@ -3,54 +3,48 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
 import math
 import time
 from collections.abc import Sequence
 from typing import Any
 
-from ..core.contacts.scene_contacts import contacts_of_scene
-from ..core.formats.io.strict_json import read_json
 from ..core.formats.scene.modalities_json import modalities_from_dict
-from ..core.formats.scene.scene_json import current_document, scene_of
-from ..core.graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
+from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
 from ..core.modalities.propagation import Felt
-from ..core.propagation import Propagation, objects_on, propagate
+from ..core.propagation import Propagation, objects_on
 from ..core.render.frame_result import Sounding
 from ..core.render.masking import felt_sources
-from ..core.scene.values import HapticScene, Listener, Strategy
+from ..core.run_time import load
+from ..core.scene.values import Listener, Strategy
 from . import warn_of_unknown
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
-    document, unknown = current_document(read_json(args.scene), args.scene)
-    warn_of_unknown(args.scene, unknown)
-    scene = scene_of(document, args.scene)
-    modalities = modalities_from_dict(document, scene, args.scene)
+    scene = load(args.scene)
+    warn_of_unknown(args.scene, scene.unknown)
+    modalities = modalities_from_dict(scene.document, scene.content, args.scene)
     chosen = {key: value for key in ("strategy", "mode", "threshold", "tolerance") if (value := getattr(args, key)) is not None}
     if "max_connections" in args:  # none is a value
         chosen["max_connections"] = args.max_connections
-    settings = dataclasses.replace(scene.settings, **chosen)
+    scene = scene.with_settings(**chosen)
+    settings = scene.content.settings
+    started = time.perf_counter()
+    graph = scene.graph()
+    built = time.perf_counter()
+    result = scene.propagate(graph)
+    finished = time.perf_counter()
     try:
-        scene = _with_contacts(dataclasses.replace(scene, settings=settings))
-        started = time.perf_counter()
-        graph = graph_of_scene(scene)
-        built = time.perf_counter()
-        result = propagate(graph, settings)
-        finished = time.perf_counter()
-        felt = [part.felt_in(scene) for part in modalities if part.enabled]
-    except NoGain as error:
-        raise ValueError(f"{args.scene}: {_pointer(scene, error)}: {error}") from None
+        felt = [part.felt_in(scene.with_contacts()) for part in modalities if part.enabled]
     except ValueError as error:
         raise ValueError(f"{args.scene}: {error}") from None
     seconds = {"graph_seconds": built - started, "propagate_seconds": finished - built}
-    printed = report(graph, scene.listeners, result, settings.strategy, seconds)
+    printed = report(graph, scene.content.listeners, result, settings.strategy, seconds)
     if args.felt:
-        sounding = Sounding(0.0, scene.sources, scene.listeners, result)
-        printed["felt"] = [part for column in range(len(scene.listeners)) for part in _who_is_felt(sounding, column)]
+        sounding = Sounding(0.0, scene.content.sources, scene.content.listeners, result)
+        printed["felt"] = [part for column in range(len(scene.content.listeners)) for part in _who_is_felt(sounding, column)]
     if felt:
         printed["modalities"] = {item.modality.name: felt_report(item) for item in felt}
     print(json.dumps(printed, indent=1, ensure_ascii=False, allow_nan=False))
@@ -76,21 +70,6 @@ def felt_report(felt: Felt) -> dict[str, Any]:
     """The values of a modality other than vibration at the listeners, in its unit."""
     values = [{"listener": name, "value": float(value)} for name, value in zip(felt.listeners, felt.values, strict=True)]
     return {"unit": felt.modality.source_value.unit, "felt": values}
-
-
-def _with_contacts(scene: HapticScene) -> HapticScene:
-    """The scene, with contacts from shapes and poses if it lists none."""
-    if scene.contacts or sum(item.shape is not None for item in scene.objects) < 2:
-        return scene
-    return dataclasses.replace(scene, contacts=contacts_of_scene(scene).to_contacts([item.name for item in scene.objects]))
-
-
-def _pointer(scene: HapticScene, error: NoGain) -> str:
-    """JSON pointer to the function that gives no valid gain."""
-    if len(error.objects) == 1:
-        return f"/objects/{[item.name for item in scene.objects].index(error.objects[0])}/propagation"
-    pairs = [frozenset(contact.objects) for contact in scene.contacts]
-    return f"/contacts/{pairs.index(frozenset(error.objects))}/transmission"
 
 
 def report(

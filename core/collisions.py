@@ -45,7 +45,8 @@ class Frame:
     ``contacts``, which number the objects by their sorted names. ``authored`` contacts replace detected ones. ``recall``: a frame that is
     not continuous has the impacts of its last continuous trace, see `CollisionDetector`. ``exact``: contacts and gains are recomputed also
     after motions below the tolerance of rest. ``duration`` [s]: of a frame that is not continuous, for triggers at given times.
-    ``heard``: its samples are rendered.
+    ``heard``: its samples are rendered. ``struck``: the impacts since the previous frame, which number the bodies (or the ``objects`` where
+    ``contacts`` are given, ``transforms`` being theirs); None: they are found.
     """
 
     number: int
@@ -63,6 +64,12 @@ class Frame:
     exact: bool = False
     duration: float = 0.0
     heard: bool = True
+    struck: tuple[Impact, ...] | None = None
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """The names of what has ``transforms``."""
+        return tuple(item.name for item in (self.bodies if self.contacts is None else self.objects))
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,10 +203,7 @@ class CollisionDetector:
         again: it `stands`; contacts are detected again, without an effect on later frames.
         """
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
-            self._sources.clear()
-            contacts = ContactSet.empty() if frame.contacts is None else frame.contacts
-            frames = ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings, contacts) else None
-            return Collisions(contacts, frames, sources=self._one_shots(frame, previous, None, ()), shots=self._shots.sounding)
+            return self._given(frame, table, previous)
         begun = perf_counter()
         tracker = self._follow(frame.bodies, table)
         kept = None
@@ -217,13 +221,15 @@ class CollisionDetector:
         # All contacts are needed where forces (each depends on all others), triggers or textures use contacts without a signal.
         lazy = self.lazy and frame.authored is None and not rules.uses_force and not hits and not self.settings.textures.rows
         reach = self._reach(frame, frame.transforms) if lazy else None
-        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, self.settings.impacts or hits, frame.exact)
+        searched = frame.struck is None and (self.settings.impacts or hits)
+        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, searched, frame.exact)
         contacts = self._numbered(found, frame.authored, rules)
         broad = found.statistics.broad_seconds
-        impacts = found.impacts if self.settings.impacts else ()
+        struck = found.impacts if frame.struck is None else frame.struck
+        impacts = struck if self.settings.impacts else ()
         if impacts:
-            self._sources.add(impacts, [body.name for body in frame.bodies], frame.transforms, self._templates(frame))
-        shots = self._one_shots(frame, previous, kept, found.impacts, again)
+            self._sources.add(impacts, frame.moving, frame.transforms, self._templates(frame))
+        shots = self._one_shots(frame, previous, kept, struck, again)
         rubbing = self._rub(frame, frame.transforms, found, previous, kept, again)
         if previous is not None and not again:
             self._remember(frame.number, self._sources.kept(previous, frame.transforms, self._shots.sounding, self._rubbing.kept))
@@ -243,6 +249,20 @@ class CollisionDetector:
             start=None if kept is None else kept.start,
             shots=self._shots.sounding,
         )
+
+    def _given(self, frame: Frame, table: ObjectTable, previous: float | None) -> Collisions:
+        """Return the collisions of a frame whose contacts are given."""
+        contacts = ContactSet.empty() if frame.contacts is None else frame.contacts
+        frames = ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings, contacts) else None
+        struck = frame.struck or ()
+        sources = self._one_shots(frame, previous, None, struck)
+        if frame.transforms is None or previous is None:
+            self._sources.clear()
+        if frame.transforms is not None:
+            self._sources.end_before(frame.time if previous is None else previous)
+            self._sources.add(struck, frame.moving, frame.transforms, self._templates(frame))
+            sources += self._sources.sources(frame.transforms)
+        return Collisions(contacts, frames, struck, sources, shots=self._shots.sounding)
 
     def _rub(
         self, frame: Frame, transforms: FloatArray, found: FrameContacts, previous: float | None, kept: FrameImpacts | None, again: bool
@@ -269,7 +289,7 @@ class CollisionDetector:
         if again or kept is not None:
             self._shots.recall(() if kept is None else kept.shots, sources)
         if not again:
-            names = [body.name for body in frame.bodies]
+            names = frame.moving
             hits = [((names[a], names[b]), impact.time, impact.amplitude) for impact in impacts for a, b in (impact.objects,)]
             self._shots.follow(sources, previous, frame.time, _places(frame), hits)
         start = next(time for time in (None if kept is None else kept.start, previous, frame.time - frame.duration) if time is not None)
@@ -385,7 +405,7 @@ class _Numbering:
 def _places(frame: Frame) -> dict[str, FloatArray]:
     """The positions (3,) of the objects' origins, by name."""
     if frame.transforms is not None:
-        return dict(zip((body.name for body in frame.bodies), frame.transforms[:, :3, 3], strict=True))
+        return dict(zip(frame.moving, frame.transforms[:, :3, 3], strict=True))
     return {item.name: np.array(item.pose.position) for item in frame.objects if item.pose is not None}
 
 

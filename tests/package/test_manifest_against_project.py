@@ -1,5 +1,6 @@
 import itertools
 
+import haptic_tracing
 import pytest
 from packaging.requirements import Requirement
 from packaging.tags import Tag
@@ -28,7 +29,7 @@ def runs_on(tag: Tag, python: str) -> bool:
 
 
 def test_versions_agree(manifest, project):
-    assert manifest["version"] == project["project"]["version"]
+    assert manifest["version"] == project["project"]["version"] == haptic_tracing.__version__
 
 
 def test_licences_agree(manifest, project, root):

@@ -21,6 +21,7 @@ LAYERS = (
     ("core.render", "core.modalities"),
     ("core.tracer", "core.diagnosis", "core.design"),
     ("core.formats",),
+    ("core.run_time",),
     ("addon.blender", "addon.changes", "addon.gateway", "addon.translations"),
     ("addon.properties",),
     ("addon.scene_reader",),

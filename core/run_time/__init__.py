@@ -1,0 +1,14 @@
+"""The front door of the package: scenes from files or dictionaries, their gains, and runs that answer poses with levels and samples."""
+
+from __future__ import annotations
+
+from .run import Run
+from .scene import Scene, load, loads
+from .step import Step
+
+__all__ = ["Run", "Scene", "Step", "load", "loads", "open"]
+
+
+def open(scene: Scene, sample_rate: float = 8000.0) -> Run:
+    """A run of ``scene``, whose samples have ``sample_rate`` [Hz]."""
+    return Run(scene.content, sample_rate)

@@ -1,0 +1,284 @@
+"""A run of a scene: each step takes poses and answers levels, impacts and samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..collisions import Frame
+from ..contacts.authored import AuthoredContacts
+from ..contacts.contact_set import ContactSet
+from ..contacts.settings import Body
+from ..contacts.shapes import pose_matrix
+from ..formats.scene.values_json import read_listener, read_object, read_source
+from ..render.history import History
+from ..scene.references import PlacedError, require_known, require_new
+from ..scene.values import HapticObject, HapticScene, Listener, Pose, Source, Trigger, TriggerKind
+from ..tracer import Tracer
+from .given import contact_set, read_contacts, read_impacts
+from .step import Step, answer
+
+LONGEST_STEP = 0.25
+"""Duration of a step from which on the run begins anew: without impacts, from silence [s]."""
+
+Position = Sequence[float]
+"""Three numbers [m], in the world."""
+
+
+class Run:
+    """A scene in time. Objects keep their poses, and sources what they play, until a step says otherwise.
+
+    Sources and listeners move rigidly with their objects. Contacts are found from shapes, except between objects for which the scene lists
+    contacts and which have not moved.
+    """
+
+    def __init__(self, scene: HapticScene, sample_rate: float) -> None:
+        self.settings, self.rules = scene.settings, scene.rules
+        self.sample_rate = sample_rate
+        self._objects = {item.name: item for item in scene.objects}
+        self._poses = {item.name: pose_matrix(item.pose or Pose()) for item in scene.objects}
+        self._moved: set[str] = set()
+        self._listed = scene.contacts
+        self._places: dict[tuple[str, str], FloatArray] = {}  # by kind and name, in the frame of the object
+        self._sources: dict[str, Source] = {}
+        self._listeners: dict[str, Listener] = {}
+        for source in scene.sources:
+            self._place("source", source)
+        for listener in scene.listeners:
+            self._place("listener", listener)
+        self._silent: set[str] = set()  # sources that do not play
+        self._amplitudes: dict[str, float] = {}
+        self._tracer = Tracer(self.rules, sample_rate)
+        self._history = History()
+        self._time: float | None = None
+        self._step = 0
+        self._changed()
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """The names of the objects."""
+        return tuple(self._objects)
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """The names of the sources."""
+        return tuple(self._sources)
+
+    @property
+    def listeners(self) -> tuple[str, ...]:
+        """The names of the listeners, in the order of the rows of samples."""
+        return tuple(self._listeners)
+
+    def step(
+        self,
+        time: float,
+        poses: Mapping[str, Sequence[float]] | None = None,
+        sources: Mapping[str, Mapping[str, Any]] | None = None,
+        *,
+        contacts: Sequence[Mapping[str, Any]] | None = None,
+        impacts: Sequence[Mapping[str, Any]] | None = None,
+        source_positions: Mapping[str, Position] | None = None,
+        listener_positions: Mapping[str, Position] | None = None,
+    ) -> Step:
+        """Go on to ``time`` [s]. Where it goes back, or on by more than `LONGEST_STEP`, the run begins anew.
+
+        Args:
+            time: seconds of the caller's clock.
+            poses: of objects that have moved: x, y, z [m], then the rotation as a quaternion w, x, y, z.
+            sources: ``playing`` and ``amplitude`` of sources, from now on.
+            contacts: all that touch now, as in a scene file; none are searched for then.
+            impacts: since the last step, as `read_impacts` takes them; none are searched for then.
+            source_positions, listener_positions: world positions that replace those on the objects, for this step.
+
+        Raises:
+            ValueError: names the key where a value is not valid.
+        """
+        if not math.isfinite(time) or time == self._time:
+            raise PlacedError(("time",), f"must be finite, and other than that of the last step, got {time!r}")
+        for name, pose in (poses or {}).items():
+            self._move(name, pose)
+        for name, form in (sources or {}).items():
+            self._play(name, form)
+        result = self._tracer.step(self._frame(time, contacts, impacts, source_positions or {}, listener_positions or {}))
+        self._time = time
+        self._history.feed(result)
+        return answer(result, self._history.all(), [body.name for body in self._bodies] if contacts is None else self.objects)
+
+    def play(self, source: str) -> None:
+        """Play the signal of a source with triggers once, from the last step on. Raises ValueError."""
+        require_known(source, self._sources, "source", ("source",))
+        item = self._sources[source]
+        if item.triggers is None:
+            raise PlacedError(("source",), f"{source!r} plays all the time; only a source with triggers plays once")
+        now = self._time or 0.0
+        kept = tuple(one for one in item.triggers if one.on is not TriggerKind.TIMES or one.times[-1:] > (now - item.emitted.duration,))
+        self._sources[source] = replace(item, triggers=(*kept, Trigger(TriggerKind.TIMES, (now,))))
+
+    def stop(self) -> None:
+        """Fall silent and forget contacts, velocities and impacts; objects keep their poses."""
+        self._tracer.reset()
+        self._history = History()
+        self._time = None
+
+    def add(
+        self,
+        object: Mapping[str, Any] | None = None,
+        source: Mapping[str, Any] | None = None,
+        listener: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Add an object, a source or a listener, as in a scene file. Raises ValueError, also where the name exists."""
+        if object is not None:
+            item = read_object(object, ("object",))
+            require_new(item.name, self._objects, "object", ("object", "name"))
+            self._put(item)
+        if source is not None:
+            self._add("source", read_source(source, ("source",)), self._sources)
+        if listener is not None:
+            self._add("listener", read_listener(listener, ("listener",)), self._listeners)
+
+    def remove(self, object: str | None = None, source: str | None = None, listener: str | None = None) -> None:
+        """Remove an object, with the sources and listeners on it, a source or a listener, by name. Raises ValueError."""
+        if object is not None:
+            require_known(object, self._objects, "object", ("object",))
+            del self._objects[object], self._poses[object]
+            self._listed = tuple(contact for contact in self._listed if object not in contact.objects)
+            self._sources = {name: item for name, item in self._sources.items() if object not in (item.object, item.second_object)}
+            self._listeners = {name: item for name, item in self._listeners.items() if item.object != object}
+            self._changed()
+        if source is not None:
+            require_known(source, self._sources, "source", ("source",))
+            del self._sources[source]
+        if listener is not None:
+            require_known(listener, self._listeners, "listener", ("listener",))
+            del self._listeners[listener]
+
+    def replace(
+        self,
+        object: Mapping[str, Any] | None = None,
+        source: Mapping[str, Any] | None = None,
+        listener: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Replace an object, a source or a listener by one of the same name. Raises ValueError, also where there is none."""
+        if object is not None:
+            item = read_object(object, ("object",))
+            require_known(item.name, self._objects, "object", ("object", "name"))
+            self._put(item, keeps_pose=item.pose is None)
+        if source is not None:
+            require_known(str(source.get("name")), self._sources, "source", ("source", "name"))
+            self._place("source", read_source(source, ("source",)))
+        if listener is not None:
+            require_known(str(listener.get("name")), self._listeners, "listener", ("listener", "name"))
+            self._place("listener", read_listener(listener, ("listener",)))
+
+    def _put(self, item: HapticObject, keeps_pose: bool = False) -> None:
+        self._objects[item.name] = item
+        if not keeps_pose:
+            self._poses[item.name] = pose_matrix(item.pose or Pose())
+        self._moved.add(item.name)
+        self._changed()
+
+    def _add(self, kind: str, item: Source | Listener, known: Mapping[str, Any]) -> None:
+        require_new(item.name, known, kind, (kind, "name"))
+        self._place(kind, item)
+
+    def _place(self, kind: str, item: Source | Listener) -> None:
+        """Add or replace a source or listener, with its position in the frame of its object."""
+        require_known(item.object, self._objects, "object", (kind, "object"))
+        pose = self._poses[item.object]
+        self._places[kind, item.name] = pose[:3, :3].T @ (np.array(item.position) - pose[:3, 3])
+        if isinstance(item, Source):
+            self._sources[item.name] = item
+        else:
+            self._listeners[item.name] = item
+
+    def _changed(self) -> None:
+        """Take over the objects after a change of their list."""
+        self._frame_objects = tuple(self._objects.values())
+        self._bodies = tuple(
+            Body(item.name, item.shape, item.mass, item.motion, item.medium, item.material)
+            for item in self._frame_objects
+            if item.shape is not None
+        )
+        self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
+
+    def _move(self, name: str, pose: Sequence[float]) -> None:
+        require_known(name, self._objects, "object", ("poses", name))
+        try:
+            x, y, z, *rotation = pose
+            self._poses[name] = pose_matrix(Pose((x, y, z), tuple(rotation)))  # type: ignore[arg-type]
+        except (TypeError, ValueError) as error:
+            raise PlacedError(("poses", name), f"expected x, y, z, qw, qx, qy, qz: {error}") from None
+        self._moved.add(name)
+
+    def _play(self, name: str, form: Mapping[str, Any]) -> None:
+        require_known(name, self._sources, "source", ("sources", name))
+        for key, value in form.items():
+            if key == "playing":
+                (self._silent.discard if value else self._silent.add)(name)
+            elif key == "amplitude" and isinstance(value, int | float) and 0 <= value <= 1:
+                self._amplitudes[name] = float(value)
+            else:
+                raise PlacedError(("sources", name, key), "expected playing: true or false, or amplitude: 0 to 1")
+
+    def _frame(
+        self,
+        time: float,
+        contacts: Sequence[Mapping[str, Any]] | None,
+        impacts: Sequence[Mapping[str, Any]] | None,
+        source_positions: Mapping[str, Position],
+        listener_positions: Mapping[str, Position],
+    ) -> Frame:
+        """The frame of the tracer that ends at ``time``."""
+        self._step += 1
+        given = self._given(contacts)
+        begun = time if self._time is None else self._time
+        moving = [body.name for body in self._bodies] if given is None else list(self._objects)
+        sources = []
+        for source in self._sources.values():
+            amplitude = 0.0 if source.name in self._silent else self._amplitudes.get(source.name, source.amplitude)
+            placed = source.moved(self._position("source", source, source_positions))
+            sources.append(placed if amplitude == source.amplitude else replace(placed, amplitude=amplitude))
+        return Frame(
+            number=self._step,
+            time=time,
+            objects=self._frame_objects,
+            sources=tuple(sources),
+            listeners=tuple(item.moved(self._position("listener", item, listener_positions)) for item in self._listeners.values()),
+            settings=self.settings,
+            bodies=self._bodies if given is None else (),
+            transforms=np.array([self._poses[name] for name in moving]).reshape(-1, 4, 4),
+            contacts=given,
+            continuous=self._time is not None and 0 < time - self._time <= LONGEST_STEP,
+            authored=self._contacts_listed() if given is None else None,
+            struck=None if impacts is None else read_impacts(impacts, moving, self._objects, self.rules, (begun, time)),
+        )
+
+    def _position(self, kind: str, item: Source | Listener, given: Mapping[str, Position]) -> Position:
+        """World position of a source or listener."""
+        if item.name in given:
+            return given[item.name]
+        pose = self._poses[item.object]
+        x, y, z = (pose[:3, :3] @ self._places[kind, item.name] + pose[:3, 3]).tolist()
+        return x, y, z
+
+    def _given(self, contacts: Sequence[Mapping[str, Any]] | None) -> ContactSet | None:
+        """The caller's contacts; without them, those of the scene where no object has a shape."""
+        if contacts is not None:
+            return read_contacts(contacts, self._objects)
+        return None if self._bodies else contact_set(self._listed, self._objects)
+
+    def _contacts_listed(self) -> AuthoredContacts | None:
+        """The contacts that the scene lists between objects that have not moved, or have no shape."""
+        if not self._listed:
+            return None
+        settled = frozenset(self._objects) - self._moved
+        if self._authored is None or self._authored[0] != settled:
+            shapeless = {item.name for item in self._frame_objects if item.shape is None}
+            kept = [item for item in self._listed if settled.issuperset(item.objects) or not shapeless.isdisjoint(item.objects)]
+            self._authored = settled, AuthoredContacts.of(self._objects, settled, kept, {})
+        return self._authored[1]

@@ -1,0 +1,128 @@
+"""A haptic scene and what propagates in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from copy import copy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..contacts.contact_set import ContactSet
+from ..contacts.scene_contacts import contacts_of_scene
+from ..formats.io.error import FormatError, json_pointer
+from ..formats.io.strict_json import parse_json, read_json
+from ..formats.scene.scene_json import FORMAT, VERSION, current_document, scene_of, scene_to_dict, write_document
+from ..graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
+from ..propagation import Propagation, propagate
+from ..scene.values import Contact, HapticScene
+
+
+def load(path: str | Path) -> Scene:
+    """The scene in a ``.json`` or ``.json.gz`` file. Raises FormatError, which names the place in the file, or OSError."""
+    return Scene.of_document(read_json(path), path)
+
+
+def loads(text: str | bytes) -> Scene:
+    """The scene in the text of a scene file. Raises FormatError."""
+    return Scene.of_document(parse_json(text.encode() if isinstance(text, str) else text, "scene"), "scene")
+
+
+class Scene:
+    """A haptic scene: objects, contacts, sources, listeners and settings.
+
+    ``content`` has its values, ``file`` names it in errors, ``unknown`` lists the keys of a newer version that were not read.
+    Args of the constructor: the lists and settings of a scene file, as dictionaries.
+
+    >>> scene = Scene(
+    ...     objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8, "propagation": {"function": "linear", "range": 4}}],
+    ...     sources=[{"name": "drill", "object": "bench", "position": [0, 0, 0]}],
+    ...     listeners=[{"name": "hand", "object": "bench", "position": [1, 0, 0]}],
+    ... )
+    >>> scene.gains()
+    {('drill', 'hand'): 0.75}
+    """
+
+    def __init__(self, **parts: Any) -> None:
+        made = self.of_document({"format": FORMAT, "version": VERSION, "objects": [], **parts}, "scene")
+        self.content, self.document, self.file, self.unknown = made.content, made.document, made.file, made.unknown
+
+    @classmethod
+    def of_document(cls, document: Any, file: str | Path) -> Scene:
+        """The scene of a parsed file. Raises FormatError."""
+        scene = cls.__new__(cls)
+        scene.document, scene.unknown = current_document(document, file)
+        scene.content, scene.file = scene_of(scene.document, file), file
+        return scene
+
+    content: HapticScene
+    document: Mapping[str, Any]
+    file: str | Path
+    unknown: tuple[str, ...]
+
+    def with_settings(self, **chosen: Any) -> Scene:
+        """The same scene with other settings of propagation, by their names in the file. Raises ValueError."""
+        scene = copy(self)
+        with self._errors():
+            scene.content = replace(self.content, settings=replace(self.content.settings, **chosen))
+        return scene
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """The contacts that the scene lists, otherwise those found from shapes and poses. Raises ValueError."""
+        names = [item.name for item in self.content.objects]
+        return self.content.contacts or self.contacts_found().to_contacts(names)
+
+    def contacts_found(self, tolerance: float | None = None) -> ContactSet:
+        """The contacts between objects with shapes whose signed distance is at most ``tolerance`` metres, by default that of the scene's
+        rules. Raises ValueError."""
+        with self._errors():
+            return contacts_of_scene(self.content, tolerance)
+
+    def with_contacts(self) -> HapticScene:
+        """The content with its `contacts`. Raises ValueError."""
+        return replace(self.content, contacts=self.contacts())
+
+    def graph(self) -> HapticGraph:
+        """The haptic graph. Raises ValueError."""
+        with self._errors():
+            return graph_of_scene(self.with_contacts())
+
+    def propagate(self, graph: HapticGraph | None = None) -> Propagation:
+        """Gains, error bounds and paths of all pairs; ``graph``: that of the scene, if it is known. Raises ValueError."""
+        graph = self.graph() if graph is None else graph
+        with self._errors():
+            return propagate(graph, self.content.settings)
+
+    def gains(self) -> dict[tuple[str, str], float]:
+        """The gain of the paths from each source to each listener, by their names; amplitudes of sources and gains of listeners are not in
+        it. Raises ValueError."""
+        gain = self.propagate().gain
+        return {
+            (source.name, listener.name): float(gain[row, column])
+            for row, source in enumerate(self.content.sources)
+            for column, listener in enumerate(self.content.listeners)
+        }
+
+    def save(self, path: str | Path) -> None:
+        """Write the scene as ``.json`` or ``.json.gz``. Raises OSError."""
+        write_document({**self.document, "settings": scene_to_dict(self.content)["settings"]}, path)
+
+    @contextmanager
+    def _errors(self) -> Iterator[None]:
+        """Name the file, and the place of a function that gives no valid gain."""
+        try:
+            yield
+        except FormatError:
+            raise
+        except NoGain as error:
+            raise FormatError(self.file, json_pointer(self._place_of(error)), str(error)) from None
+        except ValueError as error:
+            raise ValueError(f"{self.file}: {error}") from None
+
+    def _place_of(self, error: NoGain) -> tuple[str | int, ...]:
+        """Keys and indices of the function that gives no valid gain."""
+        if len(error.objects) == 1:
+            return "objects", [item.name for item in self.content.objects].index(error.objects[0]), "propagation"
+        pairs = [frozenset(contact.objects) for contact in self.content.contacts]
+        return "contacts", pairs.index(frozenset(error.objects)), "transmission"

@@ -1,0 +1,93 @@
+"""The answer to a step of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..contacts.impacts import Impact
+from ..message import sentence
+from ..render.frame_result import FrameResult
+from ..render.history import still_samples
+from ..render.levels import LEVEL_SECONDS, finite, level_and_margin
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """What a listener feels: ``level``, the RMS of the last quarter second [dB of full scale], and ``margin`` above the threshold of
+    feeling [dB], both None for silence; ``gains``: of the paths from each sounding source, by its name."""
+
+    level: float | None
+    margin: float | None
+    gains: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Blow:
+    """An impact at ``time`` [s] between two objects, with its ``position`` [m], its ``energy`` [J] and its ``gains`` at the listeners, by
+    name, which include the amplitude that follows from the energy."""
+
+    time: float
+    objects: tuple[str, str]
+    position: tuple[float, float, float]
+    energy: float
+    gains: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """The answer to a step that ends at ``time`` [s].
+
+    ``levels`` by listener; ``impacts`` since the last step; ``block`` (listeners, n): the samples since the last step, the first of them
+    number ``first_sample``, a row for each of ``listeners``; ``milliseconds`` by stage; ``warnings``: sentences.
+    """
+
+    time: float
+    levels: Mapping[str, Level]
+    impacts: tuple[Blow, ...]
+    block: FloatArray
+    first_sample: int
+    listeners: tuple[str, ...]
+    milliseconds: Mapping[str, float]
+    warnings: tuple[str, ...]
+
+
+def answer(result: FrameResult, samples: FloatArray, moving: Sequence[str]) -> Step:
+    """The answer of a traced frame after ``samples`` (l, n); ``moving``: the names that its impacts number.
+
+    Levels are those of the last quarter second; where there are fewer samples since the beginning, those of the frame as if it lasted.
+    """
+    window = round(LEVEL_SECONDS * result.sample_rate)
+    if result.block is None or samples.shape[1] < window + result.block.shape[1]:  # sources fade in over the first block
+        samples = still_samples(result, LEVEL_SECONDS)
+    level, margin = (values.tolist() for values in level_and_margin(samples[:, -window:], result.sample_rate))
+    sources, listeners = ([item.name for item in items] for items in (result.sources, result.listeners))
+    gains = result.propagation.gain.T.tolist()
+    first = len(result.sources) - len(result.impacts)
+    return Step(
+        time=result.time,
+        levels={
+            name: Level(finite(level[k]), finite(margin[k]), dict(zip(sources, gains[k], strict=True))) for k, name in enumerate(listeners)
+        },
+        impacts=tuple(_blow(result, impact, first + k, moving) for k, impact in enumerate(result.impacts)),
+        block=np.zeros((len(listeners), 0)) if result.block is None else result.block,
+        first_sample=result.first_sample,
+        listeners=tuple(listeners),
+        milliseconds=result.milliseconds,
+        warnings=tuple(sentence(warning) for warning in result.warnings),
+    )
+
+
+def _blow(result: FrameResult, impact: Impact, row: int, moving: Sequence[str]) -> Blow:
+    """An impact, whose source is number ``row``."""
+    first, second = impact.objects
+    return Blow(
+        time=impact.time,
+        objects=(moving[first], moving[second]),
+        position=impact.positions[0],
+        energy=impact.energy,
+        gains=dict(zip((item.name for item in result.listeners), result.gains[row].tolist(), strict=True)),
+    )

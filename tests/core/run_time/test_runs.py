@@ -1,0 +1,165 @@
+"""Runs: impacts, samples and levels of steps, against closed forms and against the tracer that Blender's frames use."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import haptic_tracing as ht
+import numpy as np
+import pytest
+
+G = 9.81
+STILL = (1.0, 0.0, 0.0, 0.0)
+
+
+def floor_and_crate(**parts):
+    ground = {"name": "ground", "kappa": 0.1, "rho": 0.9, "motion": "static", "shape": {"type": "box", "size": [10, 10, 1]},
+              "pose": {"position": [0, 0, -0.5]}}  # fmt: skip
+    crate = {"name": "crate", "kappa": 0.1, "rho": 0.9, "mass": 5.0, "shape": {"type": "box", "size": [1, 1, 1]},
+             "pose": {"position": [0, 0, 0.5]}}  # fmt: skip
+    drill = {"name": "drill", "object": "ground", "position": [3, 0, 0]}
+    hand = {"name": "hand", "object": "crate", "position": [0, 0, 1]}
+    return ht.Scene(**{"objects": [ground, crate], "sources": [drill], "listeners": [hand], **parts})
+
+
+def drop(run, height, frame_rate, seconds, **more):
+    """The steps of a fall from ``height``."""
+    for frame in range(round(seconds * frame_rate)):
+        time = frame / frame_rate
+        z = max(height - G / 2 * time**2, 0.0) + 0.5
+        yield run.step(time, {"crate": (0, 0, z, *STILL)}, **more)
+
+
+@pytest.mark.parametrize("frame_rate", [30, 60, 90])
+@pytest.mark.parametrize("height", [0.5, 2.0])
+def test_a_dropped_crate_hits_once_when_and_as_it_must(height, frame_rate):
+    blows = [blow for step in drop(ht.open(floor_and_crate()), height, frame_rate, 1.0) for blow in step.impacts]
+    (blow,) = blows
+    assert blow.objects == ("ground", "crate")
+    assert blow.time == pytest.approx(math.sqrt(2 * height / G), abs=2e-3)
+    assert blow.energy == pytest.approx(5.0 * G * height, rel=0.03)
+    assert blow.gains["hand"] > 0
+
+
+def test_blocks_are_contiguous():
+    steps = list(drop(ht.open(floor_and_crate(), sample_rate=8000), 1.0, 59.94, 1.0))
+    assert steps[0].block.shape == (1, 0)
+    for before, after in pairwise(steps[1:]):
+        assert after.first_sample == before.first_sample + before.block.shape[1]
+    assert steps[-1].first_sample + steps[-1].block.shape[1] == math.ceil(steps[-1].time * 8000 - 1e-6)
+
+
+def test_the_level_of_a_tone_is_its_rms():
+    """A tone of amplitude 0.5 over a path of gain g has the level 20 lg(0.5 g / sqrt 2); its share of the mix is the gain of the path."""
+    function = {"function": "exponential", "alpha": 0.2}
+    bar = {"name": "bar", "kappa": 0.1, "rho": 0.9, "propagation": function}
+    tone = {"name": "tone", "object": "bar", "amplitude": 0.5, "signal": {"signal": "sine", "frequency": 80}}
+    run = ht.open(ht.Scene(objects=[bar], sources=[tone | {"position": [0, 0, 0]}], listeners=[
+        {"name": "hand", "object": "bar", "position": [2, 0, 0], "gain": 2.0}
+    ]))  # fmt: skip
+    gain = math.exp(-0.4)
+    for frame in range(60):
+        step = run.step(frame / 50)
+    assert step.levels["hand"].gains == {"tone": pytest.approx(gain)}
+    assert step.levels["hand"].level == pytest.approx(20 * math.log10(0.5 * gain * 2.0 / math.sqrt(2)), abs=0.01)
+    assert run.step(60 / 50, sources={"tone": {"playing": False}}).levels["hand"].gains == {"tone": 0.0}
+    for frame in range(61, 90):
+        step = run.step(frame / 50)
+    assert step.levels["hand"].level is None and step.levels["hand"].margin is None
+    assert run.step(90 / 50, sources={"tone": {"playing": True, "amplitude": 0.25}}).levels["hand"].gains["tone"] == pytest.approx(gain)
+
+
+def test_sources_and_listeners_move_with_their_objects():
+    run = ht.open(floor_and_crate())
+    near = run.step(0.0).levels["hand"].gains["drill"]
+    turned = run.step(0.1, {"crate": (3, 0, 0.5, math.sqrt(0.5), 0, 0, math.sqrt(0.5))}).levels["hand"].gains["drill"]
+    alone = run.step(0.2, {"crate": (3, 0, 5, *STILL)}).levels["hand"].gains["drill"]
+    assert turned > near > alone == 0.0
+    there = run.step(0.3, {"crate": (0, 0, 0.5, *STILL)}, source_positions={"drill": (0.0, 0.0, 0.0)}).levels["hand"].gains["drill"]
+    assert there == pytest.approx(turned, rel=1e-6)
+
+
+def test_a_jump_in_time_begins_anew_without_impacts():
+    run = ht.open(floor_and_crate())
+    for frame in range(10):
+        run.step(frame / 60, {"crate": (0, 0, 3 - frame * 0.2, *STILL)})
+    assert run.step(5.0, {"crate": (0, 0, 0.5, *STILL)}).impacts == ()
+    assert run.step(4.0, {"crate": (0, 0, 0.5, *STILL)}).block.shape == (1, 0)
+    with pytest.raises(ValueError, match="time"):
+        run.step(4.0)
+    with pytest.raises(ValueError, match="time"):
+        run.step(math.nan)
+
+
+def test_contacts_and_impacts_of_the_caller_replace_the_search():
+    run = ht.open(floor_and_crate())
+    far = {"crate": (0, 0, 1.2, *STILL)}  # 0.7 m above the ground
+    touching = [{"objects": ["ground", "crate"], "positions": [[0, 0, 0], [0, 0, 0]]}]
+    hit = [{"objects": ["crate", "ground"], "position": [0, 0, 0], "time": 0.015, "normal_speed": 4.0}]
+    run.step(0.0, far, contacts=touching)
+    step = run.step(0.02, far, contacts=touching, impacts=hit)
+    (blow,) = step.impacts
+    assert (blow.objects, blow.time) == (("ground", "crate"), 0.015)
+    assert blow.energy == pytest.approx(5.0 * 16 / 2)  # the ground does not move
+    assert step.levels["hand"].gains["drill"] > 0
+    assert blow.gains["hand"] > 0
+    assert np.abs(run.step(0.04, far, contacts=touching).block).max() > 0
+    found = ht.open(floor_and_crate())
+    found.step(0.0)
+    assert [blow.energy for blow in found.step(0.02, impacts=[hit[0] | {"normal_speed": 0.1}]).impacts] == []  # below E_min
+    with pytest.raises(ValueError, match="impacts/0/objects/1: there is no object 'moon'"):
+        run.step(0.06, impacts=[{"objects": ["ground", "moon"], "position": [0, 0, 0], "energy": 50}])
+
+
+def test_what_is_added_and_removed_is_heard_and_gone():
+    run = ht.open(floor_and_crate())
+    run.step(0.0)
+    box = {"name": "box", "kappa": 0.1, "rho": 0.9, "mass": 1.0, "shape": {"type": "box", "size": [1, 1, 1]},
+           "pose": {"position": [0, 0, 1.5]}}  # fmt: skip
+    run.add(object=box)
+    run.add(listener={"name": "foot", "object": "box", "position": [0, 0, 2]})
+    step = run.step(0.02)
+    assert step.listeners == ("hand", "foot")
+    assert 0 < step.levels["foot"].gains["drill"] < step.levels["hand"].gains["drill"]
+    with pytest.raises(ValueError, match="there is an object 'box' already"):
+        run.add(object=box)
+    run.remove(object="crate")
+    step = run.step(0.04)
+    assert step.listeners == ("foot",)
+    assert step.levels["foot"].gains["drill"] == 0.0
+    run.replace(object={**box, "pose": {"position": [0, 0, 0.5]}})
+    assert run.step(0.06).levels["foot"].gains["drill"] > 0.0
+    with pytest.raises(ValueError, match="no source 'crate'"):
+        run.remove(source="crate")
+
+
+def test_a_source_with_triggers_plays_once_when_it_is_asked_to():
+    click = {"name": "click", "object": "crate", "position": [0, 0, 1], "triggers": []}
+    run = ht.open(floor_and_crate(sources=[click]))
+    assert all(run.step(frame / 50).levels["hand"].level is None for frame in range(5))
+    run.play("click")
+    assert np.abs(run.step(0.1).block).max() > 0.1
+    for frame in range(6, 150):
+        step = run.step(frame / 50)
+    assert step.levels["hand"].level is None
+    with pytest.raises(ValueError, match="plays all the time"):
+        ht.open(floor_and_crate()).play("drill")
+
+
+def test_after_stop_nothing_sounds_and_no_impact_is_invented():
+    run = ht.open(floor_and_crate())
+    assert any(step.impacts for step in drop(run, 1.0, 60, 0.5))
+    run.stop()
+    step = run.step(100.0, {"crate": (0, 0, 0.5, *STILL)})
+    assert step.impacts == () and step.block.shape == (1, 0)
+
+
+def test_listed_contacts_hold_while_their_objects_rest():
+    listed = [{"objects": ["ground", "crate"], "positions": [[4, 0, 0], [4, 0, 0]]}]
+    run = ht.open(floor_and_crate(contacts=listed))
+    given = run.step(0.0).levels["hand"].gains["drill"]
+    assert given == pytest.approx(floor_and_crate(contacts=listed).gains()["drill", "hand"])
+    moved = run.step(0.1, {"crate": (0, 0, 0.5, *STILL)}).levels["hand"].gains["drill"]
+    assert moved == pytest.approx(floor_and_crate().gains()["drill", "hand"])
+    assert moved != pytest.approx(given, rel=0.01)

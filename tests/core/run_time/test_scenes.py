@@ -1,0 +1,100 @@
+"""Scenes from files and dictionaries: gains against closed forms and NetworkX, errors that name their place."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+
+import haptic_tracing as ht
+import networkx
+import pytest
+
+
+def chain(count, alpha=0.3):
+    """Objects in a row, a metre each, that touch at their ends."""
+    function = {"function": "exponential", "alpha": alpha}
+    objects = [{"name": f"link {k}", "kappa": 0.5, "rho": 0.5, "propagation": function} for k in range(count)]
+    contacts = [{"objects": [f"link {k - 1}", f"link {k}"], "positions": [[k, 0, 0], [k, 0, 0]]} for k in range(1, count)]
+    return {
+        "objects": objects,
+        "contacts": contacts,
+        "sources": [{"name": "drill", "object": "link 0", "position": [0, 0, 0], "amplitude": 0.5}],
+        "listeners": [{"name": "hand", "object": f"link {count - 1}", "position": [count, 0, 0], "gain": 2.0}],
+    }
+
+
+def test_a_gain_is_that_of_the_path_without_amplitude_and_gain_of_the_listener():
+    assert ht.Scene(**chain(5)).gains() == {("drill", "hand"): pytest.approx(math.exp(-0.3 * 5))}
+
+
+def test_gains_of_a_grid_are_those_of_networkx():
+    """Slabs that touch their neighbours in a 4 x 4 grid; NetworkX searches the graph whose nodes are the ends of contacts."""
+    side, alpha, loss = 4, 0.35, 0.8
+    function = {"function": "exponential", "alpha": alpha}
+    names = {(x, y): f"slab {x} {y}" for x in range(side) for y in range(side)}
+    between = {"function": "constant", "gain": loss}
+    joints = [((x, y), (x + dx, y + dy)) for x, y in names for dx, dy in ((1, 0), (0, 1)) if (x + dx, y + dy) in names]
+    contacts = [
+        {
+            "objects": [names[a], names[b]],
+            "positions": [[(a[0] + b[0]) / 2, (a[1] + b[1]) / 2 + 0.1 * k, 0.0] for k in (0, 1)],
+            "transmission": between,
+        }
+        for a, b in joints
+    ]
+    scene = ht.Scene(
+        objects=[{"name": name, "kappa": 0.1, "rho": 0.9, "propagation": function} for name in names.values()],
+        contacts=contacts,
+        sources=[{"name": "drill", "object": names[0, 0], "position": [-0.4, 0, 0]}],
+        listeners=[{"name": name, "object": name, "position": [x, y + 0.3, 0]} for (x, y), name in names.items()],
+        settings={"strategy": "best_path", "threshold": 0, "max_connections": None},
+    )
+    graph = networkx.Graph()
+    places = {name: [] for name in names.values()}
+    places[names[0, 0]].append(("drill", (-0.4, 0.0, 0.0)))
+    for (x, y), name in names.items():
+        places[name].append((name, (x, y + 0.3, 0.0)))
+    for number, form in enumerate(contacts):
+        for k, name in enumerate(form["objects"]):
+            places[name].append(((number, k), tuple(form["positions"][k])))
+        graph.add_edge((number, 0), (number, 1), cost=-math.log(loss))
+    for ends in places.values():
+        for i, (a, p) in enumerate(ends):
+            for b, q in ends[:i]:
+                graph.add_edge(a, b, cost=alpha * math.dist(p, q))
+    expected = networkx.single_source_dijkstra_path_length(graph, "drill", weight="cost")
+    assert scene.gains() == {("drill", name): pytest.approx(math.exp(-expected[name])) for name in names.values()}
+
+
+def test_contacts_are_found_where_the_scene_lists_none(tmp_path):
+    parts = chain(3)
+    del parts["contacts"]
+    for k, item in enumerate(parts["objects"]):
+        item["shape"] = {"type": "box", "size": [1, 1, 1]}
+        item["pose"] = {"position": [k + 0.5, 0, 0]}
+    path = tmp_path / "chain.json"
+    path.write_text(json.dumps({"format": "haptic-scene", "version": "1.1", **parts}), encoding="utf-8")
+    scene = ht.load(path)
+    assert [item.objects for item in scene.contacts()] == [("link 0", "link 1"), ("link 1", "link 2")]
+    assert scene.gains() == {("drill", "hand"): pytest.approx(math.exp(-0.3 * 3))}
+    assert ht.loads(path.read_text(encoding="utf-8")).gains() == scene.gains()
+    scene.with_settings(strategy="all_paths").save(tmp_path / "saved.json")
+    assert ht.load(tmp_path / "saved.json").content.settings.strategy == "all_paths"
+
+
+def test_errors_name_the_place():
+    parts = chain(2)
+    parts["objects"][1]["kapa"] = 2
+    with pytest.raises(ValueError, match="/objects/1/kapa"):
+        ht.Scene(**parts)
+    parts = chain(2)
+    parts["objects"][1]["propagation"] = {"function": "expression", "expression": "0 / (d - 1)"}
+    with pytest.raises(ValueError, match=r"scene: /objects/1/propagation: .*link 1"):
+        ht.Scene(**parts).gains()
+
+
+def test_the_package_is_imported_without_what_is_not_needed():
+    program = "import sys, haptic_tracing as ht; ht.Scene; print(sorted({'bpy', 'fcl', 'networkx', 'hid', 'soxr'} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout == "[]\n"
