@@ -11,10 +11,11 @@ from bpy.types import Scene
 from ..blender.job import Job, Report
 from ..changes.redraw import redraw_viewports
 from ..changes.suspension import suspended
-from ..scene_reader.digest import digest_of
-from ..session import timeline
+from ..scene_reader.digest import digest_of, motion_of
+from ..scene_reader.kept_impacts import text_of_impacts
+from ..session import session, timeline
 from . import curves, sound, storage
-from .playback import play, wanted_range
+from .playback import wanted_range
 from .track import TrackRecorder, check_size
 
 
@@ -41,7 +42,7 @@ def bake_job(scene: Scene) -> Job:
 def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generator[None, None, None]:
     """Bake; ``warnings`` collects what could not be done."""
     recorder = TrackRecorder()
-    digest = digest_of(scene)
+    digest, motion, own = digest_of(scene), motion_of(scene), session.of(scene)
     frame_duration = scene.render.fps_base / scene.render.fps
     with closing(timeline.results(scene, first, last)) as results:
         for result in results:
@@ -49,7 +50,8 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
                 if not result.listeners:
                     raise ValueError(_rpt("There is no listener: add one to feel something"))
                 check_size(len(result.listeners), last - first + 1, frame_duration, result.sample_rate)
-            recorder.add(result)
+            kept = own.tracer.collisions.impacts_of(result.number)
+            recorder.add(result, "" if kept is None else text_of_impacts(result.number, kept, motion))
             yield
     track = recorder.track(digest, frame_duration)
     del recorder
@@ -71,5 +73,4 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
                 sound.add_strip(scene, track)
         except (OSError, ValueError) as error:
             warnings.append(f"no sound strip: {error}")
-    play(scene)
     redraw_viewports()

@@ -1,23 +1,33 @@
-"""Playback of a baked scene, whose frames come from the track, and comparison of the track with the scene."""
+"""Playback of a baked scene, whose frames come from the track while the timeline plays, and comparison of the track with the scene."""
 
 from __future__ import annotations
 
+import math
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import bpy
+import numpy as np
 from bpy.types import Scene
 
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import SECONDS
+from ...core.scene.values import SourceKind
+from ..blender.time import is_playing
 from ..changes import revisions
 from ..changes.events import file_changed
-from ..changes.redraw import redraw_sidebars, redraw_viewports
+from ..changes.redraw import redraw_sidebars
 from ..scene_reader.digest import Change, changes, digest_of, words_for
-from ..session import session
+from ..session import session, sessions
+from ..session.derived import Derived
+from ..session.sessions import Traced
+from ..session.timeline import simulation_start
 from . import storage
 from .track import HapticTrack
 
+_ALIKE, _LEAST_GAIN = 0.1, 1e-4
+"""Difference in decibels up to which gains are alike, and the gain above which they are compared."""
 _REST = 20.0  # pause after a comparison of scene and track, as a multiple of its duration
 
 
@@ -37,15 +47,18 @@ _to_compare: set[int] = set()  # session ids of scenes whose panel waits for a c
 
 
 def plays(scene: Scene) -> bool:
-    """Whether the current frame comes from the track."""
-    track = storage.played_track(scene)
-    return track is not None and track.frame_start <= scene.frame_current <= track.frame_end
+    """Whether the current frame comes from the track: while the timeline plays, in the mode that was baked. While it stands, frames are
+    traced as the scene is now."""
+    track = storage.played_track(scene) if is_playing() else None
+    if track is None or track.mode not in {"", scene.haptics.mode}:
+        return False
+    return track.frame_start <= scene.frame_current <= track.frame_end
 
 
 def play(scene: Scene) -> bool:
-    """Show the current frame from the track. Returns False if playback of the track is off or the frame was not baked."""
+    """Show the current frame from the track if it `plays`."""
     started = time.perf_counter()
-    track = storage.played_track(scene)
+    track = storage.played_track(scene) if plays(scene) else None
     result = None if track is None else track.result(scene.frame_current)
     if track is None or result is None:
         return False
@@ -54,28 +67,20 @@ def play(scene: Scene) -> bool:
     return True
 
 
-def keep_up(scene: Scene) -> bool:
-    """Show the current frame of the track after an edit, undo or redo. Returns False if the frame is not played from the track."""
-    if not plays(scene):
-        return False
-    result = session.result_of(scene)
-    return is_from_track(result, scene.frame_current) or play(scene)
+def impacts_of(scene: Scene) -> str:
+    """The baked impacts of the current frame while the timeline stands, for `session.begin`; "" if there are none."""
+    track = None if is_playing() else storage.played_track(scene)
+    return "" if track is None else track.impacts.get(scene.frame_current, "")
 
 
-def is_from_track(result: FrameResult | None, frame: int) -> bool:
-    """Whether a result is this frame, read from a track."""
-    return result is not None and result.number == frame and "read_track" in result.milliseconds
-
-
-def show_current(scene: Scene) -> None:
-    """Show the current frame again after switching between track and tracing."""
-    revisions.mark_changed()
-    play(scene)
-    redraw_viewports()
+def is_from_track(result: FrameResult) -> bool:
+    """Whether a result was read from a track."""
+    return "read_track" in result.milliseconds
 
 
 def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
-    """The changes since the bake found by the last comparison; None before the first one.
+    """The changes since the bake found by the last comparison, and whether the shown frame is felt otherwise than it was baked; None before
+    the first comparison.
 
     For draw callbacks: after an edit, scene and track are compared after the redraw, with pauses between comparisons.
     """
@@ -87,7 +92,31 @@ def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
         if not bpy.app.timers.is_registered(_compare_shown):
             rest = 0.0 if known is None else known.at + _REST * known.seconds - time.perf_counter()
             bpy.app.timers.register(_compare_shown, first_interval=max(rest, 0.05))
-    return None if known is None else tuple(words_for(change) for change in known.changes)
+    if known is None:
+        return None
+    frame, track = scene.frame_current, storage.track_of(scene)
+    differs = None if track is None or simulation_start(scene, frame) < frame else _DIFFERS.latest(scene, track)
+    felt: tuple[Change, ...] = (("felt", frame),) if differs is not None and differs.is_current and differs.value else ()
+    return tuple(words_for(change) for change in (*known.changes, *felt))
+
+
+def _differs(traced: Traced, track: HapticTrack, before: bool | None = None) -> bool:
+    """Whether the sources that play all the time are traced with other gains than were baked in that frame: by more than `_ALIKE`."""
+    baked = track.result(traced.result.number)
+    if baked is None or traced.reading is None:
+        return False
+    lasting = {source.name for source in traced.reading.sources if source.triggers is None and source.kind is SourceKind.PERSISTENT}
+    now, then = ({pair: gain for pair, gain in _gains(result) if pair[0] in lasting} for result in (traced.result, baked))
+    return now.keys() != then.keys() or any(abs(20 * math.log10(gain / then[pair])) > _ALIKE for pair, gain in now.items())
+
+
+def _gains(result: FrameResult) -> Iterator[tuple[tuple[str, str], float]]:
+    """The gains of a frame that may be felt, each with the names of its source and its listener."""
+    for row, column in np.argwhere(result.gains > _LEAST_GAIN).tolist():
+        yield (result.sources[row].name, result.listeners[column].name), float(result.gains[row, column])
+
+
+_DIFFERS: Derived[HapticTrack, bool] = Derived(_differs)
 
 
 def _compare_shown() -> None:
@@ -122,10 +151,10 @@ def compare(scene: Scene, track: HapticTrack) -> tuple[Change, ...]:
 
 def fitting_track(scene: Scene, start: int, end: int) -> HapticTrack | None:
     """The scene's baked track if it contains the frames and nothing has changed since the bake."""
-    track = storage.track_of(scene)
+    track, traced = storage.track_of(scene), sessions.shown(scene)
     if track is None or start < track.frame_start or end > track.frame_end or compare(scene, track):
         return None
-    return track
+    return None if traced is not None and _differs(traced, track) else track
 
 
 def wanted_range(scene: Scene) -> tuple[int, int]:

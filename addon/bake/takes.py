@@ -9,9 +9,9 @@ from bpy.types import Scene
 
 from ...core.render.waves import FULL_SCALE
 from ..changes.events import file_changed
+from ..changes.redraw import redraw_viewports
 from ..session.derived import Background, Latest
 from . import storage
-from .playback import show_current
 from .track import HapticTrack
 
 
@@ -39,13 +39,13 @@ def keep(scene: Scene) -> None:
 
 
 def play(scene: Scene, index: int) -> None:
-    """Play a take from the current frame on; the one played before is kept for comparison."""
+    """Play a take whenever the timeline plays; the one played before is kept for comparison."""
     keep(scene)
     bake = scene.haptics.bake
     if bake.track != bake.takes[index].track:
         bake.compared, bake.track = bake.track, bake.takes[index].track
     bake.use_track = True
-    show_current(scene)
+    redraw_viewports()
 
 
 def differences(scene: Scene) -> Latest[tuple[Difference, ...]] | None:

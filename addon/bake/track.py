@@ -31,6 +31,8 @@ MAGIC = b"HAPTRACK"
 VERSION = 1
 MAX_BYTES = 1 << 28
 """Largest size of the samples: 256 MB are 4.6 hours of one listener, 28 minutes of ten."""
+MAX_IMPACTS = 1 << 24
+"""Most characters of the impacts of all frames."""
 MAX_FRAMES, MAX_LISTENERS, MAX_SOURCES, MAX_HEADER = 1_000_000, 1_000, 100_000, 1 << 26
 
 
@@ -82,7 +84,8 @@ class HapticTrack:
     ``samples`` (l, n) int16 at ``sample_rate``, the first is sample number ``first_sample`` of the scene; frame k has
     ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): positions of the listeners [m]. ``rows[k] : rows[k + 1]`` are the sources
     active in frame k: ``row_source`` (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) including the
-    amplitude. ``digest``: checksums of the baked scene, see `scene_reader.digest`.
+    amplitude. ``digest``: checksums of the baked scene, see `scene_reader.digest`. ``impacts``: those of each frame that has any, see
+    `scene_reader.kept_impacts`.
     """
 
     frame_start: int
@@ -101,6 +104,7 @@ class HapticTrack:
     row_place: NDArray[np.float32]
     row_gain: NDArray[np.float32]
     digest: Mapping[str, Any] = field(default_factory=dict)
+    impacts: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def frame_count(self) -> int:
@@ -110,6 +114,13 @@ class HapticTrack:
     def frame_end(self) -> int:
         """The last frame."""
         return self.frame_start + self.frame_count - 1
+
+    @property
+    def mode(self) -> str:
+        """The mode of the study that was baked, "" if it is unknown."""
+        settings = self.digest.get("settings")
+        mode = settings.get("mode") if isinstance(settings, dict) else ""
+        return mode if isinstance(mode, str) else ""
 
     @property
     def duration(self) -> float:
@@ -189,6 +200,7 @@ class HapticTrack:
             "listeners": [[item.name, item.body_part, item.radius, item.s_max] for item in self.listeners],
             "sources": [[item.name, item.object, item.second_object, item.onset] for item in self.sources],
             "digest": self.digest,
+            "impacts": list(self.impacts.items()),
         }
         packed = [zlib.compress(np.ascontiguousarray(getattr(self, name), dtype=kind).tobytes(), 4) for name, kind, _ in _ARRAYS]
         text = zlib.compress(json.dumps({**header, "packed": [len(data) for data in packed]}, allow_nan=False).encode(), 6)
@@ -281,6 +293,7 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
         listeners=listeners,
         sources=sources,
         digest=digest if isinstance(digest, dict) else {},
+        impacts={int(frame): str(text) for frame, text in header.get("impacts", ())},
         **arrays,
     )
 
@@ -296,14 +309,19 @@ class TrackRecorder:
         self._numbers: dict[TrackSource, int] = {}
         self._rows: list[tuple[int, float, tuple[float, ...], FloatArray]] = []
         self._row_counts: list[int] = []
+        self._impacts: dict[int, str] = {}
+        self._room = MAX_IMPACTS
 
     @property
     def frame_count(self) -> int:
         """Frames recorded so far."""
         return len(self._blocks)
 
-    def add(self, result: FrameResult) -> None:
-        """Record the next frame."""
+    def add(self, result: FrameResult, impacts: str = "") -> None:
+        """Record the next frame. ``impacts`` are left out beyond `MAX_IMPACTS`."""
+        if 0 < len(impacts) <= self._room:
+            self._impacts[result.number] = impacts
+            self._room -= len(impacts)
         if self._first is None:
             self._first = result
         if result.block is None:
@@ -343,6 +361,7 @@ class TrackRecorder:
             row_place=np.array([row[2] for row in self._rows], dtype=np.float32).reshape(count, 3),
             row_gain=np.array([row[3] for row in self._rows], dtype=np.float32).reshape(count, len(listeners)),
             digest=digest,
+            impacts=self._impacts,
         )
 
 

@@ -50,6 +50,11 @@ def fcurves_of(datablock: Any) -> list[Any]:
     return [curve for owner in _fcurve_owners(datablock) for curve in owner.fcurves]
 
 
+def fcurves_in(action: Any) -> list[Any]:
+    """All F-curves of an action, whatever they animate."""
+    return [curve for owner in _owners_in(action) for curve in owner.fcurves]
+
+
 def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
     """Remove F-curves from the datablock's action."""
     for owner in _fcurve_owners(datablock):
@@ -62,11 +67,18 @@ def _fcurve_owners(datablock: Any) -> list[Any]:
     data = datablock.animation_data
     if data is None or data.action is None:
         return []
+    owners = _owners_in(data.action)
     if not hasattr(data.action, "layers"):
-        return [data.action]
+        return owners
     slot = data.action_slot
-    bags = (bag for layer in data.action.layers for strip in layer.strips for bag in strip.channelbags)
-    return [bag for bag in bags if slot is not None and bag.slot_handle == slot.handle]
+    return [bag for bag in owners if slot is not None and bag.slot_handle == slot.handle]
+
+
+def _owners_in(action: Any) -> list[Any]:
+    """The owners of all F-curves of an action: itself, or the channelbags of its slots."""
+    if not hasattr(action, "layers"):
+        return [action]
+    return [bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags]
 
 
 def ensure_fcurve(datablock: Any, data_path: str, group: str = "", index: int = 0) -> Any:

@@ -30,8 +30,6 @@ device_adjusted = Event()
 """The settings of a device (HapticDeviceProperties)."""
 preview_volume_changed = Event()
 """The volume, 0 to 1."""
-track_switched = Event()
-"""Playing the baked track was switched on or off, in a scene (bpy.types.Scene)."""
 file_changed = Event()
 """Another file is loaded, or the add-on is disabled: everything cached about scenes is invalid."""
 disabled = Event()

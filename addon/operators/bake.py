@@ -5,9 +5,10 @@ from __future__ import annotations
 from bpy.props import IntProperty
 from bpy.types import Context, Operator
 
-from ..bake import baking, curves, playback, sound, storage, takes
+from ..bake import baking, curves, sound, storage, takes
 from ..blender import job
 from ..blender.polling import UNDO, Action, Edit, permitted, poll_object_mode
+from ..changes.redraw import redraw_viewports
 
 
 class HAPTIC_OT_bake(Edit, Operator):
@@ -39,7 +40,7 @@ class HAPTIC_OT_delete_bake(Edit, Operator):
         storage.drop(scene)
         sound.remove_strip(scene)
         curves.remove_curves(scene)
-        playback.show_current(scene)
+        redraw_viewports()
 
 
 class HAPTIC_OT_keep_take(Edit, Operator):
@@ -59,7 +60,7 @@ class HAPTIC_OT_keep_take(Edit, Operator):
 
 
 class HAPTIC_OT_play_take(Action, Operator):
-    """Play this take from the current frame, and compare it with the one played before"""
+    """Play this take whenever the timeline plays, and compare it with the one played before"""
 
     bl_label = "Play Take"
     bl_options = {*UNDO, "INTERNAL"}

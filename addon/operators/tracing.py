@@ -9,7 +9,6 @@ from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
-from ..bake import playback
 from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
 from ..changes.redraw import redraw_viewports
 from ..properties.kinds import number, switch
@@ -77,9 +76,6 @@ class HAPTIC_OT_set_mode(Action, Operator):
 
     def apply(self, context: Context) -> None:
         haptics = context.scene.haptics
-        if playback.plays(context.scene):
-            haptics.bake.use_track = False
-            self.report({"INFO"}, "Play Baked Track is off now: another mode has to be traced")
         modes = [name for name, *_ in MODE_ITEMS]
         following = modes[(modes.index(haptics.mode) + 1) % len(modes)]
         haptics.mode = following if self.mode == "NEXT" else self.mode

@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, UILayout
 
 from ...core.message import Chain, written
+from ..bake import playback, storage
 from ..blender.time import is_playing
 from ..session import sessions
 from ..translations.sentences import sentence
@@ -36,6 +37,10 @@ def draw_answer(layout: UILayout, context: Context) -> bool:
     if level is None:
         return False
     box = layout.box()
+    if storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
+        row = box.split(factor=0.6)
+        row.label(text="Baked, out of date", icon="ERROR")
+        row.operator("haptic.bake", text="Bake Again", icon="REC")
     _draw_level(box, level)
     path = paths.path_of(scene)
     if path is not None and path.value is not None and path.value.listener == name:

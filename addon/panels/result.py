@@ -51,7 +51,7 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
             return
         result = traced.result
         row = layout.row()
-        baked = playback.is_from_track(result, result.number)
+        baked = playback.is_from_track(result)
         words = iface_("Frame {}, from the baked track" if baked else "Frame {}").format(result.number)
         row.label(text=words, icon="RENDER_ANIMATION" if baked else "NONE", translate=False)
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
@@ -126,8 +126,9 @@ class HAPTIC_PT_path(HapticsPanel, Panel):
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        latest = None if sessions.shown(context.scene) is None else paths.path_of(context.scene)
-        if latest is None or latest.value is None:
+        traced = sessions.shown(context.scene)
+        latest = None if traced is None else paths.path_of(context.scene)
+        if traced is None or latest is None or latest.value is None:
             layout.label(text="Nothing reaches a listener" if latest is not None else "Nothing traced yet")
             return
         path = latest.value
@@ -136,7 +137,8 @@ class HAPTIC_PT_path(HapticsPanel, Panel):
         column.label(text=source_title(path.source), icon="OUTLINER_OB_FORCE_FIELD", translate=False)
         column.label(text=fitted(path.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False)
         if not path.hops:
-            layout.label(text="This mode ignores objects and paths")
+            baked = playback.is_from_track(traced.result)
+            layout.label(text="Stop the timeline to see the path" if baked else "This mode ignores objects and paths")
             return
         layout.prop(context.scene.haptics.meters, "sort_path", toggle=True)
         _draw_hops(layout, context, path)
@@ -210,7 +212,7 @@ class HAPTIC_PT_comparison(ClosedPanel, Panel):
             layout.label(text="Nothing traced yet" if traced is None else "No listener: add one to feel something")
             return
         result = traced.result
-        if playback.is_from_track(result, result.number):
+        if playback.is_from_track(result):
             layout.label(text="This frame was not traced:", icon="INFO")
             layout.label(text="switch off Play Baked Track", icon="BLANK1")
             return

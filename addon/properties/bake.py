@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from bpy.props import CollectionProperty, IntProperty, PointerProperty
-from bpy.types import Context, PropertyGroup, Sound, Text
+from bpy.types import PropertyGroup, Sound, Text
 
-from ..changes.events import track_switched
+from .callbacks import view_changed
 from .kinds import number, switch, text
-
-
-def _played_otherwise(self: PropertyGroup, context: Context) -> None:
-    track_switched(context.scene)
 
 
 class HapticTake(PropertyGroup):
@@ -30,9 +26,9 @@ class HapticBakeProperties(PropertyGroup):
     sound: PointerProperty(type=Sound, name="Sound", description="The track as sound, packed into the file")
     use_track: switch(
         "Play Baked Track",
-        "While the timeline plays, read what is felt from the baked track instead of tracing",
+        "While the timeline plays, read what is felt from the baked track instead of tracing; while it stands, the scene is traced",
         True,
-        update=_played_otherwise,
+        update=view_changed,
     )
     use_range: switch("Custom Range", "Bake these frames instead of the scene's frame range")
     frame_start: IntProperty(name="Start", description="First frame to bake", default=1, min=-1048574, max=1048574)
@@ -40,10 +36,9 @@ class HapticBakeProperties(PropertyGroup):
     write_curves: switch(
         "Write F-Curves",
         "Write intensity and frequency as F-curves on the listeners, to be seen in the graph editor and to drive others",
-        True,
     )
     write_sound: switch(
-        "Add Sound Strip", "Add what is felt as a sound strip to the sequencer: left side of the body left, right side right", True
+        "Add Sound Strip", "Add what is felt as a sound strip to the sequencer: left side of the body left, right side right"
     )
 
 

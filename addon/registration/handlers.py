@@ -49,7 +49,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     try:
         if scene.haptics.tracing and not playback.play(scene) and _is_ready(scene):
             live_output.frame_comes(scene)
-            session.begin(scene, depsgraph, live=True, plays=live_output.is_wanted())
+            session.begin(scene, depsgraph, live=True, plays=live_output.is_wanted(), baked_impacts=playback.impacts_of(scene))
     finally:
         if live_output.is_wanted():
             live_output.frame_changed(scene, playback.plays(scene))
@@ -67,7 +67,7 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
         mark_changed()
     if not scene.haptics.tracing or not _is_concerned(scene):
         return
-    if not playback.keep_up(scene) and session.follow_edit(scene, depsgraph):
+    if session.follow_edit(scene, depsgraph):
         redraw_viewports()
     _make_way(worker.MOMENT)
 
@@ -92,13 +92,19 @@ def _trace_soon() -> None:
 
 
 def trace_opened() -> None:
-    """Begin to trace the scenes of the windows that have no result, or show their frames of the baked tracks, without waiting."""
+    """Begin to trace the scenes of the windows that have no result, or only one from a baked track, without waiting."""
     for window in bpy.context.window_manager.windows:
-        scene = window.scene
-        is_due = sessions.shown(scene) is None and not sessions.is_behind(scene)
-        if scene.haptics.tracing and is_due and _is_concerned(scene) and not playback.play(scene):
+        scene, shown = window.scene, sessions.shown(window.scene)
+        is_due = (shown is None or playback.is_from_track(shown.result)) and not sessions.is_behind(scene)
+        if scene.haptics.tracing and is_due and _is_concerned(scene) and not playback.plays(scene):
             with bpy.context.temp_override(window=window):
-                session.begin(scene, bpy.context.evaluated_depsgraph_get(), live=True)
+                session.begin(scene, bpy.context.evaluated_depsgraph_get(), live=True, baked_impacts=playback.impacts_of(scene))
+
+
+@persistent
+def animation_playback_post(*_: Any) -> None:
+    """The timeline stands again: trace the frame that a baked track was played to."""
+    _trace_soon()
 
 
 @persistent
@@ -166,15 +172,11 @@ def _note_geometry(depsgraph: Depsgraph) -> None:
         session.geometry_changed(depsgraph)
 
 
-def _show_track(scene: Scene) -> None:
-    """Update the shown frame after switching between track and tracing."""
-    playback.show_current(scene)
-
-
 _HANDLERS = Handlers(
     frame_change_pre=frame_change_pre,
     frame_change_post=frame_change_post,
     depsgraph_update_post=depsgraph_update_post,
+    animation_playback_post=animation_playback_post,
     load_pre=file_changed,
     load_post=file_loaded,
     save_pre=saving,
@@ -190,7 +192,6 @@ _HANDLERS = Handlers(
 def register() -> None:
     """Start listening to Blender's events."""
     _HANDLERS.add()
-    events.track_switched.subscribe(_show_track)
     live_output.register()
 
 
@@ -200,7 +201,6 @@ def unregister() -> None:
     if bpy.app.timers.is_registered(trace_opened):
         bpy.app.timers.unregister(trace_opened)
     live_output.unregister()
-    events.track_switched.unsubscribe(_show_track)
     _HANDLERS.remove()
     file_changed()
     events.disabled()

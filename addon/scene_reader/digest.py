@@ -6,27 +6,36 @@ A digest is plain data: settings and frame rate, and for every relevant object o
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import lru_cache
+from itertools import chain
+from pathlib import Path
 from typing import Any
 
+import bpy
+import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Object, Scene
+from bpy.types import ID, NodeTree, Object, PropertyGroup, Scene
 
 from ..blender.arrays import read_array
-from ..blender.compatibility import fcurves_of
+from ..blender.compatibility import fcurves_in, fcurves_of
+from ..properties.drawing import AMPLITUDE, FREQUENCY
+from .drawings import mapping_of, points_of
 from .roles import is_tagged, regions_of
 from .triggers import marker_frames
 
 Digest = dict[str, Any]
 
 _MOST_CHANGES = 6
-_WHOLES = (("frame rate", "frame rate"), ("gravity", "gravity"), ("world", "physics"))
+_WHOLES = (("frame rate", "frame rate"), ("gravity", "gravity"), ("world", "physics"), ("start", "start"), ("rules", "rules"))
 _ASPECTS = ("haptics", "pose", "shape", "animation", "physics", "relations")
 TEXTS = {
     "setting": "{} was {}, is {}",
     "frame rate": "the frame rate changed",
     "gravity": "gravity changed",
     "world": "the rigid body world changed",
+    "start": "the scene's first frame changed",
+    "rules": "rules of contacts, impacts or textures, or the animation of settings changed",
     "added": "'{}' was added",
     "removed": "'{}' was removed",
     "haptics": "'{}': its haptic settings changed",
@@ -37,16 +46,27 @@ TEXTS = {
     "relations": "'{}': its parent, constraints or modifiers changed",
     "more": "and {} more",
     "range": "frames {} to {} are played, {} to {} were baked",
+    "felt": "in frame {} other gains are traced than were baked",
 }
 """Sentences for the kinds of changes."""
 
 Change = tuple[Any, ...]
 """A key of `TEXTS`, and the arguments of its text."""
 
-_VIEW = {"tracing", "show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"}
-_NAMES = {"rna_type", "name"}
+_NOT_FELT = frozenset({
+    *("rna_type", "tracing", "show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray", "bake", "meters"),
+    *("live_output", "materials", "gltf", "modalities", "kept_impacts", "felt", "sound"),
+})  # fmt: skip
+"""Properties that change nothing of what is baked: of the view, of output, of other modalities, and those whose values objects copy."""
+_NOT_EFFECTIVE = ("open_", "show_", "select", "is_active", "active", "use_pin", "strip_time")
+"""Beginnings of the names of properties of modifiers, constraints and strips that have no effect."""
+_PLAIN_TYPES = {"BOOLEAN", "INT", "FLOAT", "STRING", "ENUM"}
 _LONG = 60  # characters of a text that a digest holds
-_TRANSFORM = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+_TRANSFORM = (
+    *("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale", "rotation_mode"),
+    *("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale"),
+)
+_BONE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
 _WORLD = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
 _BODY = (
@@ -57,12 +77,17 @@ _BODY = (
 
 def digest_of(scene: Scene) -> Digest:
     """The current digest of a scene, which does not depend on the current frame."""
-    haptics = scene.haptics
-    settings = dict(_properties(haptics, [key for key in _plain_keys(haptics) if key not in _VIEW]))
-    regions = regions_of(scene)
-    matter = [obj for obj in scene.objects if _matters(obj) or obj.name in regions]
-    objects = {obj.name_full: {"haptics": _roles(obj, scene), **_motion(obj)} for obj in matter}
-    return {"settings": settings, **_physics(scene), "objects": objects}
+    animated, animation = _animation(scene)
+    settings, rules = {}, [animation]
+    for key, value in _values(scene.haptics, animated, "haptics."):
+        if scene.haptics.bl_rna.properties[key].type in _PLAIN_TYPES:
+            settings[key] = value
+        else:
+            rules.append(value)
+    shown, regions = _layer_objects(scene), regions_of(scene)
+    moving = _with_movers(obj for obj in shown if _matters(obj) or obj.name in regions)
+    objects = {obj.name_full: {"haptics": _roles(obj, scene), **_motion(obj)} for obj in moving}
+    return {"settings": settings, "rules": _sum(rules), "start": scene.frame_start, **_physics(scene), "objects": objects}
 
 
 def motion_of(scene: Scene) -> str:
@@ -72,7 +97,7 @@ def motion_of(scene: Scene) -> str:
     that may move them.
     """
     regions = regions_of(scene)
-    moving = [obj for obj in scene.objects if _may_hit(obj) or obj.name in regions]
+    moving = _with_movers(obj for obj in _layer_objects(scene) if _may_hit(obj) or obj.name in regions)
     return _sum([_physics(scene), [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]])
 
 
@@ -82,7 +107,7 @@ def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:
     found: list[Change] = [
         ("setting", key.replace("_", " "), was[key], settings[key]) for key in settings if key in was and was[key] != settings[key]
     ]
-    found += [(kind,) for kind, key in _WHOLES if before.get(key) != now[key]]
+    found += [(kind,) for kind, key in _WHOLES if key in before and before[key] != now[key]]
     old, objects = _mapping(before.get("objects")), now["objects"]
     found += [("added", name) for name in objects if name not in old]
     found += [("removed", name) for name in old if name not in objects]
@@ -126,17 +151,91 @@ def _physics(scene: Scene) -> Digest:
     }
 
 
+def _layer_objects(scene: Scene) -> Iterable[Object]:
+    """The objects of the view layer that is traced: the context's, if that is of the scene."""
+    layer = bpy.context.view_layer
+    return layer.objects if layer is not None and bpy.context.scene == scene else scene.view_layers[0].objects
+
+
+def _with_movers(objects: Iterable[Object]) -> list[Object]:
+    """The objects and those that move or deform them: parents, and the targets of constraints and modifiers."""
+    found, new = {}, list(objects)
+    while new:
+        obj = new.pop()
+        if obj.name_full not in found:
+            found[obj.name_full] = obj
+            items = chain(obj.constraints, obj.modifiers)
+            new += [target for target in (obj.parent, *(value for item in items for value in _targets(item))) if target is not None]
+    return list(found.values())
+
+
+def _targets(item: Any) -> Iterator[Object]:
+    """The objects that a constraint or modifier refers to."""
+    for key in _keys(item, {"POINTER"}):
+        if isinstance(value := getattr(item, key), Object):
+            yield value
+
+
 def _roles(obj: Object, scene: Scene) -> str:
-    haptics, paths = obj.haptics, _animation(obj)[0]
-    groups = (("", haptics), ("source.", haptics.source), ("listener.", haptics.listener), ("material.", haptics.material))
-    roles = [
-        _settings(group, {path for path in paths if path.startswith(f"haptics.{prefix}")}) for prefix, group in groups if is_tagged(obj)
-    ]
-    if haptics.source.one_shot and haptics.source.trigger_markers:
-        roles.append(list(marker_frames(scene, haptics.source.trigger_markers)))
-    if haptics.source.sound.kept:
-        roles.append([_plain(haptics.source.sound.kept)])
+    """A checksum of the haptic properties, the markers and files that they refer to."""
+    if not is_tagged(obj):
+        return ""
+    source = obj.haptics.source
+    roles: list[Any] = [_values(obj.haptics, _animation(obj)[0], "haptics."), source.sound.kept]
+    if source.one_shot and source.trigger_markers:
+        roles.append(marker_frames(scene, source.trigger_markers))
+    if source.enabled and source.signal == "FILE":
+        roles.append(_file_sum(bpy.path.abspath(source.filepath, library=obj.library)))
     return _sum(roles)
+
+
+def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[str, Any]]:
+    """The properties of a group, of the groups inside it and of the signals that it refers to, except those of which the data path, which
+    begins with ``prefix``, is ``animated``: their values depend on the current frame."""
+    found = []
+    for definition in group.bl_rna.properties:
+        key, path = definition.identifier, f"{prefix}{definition.identifier}"
+        if key in _NOT_FELT or path in animated:
+            continue
+        value = getattr(group, key)
+        if definition.type == "COLLECTION":
+            value = [("", _values(item, animated, f"{path}[{number}].")) for number, item in enumerate(value)]
+        elif isinstance(value, PropertyGroup):
+            value = _values(value, animated, f"{path}.")
+        found.append((key, _datablock(value) if isinstance(value, ID) else _plain(value)))
+    return found
+
+
+def _datablock(value: ID) -> Any:
+    """The content of a drawn signal, the name of anything else."""
+    if not isinstance(value, NodeTree):
+        return value.name_full
+    animated, animation = _animation(value)
+    try:
+        curves = [points_of(mapping_of(value, name)) for name in (AMPLITUDE, FREQUENCY)]
+    except ValueError:
+        curves = []
+    drawn = [(points.round(6).tolist(), kinds) for points, kinds in curves]
+    return _sum([_values(value.haptics, animated, "haptics."), animation, drawn])
+
+
+def _file_sum(path: str) -> str:
+    """A checksum of a file, "" if there is none."""
+    try:
+        state = Path(path).stat()
+        return _content_sum(path, state.st_mtime_ns, state.st_size)
+    except OSError:
+        return ""
+
+
+@lru_cache(maxsize=64)
+def _content_sum(path: str, changed: int, size: int) -> str:
+    """The checksum of a file with the modification time ``changed`` and a ``size`` in bytes."""
+    with Path(path).open("rb") as file:
+        total = 0
+        while part := file.read(1 << 20):
+            total = zlib.crc32(part, total)
+    return f"{size}:{total:08x}"
 
 
 def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
@@ -149,11 +248,13 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
     parent, body_of_it = (item.name_full if item is not None else "" for item in (obj.parent, obj.haptics.body))
     relations = [
         [body_of_it, parent, obj.parent_type, obj.parent_bone, [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse]],
-        [(item.name, item.type, item.mute) for item in obj.constraints],
-        [(item.name, item.type, item.show_viewport) for item in obj.modifiers],
+        [_effect(item, f'constraints["{item.name}"].', paths) for item in obj.constraints],
+        [_effect(item, f'modifiers["{item.name}"].', paths) for item in obj.modifiers],
     ]
+    placed = [(obj, "", _TRANSFORM), *((bone, f'pose.bones["{bone.name}"].', _BONE) for bone in (obj.pose.bones if obj.pose else ()))]
+    pose = [_properties(item, [key for key in keys if f"{prefix}{key}" not in paths]) for item, prefix, keys in placed]
     return {
-        "pose": _sum([list(getattr(obj, key)) for key in _TRANSFORM if key not in paths]),
+        "pose": _sum(pose),
         "shape": _shape(obj) if is_tagged(obj) or body is not None else "",
         "animation": animation,
         "physics": _sum(_properties(body, _BODY) if body is not None else []),
@@ -161,14 +262,18 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
     }
 
 
-def _settings(group: Any, animated: Iterable[str]) -> list[Any]:
-    """The plain properties of a group without animated ones, whose values depend on the current frame."""
-    skipped = {path.rpartition(".")[2] for path in animated}
-    return _properties(group, [key for key in _plain_keys(group) if key not in skipped])
+def _effect(item: Any, prefix: str, animated: Collection[str]) -> list[Any]:
+    """The properties of a modifier, constraint or strip that have an effect and are not ``animated``; of datablocks their names."""
+    shown = getattr(item, "show_viewport", True)
+    values = _properties(item, [key for key in _keys(item, _PLAIN_TYPES) if f"{prefix}{key}" not in animated])
+    pointers = (getattr(item, key) for key in _keys(item, {"POINTER"}))
+    return [item.type, shown, values, [value.name_full for value in pointers if isinstance(value, ID)]]
 
 
-def _plain_keys(group: Any) -> list[str]:
-    return [p.identifier for p in group.bl_rna.properties if p.type not in {"POINTER", "COLLECTION"} and p.identifier not in _NAMES]
+def _keys(item: Any, types: Collection[str]) -> list[str]:
+    """The names of an item's properties of these types that can be written and have an effect."""
+    found = (p for p in item.bl_rna.properties if p.type in types and not p.is_readonly)
+    return [p.identifier for p in found if not p.identifier.startswith(_NOT_EFFECTIVE)]
 
 
 def _properties(owner: Any, keys: Iterable[str]) -> list[Any]:
@@ -176,11 +281,14 @@ def _properties(owner: Any, keys: Iterable[str]) -> list[Any]:
 
 
 def _plain(value: Any) -> Any:
+    """A value as JSON has it: numbers with six digits, sets sorted, long texts shortened."""
     if isinstance(value, float):
         return float(f"{value:.6g}")
     if isinstance(value, str):
         return value if len(value) <= _LONG else f"{value[:_LONG]}... {_sum(value)}"
-    return value if isinstance(value, (bool, int)) else [_plain(part) for part in value]
+    if value is None or isinstance(value, (bool, int, tuple)):
+        return value
+    return [_plain(part) for part in (sorted(value) if isinstance(value, set) else value)]
 
 
 def _shape(obj: Object) -> str:
@@ -199,14 +307,32 @@ def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozense
         return frozenset(), ""
     curves = [curve for curve in fcurves_of(datablock) if not curve.data_path.startswith(ignored)]
     drivers = [driver for driver in data.drivers if not driver.data_path.startswith(ignored)]
-    keys = [zlib.crc32(read_array(curve.keyframe_points, "co", 2).tobytes()) for curve in curves]
-    parts: list[Any] = [(c.data_path, c.array_index, key, c.mute, len(c.modifiers)) for c, key in zip(curves, keys, strict=True)]
-    parts += [(d.data_path, d.array_index, d.driver.expression, d.mute) for d in drivers]
+    parts: list[Any] = [_curve(curve) for curve in curves]
+    parts += [(d.data_path, d.array_index, d.driver.type, d.driver.expression, d.mute, list(_variables(d.driver))) for d in drivers]
     parts += [
-        (track.mute, [(s.frame_start, s.frame_end, s.mute, s.action.name if s.action else "") for s in track.strips])
+        (track.mute, [(_effect(strip, "", ()), [_curve(curve) for curve in fcurves_in(strip.action)] if strip.action else "")
+                      for strip in track.strips])
         for track in data.nla_tracks
-    ]
+    ]  # fmt: skip
     return frozenset(item.data_path for item in (*curves, *drivers)), _sum(parts) if parts else ""
+
+
+_OF_KEYS = (("co", 2, np.float32), ("handle_left", 2, np.float32), ("handle_right", 2, np.float32), ("interpolation", 1, np.int32))
+
+
+def _curve(curve: Any) -> tuple[Any, ...]:
+    """What an F-curve animates, and checksums of its keys and modifiers."""
+    keys = [zlib.crc32(read_array(curve.keyframe_points, name, width, kind).tobytes()) for name, width, kind in _OF_KEYS]
+    modifiers = [_effect(item, "", ()) for item in curve.modifiers]
+    return curve.data_path, curve.array_index, keys, curve.mute, curve.extrapolation, modifiers
+
+
+def _variables(driver: Any) -> Iterator[tuple[Any, ...]]:
+    """What the variables of a driver read."""
+    for variable in driver.variables:
+        for target in variable.targets:
+            owner = "" if target.id is None else target.id.name_full
+            yield variable.name, variable.type, owner, target.data_path, target.bone_target, target.transform_type
 
 
 def _sum(value: Any) -> str:

@@ -19,13 +19,13 @@ _MOST_CHARACTERS = 2**16
 """Largest size of the text; more impacts are not stored."""
 
 
-def text_of_impacts(frame: int, kept: FrameImpacts, names: Sequence[str], motion: str) -> str:
-    """The text for `impacts_from_text` with the impacts of a frame between bodies called ``names``; ``motion``: checksum of their
+def text_of_impacts(frame: int, kept: FrameImpacts, motion: str) -> str:
+    """The text for `impacts_from_text` with the impacts of a frame, "" if there are none or too many; ``motion``: checksum of their
     causes."""
     impacts = [
         {
             **asdict(item.impact),
-            "objects": [names[body] for body in item.impact.objects],
+            "objects": [item.source.object, item.source.second_object],
             "local": [place.tolist() for place in item.local],
             "poses": poses.reshape(2, 12).tolist(),
         }

@@ -203,15 +203,15 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
     return result_of(scene)
 
 
-def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = False) -> None:
+def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = False, baked_impacts: str = "") -> None:
     """Read the current state of the scene and begin to trace it. The result is None without tagged objects, or if a problem prevents it.
     ``live``: the result is only displayed, so contacts that no signal reaches are skipped, and while frames follow each other, samples are
     rendered only if something shows them, has asked for them, or ``plays`` them.
 
-    While the timeline stands, a frame keeps the impacts that stepping or playing to it made: modes, gains, materials and strategies are
-    compared on the same impact, also after jumps. They are dropped when their causes change: objects added, removed, moved, scaled,
-    deformed or animated differently, masses and physics, and the rules of contacts and impacts (`CollisionDetector`, `motion_of`). Bakes
-    and exports start without them."""
+    While the timeline stands, a frame keeps the impacts that stepping or playing to it made, or has its ``baked_impacts``, a text of
+    `text_of_impacts`: modes, gains, materials and strategies are compared on the same impact, also after jumps. They are dropped when their
+    causes change: objects added, removed, moved, scaled, deformed or animated differently, masses and physics, and the rules of contacts
+    and impacts (`CollisionDetector`, `motion_of`). Bakes and exports start without them."""
     session = of(scene)
     session.interrupted = None
     _finish(scene, session)
@@ -238,7 +238,7 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = 
     continuous = whole and follows and step == session.frame_seconds
     if continuous and session.motion is None:
         session.motion = motion_of(scene)
-    _restore_impacts(scene, session, reading)
+    _restore_impacts(scene, session, reading, baked_impacts)
     recall = whole and not is_stepped(scene) and not is_playing()
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     session.serial = next(_serials)
@@ -261,21 +261,22 @@ def keep_impacts(scene: Scene) -> None:
     kept = None if session.reading is None else session.tracer.collisions.impacts_of(scene.frame_current)
     text = ""
     if session.reading is not None and kept is not None:
-        text = text_of_impacts(scene.frame_current, kept, [body.name for body in session.reading.bodies], motion_of(scene))
+        text = text_of_impacts(scene.frame_current, kept, motion_of(scene))
     if scene.haptics.kept_impacts != text:
         scene.haptics.kept_impacts = text
 
 
-def _restore_impacts(scene: Scene, session: Session, reading: Reading) -> None:
-    """At the first trace of a scene, restore the impacts that were stored when it was saved."""
-    text = scene.haptics.kept_impacts
-    if text and not session.is_restored:
-        motion = motion_of(scene)
-        kept = impacts_from_text(text, scene.frame_current, [body.name for body in reading.bodies], motion)
-        if kept is not None:
-            session.tracer.collisions.restore_impacts(scene.frame_current, reading.bodies, kept)
-            session.motion = motion
+def _restore_impacts(scene: Scene, session: Session, reading: Reading, baked: str) -> None:
+    """Restore the impacts of a frame that were ``baked``, or, at the first trace of a scene, those that were stored when it was saved."""
+    text = baked or ("" if session.is_restored else scene.haptics.kept_impacts)
     session.is_restored = True
+    if not text or session.tracer.collisions.impacts_of(scene.frame_current) is not None:
+        return
+    motion = session.motion or motion_of(scene)
+    kept = impacts_from_text(text, scene.frame_current, [body.name for body in reading.bodies], motion)
+    if kept is not None:
+        session.tracer.collisions.restore_impacts(scene.frame_current, reading.bodies, kept)
+        session.motion = motion
 
 
 def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult | None) -> Traced:

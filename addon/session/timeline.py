@@ -74,7 +74,7 @@ def _frames(scene: Scene, start: int, end: int, looks_back: bool = True) -> Gene
     before = scene.frame_current
     try:
         first = tracing_start(scene, start) if looks_back else start
-        for frame in range(_simulation_start(scene, first), first):
+        for frame in range(simulation_start(scene, first), first):
             with suspended():
                 scene.frame_set(frame)
         session.of(scene).frame = None  # independent of earlier traces
@@ -115,7 +115,7 @@ def warm_start(scene: Scene, first: int, seconds: float) -> int:
     return (blocks - bool(scene.haptics.textures.items)) * EXACT_FRAMES
 
 
-def _simulation_start(scene: Scene, start: int) -> int:
+def simulation_start(scene: Scene, start: int) -> int:
     """The frame from which the simulation must run so that rigid bodies are in place at ``start``: ``start`` itself if it moves none."""
     world, bodies = scene.rigidbody_world, (obj.rigid_body for obj in scene.objects)
     if world is None or not world.enabled or world.point_cache.is_baked or not any(body and body.type == "ACTIVE" for body in bodies):

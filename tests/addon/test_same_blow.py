@@ -200,6 +200,33 @@ def test_what_was_changed_elsewhere_keeps_no_impacts(struck, tmp_path):
         assert impacts(scene) == []
 
 
+def test_a_baked_file_has_its_impacts_in_every_frame(struck, tmp_path):
+    bpy.ops.haptic.bake()
+    struck.frame_set(FRAME)
+    blow, path = impacts(struck), tmp_path / "baked.blend"
+    felt = session.result_of(struck).gains
+    struck.frame_set(5)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    assert len(blow) == 1
+    scene = reopened(path)
+    assert scene.frame_current == 5 and impacts(scene) == []
+    for frame, expected in ((FRAME, blow), (19, []), (FRAME + 1, blow), (FRAME, blow)):
+        scene.frame_set(frame)
+        assert impacts(scene) == expected, frame
+    assert session.result_of(scene).gains == pytest.approx(felt, rel=1e-6)
+    assert session.result_of(scene).path_objects(0, 0)
+
+
+def test_baked_impacts_of_another_motion_are_not_shown(struck, tmp_path):
+    bpy.ops.haptic.bake()
+    struck.frame_set(5)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "baked.blend"))
+    scene = reopened(tmp_path / "baked.blend")
+    _key_elsewhere(scene)
+    scene.frame_set(FRAME)
+    assert impacts(scene) == []
+
+
 def test_a_frame_without_impacts_is_saved_without(struck, tmp_path):
     struck.frame_set(5)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "before.blend"))

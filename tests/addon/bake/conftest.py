@@ -6,6 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from haptic_tracing.addon.bake import playback
+from haptic_tracing.addon.registration import handlers
 
 
 @pytest.fixture
@@ -26,3 +28,10 @@ def shaken(scene: Any, add_box: Callable[..., Any], add_empty: Callable[..., Any
     scene.frame_start, scene.frame_end = 1, 24
     scene.frame_set(1)
     return scene
+
+
+@pytest.fixture
+def playing(monkeypatch: Any) -> None:
+    """The timeline plays, as it can't without a window."""
+    for module in (playback, handlers):
+        monkeypatch.setattr(module, "is_playing", lambda: True)

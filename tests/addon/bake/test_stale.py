@@ -1,8 +1,13 @@
 """A track says that the scene has changed since, and what."""
 
+import wave
+from pathlib import Path
+
 import bpy
+import numpy as np
 import pytest
 from haptic_tracing.addon.bake import playback
+from haptic_tracing.addon.blender import compatibility
 
 
 def _reasons(scene):
@@ -80,6 +85,162 @@ def _gravity(scene):
 
 def _range(scene):
     scene.frame_end = 99
+
+
+def _start(scene):
+    scene.frame_start = 2
+
+
+def _rule(scene):
+    scene.haptics.impact_table.items.add()
+
+
+def _rule_changed(scene):
+    scene.haptics.transmission_table.items[0].function = "resilient"
+
+
+def _easing(scene):
+    animation = bpy.data.objects["crate"]
+    for point in compatibility.fcurves_of(animation)[0].keyframe_points:
+        point.interpolation = "CONSTANT"
+
+
+def _driver(scene):
+    variable = bpy.data.objects["driven"].animation_data.drivers[0].driver.variables[0]
+    variable.targets[0].data_path = "location.y"
+
+
+def _delta(scene):
+    bpy.data.objects["crate"].delta_location.x = 0.1
+
+
+def _influence(scene):
+    bpy.data.objects["driven"].constraints[0].influence = 0.5
+
+
+def _target(scene):
+    bpy.data.objects["target"].location.x = 3
+
+
+def _modifier(scene):
+    bpy.data.objects["driven"].modifiers[0].count = 3
+
+
+def _exclude(scene):
+    bpy.context.view_layer.layer_collection.children[0].exclude = True
+
+
+def _drawn(scene):
+    node = bpy.data.objects["shaker"].haptics.source.drawing.nodes["Amplitude"]
+    node.mapping.curves[0].points[0].location = (0, 0.1)
+
+
+def _emphasis(scene):
+    bpy.data.objects["shaker"].haptics.source.drawing.haptics.emphases.add()
+
+
+def _recording(scene):
+    path = Path(bpy.data.objects["recorder"].haptics.source.filepath)
+    write_wav(path, np.full(800, 0.5))
+
+
+def _settings_keyed(scene):
+    scene.haptics.keyframe_insert("threshold", frame=3)
+
+
+def write_wav(path, samples):
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(8000)
+        file.writeframes((samples * 32767).astype("<i2").tobytes())
+
+
+@pytest.fixture
+def baked_from_much(shaken, add_box, add_empty, tmp_path):
+    """The same, with more that a bake depends on: a rule, a drawn signal, a recording, a driver, a constraint, a modifier, a collection."""
+    add_empty("target", (0, 0, 5), None)
+    driven = add_box("driven", (0, 0, 3), (0.2, 0.2, 0.2))
+    driven.modifiers.new("Array", "ARRAY")
+    driven.constraints.new("COPY_LOCATION").target = bpy.data.objects["target"]
+    driver = driven.driver_add("scale", 0).driver
+    variable = driver.variables.new()
+    variable.targets[0].id, variable.targets[0].data_path = bpy.data.objects["target"], "location.x"
+    driver.expression = f"1 + {variable.name}"
+    shaken.haptics.transmission_table.items.add()
+    recorder = add_empty("recorder", (0.1, 0, 0), bpy.data.objects["ground"]).haptics.source
+    recorder.enabled, recorder.signal, recorder.filepath = True, "FILE", str(tmp_path / "a.wav")
+    write_wav(tmp_path / "a.wav", np.full(800, 0.25))
+    collection = bpy.data.collections.new("shelf")
+    shaken.collection.children.link(collection)
+    hidden = add_box("hidden", (0, 0, 9), (1, 1, 1))
+    shaken.collection.objects.unlink(hidden)
+    collection.objects.link(hidden)
+    shaker = bpy.data.objects["shaker"]
+    bpy.context.view_layer.objects.active = shaker
+    bpy.ops.haptic.draw_signal()
+    bpy.ops.haptic.bake()
+    return shaken
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (_start, "the scene's first frame changed"),
+        (_rule, "rules of contacts, impacts or textures, or the animation of settings changed"),
+        (_rule_changed, "rules of contacts, impacts or textures, or the animation of settings changed"),
+        (_settings_keyed, "rules of contacts, impacts or textures, or the animation of settings changed"),
+        (_easing, "'crate': its animation changed"),
+        (_driver, "'driven': its animation changed"),
+        (_delta, "'crate': it was moved, turned or scaled"),
+        (_influence, "'driven': its parent, constraints or modifiers changed"),
+        (_modifier, "'driven': its parent, constraints or modifiers changed"),
+        (_target, "'target': it was moved, turned or scaled"),
+        (_exclude, "'hidden' was removed"),
+        (_drawn, "'shaker': its haptic settings changed"),
+        (_emphasis, "'shaker': its haptic settings changed"),
+        (_recording, "'recorder': its haptic settings changed"),
+    ],
+)
+def test_what_a_bake_depends_on_is_named(baked_from_much, change, words):
+    for frame in (3, 14):
+        baked_from_much.frame_set(frame)
+        assert _reasons(baked_from_much) == ()
+    change(baked_from_much)
+    assert words in _reasons(baked_from_much)
+
+
+def test_animated_settings_are_not_changes(shaken):
+    for frame, value in ((1, 0.001), (20, 0.1)):
+        shaken.haptics.threshold = value
+        shaken.haptics.keyframe_insert("threshold", frame=frame)
+    bpy.ops.haptic.bake()
+    for frame in (1, 9, 20):
+        shaken.frame_set(frame)
+        assert _reasons(shaken) == ()
+
+
+def test_other_gains_are_noticed_whatever_their_cause(baked, settle):
+    """A node group in a modifier, whose nodes are not compared, takes the crate's mesh away."""
+    group = bpy.data.node_groups.new("Away", "GeometryNodeTree")
+    for direction in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    start, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    away = group.nodes.new("GeometryNodeTransform")
+    group.links.new(start.outputs[0], away.inputs["Geometry"])
+    group.links.new(away.outputs[0], end.inputs[0])
+    bpy.data.objects["crate"].modifiers.new("Away", "NODES").node_group = group
+    bpy.ops.haptic.bake()
+    baked.frame_set(9)
+    assert playback.stale_reasons(baked) == ()
+    assert settle(lambda: playback.known_stale_reasons(baked)) == ()
+    assert playback.fitting_track(baked, 1, 24) is not None
+    away.inputs["Translation"].default_value = (0, 0, 5)
+    bpy.context.view_layer.update()
+    assert playback.stale_reasons(baked) == ()  # nothing in the datablocks that are compared
+    assert settle(lambda: playback.known_stale_reasons(baked)) == ("in frame 9 other gains are traced than were baked",)
+    assert playback.fitting_track(baked, 1, 24) is None
 
 
 @pytest.mark.slow

@@ -37,6 +37,7 @@ def random_track(seed):
         row_place=random.normal(size=(rows, 3)).astype(np.float32),
         row_gain=random.uniform(0, 1, (rows, width)).astype(np.float32),
         digest={"objects": {"a": {"pose": "0"}}},
+        impacts={int(frame): "ω" * int(frame) for frame in random.integers(-99, 99, 3)},
     )
 
 
@@ -47,7 +48,7 @@ def test_round_trip(seed):
     again = track_from_bytes(track.to_bytes())
     for name in ARRAYS:
         assert np.array_equal(getattr(again, name), getattr(track, name)), name
-    for name in ("frame_start", "frame_duration", "start", "sample_rate", "first_sample", "listeners", "sources", "digest"):
+    for name in ("frame_start", "frame_duration", "start", "sample_rate", "first_sample", "listeners", "sources", "digest", "impacts"):
         assert getattr(again, name) == getattr(track, name), name
     for frame in range(track.frame_start - 1, track.frame_end + 2):
         result = again.result(frame)

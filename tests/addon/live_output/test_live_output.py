@@ -6,6 +6,7 @@ import bpy
 import haptic_tracing
 import pytest
 from fake_hid import RELEASE, ZERO, sounding, until
+from haptic_tracing.addon.bake import playback
 from haptic_tracing.addon.live_output import handlers, outputs, player
 from haptic_tracing.addon.registration import handlers as addon_handlers
 from haptic_tracing.addon.session import session
@@ -255,7 +256,7 @@ def test_a_choice_of_a_device_that_is_not_there_is_said_and_nothing_fails(sounds
     assert mapping.weights["dualsense"].tolist() == [[0, 0], [0, 1]]
 
 
-def test_a_baked_track_is_felt_as_it_was_baked(plug, connect, felt):
+def test_a_baked_track_is_felt_as_it_was_baked(plug, connect, felt, monkeypatch):
     """Playing the track sends the track's samples."""
     felt.frame_end = 12
     assert bpy.ops.haptic.bake() == {"FINISHED"}
@@ -268,8 +269,10 @@ def test_a_baked_track_is_felt_as_it_was_baked(plug, connect, felt):
     felt.frame_set(1)
     sent.clear()
     handlers.animation_playback_pre(felt)
+    monkeypatch.setattr(playback, "is_playing", lambda: True)  # which only a window can
     for frame in range(2, 12):
         felt.frame_set(frame)
+        assert playback.is_from_track(session.result_of(felt))
         assert sent[-1].shape == session.result_of(felt).block.shape
         if frame > 2:
             assert (sent[-1] == session.result_of(felt).block).all()

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.bake import playback
 from haptic_tracing.addon.io.frame_scene import scene_of_frame
 from haptic_tracing.addon.live_output import handlers, outputs
 from haptic_tracing.addon.panels import live_output
@@ -48,8 +49,10 @@ def played(scene, plug, connect) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         scene.frame_set(1)
         sent.clear()
         handlers.animation_playback_pre(scene)
-        for frame in FRAMES:
-            scene.frame_set(frame)
+        with pytest.MonkeyPatch.context() as without_window:
+            without_window.setattr(playback, "is_playing", lambda: True)
+            for frame in FRAMES:
+                scene.frame_set(frame)
         handlers.animation_playback_post(scene)
         return np.concatenate(sent, axis=1)
 

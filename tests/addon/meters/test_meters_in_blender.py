@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.bake import playback
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
 from haptic_tracing.addon.registration.properties import classes_of
@@ -216,12 +217,19 @@ def test_outside_a_viewport_nothing_is_drawn(felt):
     assert not meters._shown
 
 
-def test_another_mode_is_traced_although_a_track_is_there(felt):
+@pytest.mark.parametrize("plays", [False, True])
+def test_another_mode_is_traced_although_a_track_is_there(felt, monkeypatch, plays):
     bpy.ops.haptic.bake()
+    monkeypatch.setattr(playback, "is_playing", lambda: plays)
     felt.frame_set(20)
+    assert playback.is_from_track(session.result_of(felt)) == plays
     bpy.ops.haptic.set_mode(mode="MN")
-    assert not felt.haptics.bake.use_track
+    felt.frame_set(21)
+    assert not playback.is_from_track(session.result_of(felt))
     assert session.result_of(felt).gains[0].tolist() == [1, 1]
+    bpy.ops.haptic.set_mode(mode="HT")
+    felt.frame_set(22)
+    assert playback.is_from_track(session.result_of(felt)) == plays
 
 
 def test_a_device_that_is_not_felt_at_the_listener_is_named(felt, monkeypatch):

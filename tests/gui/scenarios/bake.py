@@ -1,4 +1,5 @@
-"""Baking with its progress bar, cancelled and done; takes played in turn; meters; modes by their buttons; undo and redo of a bake."""
+"""Baking with its progress bar, cancelled and done; the scene as it is now where the timeline stands, the track where it plays; takes
+in turn; meters; modes by their buttons; undo and redo of a bake."""
 
 import bpy
 
@@ -9,7 +10,7 @@ def steps(window):
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
     running, storage, session = (window.module(name) for name in ("addon.blender.job", "addon.bake.storage", "addon.session.session"))
-    playback = window.module("addon.bake.playback")
+    playback, sessions, paths = (window.module(f"addon.{name}") for name in ("bake.playback", "session.sessions", "view.paths"))
     yield from window.show_sidebar()
     scene.frame_set(40)
     bpy.ops.ed.undo_push(message="Sample")
@@ -33,9 +34,40 @@ def steps(window):
     while running.running() is not None:
         yield 0.2
     window.seen["baked"] = storage.track_of(scene).frame_count == 120 and scene.frame_current == 40
-    window.seen["plays from the track"] = playback.is_from_track(session.result_of(scene), 40)
+    window.seen["no curves and no strip"] = scene.sequence_editor is None and scene.haptics.bake.sound is None
     window.seen["fits"] = playback.stale_reasons(scene) == ()
+    window.seen["stands: traced"] = not playback.is_from_track(session.result_of(scene))
     yield from window.screenshot("bake")
+    window.seen["the path is known"] = bool(paths.path_of(scene).value.hops)
+
+    def shown():
+        return sessions.shown(scene).result
+
+    def strongest():
+        return float(shown().gains.max())
+
+    bpy.ops.screen.animation_play()
+    yield from window.wait_until(lambda: shown().number > 42 and playback.is_from_track(shown()))
+    window.seen["plays from the track"] = playback.is_from_track(shown())
+    bpy.ops.screen.animation_cancel(restore_frame=False)
+    yield from window.wait_until(lambda: not playback.is_from_track(shown()))
+    window.seen["stops: traced"] = shown().number == scene.frame_current and not playback.is_from_track(shown())
+    before = strongest()
+    source = scene.objects["Jackhammer"].haptics.source
+    source.amplitude *= 0.05
+    yield from window.wait_until(lambda: strongest() < 0.06 * before and bool(playback.known_stale_reasons(scene)))
+    window.seen["a change is shown at once"] = 0.04 * before < strongest() < 0.06 * before
+    window.seen["and the card says so"] = bool(playback.known_stale_reasons(scene))
+    yield from window.screenshot("bake-out-of-date")
+    source.muted = True
+    yield from window.wait_until(lambda: strongest() == 0)
+    window.seen["a muted source is silent"] = strongest() == 0
+    source.amplitude, source.muted = source.amplitude / 0.05, False
+    scene.frame_set(1)
+    yield from window.wait_until(lambda: shown().number == 1 and strongest() > 0)
+    yield from window.screenshot("bake-first-frame")
+    scene.frame_set(40)
+    yield 1.0
     yield from window.undo()
     window.seen["undone"] = storage.track_of(bpy.context.scene) is None
     yield from window.redo()
@@ -68,7 +100,7 @@ def steps(window):
     yield from window.scroll_sidebar(60)
     yield from window.click_button("haptic.play_take")
     yield 1.0
-    window.seen["the other take plays"] = bake.track == bake.takes[0].track and playback.is_from_track(session.result_of(scene), 40)
+    window.seen["the other take plays"] = bake.track == bake.takes[0].track
     window.seen["from the same place"] = scene.frame_current == 40
     difference = window.module("addon.bake.takes").differences(scene)
     window.seen["with the difference"] = difference is not None and all(0 < item.here - item.there < 7 for item in difference.value)
