@@ -1,6 +1,9 @@
 # make demo, make test: everything else that is needed is made first. `make help` lists the rest.
 
 PYTHON := .venv/bin/python
+WORKERS := $(shell nproc 2>/dev/null || sysctl -n hw.logicalcpu 2>/dev/null || echo 2)
+# Files of tests are run side by side, each in one process.
+SIDE_BY_SIDE := -n $(WORKERS) --dist loadfile
 MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
@@ -13,7 +16,8 @@ help:
 	@echo "make demo         the paper's first figure, played through Blender: picture, sound and haptic scene in out/"
 	@echo "make test         linters, types and the whole suite"
 	@echo "make test-quick   linters, types and the tests that are not marked slow"
-	@echo "make test-more    the property-based tests with 20 times the examples, from random seeds"
+	@echo "make test-more    the long tests that one of their kind represents in the suite, and the property-based tests with 20 times the"
+	@echo "                  examples, from random seeds"
 	@echo "make stress       edits, undo, load, render and removed scenes in 20 random orders of 2,000, each result against a fresh trace"
 	@echo "make fuzz         a million random inputs for all readers, formulas, stored properties and network messages"
 	@echo "make soak         half an hour of live output on four made-up devices: lags, missed deadlines, memory, files and threads"
@@ -31,13 +35,14 @@ demo: packages-for-demo .venv/complete
 	$(PYTHON) -m haptic_tracing demo --out out
 
 test: packages-for-test .venv/complete wheels lint
-	$(PYTHON) -m pytest
+	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m "not more"
 
 test-quick: packages-for-test .venv/complete wheels lint
-	$(PYTHON) -m pytest -m "not slow"
+	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m "not slow"
 
 test-more: packages-for-test .venv/complete
-	$(PYTHON) -m pytest -m hypothesis --times-examples 20
+	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m more
+	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m hypothesis --times-examples 20
 
 stress: packages-for-test .venv/complete
 	$(PYTHON) -m pytest tests/addon/test_stress.py --stress-seeds 20 --stress-operations 2000
@@ -61,7 +66,7 @@ format: .venv-lint/complete
 test-matrix: $(MATRIX:%=test-%)
 
 $(MATRIX:%=test-%): test-%: packages-for-test .venv-%/complete wheels
-	.venv-$*/bin/python -m pytest
+	.venv-$*/bin/python -m pytest $(SIDE_BY_SIDE) -m "not more"
 
 test-gui: .venv/complete wheels
 	@[ -n "$(BLENDER)$(REAL_BLENDER)" ] || { echo "haptic-tracing: say which Blender: make test-gui BLENDER=path/to/blender" >&2; exit 1; }

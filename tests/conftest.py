@@ -6,12 +6,16 @@ import atexit
 import gc
 import os
 import sys
+from pathlib import Path
 
 import own_temporary_folder
 import pytest
 from hypothesis import settings
 
-own_temporary_folder.make()  # the folders' own conftest files import bpy
+IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
+
+# The folders' own conftest files import bpy. Workers have folders of their own: they write preferences at the same time.
+own_temporary_folder.make(anew=IS_WORKER)
 
 # The matrices are small: threads of BLAS would only wait for each other, at full load. What depends on their number sets it itself.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -26,6 +30,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--times-examples", type=int, default=1, metavar="N", help="N times the examples of each property, from random seeds")
     parser.addoption("--stress-seeds", type=int, default=2, metavar="N", help="random orders of operations in test_stress.py")
     parser.addoption("--stress-operations", type=int, default=300, metavar="N", help="operations in each of them")
+
+
+@pytest.fixture(scope="session")
+def shared_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same folder in all workers, for what is made once."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if IS_WORKER else own) / "shared"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

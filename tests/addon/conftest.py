@@ -96,9 +96,9 @@ def add_empty() -> Callable[..., Any]:
 
 
 @pytest.fixture(scope="session")
-def sample_files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sample_files(shared_folder: Path) -> Path:
     """The folder of samples that were built."""
-    return tmp_path_factory.mktemp("samples")
+    return shared_folder
 
 
 @pytest.fixture
@@ -111,7 +111,9 @@ def build(sample_files: Path) -> Callable[..., Any]:
             if not path.exists():
                 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
                 build_sample(name, count)
-                bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=False)  # opened again and again
+                made = path.with_stem(f"{name} {count} of {os.getpid()}")
+                bpy.ops.wm.save_as_mainfile(filepath=str(made), compress=False)  # opened again and again
+                made.replace(path)  # in one step: another worker may open it
             bpy.ops.wm.open_mainfile(filepath=str(path))
         return bpy.context.scene
 

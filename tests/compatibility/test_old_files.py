@@ -31,7 +31,7 @@ def files(tmp_path_factory):
 
 def each(name):
     """The parameter of a name, marked slow unless it is typical; left out where Blender is older than the file."""
-    is_of_blender_5 = "samples/" in name
+    is_of_blender_5 = "samples/" in name or name == "blends/00 every material"
     marks = [pytest.mark.skipif(is_of_blender_5 and not IS_NEW_ENOUGH, reason="a file of Blender 5")]
     if not name.startswith(compare.TYPICAL):
         marks.append(pytest.mark.slow)

@@ -12,11 +12,15 @@ MACHINES = tempfile.gettempdir()  # also for what is kept, or shared with other 
 _held = []
 
 
-def make() -> None:
-    """Make the folder, before ``bpy`` is imported. Where BLENDER_USER_RESOURCES is set, the process that started this one has made it."""
-    if "BLENDER_USER_RESOURCES" in os.environ:
+def make(anew: bool = False) -> None:
+    """Make the folder, before ``bpy`` is imported. Where BLENDER_USER_RESOURCES is set, the process that started this one has made it.
+
+    anew: make one all the same, beside that of the process that started this one.
+    """
+    if "BLENDER_USER_RESOURCES" in os.environ and not anew:
         return
-    folder = tempfile.TemporaryDirectory(prefix="haptic-tracing-", ignore_cleanup_errors=True)
+    beside = os.environ["PYTEST_DEBUG_TEMPROOT"] if anew else None  # in that one, names of sockets would become too long
+    folder = tempfile.TemporaryDirectory(prefix="haptic-tracing-", dir=beside, ignore_cleanup_errors=True)
     _held.append(folder)
     Path(folder.name).chmod(0o711)  # programs of other users, too, may be started there
     if os.name == "posix":
