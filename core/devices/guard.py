@@ -12,6 +12,7 @@ import itertools
 import json
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import threading
@@ -47,6 +48,8 @@ for count in range(1, len(names) + 1):
     sys.modules[module.__name__] = module
 importlib.import_module(package + ".core.devices.guard_process").main(program)
 """
+# Windows ends a tree of processes by following their parents: the guard's parent, which starts it with its own pipes, has ended by then.
+_LAUNCH = "import subprocess, sys; subprocess.Popen(sys.argv[2:], stdin=0, stdout=1, creationflags=int(sys.argv[1]))"
 _EXIT_SECONDS = 1.0
 _FULL = 0.002  # seconds after which a full pipe is tried again
 # Seconds without an answer after which the guard is killed, while a device is open and otherwise: starting it and searching take long.
@@ -55,17 +58,25 @@ _ANSWERS_WITHIN, _STARTS_WITHIN = 0.5, 10.0
 _OBSOLETE = {"send": ("expect",), **dict.fromkeys(("silence", "rest", "request_stop"), ("send", "expect"))}
 
 
-def start_process() -> subprocess.Popen[bytes]:
-    """Start the guard with the Python that runs this program (Blender's own, inside Blender). Raises OSError."""
+def start_process(by_launcher: bool = sys.platform == "win32") -> subprocess.Popen[bytes]:
+    """Start the guard with the Python that runs this program (Blender's own, inside Blender). Raises OSError.
+
+    by_launcher: it is the child of a process that ends at once. On Windows it leaves the job of the program if that permits it.
+    """
     paths = [str(Path(path).absolute()) for path in sys.path if path]
     what = json.dumps([paths, _PACKAGE, str(Path(__file__).parents[2]), os.getpid()])
-    return subprocess.Popen(
-        [sys.executable, "-I", "-S", "-c", _BOOT, what],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        start_new_session=True,
-        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "ABOVE_NORMAL_PRIORITY_CLASS", 0),
-    )
+    run = [sys.executable, "-I", "-S", "-c"]
+    flags = getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "ABOVE_NORMAL_PRIORITY_CLASS", 0)
+    command = [*run, _LAUNCH, str(flags), *run, _BOOT, what] if by_launcher else [*run, _BOOT, what]
+
+    def start(flags: int) -> subprocess.Popen[bytes]:
+        pipe = subprocess.PIPE
+        return subprocess.Popen(command, stdin=pipe, stdout=pipe, start_new_session=True, creationflags=flags)
+
+    try:
+        return start(flags | getattr(subprocess, "CREATE_BREAKAWAY_FROM_JOB", 0))
+    except PermissionError:
+        return start(flags)
 
 
 class Guard:
@@ -74,6 +85,7 @@ class Guard:
     def __init__(self) -> None:
         """Raises OSError if the process cannot be started."""
         self._process = _state.start()
+        self._pid = self._process.pid
         self._never_blocks = _never_blocks(self._process.stdin)
         self._condition = threading.Condition()
         # Guarded by _condition:
@@ -174,9 +186,9 @@ class Guard:
         """The thread that reads statuses."""
         try:
             while True:
-                statuses = pickle.load(self._process.stdout)
+                pid, statuses = pickle.load(self._process.stdout)
                 with self._condition:
-                    self._statuses, self._answered = statuses, True
+                    self._pid, self._statuses, self._answered = pid, statuses, True
                     self._closing = all(self._status(number).is_over for number in self._outputs)
                     self._condition.notify_all()
         except (EOFError, OSError, pickle.UnpicklingError):
@@ -197,7 +209,14 @@ class Guard:
                 silent, self._answered = 0 if self._answered else silent + 1, False
                 drives = any(status.state == "open" for status in self._statuses.values())
             if silent * ANSWER >= (_ANSWERS_WITHIN if drives else _STARTS_WITHIN):
-                self._process.kill()
+                self._kill()
+
+    def _kill(self) -> None:
+        if self._pid == self._process.pid:
+            self._process.kill()
+        else:
+            with suppress(OSError):  # it has just ended
+                os.kill(self._pid, getattr(signal, "SIGKILL", signal.SIGTERM))
 
 
 def _message(orders: Mapping[tuple[int, str], tuple[Any, ...]]) -> memoryview:

@@ -8,10 +8,10 @@ sent ahead are played.
 
 from __future__ import annotations
 
+import ctypes
 import os
 import pickle
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -25,6 +25,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .control_group import own_control_group
+from .liveness import liveness_of
 from .status import Output, Status, stop_together
 
 HEARTBEAT = 0.010
@@ -39,7 +40,6 @@ _URGENCY = 5
 
 Order = tuple[int, str, tuple[Any, ...]]
 """An output's number, the name of a method (or ``open`` or ``quieten``) and its arguments."""
-_CRASHES = sum(1 << member.value - 1 for member in signal.Signals if member.name in ("SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT"))
 
 
 class Service:
@@ -47,7 +47,8 @@ class Service:
 
     def __init__(self, orders: BinaryIO, statuses: BinaryIO, program: int) -> None:
         """orders, statuses: pipes from and to the program. program: its process id."""
-        self._orders, self._statuses, self._program = orders, statuses, program
+        self._orders, self._statuses = orders, statuses
+        self._program_runs = liveness_of(program)
         self._outputs: dict[int, Output] = {}
         self._failed: dict[int, Status] = {}
         self._quieting: list[threading.Thread] = []
@@ -109,14 +110,15 @@ class Service:
         silenced = 0.0
         while not self._ended.wait(_LOOK):
             heard = self._heard
-            if heard != silenced and time.perf_counter() - heard > _LATE and not is_running(self._program):
+            if heard != silenced and time.perf_counter() - heard > _LATE and not self._program_runs():
                 silenced = heard
                 for output in self._all():
                     output.silence()
 
     def _answer(self) -> None:
-        """Send the statuses of the outputs, which also tells the program that the guard works."""
-        pickle.dump({number: output.status for number, output in self._outputs.items()} | self._failed, self._statuses)
+        """Send the id of this process and the statuses of the outputs, which also tells the program that the guard works."""
+        statuses = {number: output.status for number, output in self._outputs.items()} | self._failed
+        pickle.dump((os.getpid(), statuses), self._statuses)
         self._statuses.flush()
 
     def _all(self) -> list[Output]:
@@ -157,31 +159,11 @@ def main(program: int) -> None:
     if hasattr(os, "nice"):
         with suppress(OSError):  # where this user may
             os.nice(-_URGENCY)
+    if sys.platform == "win32":  # Windows wakes threads up to 15.6 ms late
+        ctypes.WinDLL("winmm").timeBeginPeriod(1)
     with suppress(OSError):  # Linux wakes threads up to 50 us late, to save power
         Path("/proc/self/timerslack_ns").write_text("1")
     statuses = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no status
     with own_control_group():
         Service(os.fdopen(os.dup(0), "rb"), statuses, program).run()
-
-
-def is_running(process: int) -> bool:
-    """Whether a process runs, by its id. True if unknown; Windows has no stopped processes."""
-    if sys.platform.startswith("linux"):
-        return _runs_on_linux(process)
-    if sys.platform == "darwin":
-        state = subprocess.run(["/bin/ps", "-o", "state=", "-p", str(process)], capture_output=True, text=True).stdout
-        return state[:1] not in ("T", "Z", "")
-    return True
-
-
-def _runs_on_linux(process: int) -> bool:
-    """An exit is detected before the process is gone and its pipes are closed, which takes long if it frees much memory: it then has no
-    address space. In a crash, the main thread runs a handler with the signal blocked, or a core dump is announced."""
-    try:
-        lines = Path(f"/proc/{process}/status").read_text(encoding="ascii", errors="replace").splitlines()
-    except OSError:
-        return False
-    fields = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
-    crashing = fields.get("CoreDumping") == "1" or bool(int(fields.get("SigBlk", "0"), 16) & _CRASHES)
-    return fields.get("State", "R")[:1] not in "TtZX" and not crashing and "VmSize" in fields

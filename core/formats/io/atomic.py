@@ -1,4 +1,7 @@
-"""Writing a file, or several, in one step: complete or not at all. Several go into a hidden folder beside their target first."""
+"""Writing a file, or several, in one step: complete or not at all. Several go into a hidden folder beside their target first.
+
+Windows refuses to replace a file that another program has open. What was written then stays beside it.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import re
 import secrets
 import shutil
 import sys
+import time
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -25,6 +29,8 @@ else:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
+_OPEN_ELSEWHERE = (5, 32, 33)  # ERROR_ACCESS_DENIED, ERROR_SHARING_VIOLATION, ERROR_LOCK_VIOLATION
+_TRIES, _PAUSE = 10, 0.1  # indexers and virus scanners close a file within a second
 _NAME = re.compile(r"\.[0-9a-f]{16}\.part")
 _LOCK = "lock"
 
@@ -38,11 +44,38 @@ def lock(descriptor: int) -> bool:
     return True
 
 
+class WrittenBeside(OSError):
+    """A file could not be replaced, because another program has it open; the text says where the new one is."""
+
+
+def _replace(path: Path, target: Path) -> None:
+    """Move a file to ``target``, which it replaces. Raises OSError, if another program has that open only after some tries."""
+    for left in reversed(range(_TRIES)):
+        try:
+            path.replace(target)
+            return
+        except OSError as error:
+            if not (_is_open_elsewhere(error) and left):
+                raise
+        time.sleep(_PAUSE)
+
+
+def _is_open_elsewhere(error: OSError) -> bool:
+    return getattr(error, "winerror", None) in _OPEN_ELSEWHERE
+
+
+def _beside(path: Path) -> Path:
+    """A free name beside ``path``: "track (2).wav"."""
+    names = (path.with_name(f"{path.stem} ({number}){path.suffix}") for number in range(2, sys.maxsize))
+    return next(name for name in names if not name.exists())
+
+
 @contextmanager
 def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
     """A binary file that replaces ``path`` when the block ends without an error and is removed otherwise.
 
-    It is written beside ``path`` and synchronised to the disk, so that the last step is a rename within one file system.
+    It is written beside ``path`` and synchronised to the disk, so that the last step is a rename within one file system. Raises OSError;
+    `WrittenBeside` if the file is complete under another name.
     """
     path = Path(path)
     temporary = path.with_name(f".{secrets.token_hex(8)}.part")
@@ -53,8 +86,12 @@ def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
             yield file
             file.flush()
             os.fsync(file.fileno())
-        temporary.replace(path)
-    except BaseException:
+        _replace(temporary, path)
+    except BaseException as error:
+        if isinstance(error, OSError) and _is_open_elsewhere(error):
+            other = _beside(path)
+            temporary.replace(other)
+            raise WrittenBeside(f"{path} is open in another program: the new file is {other.name}, beside it") from None
         temporary.unlink()
         raise
 
@@ -83,10 +120,42 @@ class Staging:
         return [self._target / path.relative_to(self.folder) for path in files]
 
     def commit(self, files: Collection[Path]) -> None:
-        """Move the files to their places, in this order; each replaces an existing file."""
-        for path, target in zip(files, self.targets(files), strict=True):
-            target.parent.mkdir(parents=True, exist_ok=True)
-            path.replace(target)
+        """Move the files to their places, in this order; each replaces an existing file. If one can't be replaced, none is.
+
+        Raises OSError; `WrittenBeside` if the files are complete in a folder beside their places.
+        """
+        places = dict(zip(files, self.targets(files), strict=True))
+        before = {target: self.folder / f"before {number}" for number, target in enumerate(places.values()) if target.exists()}
+        for target, kept in before.items():
+            _keep(target, kept)
+        moved: list[Path] = []
+        try:
+            for path, target in places.items():
+                target.parent.mkdir(parents=True, exist_ok=True)
+                _replace(path, target)
+                moved.append(path)
+        except OSError as error:
+            for path in moved:
+                places[path].replace(path)
+            for target, kept in before.items():
+                if kept.exists() and not target.exists():
+                    kept.replace(target)
+            if _is_open_elsewhere(error):
+                other = _beside(places[next(iter(files))].with_suffix(""))
+                for path in files:
+                    place = other / path.relative_to(self.folder)
+                    place.parent.mkdir(parents=True, exist_ok=True)
+                    path.replace(place)
+                raise WrittenBeside(f"{target} is open in another program: nothing was replaced, the new files are in {other}") from None
+            raise
+
+
+def _keep(path: Path, kept: Path) -> None:
+    """Let a file be found under another name even after it is replaced."""
+    try:
+        os.link(path, kept)
+    except OSError:  # the file system has no links
+        shutil.copy2(path, kept)
 
 
 @contextmanager

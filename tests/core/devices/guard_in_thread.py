@@ -10,6 +10,7 @@ class GuardInThread:
     """In the place of the guard process."""
 
     def __init__(self):
+        self.pid = os.getpid()
         orders, self.stdin = (os.fdopen(end, mode) for end, mode in zip(os.pipe(), ("rb", "wb"), strict=True))
         self.stdout, statuses = (os.fdopen(end, mode) for end, mode in zip(os.pipe(), ("rb", "wb"), strict=True))
         self._thread = threading.Thread(target=self._run, args=(orders, statuses), name="haptics guard", daemon=True)

@@ -173,6 +173,13 @@ def test_a_guard_that_dies_or_hangs_is_replaced_and_the_devices_play_again(tmp_p
     assert all(found["stopped"]) and found["reopened"] < 2.0 and found["guards"] == 0
 
 
+def test_a_guard_outside_the_programs_tree_is_watched_as_well(tmp_path):
+    """The way in which Windows starts it."""
+    folder = tmp_path / "reports"
+    folder.mkdir()
+    assert scene(tmp_path, [DUALSENSE_USB], "launched", "dualsense", str(folder)) == [False, RELEASE.hex()] * 2
+
+
 def test_stop_all_with_a_hung_guard_reaches_the_devices(tmp_path):
     folder = tmp_path / "reports"
     folder.mkdir()

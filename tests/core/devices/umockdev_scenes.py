@@ -11,10 +11,12 @@ import sys
 import threading
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from haptic_tracing.command_line.devices import rumble_report
+from haptic_tracing.core.devices import guard
 from haptic_tracing.core.devices.connection import connected, hid_module, open_device
 from haptic_tracing.core.devices.families.registry import family
 from haptic_tracing.core.devices.guard import DeviceOutput, stop_all
@@ -318,6 +320,43 @@ def scene_stop_with_a_hung_guard(name, folder):
     done = stop_all(10.0)
     seconds, last = time.perf_counter() - begun, reports_of(folder, NODE.name)[-1][1]
     return {"done": done, "silent": output.is_silent, "seconds": seconds, "last": last.hex()}
+
+
+def scene_launched(name, folder):
+    """A guard that is started as on Windows: killed, then stopped, and what is left at the end."""
+    guard._state.start = partial(guard.start_process, by_launcher=True)
+
+    def fails(failure):
+        output = DeviceOutput(replace(profile(name), slew=10_000.0), hid=TimedHid(folder))
+        output.start()
+        wait_until(lambda: output.status.state == "open" and len(guards()) == 1)
+        (process,) = guards()
+        play(output, 0.3, 2, 200.0)
+        is_child = process in children()
+        os.kill(process, failure)
+        wait_until(lambda: output.is_silent)
+        return [is_child, reports_of(folder, NODE.name)[-1][1].hex()]
+
+    found = [*fails(signal.SIGKILL), *fails(signal.SIGSTOP)]
+    stop_all()
+    wait_until(lambda: not guards())
+    return found
+
+
+def guards():
+    """The guards of this process, wherever they are."""
+    return [
+        int(path.name)
+        for path in Path("/proc").iterdir()
+        if path.name.isdigit() and "guard_process" in command_of(path) and f"{os.getpid()}]" in command_of(path)
+    ]
+
+
+def command_of(process):
+    try:
+        return (process / "cmdline").read_text()
+    except OSError:
+        return ""
 
 
 def scene_program_pauses(name, folder):
