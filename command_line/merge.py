@@ -111,5 +111,5 @@ def _tracks(parts: Sequence[Part]) -> Tracks:
 def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> Heard:
     block = mixdown.render(before, frame.time, frame.sources, frame.listeners, frame.propagation)
     first = sample_index(frame.time if before is None else before, mixdown.sample_rate)
-    gains = arriving(frame.sources, frame.propagation)
-    return Heard(frame.number, frame.sources, frame.listeners, gains, block, first, mixdown.sample_rate)
+    amplitudes = arriving(frame.sources, frame.propagation)
+    return Heard(frame.number, frame.sources, frame.listeners, amplitudes, block, first, mixdown.sample_rate)

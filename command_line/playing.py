@@ -21,11 +21,11 @@ from ..core.scene.values import Source
 
 @dataclass(frozen=True, slots=True)
 class ImpactFelt:
-    """A temporary source at the frame where it began: its gains at the listeners, including its amplitude, and the objects of its best
-    paths."""
+    """A temporary source at the frame where it began: the amplitudes with which it arrives at the listeners, and the objects of its
+    best paths."""
 
     source: Source
-    gains: FloatArray
+    amplitudes: FloatArray
     paths: tuple[tuple[str, ...], ...]
 
 
@@ -48,7 +48,7 @@ class Played:
 
     def tracks(self) -> Tracks:
         """The samples with the impacts among them."""
-        felt = [(impact.source.onset - self.start, strengths(impact.source, impact.gains)) for impact in self.impacts]
+        felt = [(impact.source.onset - self.start, strengths(impact.source, impact.amplitudes)) for impact in self.impacts]
         listeners = (
             ListenerTrack(name, body_part, sorted_impacts((time, row[number]) for time, row in felt))
             for number, (name, body_part) in enumerate(zip(self.listeners, self.body_parts, strict=True))
@@ -101,6 +101,6 @@ def _new_impacts(result: FrameResult) -> list[ImpactFelt]:
     """The temporary sources that this frame began."""
     first = len(result.sources) - len(result.impacts)
     return [
-        ImpactFelt(result.sources[s], result.gains[s], tuple(result.path_objects(s, i) for i in range(len(result.listeners))))
+        ImpactFelt(result.sources[s], result.amplitudes[s], tuple(result.path_objects(s, i) for i in range(len(result.listeners))))
         for s in range(first, len(result.sources))
     ]

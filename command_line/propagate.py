@@ -6,7 +6,6 @@ import argparse
 import json
 import math
 import time
-from collections.abc import Sequence
 from typing import Any
 
 from ..core.formats.scene.modalities_json import modalities_from_dict
@@ -14,10 +13,11 @@ from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
 from ..core.modalities.propagation import Felt
 from ..core.propagation import Propagation, objects_on
+from ..core.render.arrival import levels_alone
 from ..core.render.frame_result import Sounding
 from ..core.render.masking import felt_sources
 from ..core.run_time import load
-from ..core.scene.values import Listener, Strategy
+from ..core.scene.values import HapticScene
 from . import warn_of_unknown
 
 
@@ -30,7 +30,6 @@ def run(args: argparse.Namespace) -> int:
     if "max_connections" in args:  # none is a value
         chosen["max_connections"] = args.max_connections
     scene = scene.with_settings(**chosen)
-    settings = scene.content.settings
     started = time.perf_counter()
     graph = scene.graph()
     built = time.perf_counter()
@@ -41,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     except ValueError as error:
         raise ValueError(f"{args.scene}: {error}") from None
     seconds = {"graph_seconds": built - started, "propagate_seconds": finished - built}
-    printed = report(graph, scene.content.listeners, result, settings.strategy, seconds)
+    printed = report(scene.content, graph, result, seconds)
     if args.felt:
         sounding = Sounding(0.0, scene.content.sources, scene.content.listeners, result)
         printed["felt"] = [part for column in range(len(scene.content.listeners)) for part in _who_is_felt(sounding, column)]
@@ -72,19 +71,22 @@ def felt_report(felt: Felt) -> dict[str, Any]:
     return {"unit": felt.modality.source_value.unit, "felt": values}
 
 
-def report(
-    graph: HapticGraph, listeners: Sequence[Listener], result: Propagation, strategy: Strategy, seconds: dict[str, float]
-) -> dict[str, Any]:
-    """The printed object: all pairs with gains including the source's amplitude; band gains (relative to the source, in the order of
-    `core.scene.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths if the scene uses them."""
+def report(scene: HapticScene, graph: HapticGraph, result: Propagation, seconds: dict[str, float]) -> dict[str, Any]:
+    """The printed object, with all pairs. ``gain`` includes the source's amplitude, ``path_gain`` does not; ``level`` [dB of full scale] is
+    the RMS of the first second that the listener would be played of this source alone, None for silence. Band gains (in the order of
+    `core.scene.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths if the scene uses them; these gains include
+    the amplitude."""
     pairs = []
+    played = levels_alone(scene.sources, scene.listeners, result)
     for row, source in enumerate(graph.sources):
-        for column, listener in enumerate(listeners):
+        for column, listener in enumerate(scene.listeners):
             paths = int(result.paths[row, column])
             pair: dict[str, Any] = {
                 "source": source.name,
                 "listener": listener.name,
                 "gain": source.amplitude * float(result.gain[row, column]),
+                "path_gain": float(result.gain[row, column]),
+                "level": level if (level := float(played[row, column])) > -math.inf else None,
                 "error_bound": source.amplitude * bound if (bound := float(result.error_bound[row, column])) < math.inf else None,
                 "limited": bool(result.limited[row, column]),
                 "silenced": bool(result.silenced[row, column]) or source.amplitude == 0 or listener.gain == 0,
@@ -100,4 +102,4 @@ def report(
     statistics: dict[str, Any] = {**seconds, **result.statistics}
     if result.warnings:
         statistics["warnings"] = [sentence(warning) for warning in result.warnings]
-    return {"gains": pairs, "strategy": strategy.value, "statistics": statistics}
+    return {"gains": pairs, "strategy": scene.settings.strategy.value, "statistics": statistics}

@@ -94,7 +94,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
 
 
 def print_gains(result: FrameResult) -> None:
-    """Print the table (source, listener, gain, dB, path) of a frame."""
+    """Print the table (source, listener, gain of the paths, dB, best path) of a frame."""
     rows = [
         (source.name, listener.name, *_gain_cells(float(result.gains[s, i])), " > ".join(result.path_objects(s, i)))
         for s, source in enumerate(result.sources)
@@ -117,16 +117,16 @@ def print_felt(result: FrameResult) -> None:
 
 
 def print_impacts(impacts: Sequence[ImpactFelt], listeners: Sequence[str]) -> None:
-    """Print the impacts, each with the listener of the largest gain."""
+    """Print the impacts, each with the listener at which it arrives with the largest amplitude."""
     if not impacts:
         return
     rows = []
     for impact in impacts:
-        i = int(impact.gains.argmax()) if len(listeners) else -1
-        felt = (listeners[i], *_gain_cells(float(impact.gains[i])), " > ".join(impact.paths[i])) if i >= 0 else ("", "", "", "")
+        i = int(impact.amplitudes.argmax()) if len(listeners) else -1
+        felt = (listeners[i], *_gain_cells(float(impact.amplitudes[i])), " > ".join(impact.paths[i])) if i >= 0 else ("", "", "", "")
         rows.append((f"{impact.source.onset:.3f} s", f"{impact.source.object} and {impact.source.second_object}", *felt))
     print("\nImpacts")
-    _print_table(("time", "objects", "felt most at", "gain", "dB", "best path"), rows)
+    _print_table(("time", "objects", "felt most at", "amplitude", "dB", "best path"), rows)
 
 
 def print_statistics(played: Played) -> None:

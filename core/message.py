@@ -24,7 +24,7 @@ class Cause(enum.Enum):
     LISTENER_GAIN = "the gain of '{listener}' is 0"
     NOT_RENDERED = "only this one frame was traced: play to feel what arrives"
     PAUSE = "'{source}' reaches it with a gain of {gain}, but is silent at this moment"
-    NOT_FELT = "'{source}' reaches it with a gain of {gain}; at {frequency} that is {margin} under the threshold of feeling"
+    NOT_FELT = "'{source}' reaches it with a gain of {gain}; the level of {level} is {margin} under the threshold of feeling at {frequency}"
     # Gaps between objects
     NO_CONTACT = "no contact leads from '{source}' on '{carrier}' to '{object}', which '{listener}' is on"
     GAP = "no contact leads from '{source}' to it: '{first}' and '{second}' are {distance} apart"
@@ -113,7 +113,7 @@ class Metres(float):
 
 
 class Decibels(float):
-    """A level or a loss."""
+    """A gain, a level or a loss."""
 
 
 class Hertz(float):

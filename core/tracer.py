@@ -87,7 +87,7 @@ class Tracer:
             propagation=propagation,
             sources=inputs.sources,
             listeners=frame.listeners,
-            gains=arriving(inputs.sources, propagation),
+            amplitudes=arriving(inputs.sources, propagation),
             impacts=collisions.impacts,
             block=block,
             first_sample=sample_index(self._start, self.sample_rate),

@@ -54,7 +54,7 @@ class ModeRendering:
         return replace(
             result,
             propagation=propagation,
-            gains=arriving(result.sources, propagation),
+            amplitudes=arriving(result.sources, propagation),
             block=block,
             warnings=propagation.warnings,
         )
@@ -78,7 +78,7 @@ class _Varied:
         self._soundings += _soundings({**results, Mode.HT: result})
 
     def ride(self, own: Ride) -> Ride:
-        """``own`` with the levels and gains of this rendering; its tracks stay those of the ride itself."""
+        """``own`` with the levels and amplitudes of this rendering; its tracks stay those of the ride itself."""
         rms, peak = self._levels.arrays()
         rendition = replace(own.renditions[Mode.HT], rms=rms, peak=peak)
         return replace(own, renditions={**own.renditions, Mode.HT: rendition}, soundings=tuple(self._soundings))
@@ -219,18 +219,18 @@ def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
                 began=began,
                 amplitude=source.amplitude,
                 distance=np.min([np.linalg.norm(places - side, axis=1) for side in _sides(source)], axis=0),
-                gains=np.array([_felt_gains(results[mode], row) for mode in MODES]),
+                amplitudes=np.array([_felt_amplitudes(results[mode], row) for mode in MODES]),
                 paths=tuple(traced.path_objects(row, k) for k in range(len(traced.listeners))) if began else (),
             )
         )
     return found
 
 
-def _felt_gains(result: FrameResult, row: int) -> FloatArray:
-    """The gains (l,) of a source, including its amplitude; those of frequency bands weighted by the felt share of its signal in each."""
+def _felt_amplitudes(result: FrameResult, row: int) -> FloatArray:
+    """The amplitudes (l,) with which a source arrives; those of frequency bands weighted by the felt share of its signal in each."""
     bands = result.propagation.band_gain
     if bands is None:
-        return np.asarray(result.gains[row])
+        return np.asarray(result.amplitudes[row])
     source = result.sources[row]
     assert source.signal is not None
     return np.asarray(source.amplitude * np.sqrt(bands[row] ** 2 @ felt_shares(source.signal)))

@@ -19,7 +19,7 @@ from .measures import ACTIVE, balance, dynamic_range, patterns, variety
 from .rendition import MODES, Ride, Sounding
 
 HT, SD, MD, MN = range(4)
-"""Rows of `Sounding.gains`."""
+"""Rows of `Sounding.amplitudes`."""
 
 SECTION_COUNT = 6
 MATERIALS = ("Stone", "Wood", "Ribbon")
@@ -69,17 +69,17 @@ def single_actuator(ride: Ride) -> Check:
     name, statement = "SD: one at a time", "A source drives a single actuator."
     if not ride.soundings:
         return Check.without_data(name, statement)
-    most = max(int((s.gains[SD] > 0).sum()) for s in ride.soundings)
+    most = max(int((s.amplitudes[SD] > 0).sum()) for s in ride.soundings)
     return Check(name, statement, f"at most {most} in {len(ride.soundings)} source frames", most == 1)
 
 
 def nearest_actuator(ride: Ride) -> Check:
     """SD drives the actuator nearest to the source."""
     name, statement = "SD: the nearest", "The driven actuator is the one nearest to the source."
-    driven = [s for s in ride.soundings if s.gains[SD].any()]
+    driven = [s for s in ride.soundings if s.amplitudes[SD].any()]
     if not driven:
         return Check.without_data(name, statement)
-    further = [float(s.distance[s.gains[SD].argmax()] - s.distance.min()) for s in driven]
+    further = [float(s.distance[s.amplitudes[SD].argmax()] - s.distance.min()) for s in driven]
     return Check(name, statement, f"never more than {max(further) * 1000:.3f} mm further than the nearest", max(further) < 1e-9)
 
 
@@ -101,30 +101,30 @@ def distance_only(ride: Ride) -> Check:
     worst = 0.0
     for s in ride.soundings:
         expected = s.amplitude * np.exp(-DISTANCE_ONLY.alpha * s.distance)
-        worst = max(worst, float(np.abs(s.gains[MD] / expected - 1).max()))
+        worst = max(worst, float(np.abs(s.amplitudes[MD] / expected - 1).max()))
     return Check(name, statement, f"largest relative error {worst:.1e}", worst <= ROUNDING)
 
 
-def wall_gains(ride: Ride) -> dict[str, FloatArray]:
-    """By wall, in the order of the ride: (4, l) the sum of the gains of its impacts at each listener, by `MODES`."""
+def wall_amplitudes(ride: Ride) -> dict[str, FloatArray]:
+    """By wall, in the order of the ride: (4, l) the sum of the amplitudes of its impacts at each listener, by `MODES`."""
     walls: dict[str, FloatArray] = {}
     for s in ride.soundings:
         for name in s.objects if s.began else ():
             if name.partition(" Wall ")[0] in MATERIALS:
-                walls[name] = walls.get(name, 0.0) + s.gains
+                walls[name] = walls.get(name, 0.0) + s.amplitudes
     return walls
 
 
 def walls_felt(ride: Ride, mode: int) -> dict[str, list[FloatArray]]:
-    """By material: gains (l,) of each wall in a mode."""
+    """By material: amplitudes (l,) of each wall in a mode."""
     felt: dict[str, list[FloatArray]] = {}
-    for name, gains in wall_gains(ride).items():
-        felt.setdefault(name.partition(" Wall ")[0], []).append(gains[mode])
+    for name, amplitudes in wall_amplitudes(ride).items():
+        felt.setdefault(name.partition(" Wall ")[0], []).append(amplitudes[mode])
     return felt
 
 
 def _difference(walls: Sequence[FloatArray]) -> float:
-    """The largest difference in decibels between gains (l,) of walls at an actuator; infinite if only some are felt there."""
+    """The largest difference in decibels between amplitudes (l,) of walls at an actuator; infinite if only some are felt there."""
     lowest, highest = np.min(walls, axis=0), np.max(walls, axis=0)
     with np.errstate(divide="ignore"):
         return float(20 * np.log10(highest[highest > 0] / lowest[highest > 0]).max(initial=0.0))
@@ -156,9 +156,9 @@ def differs_by_material(ride: Ride) -> Check:
         return Check.without_data(name, statement)
     within, between = _differences(felt)
     apart = _actuators_apart(felt)
-    means = ", ".join(f"{material.lower()} {np.mean([gains.mean() for gains in felt[material]]):.3f}" for material in MATERIALS)
+    means = ", ".join(f"{material.lower()} {np.mean([amplitudes.mean() for amplitudes in felt[material]]):.3f}" for material in MATERIALS)
     measured = (
-        f"mean gain {means}; at some actuator any two materials differ by {between:.1f} dB or more, "
+        f"mean amplitude {means}; at some actuator any two materials differ by {between:.1f} dB or more, "
         f"walls of one by {within:.2f} dB or less; "
         f"everybody feels the difference at {apart}"
     )
@@ -166,12 +166,12 @@ def differs_by_material(ride: Ride) -> Check:
 
 
 def alike_by_material(ride: Ride, mode: Mode) -> Check:
-    """In MD and MN all walls have the same gains."""
+    """In MD and MN all walls have the same amplitudes."""
     name, statement = f"{mode}: whatever the material", "All nine walls are felt alike."
     felt = walls_felt(ride, MODES.index(mode))
     if len(felt) < len(MATERIALS):
         return Check.without_data(name, statement)
-    difference = _difference([gains for group in felt.values() for gains in group])
+    difference = _difference([amplitudes for group in felt.values() for amplitudes in group])
     return Check(name, statement, f"largest difference between two walls at an actuator {difference:.2f} dB", are_felt_alike(difference))
 
 
@@ -192,8 +192,8 @@ def both_legs(ride: Ride) -> Check:
     if not falls:
         return Check.without_data(name, statement)
     legs = legs_of(ride)
-    difference = max(_difference([s.gains[HT][[legs[0]]], s.gains[HT][[legs[1]]]]) for s in falls)
-    silent = any(not s.gains[HT][legs].any() for s in falls)
+    difference = max(_difference([s.amplitudes[HT][[legs[0]]], s.amplitudes[HT][[legs[1]]]]) for s in falls)
+    silent = any(not s.amplitudes[HT][legs].any() for s in falls)
     ways = [s.paths[leg] for s in falls for leg in legs]
     through = sum(any(part.startswith(("Ground", "Bridge")) for part in way) for way in ways)
     measured = f"{len(falls)} stalactites; legs differ by {difference:.2f} dB or less; {through} of {len(ways)} paths by the ground"
@@ -206,7 +206,7 @@ def one_leg(ride: Ride) -> Check:
     falls = stalactites(ride)
     if not falls:
         return Check.without_data(name, statement)
-    most = max(int((s.gains[SD] > 0).sum()) for s in falls)
+    most = max(int((s.amplitudes[SD] > 0).sum()) for s in falls)
     return Check(name, statement, f"at most {most} actuator", most <= 1)
 
 
@@ -273,9 +273,9 @@ def has_pattern(ride: Ride, section: SectionFrames) -> Check:
     if not len(effects):
         return Check.without_data(name, statement)
     apart = 0
-    for gains in effects:
-        active = gains[gains > ACTIVE]
-        apart += len(active) < len(gains) or are_felt_different(_difference([active.min(keepdims=True), active.max(keepdims=True)]))
+    for amplitudes in effects:
+        active = amplitudes[amplitudes > ACTIVE]
+        apart += len(active) < len(amplitudes) or are_felt_different(_difference([active.min(keepdims=True), active.max(keepdims=True)]))
     return Check(name, statement, f"{apart} of {len(effects)} effects; {patterns(effects):.2f} bits of patterns", apart > 0)
 
 

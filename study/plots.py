@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..core.scene.values import Mode
-from .checks import MATERIALS, shock_rows, stalactites, wall_gains
+from .checks import MATERIALS, shock_rows, stalactites, wall_amplitudes
 from .measures import active_count, balance, dynamic_range, patterns, spatial_spread, spectrogram, variety
 from .rendition import MODES, TITLES, Ride
 
@@ -34,7 +34,7 @@ def plots(ride: Ride) -> Iterator[tuple[str, str, bytes]]:
     yield "Spectrogram", "All actuators together; decibels of a full-scale sine.", _spectrograms(ride)
     if shock_rows(ride) is not None:
         yield "Shock wave", "From left (-1) to right (+1) while the shock wave passes.", _shock_wave(ride)
-    if wall_gains(ride):
+    if wall_amplitudes(ride):
         yield "Walls", "What is felt of the impacts with each wall: mean over the actuators, and at each actuator.", _walls(ride)
     if stalactites(ride):
         yield "Stalactites", "Gain at the upper legs of each stalactite that strikes the ground.", _stalactites(ride)
@@ -147,7 +147,7 @@ def _shock_wave(ride: Ride) -> bytes:
 
 
 def _walls(ride: Ride) -> bytes:
-    walls = wall_gains(ride)
+    walls = wall_amplitudes(ride)
     names = [f"{material} Wall {number}" for material in MATERIALS for number in (1, 2, 3)]
     present = [name for name in names if name in walls]
     figure, axes = _figure(2, 5.6, gridspec_kw={"height_ratios": [1, 1.3]})
@@ -155,7 +155,7 @@ def _walls(ride: Ride) -> bytes:
         values = [walls[name][number].mean() for name in present]
         axes[0].bar(np.arange(len(present)) + 0.2 * (number - 1.5), values, 0.2, color=COLOURS[mode], label=str(mode))
     axes[0].set_xticks(range(len(present)), [name.replace(" Wall", "") for name in present])
-    axes[0].set(ylabel="mean gain")
+    axes[0].set(ylabel="mean amplitude")
     axes[0].legend(ncols=4, fontsize=8, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)
     _plain(axes[0])
     shown = np.concatenate([[walls[name][number] for name in present] for number in range(4)]).T
@@ -165,7 +165,7 @@ def _walls(ride: Ride) -> bytes:
     axes[1].set_xticks(ticks, [f"{mode}: {len(present)} walls" for mode in MODES])
     for k in range(1, 4):
         axes[1].axvline(len(present) * k - 0.5, color="white", linewidth=1.5)
-    figure.colorbar(image, ax=axes[1], label="gain", pad=0.01, fraction=0.03)
+    figure.colorbar(image, ax=axes[1], label="amplitude", pad=0.01, fraction=0.03)
     return _png(figure)
 
 
@@ -175,12 +175,12 @@ def _stalactites(ride: Ride) -> bytes:
     for axis, side in zip(axes, "LR", strict=True):
         column = ride.listeners.index(f"upper_leg.{side}")
         for number, mode in enumerate(MODES):
-            values = [fall.gains[number][column] for fall in falls]
+            values = [fall.amplitudes[number][column] for fall in falls]
             axis.bar(np.arange(len(falls)) + 0.2 * (number - 1.5), values, 0.2, color=COLOURS[mode], label=str(mode))
         numbers = [next(name for name in fall.objects if name.startswith("Stalactite")).split(" ")[1] for fall in falls]
         axis.set_xticks(range(len(falls)), numbers, fontsize=7)
         axis.set_title(f"{'left' if side == 'L' else 'right'} leg", fontsize=9)
         _plain(axis)
-    axes[0].set(ylabel="gain, amplitude included")
+    axes[0].set(ylabel="amplitude that arrives")
     axes[1].legend(ncols=4, fontsize=8, frameon=False)
     return _png(figure)

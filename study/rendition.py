@@ -27,7 +27,7 @@ class Sounding:
     """An active source in a frame.
 
     ``objects``: the one it is on, or the two that struck each other. ``began``: it is temporary, and this is its first frame.
-    ``distance`` (l,) in metres, straight from its nearer side. ``gains`` (4, l) by `MODES`, amplitude included. ``paths``: objects of the
+    ``distance`` (l,) in metres, straight from its nearer side. ``amplitudes`` (4, l) that arrive, by `MODES`. ``paths``: objects of the
     best path in HT to each listener, where it began, else empty.
     """
 
@@ -37,7 +37,7 @@ class Sounding:
     began: bool
     amplitude: float
     distance: FloatArray
-    gains: FloatArray
+    amplitudes: FloatArray
     paths: tuple[tuple[str, ...], ...]
 
     @property
@@ -86,5 +86,7 @@ class Ride:
         """Gains (e, l), amplitudes included, of consecutive effects: every impact at its beginning, every other source once per second."""
         each = round(self.frame_rate)
         number = MODES.index(mode)
-        rows = [s.gains[number] for s in self.soundings if first <= s.frame <= last and (s.began or (s.persists and s.frame % each == 0))]
+        rows = [
+            s.amplitudes[number] for s in self.soundings if first <= s.frame <= last and (s.began or (s.persists and s.frame % each == 0))
+        ]
         return np.array(rows, dtype=np.float64).reshape(-1, len(self.listeners))

@@ -67,7 +67,7 @@ def write_numbers(path: Path, ride: Ride, checks: Sequence[Check], rides: Mappin
                 "frame": s.frame,
                 "objects": list(s.objects),
                 "amplitude": s.amplitude,
-                "gains": {str(mode): s.gains[number].round(6).tolist() for number, mode in enumerate(MODES)},
+                "amplitudes": {str(mode): s.amplitudes[number].round(6).tolist() for number, mode in enumerate(MODES)},
             }
             for s in ride.soundings
             if s.began

@@ -45,7 +45,7 @@ def sensations(ride: Ride) -> list[tuple[str, FloatArray]]:
 
 def walls_apart(ride: Ride) -> list[tuple[str, FloatArray]]:
     """For each two kinds of walls, at every listener (l,) by how many decibels the first is felt more in HT; () without walls of both."""
-    felt = {name: np.mean(gains, axis=0) for name, gains in walls_felt(ride, HT).items()}
+    felt = {name: np.mean(amplitudes, axis=0) for name, amplitudes in walls_felt(ride, HT).items()}
     with np.errstate(divide="ignore", invalid="ignore"):
         return [(f"{one} and {other}", 20 * np.log10(felt[one] / felt[other])) for one, other in itertools.combinations(felt, 2)]
 

@@ -164,7 +164,7 @@ class HapticTrack:
             propagation=Propagation.of_gains(gains),
             sources=sources,
             listeners=listeners,
-            gains=gains,
+            amplitudes=gains,
             impacts=(),
             block=self.samples[:, first:last].astype(np.float64) / FULL_SCALE if last > first else None,
             first_sample=self.first_sample + first,
@@ -331,11 +331,11 @@ class TrackRecorder:
                 self._first_sample = result.first_sample
             self._blocks.append(as_integers(result.block))
         self._places.append([listener.position for listener in result.listeners])
-        for source, gains in zip(result.sources, result.gains, strict=True):
+        for source, amplitudes in zip(result.sources, result.amplitudes, strict=True):
             struck = (None, 0.0) if source.rubs else (source.second_object, source.onset)
             item = TrackSource(source.name, source.object, *struck)
             number = self._numbers.setdefault(item, len(self._numbers))
-            self._rows.append((number, source.amplitude, source.position, gains.astype(np.float32)))
+            self._rows.append((number, source.amplitude, source.position, amplitudes.astype(np.float32)))
         self._row_counts.append(len(result.sources))
 
     def track(self, digest: Mapping[str, Any], frame_duration: float) -> HapticTrack:

@@ -114,7 +114,7 @@ def felt_within(result: FrameResult, names: Collection[str]) -> FrameResult:
     return replace(
         result,
         listeners=tuple(result.listeners[i] for i in rows),
-        gains=result.gains[:, rows],
+        amplitudes=result.amplitudes[:, rows],
         block=None if result.block is None else result.block[rows],
     )
 

@@ -197,7 +197,7 @@ def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:
     tones = [_tone(source.signal) for source in result.sources]
     bands = {}
     for row, listener in enumerate(result.listeners):
-        heard = [tone for tone, gain in zip(tones, result.gains[:, row].tolist(), strict=True) if gain > 0]
+        heard = [tone for tone, gain in zip(tones, result.amplitudes[:, row].tolist(), strict=True) if gain > 0]
         if heard and None not in heard:
             values = np.concatenate([f.values if isinstance(f, Automation) else [f] for f in (tone.frequency for tone in heard if tone)])
             bands[listener.name] = float(values.min()), float(values.max())

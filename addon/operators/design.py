@@ -74,7 +74,7 @@ def _raise(listener: Any, traced: sessions.Traced, index: int, missing: float) -
         return False
     factor, result = 10 ** (missing / 20), traced.result
     owners = [(listener, "gain")]
-    strongest = bpy.data.objects.get(result.sources[int(np.argmax(result.gains[:, index]))].name)
+    strongest = bpy.data.objects.get(result.sources[int(np.argmax(result.amplitudes[:, index]))].name)
     if strongest is not None and is_editable(strongest) and strongest.haptics.source.enabled:
         owners.append((strongest.haptics.source, "amplitude"))
     is_raised = False

@@ -93,7 +93,7 @@ class HAPTIC_OT_graph_to_geometry(Edit, Operator):
         "In Front", "Bring the graph close to the camera, so that objects do not hide it. It looks right from where the camera is now", True
     )
     thickness: number("Thickness", "How thick lines and symbols are", 1.0, (0.01, 5.0), soft_min=0.2)
-    labels: switch("Labels", "Add names and gains, and the legend where there is a camera", True)
+    labels: switch("Labels", "Add names and amplitudes, and the legend where there is a camera", True)
 
     @classmethod
     def poll(cls, context: Context) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from typing import TYPE_CHECKING
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, UILayout
@@ -16,6 +16,9 @@ from ..view import explanation, levels, paths, watched
 from .cures import draw_cure
 from .drawing import draw_level, select_button
 from .texts import draw_sentence, source_title
+
+if TYPE_CHECKING:
+    from ...core.diagnosis.waterfall import Waterfall
 
 
 def draw_progress(layout: UILayout, context: Context) -> None:
@@ -43,8 +46,8 @@ def draw_answer(layout: UILayout, context: Context) -> bool:
         row.operator("haptic.bake", text="Bake Again", icon="REC")
     _draw_level(box, level)
     path = paths.path_of(scene)
-    if path is not None and path.value is not None and path.value.listener == name:
-        _draw_origin(box, path.value)
+    if path is not None and path.value is not None and path.value.fall.listener == name:
+        _draw_origin(box, path.value.fall)
     if not level.is_felt:
         _draw_reasons(box, context, name)
     return True
@@ -62,12 +65,12 @@ def _draw_level(layout: UILayout, level: levels.Level) -> None:
         layout.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
 
 
-def _draw_origin(layout: UILayout, path: paths.ListenerPath) -> None:
-    """Draw the strongest source, its gain, and the objects on its path."""
+def _draw_origin(layout: UILayout, path: Waterfall) -> None:
+    """Draw the strongest source, the gain from it, and the objects on its path."""
     split = layout.split(factor=0.6)
     name = path.source.name if path.source.second_object is None else path.source.object
     select_button(split, name, source_title(path.source, 0.6), icon="OUTLINER_OB_FORCE_FIELD", emboss=False)
-    split.label(text=iface_("Gain {}").format(levels.decibels(20 * math.log10(path.gain))), translate=False)
+    split.label(text=iface_("Gain {}").format(levels.decibels(path.gain)), translate=False)
     if path.hops:
         draw_sentence(layout, iface_("through {}").format(written(Chain(hop.object for hop in path.hops))))
 

@@ -58,7 +58,7 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
         return Hint(iface_("Select what feels: an object, or a body"), listeners)
     if is_playing:
         return Hint(_playing(traced.result.sources))
-    if traced.result.sources and not traced.result.gains.any():
+    if traced.result.sources and not traced.result.amplitudes.any():
         return None  # the summary shows the reason and the remedy
     return Hint(iface_("Press play"), (("screen.animation_play", "PLAY"),))
 

@@ -9,7 +9,6 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Header, Panel, UILayout
 
-from ...core.message import Metres, written
 from ...core.scene.choices import Mode
 from ..bake import playback
 from ..blender.time import is_playing
@@ -131,37 +130,40 @@ class HAPTIC_PT_path(HapticsPanel, Panel):
         if traced is None or latest is None or latest.value is None:
             layout.label(text="Nothing reaches a listener" if latest is not None else "Nothing traced yet")
             return
-        path = latest.value
+        path = latest.value.fall
         column = layout.column(align=True)
         column.scale_y = 0.85
         column.label(text=source_title(path.source), icon="OUTLINER_OB_FORCE_FIELD", translate=False)
         column.label(text=fitted(path.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False)
-        if not path.hops:
-            baked = playback.is_from_track(traced.result)
-            layout.label(text="Stop the timeline to see the path" if baked else "This mode ignores objects and paths")
+        draw_pair(column, "Gain", levels.change_words(path.gain))
+        if path.hops:
+            layout.prop(context.scene.haptics.meters, "sort_path", toggle=True)
+        elif playback.is_from_track(traced.result):
+            layout.label(text="Stop the timeline to see the path")
             return
-        layout.prop(context.scene.haptics.meters, "sort_path", toggle=True)
-        _draw_hops(layout, context, path)
+        else:
+            layout.label(text="This mode ignores objects and paths")
+        _draw_rows(layout, context, paths.rows(latest.value, context.scene.haptics.meters.sort_path))
 
 
-def _draw_hops(layout: UILayout, context: Context, path: paths.ListenerPath) -> None:
-    """A row per object: a button that selects it, its distance and its loss; the active object's row is pressed."""
+def _draw_rows(layout: UILayout, context: Context, rows: list[paths.Row]) -> None:
+    """The table of a path: an object has a button that selects it, pressed for the active one, and its distance; a line precedes a sum."""
     active = context.object.name_full if context.object is not None else ""
-    hops = sorted(path.hops, key=lambda hop: -hop.loss) if context.scene.haptics.meters.sort_path else path.hops
     column = layout.column(align=True)
-    for cell, title in zip(_columns(column), (iface_("Object"), iface_("Distance"), iface_("Loss")), strict=True):
-        cell.label(text=title, translate=False)
-    for hop in hops:
-        name, distance, loss = _columns(column)
-        select_button(name, hop.object, fitted(hop.object, _OBJECTS, button=True), depress=hop.object == active)
-        distance.label(text=written(Metres(hop.distance)), translate=False)
-        loss.label(text=f"{hop.loss:.1f} dB", translate=False)
-    draw_pair(column, "Gain of the best path", levels.decibels(path.best_gain))
-    draw_pair(column, "Gain of all paths", levels.decibels(20 * math.log10(path.gain)))
+    for row in rows:
+        if row.is_sum:
+            column.separator(type="LINE")
+        if row.is_object:
+            name, distance, change = _columns(column)
+            select_button(name, row.name, fitted(row.name, _OBJECTS, button=True), depress=row.name == active)
+            distance.label(text=row.distance, translate=False)
+            change.label(text=levels.change_words(row.decibels), translate=False)
+        else:
+            draw_pair(column, row.name, levels.change_words(row.decibels), 0.7)
 
 
 def _columns(layout: UILayout) -> tuple[UILayout, UILayout, UILayout]:
-    """Cells of a row of the path: object, distance, loss."""
+    """Cells of an object of the path: name, distance, decibels."""
     split = layout.split(factor=_OBJECTS)
     rest = split.column()
     cells = split.split(factor=0.5)
@@ -216,7 +218,7 @@ class HAPTIC_PT_comparison(ClosedPanel, Panel):
             layout.label(text="This frame was not traced:", icon="INFO")
             layout.label(text="switch off Play Baked Track", icon="BLANK1")
             return
-        gains = comparison.compared(scene)
+        amplitudes = comparison.compared(scene)
         grid = layout.grid_flow(row_major=True, columns=1 + len(Mode), even_columns=False, align=True)
         grid.label(text="")
         for mode in Mode:
@@ -224,9 +226,9 @@ class HAPTIC_PT_comparison(ClosedPanel, Panel):
         for index, listener in enumerate(result.listeners):
             grid.label(text=fitted(listener.name, 0.3), translate=False)
             for mode in Mode:
-                grid.label(text=_gain_text(gains[mode].value, index) if mode in gains else "...")
-        layout.label(text="Gain of the strongest source in dB")
-        if len(gains) < len(Mode) or not all(latest.is_current for latest in gains.values()):
+                grid.label(text=_amplitude_text(amplitudes[mode].value, index) if mode in amplitudes else "...")
+        layout.label(text="Amplitude of the strongest source in dB")
+        if len(amplitudes) < len(Mode) or not all(latest.is_current for latest in amplitudes.values()):
             layout.label(text="Comparing...", icon="SORTTIME")
 
 
@@ -256,10 +258,10 @@ def draw_lane_switch(self: Header, context: Context) -> None:
         self.layout.prop(context.scene.haptics.meters, "show_lane", text="", icon="FORCE_HARMONIC")
 
 
-def _gain_text(gains: FloatArray, index: int) -> str:
-    """The gain of a listener in whole decibels; a dash if nothing reaches it, or if it is not in the frame."""
-    gain = float(gains[index]) if index < len(gains) else 0.0
-    return f"{20 * math.log10(gain):.0f}" if gain > 0 else "\N{EM DASH}"
+def _amplitude_text(amplitudes: FloatArray, index: int) -> str:
+    """The amplitude that arrives at a listener in whole decibels; a dash if nothing does, or if it is not in the frame."""
+    amplitude = float(amplitudes[index]) if index < len(amplitudes) else 0.0
+    return f"{20 * math.log10(amplitude):.0f}" if amplitude > 0 else "\N{EM DASH}"
 
 
 def _draw_level(layout: UILayout, level: levels.Level) -> None:
@@ -282,8 +284,10 @@ def _draw_switches(layout: UILayout, name: str, role: str) -> None:
 
 def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
     """Draw the strongest sources that reach a listener."""
-    gains = sorted(((float(result.gains[s, index]), source) for s, source in enumerate(result.sources)), key=lambda g: (-g[0], g[1].name))
-    felt = [(gain, source) for gain, source in gains if gain > 0]
+    strongest = sorted(
+        zip(result.amplitudes[:, index], result.gains[:, index], result.sources, strict=True), key=lambda g: (-g[0], g[2].name)
+    )
+    felt = [(float(gain), source) for amplitude, gain, source in strongest if amplitude > 0]
     column = layout.box().column(align=True)
     column.scale_y = 0.8
     if felt:

@@ -117,7 +117,7 @@ class HapticSceneProperties(Imported, PropertyGroup):
     show_overlay: switch("Overlay", "Draw the haptic graph over the 3D viewport", True, update=view_changed)
     show_intra: switch("Connections", "Draw the connections inside objects that carry signal", True, update=view_changed)
     show_best_paths: switch("Best Paths", "Mark the best path from each source to each listener", True, update=view_changed)
-    show_labels: switch("Labels", "Write names and gains beside sources and listeners", True, update=view_changed)
+    show_labels: switch("Labels", "Write names and amplitudes beside sources and listeners", True, update=view_changed)
     show_flow: switch(
         "Signal Flow",
         "Pulses run along the best paths while the timeline plays; not their real speed, which the eye could not follow",

@@ -12,7 +12,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
 from ..blender.text import Measure
-from .colour_map import STEPS, GainScale, colour_table, decibel_text
+from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
 from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, RenderData, Shape
@@ -55,9 +55,9 @@ def placed_annotations(
 
 
 def label_text(label: Label) -> str:
-    """The gain of a label as text: "−12.4 dB"; in words if it is 0."""
-    if label.gain > 0:
-        return decibel_text(label.gain)
+    """The amplitude of a label as text: "−12.4 dB"; in words if it is 0."""
+    if label.amplitude > 0:
+        return decibel_text(label.amplitude)
     return iface_("not reached") if label.is_listener else iface_("silent")
 
 
@@ -112,7 +112,7 @@ def _placed_legend(data: RenderData, free: Rectangle, scale: float, measure: Mea
     names = tuple(iface_(name) for name in NAMES.values())
     margin = _MARGIN * scale
     for some in dict.fromkeys((shapes, ())):
-        legend = _legend(data.scale, iface_("Gain"), some, names, scale, measure)
+        legend = _legend(data.scale, iface_("Amplitude"), some, names, scale, measure)
         ((_, _, width, height),) = legend.bounds
         left = round(free[0] + margin if at_left else free[2] - margin - width)
         bottoms = [free[1], *(top for _, _, _, top in occupied)]
@@ -131,8 +131,10 @@ def _legend_width(names: Sequence[str], scale: float, measure: Measure) -> float
 
 
 @lru_cache(maxsize=16)
-def _legend(gains: GainScale, title: str, shapes: tuple[Shape, ...], names: tuple[str, ...], scale: float, measure: Measure) -> Hud:
-    """The legend, its lower left corner at the origin: ``shapes`` with their names, and the colours of gains; a small one without shapes.
+def _legend(
+    amplitudes: AmplitudeScale, title: str, shapes: tuple[Shape, ...], names: tuple[str, ...], scale: float, measure: Measure
+) -> Hud:
+    """The legend, its lower left corner at the origin: ``shapes`` with their names, and the colours of amplitudes; small without shapes.
     ``names``: of all shapes."""
     builder = HudBuilder(scale)
     width = _legend_width(names, scale, measure) if shapes else _SMALL_WIDTH * scale
@@ -146,11 +148,11 @@ def _legend(gains: GainScale, title: str, shapes: tuple[Shape, ...], names: tupl
         builder.symbol((x + (_SYMBOL_WIDTH / 2 - 2) * scale, base + 4 * scale), shape, 8.0 if shape == Shape.CONTACT else 17.0, colour)
         builder.text(name, (x + _SYMBOL_WIDTH * scale, base), INK)
         x += (_SYMBOL_WIDTH + _NAME_GAP) * scale + measure(name, TEXT_SIZE * scale)
-    _add_colours(builder, gains, title, width, gains.ticks() if shapes else gains.ticks()[:1], measure)
+    _add_colours(builder, amplitudes, title, width, amplitudes.ticks() if shapes else amplitudes.ticks()[:1], measure)
     return builder.build()
 
 
-def _add_colours(builder: HudBuilder, gains: GainScale, title: str, width: float, ticks: Sequence[int], measure: Measure) -> None:
+def _add_colours(builder: HudBuilder, amplitudes: AmplitudeScale, title: str, width: float, ticks: Sequence[int], measure: Measure) -> None:
     """The colours from the floor to 0 dB across a legend of ``width`` pixels, ``ticks`` [dB] below and ``title`` above."""
     scale, parts = builder.scale, 32
     left, bottom, height = _LEGEND_PADDING * scale, _BAR_BOTTOM * scale, _BAR_HEIGHT * scale
@@ -163,7 +165,7 @@ def _add_colours(builder: HudBuilder, gains: GainScale, title: str, width: float
     size = SMALL_TEXT * scale
     builder.text(title, (left, bottom + height + 6 * scale), FAINT_INK, SMALL_TEXT)
     for tick in dict.fromkeys((*ticks, 0)):
-        x = left + (1 - tick / gains.floor) * width
+        x = left + (1 - tick / amplitudes.floor) * width
         builder.plate((x - 0.5 * scale, bottom - 4 * scale), (x + 0.5 * scale, bottom), (*FAINT_INK, 1), 0.0)
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0 dB"
         text_width = measure(words, size)

@@ -1,9 +1,9 @@
-"""A perceptually uniform colour map for gains, and its scale in decibels.
+"""A perceptually uniform colour map for amplitudes, and its scale in decibels.
 
-Lightness rises evenly from blue-violet to yellow, so that the order of gains is seen by colour-blind people and in grey print. The hues
-are those of viridis, by Stéfan van der Walt and Nathaniel Smith for matplotlib, dedicated to the public domain (CC0); they start lighter,
-because the viewport is dark. Colours are interpolated in Oklab (Björn Ottosson, "A perceptual color space for image processing", 2020);
-`tests/references/oklab.py` computes the table.
+Lightness rises evenly from blue-violet to yellow, so that the order of amplitudes is seen by colour-blind people and in grey print. The
+hues are those of viridis, by Stéfan van der Walt and Nathaniel Smith for matplotlib, dedicated to the public domain (CC0); they start
+lighter, because the viewport is dark. Colours are interpolated in Oklab (Björn Ottosson, "A perceptual color space for image processing",
+2020); `tests/references/oklab.py` computes the table.
 """
 
 from __future__ import annotations
@@ -40,30 +40,30 @@ def colour_table() -> FloatArray:
     return table
 
 
-def decibels(gain: FloatArray) -> FloatArray:
-    """20 log10 of gains; minus infinity for 0."""
+def decibels(amplitude: FloatArray) -> FloatArray:
+    """20 log10 of amplitudes; minus infinity for 0."""
     with np.errstate(divide="ignore"):
-        return np.asarray(20 * np.log10(gain))
+        return np.asarray(20 * np.log10(amplitude))
 
 
 @dataclass(frozen=True, slots=True)
-class GainScale:
-    """Colours from ``floor`` [dB, negative] to 0 dB; weaker gains have the first colour, stronger ones the last."""
+class AmplitudeScale:
+    """Colours from ``floor`` [dB, negative] to 0 dB; weaker amplitudes have the first colour, stronger ones the last."""
 
     floor: float
 
     @classmethod
-    def of_threshold(cls, threshold: float) -> GainScale:
+    def of_threshold(cls, threshold: float) -> AmplitudeScale:
         """From the threshold of propagation to 0 dB; 60 dB without a threshold, at least 10 dB."""
         return cls(min(-10.0, max(-120.0, round(20 * math.log10(threshold), 3))) if threshold > 0 else -60.0)
 
-    def place(self, gain: FloatArray) -> FloatArray:
-        """Place of gains on the scale, 0 to 1."""
-        return np.clip(1 - decibels(np.maximum(gain, 1e-300)) / self.floor, 0.0, 1.0)
+    def place(self, amplitude: FloatArray) -> FloatArray:
+        """Place of amplitudes on the scale, 0 to 1."""
+        return np.clip(1 - decibels(np.maximum(amplitude, 1e-300)) / self.floor, 0.0, 1.0)
 
-    def colour(self, gain: FloatArray) -> FloatArray:
-        """(..., 3) display values of gains."""
-        return colour_table()[np.rint(self.place(gain) * (STEPS - 1)).astype(np.int64)]
+    def colour(self, amplitude: FloatArray) -> FloatArray:
+        """(..., 3) display values of amplitudes."""
+        return colour_table()[np.rint(self.place(amplitude) * (STEPS - 1)).astype(np.int64)]
 
     def ticks(self) -> tuple[int, ...]:
         """Round values in dB for a legend, 3 to 7 of them, ascending to 0."""
@@ -71,11 +71,11 @@ class GainScale:
         return tuple(range(-step * int(-self.floor // step), 1, step))
 
 
-def decibel_text(gain: float) -> str:
-    """A gain as a designer reads it: "−12.4 dB", or "silent" for 0."""
-    if gain <= 0:
+def decibel_text(amplitude: float) -> str:
+    """An amplitude as a designer reads it: "−12.4 dB", or "silent" for 0."""
+    if amplitude <= 0:
         return iface_("silent")
-    value = round(20 * math.log10(gain), 1)
+    value = round(20 * math.log10(amplitude), 1)
     if value == 0:
         return "0 dB"
     return f"+{value:.1f} dB" if value > 0 else f"\N{MINUS SIGN}{-value:.1f} dB"

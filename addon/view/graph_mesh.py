@@ -23,7 +23,7 @@ from .render_data import Label, render_data
 from .solids import Solid, extent_unit, flat, seen_unit, solid_graph
 
 NAME = "Haptic Graph"
-COLOUR_ATTRIBUTE = "Gain"
+COLOUR_ATTRIBUTE = "Amplitude"
 _MARK = "haptic_graph"
 _FRONT = 4.0  # distance of the nearest part of a graph in front, in near clipping distances of the camera
 
@@ -36,7 +36,7 @@ def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, 
         result: Its traced frame.
         thickness: Factor of lines and symbols.
         in_front: Whether the graph is brought close to the camera.
-        labels: Whether names, gains and the legend are added.
+        labels: Whether names, amplitudes and the legend are added.
 
     Returns:
         The mesh object and its collection.

@@ -87,7 +87,7 @@ def _add_impacts(waves: Waves, result: FrameResult, frames: _Range) -> None:
     """Add the impacts that began in a frame."""
     start = result.first_sample / result.sample_rate
     begun = [k for k, item in enumerate(result.sources) if item.kind is SourceKind.TEMPORARY and start <= item.onset < result.time]
-    waves.add_impacts(frames.first + np.array([result.sources[k].onset for k in begun]) / frames.seconds, result.gains[begun])
+    waves.add_impacts(frames.first + np.array([result.sources[k].onset for k in begun]) / frames.seconds, result.amplitudes[begun])
 
 
 _LAST_KEPT: Derived[_Range, int] = Derived(_keep, every_frame=True, hears=True)

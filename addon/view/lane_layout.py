@@ -12,7 +12,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ...core.arrays import BoolArray, FloatArray
 from ...core.render.waves import FULL_SCALE, Columns, Waves
 from ..blender.text import Measure, shortened
-from .colour_map import GainScale
+from .colour_map import AmplitudeScale
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
 from .levels import FLOOR
 from .render_data import Drawn, Points, Shape, points_of
@@ -106,7 +106,7 @@ def impacts(rows: Sequence[Row], waves: Waves, numbers: Sequence[int], edges: Fl
     strongest[:-1] = (np.diff(slot[order]) != 0) | (np.diff(who[order]) != 0)
     place, who, gain = place[order][strongest], who[order][strongest], gain[order][strongest]
     middle, half = _places(rows)
-    strengths = GainScale(FLOOR)
+    strengths = AmplitudeScale(FLOOR)
     size = np.minimum(6.0 + 12.0 * strengths.place(gain), 2 * half[who, 0] / scale + 3.0)
     position = np.column_stack([x[place], middle[who, 0], np.zeros(len(place))])
     return points_of(position, strengths.colour(gain), 1.0, size, Shape.IMPACT)

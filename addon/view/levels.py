@@ -1,7 +1,7 @@
 """Level, peak and margin of each listener, as numbers and texts.
 
 The *level* is the RMS of a listener's output in decibels of full scale. The *margin* is the level relative to the threshold of feeling. The
-*gain* is a property of a path.
+*gain* is a property of a path: neither the source's amplitude nor the listener's own gain is part of it.
 """
 
 from __future__ import annotations
@@ -72,6 +72,11 @@ def place_of(level: float) -> float:
 def decibels(level: float) -> str:
     """A level as text: "−12 dB", or "silent"."""
     return iface_("silent") if level == -math.inf else f"{_number(level)} dB"
+
+
+def change_words(change: float) -> str:
+    """What is added to a level, in tenths of decibels with its sign: "−12.3 dB", or "silent"."""
+    return iface_("silent") if change == -math.inf else f"{change + 0.0:+.1f} dB".replace("-", "\N{MINUS SIGN}")
 
 
 def margin_words(margin: float) -> str:

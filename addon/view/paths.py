@@ -1,73 +1,97 @@
-"""The best path to a listener, object by object."""
+"""The way from a source to a listener, object by object, and the rows that show it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
-from ...core.diagnosis.losses import object_losses
-from ...core.graph.distance_only import distance_only
-from ...core.scene.values import Mode, Source
+from ...core.diagnosis.waterfall import Waterfall, waterfall
+from ...core.message import Metres, written
+from ..blender.time import is_playing
 from ..session.derived import Derived, Latest
 from ..session.sessions import Traced
+from .levels import LEVEL_SECONDS, shown_levels
 from .watched import active_name, watched
 
 
-@dataclass(frozen=True, slots=True)
-class Hop:
-    """An object on a path, with its contact to the next one: loss [dB] and distance [m]."""
+class ListenerPath(NamedTuple):
+    """The way to a listener from one of its sources, and the listener's margin [dB]."""
 
-    object: str
-    loss: float
-    distance: float
+    fall: Waterfall
+    margin: float
 
 
-@dataclass(frozen=True, slots=True)
-class ListenerPath:
-    """The path from a source to a listener. ``gain``: that of all paths together, including the source's amplitude; ``amplitude``: the
-    source's, in decibels; ``hops``: of the best path, () in the modes without paths."""
+class Row(NamedTuple):
+    """A row of the table: a name, which is an object's if ``is_object``, the distance as text, and the decibels of a sum (``is_sum``), else
+    those that are added to the rows above."""
 
-    listener: str
-    source: Source
-    gain: float
-    amplitude: float
-    hops: tuple[Hop, ...]
-
-    @property
-    def best_gain(self) -> float:
-        """Gain [dB] of the best path, including the source's amplitude."""
-        return self.amplitude - sum(hop.loss for hop in self.hops)
+    name: str
+    decibels: float
+    distance: str = ""
+    is_object: bool = False
+    is_sum: bool = False
 
 
-def listener_path(traced: Traced, ends: tuple[str, str], before: ListenerPath | None = None) -> ListenerPath | None:
-    """Computed on the worker: the best path to a listener from a source, or from the strongest one if that does not reach it; None if there
-    is none. ``ends``: the names of listener and source."""
-    listener, chosen = ends
+def listener_path(traced: Traced, choice: tuple[str, str, bool], before: ListenerPath | None = None) -> ListenerPath | None:
+    """Computed on the worker: the way to a listener from a source, or from the strongest one if that does not reach it; None if none does.
+    ``choice``: the names of listener and source, and whether the timeline plays."""
+    listener, chosen, plays = choice
     result = traced.result
     names = [item.name for item in result.listeners]
     if listener not in names:
         return None  # it was one in the frame before
     column = names.index(listener)
-    reaching = [row for row in range(len(result.sources)) if result.gains[row, column] > 0]
+    reaching = [row for row in range(len(result.sources)) if result.amplitudes[row, column] > 0]
     if not reaching:
         return None
     named = [row for row in reaching if result.sources[row].name == chosen]
-    row = named[0] if named else max(reaching, key=lambda row: float(result.gains[row, column]))
-    nodes = result.propagation.best_path.get((row, column), ())
-    hops: tuple[Hop, ...] = ()
-    if nodes and traced.settings.mode in (Mode.HT, Mode.SD):
-        graph = distance_only(result.graph) if traced.settings.mode is Mode.SD else result.graph
-        hops = tuple(Hop(*loss) for loss in object_losses(graph.in_band(graph.sources[row].band), nodes))
-    source = result.sources[row]
-    return ListenerPath(listener, source, float(result.gains[row, column]), 20 * math.log10(source.amplitude), hops)
+    row = named[0] if named else max(reaching, key=lambda row: float(result.amplitudes[row, column]))
+    level = shown_levels(traced, plays)[column]
+    return ListenerPath(waterfall(result, traced.settings.mode, row, column, level.rms, LEVEL_SECONDS), level.margin)
 
 
-_PATH: Derived[tuple[str, str], ListenerPath | None] = Derived(listener_path, every_frame=True)
+_PATH: Derived[tuple[str, str, bool], ListenerPath | None] = Derived(listener_path, every_frame=True, hears=True)
 
 
 def path_of(scene: Scene) -> Latest[ListenerPath | None] | None:
-    """The path to the watched listener, from the active object if that is a source; without waiting."""
+    """The way to the watched listener, from the active object if that is a source; without waiting."""
     listener = watched(scene)
-    return _PATH.latest(scene, (listener, active_name())) if listener else None
+    return _PATH.latest(scene, (listener, active_name(), is_playing())) if listener else None
+
+
+def rows(path: ListenerPath, by_loss: bool = False) -> list[Row]:
+    """The table of a path: what is added from the source's amplitude to the level and the margin, rounded to tenths such that the rounded
+    rows add up to the rounded sums, too. ``by_loss``: objects by their losses, the largest first. What adds nothing after the objects is
+    left out."""
+    fall = path.fall
+    hops = sorted(fall.hops, key=lambda hop: -hop.loss) if by_loss else fall.hops
+    way = [Row(hop.object, -hop.loss, written(Metres(hop.distance)), is_object=True) for hop in hops]
+    always = [Row(iface_("Source amplitude"), fall.amplitude), *(way or [Row(iface_("Gain"), fall.gain)])]
+    steps = [
+        *always,
+        Row(iface_("Other paths"), fall.others if way else 0.0),
+        Row(iface_("Listener gain"), fall.listener_gain),
+        Row(iface_("RMS of the signal"), fall.signal),
+        Row(iface_("Other sources, limiter"), fall.mix),
+    ]
+    sums = [0.0]
+    for step in steps:
+        sums.append(sums[-1] + step.decibels)
+    tenths = [round(value, 1) if math.isfinite(value) else value for value in sums]
+    added = [step._replace(decibels=_difference(now, then)) for step, (then, now) in zip(steps, pairwise(tenths), strict=True)]
+    shown = added[: len(always)] + [row for row in added[len(always) :] if abs(row.decibels) >= 0.05]
+    level = tenths[-1] if math.isfinite(tenths[-1]) else round(fall.level, 1)  # of other sources if this one is silent
+    shown.append(Row(iface_("Level"), level, is_sum=True))
+    if math.isfinite(path.margin):
+        margin = round(path.margin, 1)
+        shown += [Row(iface_("Threshold of feeling"), level - margin), Row(iface_("Margin"), margin, is_sum=True)]
+    return shown
+
+
+def _difference(now: float, then: float) -> float:
+    """The difference of two sums; minus infinity where the second one falls silent, 0 after that."""
+    return now - then if math.isfinite(now) else -math.inf if math.isfinite(then) else 0.0

@@ -18,7 +18,7 @@ from ...core.graph.haptic_graph import HapticGraph, SourceNodes, distances
 from ...core.propagation.spread import Spread, spread
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Listener, Mode, Settings, Source, SourceKind
-from .colour_map import GainScale, hex_colour
+from .colour_map import AmplitudeScale, hex_colour
 
 Drawn = NDArray[np.float32]
 
@@ -142,11 +142,11 @@ NO_LINES = lines_of(np.zeros((0, 2, 3)), HALO_COLOUR, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A name at a place, and in ``colour`` (3,) the gain of a listener or the amplitude of a source. ``clearance`` [pixels] around the
+    """A name at a place, and in ``colour`` (3,) the amplitude of a source or at a listener. ``clearance`` [pixels] around the
     position is kept free. Labels of higher ``priority`` are placed first."""
 
     name: str
-    gain: float
+    amplitude: float
     is_listener: bool
     position: tuple[float, float, float]
     colour: tuple[float, float, float]
@@ -164,13 +164,13 @@ class RenderData:
     paths: Lines
     points: Points
     labels: tuple[Label, ...]
-    scale: GainScale
+    scale: AmplitudeScale
 
 
 def render_data(result: FrameResult, settings: Settings, options: Options) -> RenderData:
     """The drawing of ``result``, which was traced with ``settings``."""
     graph = distance_only(result.graph) if settings.mode is Mode.SD else result.graph
-    scale = GainScale.of_threshold(settings.threshold)
+    scale = AmplitudeScale.of_threshold(settings.threshold)
     spreading = _spread(result, graph, settings, options)
     pairs = _shown_pairs(result, options)
     on_graph = settings.mode in (Mode.HT, Mode.SD)
@@ -191,7 +191,7 @@ def _spread(result: FrameResult, graph: HapticGraph, settings: Settings, options
         return spread(graph, settings, options.sources or None)
     nothing = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
     for source in graph.sources:
-        nothing.gain[list(source.nodes)] = source.amplitude
+        nothing.amplitude[list(source.nodes)] = source.amplitude
     return nothing
 
 
@@ -202,30 +202,30 @@ def _shown_pairs(result: FrameResult, options: Options) -> BoolArray:
     return np.outer(wanted_sources, wanted_listeners)
 
 
-def _tree_lines(graph: HapticGraph, spreading: Spread, scale: GainScale, opacity: float) -> Lines:
+def _tree_lines(graph: HapticGraph, spreading: Spread, scale: AmplitudeScale, opacity: float) -> Lines:
     """Lines from every node to the predecessor of its strongest arrival, weak ones first."""
     ends = np.flatnonzero(spreading.predecessor >= 0)
     # Lines without length need no drawing: the contact itself is drawn.
     ends = ends[(graph.node_position[ends] != graph.node_position[spreading.predecessor[ends]]).any(axis=1)]
-    ends = ends[np.argsort(spreading.gain[ends], kind="stable")]
+    ends = ends[np.argsort(spreading.amplitude[ends], kind="stable")]
     nodes = np.stack([spreading.predecessor[ends], ends], axis=1)
-    gain = spreading.gain[nodes]
-    place = scale.place(gain[:, 1])
+    amplitude = spreading.amplitude[nodes]
+    place = scale.place(amplitude[:, 1])
     opacities = (opacity * (0.35 + 0.5 * place))[:, None]
-    return lines_of(graph.node_position[nodes], scale.colour(gain), opacities, _between(THIN_LINE, place))
+    return lines_of(graph.node_position[nodes], scale.colour(amplitude), opacities, _between(THIN_LINE, place))
 
 
-def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: GainScale) -> Lines:
+def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: AmplitudeScale) -> Lines:
     """The best paths of the shown pairs, each connection once, as strong as its strongest use; weak ones first."""
     paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if pairs[pair] and result.sources[pair[0]].amplitude > 0}
     if not paths:
         return NO_LINES
-    steps, gain, arc_length = path_steps(result, graph, mode, paths)
-    strongest = np.argsort(-gain[:, 1], kind="stable")
+    steps, amplitude, arc_length = path_steps(result, graph, mode, paths)
+    strongest = np.argsort(-amplitude[:, 1], kind="stable")
     _, first = np.unique(np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True)
     kept = strongest[np.sort(first)[::-1]]
-    steps, gain, arc_length = steps[kept], gain[kept], arc_length[kept]
-    return lines_of(graph.node_position[steps], scale.colour(gain), 1.0, _between(PATH_LINE, scale.place(gain[:, 1])), arc_length)
+    steps, amplitude, arc_length = steps[kept], amplitude[kept], arc_length[kept]
+    return lines_of(graph.node_position[steps], scale.colour(amplitude), 1.0, _between(PATH_LINE, scale.place(amplitude[:, 1])), arc_length)
 
 
 def _highlight_lines(result: FrameResult, options: Options) -> Lines:
@@ -258,7 +258,7 @@ _LEAST = 1e-300
 def path_steps(
     result: FrameResult, graph: HapticGraph, mode: Mode, paths: Mapping[tuple[int, int], Sequence[int]]
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """The connections of paths: their nodes (m, 2), the signal at either end (m, 2), amplitude included, in the source's leading band, and
+    """The connections of paths: their nodes (m, 2), the amplitude at either end (m, 2) in the source's leading band, and
     the metres from the source at either end (m, 2)."""
     steps = np.array([step for nodes in paths.values() for step in itertools.pairwise(nodes)], dtype=np.int64).reshape(-1, 2)
     counts = np.array([len(nodes) - 1 for nodes in paths.values()], dtype=np.int64)
@@ -270,14 +270,14 @@ def path_steps(
         factor = np.empty(len(steps))
         for band in set(bands.tolist()):
             factor[bands == band] = _connection_gains(graph.in_band(band), steps[bands == band], length[bands == band])
-    amplitude = np.array([result.sources[source].amplitude for source, _ in paths])
+    own = np.array([result.sources[source].amplitude for source, _ in paths])
     cost = -np.log(np.maximum(factor, _LEAST))
     after = _running_sums(cost, counts)
     before = np.concatenate([[0.0], after])[:-1]
     before[_starts(counts)] = 0.0
-    gain = np.repeat(amplitude, counts)[:, None] * np.exp(-np.stack([before, after], axis=1))
+    amplitude = np.repeat(own, counts)[:, None] * np.exp(-np.stack([before, after], axis=1))
     end = _running_sums(length, counts)
-    return steps, gain, np.stack([end - length, end], axis=1)
+    return steps, amplitude, np.stack([end - length, end], axis=1)
 
 
 def _connection_gains(graph: HapticGraph, steps: IntArray, length: FloatArray) -> FloatArray:
@@ -300,7 +300,7 @@ def _running_sums(values: FloatArray, counts: IntArray) -> FloatArray:
     return sums - np.repeat((sums - values)[_starts(counts)], counts)
 
 
-def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: Options, pairs: BoolArray) -> Points:
+def _points(result: FrameResult, spreading: Spread, scale: AmplitudeScale, options: Options, pairs: BoolArray) -> Points:
     """Points of contacts, listeners and sources, in this order. Contacts off the best paths of selected listeners are dimmed."""
     shown = np.ones(result.graph.node_count, dtype=np.bool_)
     if options.listeners:
@@ -310,27 +310,27 @@ def _points(result: FrameResult, spreading: Spread, scale: GainScale, options: O
     return joined([contacts, _listener_points(result, scale, options), _source_points(result, options)])
 
 
-def _contact_points(graph: HapticGraph, spreading: Spread, scale: GainScale, shown: BoolArray) -> Points:
+def _contact_points(graph: HapticGraph, spreading: Spread, scale: AmplitudeScale, shown: BoolArray) -> Points:
     """One point per contact, midway between its two nodes, the strongest on top, smaller if there are many. Contacts whose nodes are not
     ``shown`` (n,) are dimmed."""
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     second = graph.partner[first]
-    gain = np.maximum(spreading.gain[first], spreading.gain[second])
-    order = np.argsort(gain, kind="stable")
-    first, second, gain = first[order], second[order], gain[order]
-    reached = gain > 0
+    amplitude = np.maximum(spreading.amplitude[first], spreading.amplitude[second])
+    order = np.argsort(amplitude, kind="stable")
+    first, second, amplitude = first[order], second[order], amplitude[order]
+    reached = amplitude > 0
     opacity = np.where(reached, np.where(shown[first] & shown[second], 1.0, UNSELECTED), DIMMED)
     size = POINT_SIZE[Shape.CONTACT] * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25)) * np.where(reached, 1.0, 0.7)
     position = (graph.node_position[first] + graph.node_position[second]) / 2
-    return points_of(position, _gain_colour(scale, gain), opacity, size, Shape.CONTACT)
+    return points_of(position, _amplitude_colour(scale, amplitude), opacity, size, Shape.CONTACT)
 
 
-def _listener_points(result: FrameResult, scale: GainScale, options: Options) -> Points:
-    gain = listener_gains(result, options)
+def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Options) -> Points:
+    amplitude = listener_amplitudes(result, options)
     unselected = np.array([bool(options.listeners) and li.name not in options.listeners for li in result.listeners], dtype=np.bool_)
-    opacity = np.where(unselected, UNSELECTED, np.where(gain > 0, 1.0, SILENT))
+    opacity = np.where(unselected, UNSELECTED, np.where(amplitude > 0, 1.0, SILENT))
     position = result.graph.node_position[result.graph.listener_nodes]
-    return points_of(position, _gain_colour(scale, gain), opacity, POINT_SIZE[Shape.LISTENER], Shape.LISTENER)
+    return points_of(position, _amplitude_colour(scale, amplitude), opacity, POINT_SIZE[Shape.LISTENER], Shape.LISTENER)
 
 
 def _source_points(result: FrameResult, options: Options) -> Points:
@@ -353,35 +353,35 @@ def _source_points(result: FrameResult, options: Options) -> Points:
     )
 
 
-def listener_gains(result: FrameResult, options: Options) -> FloatArray:
-    """Strongest gain (l,) at each listener from any shown source, amplitude included."""
+def listener_amplitudes(result: FrameResult, options: Options) -> FloatArray:
+    """Largest amplitude (l,) that arrives at each listener from any shown source."""
     wanted = [k for k, source in enumerate(result.sources) if not options.sources or source.name in options.sources]
-    return np.asarray(result.gains[wanted].max(axis=0, initial=0.0))
+    return np.asarray(result.amplitudes[wanted].max(axis=0, initial=0.0))
 
 
-def _gain_colour(scale: GainScale, gain: FloatArray) -> FloatArray:
-    """Colours (n, 3) by gain, grey for gain 0."""
-    return np.where((gain > 0)[:, None], scale.colour(gain), SILENT_COLOUR)
+def _amplitude_colour(scale: AmplitudeScale, amplitude: FloatArray) -> FloatArray:
+    """Colours (n, 3) by amplitude, grey for 0."""
+    return np.where((amplitude > 0)[:, None], scale.colour(amplitude), SILENT_COLOUR)
 
 
-def _labels(result: FrameResult, scale: GainScale, options: Options) -> tuple[Label, ...]:
+def _labels(result: FrameResult, scale: AmplitudeScale, options: Options) -> tuple[Label, ...]:
     labels = []
     for source in result.sources:
         chosen = source.name in options.sources
         if chosen or source.kind is not SourceKind.TEMPORARY:
             colour = SOURCE_COLOUR if source.amplitude > 0 else SILENT_COLOUR
             labels.append(_label(source, source.amplitude, Shape.SOURCE, colour, 20.0 + 4 * chosen))
-    received = listener_gains(result, options)
-    for listener, gain, colour in zip(result.listeners, received, _gain_colour(scale, received), strict=True):
+    received = listener_amplitudes(result, options)
+    for listener, amplitude, colour in zip(result.listeners, received, _amplitude_colour(scale, received), strict=True):
         chosen = listener.name in options.listeners
         if chosen or not options.listeners:
-            labels.append(_label(listener, float(gain), Shape.LISTENER, colour, 10.0 * chosen + float(scale.place(gain))))
+            labels.append(_label(listener, float(amplitude), Shape.LISTENER, colour, 10.0 * chosen + float(scale.place(amplitude))))
     return tuple(labels)
 
 
-def _label(item: Source | Listener, gain: float, shape: Shape, colour: FloatArray, priority: float) -> Label:
+def _label(item: Source | Listener, amplitude: float, shape: Shape, colour: FloatArray, priority: float) -> Label:
     red, green, blue = colour.tolist()
-    return Label(item.name, gain, shape is Shape.LISTENER, item.position, (red, green, blue), POINT_SIZE[shape] / 2, priority)
+    return Label(item.name, amplitude, shape is Shape.LISTENER, item.position, (red, green, blue), POINT_SIZE[shape] / 2, priority)
 
 
 def _between(ends: tuple[float, float], place: FloatArray) -> FloatArray:

@@ -109,7 +109,7 @@ class _Felt:
         self._silenced = self._silenced | np.array([item.gain == 0 for item in result.listeners])
         for row, source in enumerate(result.sources):
             if source.kind is SourceKind.PERSISTENT:
-                self._gains[source.name] = self._gains[source.name] + result.gains[row]
+                self._gains[source.name] = self._gains[source.name] + result.amplitudes[row]
             if source.amplitude > 0:
                 self._silenced = self._silenced | found.silenced[row]
                 if source.kind is SourceKind.PERSISTENT:

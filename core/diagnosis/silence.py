@@ -43,7 +43,7 @@ def reasons(
     """
     if not result.sources:
         return (Message.of(Cause.WAITING, waiting[0], source=waiting[0]) if waiting else Message.of(Cause.NO_SOURCE),)
-    arriving = [row for row in range(len(result.sources)) if result.gains[row, listener] > 0 and not _is_over(result, row)]
+    arriving = [row for row in range(len(result.sources)) if result.amplitudes[row, listener] > 0 and not _is_over(result, row)]
     if arriving:
         return _arrival_messages(result, listener, arriving, recent)
     loudest = sorted(range(len(result.sources)), key=lambda row: -result.sources[row].amplitude)[:_MOST_SOURCES]
@@ -64,16 +64,16 @@ def _arrival_messages(result: FrameResult, listener: int, arriving: Sequence[int
         recent = None if result.block is None else result.block[listener]
     if recent is None or len(recent) < 2:
         return (Message.of(Cause.NOT_RENDERED),)
-    strongest = max(arriving, key=lambda row: float(result.gains[row, listener]))
-    name, gain = result.sources[strongest].name, float(result.gains[strongest, listener] * item.gain)
-    level = Decibels(NEPER * np.log(gain))
+    strongest = max(arriving, key=lambda row: float(result.amplitudes[row, listener]))
+    name, gain = result.sources[strongest].name, Decibels(NEPER * np.log(float(result.gains[strongest, listener])))
     if not np.any(recent):
-        return (Message.of(Cause.PAUSE, name, source=name, gain=level),)
+        return (Message.of(Cause.PAUSE, name, source=name, gain=gain),)
     margin = float(sensation_level(recent, result.sample_rate))
     if margin > 0:
         return ()
     frequency = Hertz(dominant_frequency(recent, result.sample_rate))
-    return (Message.of(Cause.NOT_FELT, name, source=name, gain=level, frequency=frequency, margin=Decibels(-margin)),)
+    level = Decibels(NEPER * np.log(np.sqrt(np.mean(np.square(recent)))))
+    return (Message.of(Cause.NOT_FELT, name, source=name, gain=gain, level=level, frequency=frequency, margin=Decibels(-margin)),)
 
 
 def _interruption(

@@ -29,13 +29,13 @@ class Spread:
     """The strongest arrival at each node.
 
     Attributes:
-        gain: (n,) largest product of gains from any source to the node times the source's amplitude; 0 if nothing arrives. A source's
+        amplitude: (n,) largest product of a source's amplitude and the gains from it to the node; 0 if nothing arrives. A source's
             own node has its amplitude. The gains are those of each source's leading band where functions use bands.
         predecessor: (n,) the node before it; -1 at sources and where nothing arrives. Where no gain exceeds 1, following predecessors never
-            lowers the gain.
+            lowers the amplitude.
     """
 
-    gain: FloatArray
+    amplitude: FloatArray
     predecessor: IntArray
 
 
@@ -57,11 +57,11 @@ def spread(graph: HapticGraph, settings: Settings, sources: Collection[str] | No
 def _add_strongest(result: Spread, graph: HapticGraph, sources: Sequence[SourceNodes], settings: Settings) -> None:
     """Take over what arrives from ``sources`` where it is stronger."""
     cost, came_from = _strongest(graph, [source.nodes for source in sources], settings)
-    gain = np.array([source.amplitude for source in sources])[:, None] * np.exp(np.minimum(-cost, math.log(LARGEST)))
-    best = gain.argmax(axis=0)[None, :]
-    strongest = np.take_along_axis(gain, best, axis=0)[0]
-    stronger = strongest > result.gain
-    result.gain[stronger] = strongest[stronger]
+    amplitude = np.array([source.amplitude for source in sources])[:, None] * np.exp(np.minimum(-cost, math.log(LARGEST)))
+    best = amplitude.argmax(axis=0)[None, :]
+    strongest = np.take_along_axis(amplitude, best, axis=0)[0]
+    stronger = strongest > result.amplitude
+    result.amplitude[stronger] = strongest[stronger]
     result.predecessor[stronger] = np.take_along_axis(came_from, best, axis=0)[0][stronger]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..propagation.result import Propagation
 from ..scene.bands import BAND_COUNT
-from ..scene.values import Source
+from ..scene.values import Listener, Source
 from ..signals import Signal
 from .filter_bank import bank_spectra
 from .renderer import SAMPLE_RATE
@@ -31,6 +31,22 @@ def arriving(sources: Sequence[Source], propagation: Propagation) -> FloatArray:
     power = np.array([_band_power(source.emitted) for source in sources]).reshape(-1, 1, BAND_COUNT, BAND_COUNT)
     squared = ((gain[:, :, :, None] * power).sum(axis=2) * gain).sum(axis=2)
     return np.asarray(np.sqrt(np.maximum(squared, 0.0)) * amplitude)
+
+
+def levels_alone(sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation) -> FloatArray:
+    """Level (s, l) of the first second of each source if a listener were played it alone, without limits [dB of full scale]; minus infinity
+    for silence."""
+    own = np.array([_rms(source.emitted) for source in sources]).reshape(-1, 1)
+    factor = np.array([listener.gain for listener in listeners])
+    with np.errstate(divide="ignore"):
+        return np.asarray(20.0 * np.log10(arriving(sources, propagation) * own * factor))
+
+
+@lru_cache(maxsize=256)
+def _rms(signal: Signal) -> float:
+    """RMS of the first second of a signal."""
+    rate = round(SAMPLE_RATE)
+    return float(np.sqrt(np.mean(np.square(signal.sample(0, rate, rate)))))
 
 
 @lru_cache(maxsize=256)

@@ -16,7 +16,7 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.view import overlay
-from haptic_tracing.addon.view.colour_map import GainScale
+from haptic_tracing.addon.view.colour_map import AmplitudeScale
 from haptic_tracing.command_line.playing import play
 from haptic_tracing.core.scene.functions import HapticTracing
 from haptic_tracing.core.scene.materials import MATERIALS
@@ -57,7 +57,7 @@ def material(name: str) -> np.ndarray:
     own = MATERIALS[name]
     distance = np.linspace(0, 2, SMALL)
     gain = HapticTracing().gain(distance, own.kappa, own.rho, 0.1) * np.exp(-own.absorption * distance)
-    scale = GainScale(-40.0)
+    scale = AmplitudeScale(-40.0)
     return columns(np.zeros(SMALL), 0.04 + 0.9 * scale.place(gain), scale.colour(gain))
 
 
@@ -65,7 +65,7 @@ def signal(kind: str) -> np.ndarray:
     samples = SIGNALS[kind].sample(0, 800, 8000.0)
     edges = np.linspace(0, len(samples) - 1, SMALL + 1).astype(int)
     low, high = (np.array([way(samples[a : b + 1]) for a, b in pairwise(edges)]) for way in (np.min, np.max))
-    return columns(0.48 + 0.42 * low, 0.52 + 0.42 * high, np.full((SMALL, 3), GainScale(-60.0).colour(np.array(0.05))))
+    return columns(0.48 + 0.42 * low, 0.52 + 0.42 * high, np.full((SMALL, 3), AmplitudeScale(-60.0).colour(np.array(0.05))))
 
 
 def main() -> None:

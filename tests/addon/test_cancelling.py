@@ -56,7 +56,7 @@ def rattle(scene, add_box, add_empty):
     bpy.ops.ed.undo_push(message="another")
     bpy.ops.ed.undo()
     bpy.context.scene.frame_set(1)
-    assert session.result_of(bpy.context.scene).gains[0, 0] > 0.0
+    assert session.result_of(bpy.context.scene).amplitudes[0, 0] > 0.0
     return bpy.context.scene
 
 
@@ -84,7 +84,7 @@ def test_an_endless_trace_is_cancelled(monkeypatch, rattle, event):
     scene = bpy.context.scene
     if event is not load:
         scene.frame_set(3)
-        assert session.result_of(scene).number == 3 and session.result_of(scene).gains[0, 0] > 0.0
+        assert session.result_of(scene).number == 3 and session.result_of(scene).amplitudes[0, 0] > 0.0
 
 
 def test_a_trace_that_a_render_cancelled_is_made_up_for(monkeypatch, rattle):

@@ -61,7 +61,7 @@ def test_shapes_that_are_none_are_named_and_the_rest_goes_on(bench, traced, corn
     add_mesh("broken", corners, faces, body=body)
     bpy.context.view_layer.update()
     result = traced()
-    assert result.gains[0, 0] > 0
+    assert result.amplitudes[0, 0] > 0
     assert word in problems()["broken"], problems()["broken"]
 
 
@@ -99,7 +99,7 @@ def test_a_mesh_of_two_million_triangles(bench, traced):
     obj.rigid_body.collision_shape = "MESH"
     obj.haptics.enabled = True
     bpy.context.view_layer.update()
-    assert traced().gains[0, 0] > 0
+    assert traced().amplitudes[0, 0] > 0
     assert "2,000,000" in problems()["terrain"]
     obj.rigid_body.collision_shape = "CONVEX_HULL"
     obj.location = (-1.5, -0.5, 0.115)
@@ -163,7 +163,7 @@ def test_the_same_timeline_twice_gives_the_same_bits(drop, scene):
         for frame in range(1, 25):
             scene.frame_set(frame)
             result = session.result_of(scene)
-            blocks.append((result.impacts, result.gains.tobytes(), result.contacts.positions.tobytes()))
+            blocks.append((result.impacts, result.amplitudes.tobytes(), result.contacts.positions.tobytes()))
         runs.append(blocks)
     assert runs[0] == runs[1]
 

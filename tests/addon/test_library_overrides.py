@@ -129,7 +129,7 @@ def test_a_listener_added_to_an_override_feels_after_reloading(tmp_path: Path) -
         bpy.ops.haptic.add_source()
     _reload(tmp_path / "scene.blend")
     traced = session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
-    assert traced.gains.shape == (1, 1) and traced.gains[0, 0] > 0
+    assert traced.amplitudes.shape == (1, 1) and traced.amplitudes[0, 0] > 0
 
 
 def test_all_properties_of_all_groups_are_overridable() -> None:

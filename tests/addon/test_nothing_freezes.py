@@ -24,7 +24,7 @@ def slow(scene, add_box, monkeypatch):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.source.enabled = box.haptics.listener.enabled = True
     scene.frame_set(1)
-    assert session.result_of(scene).gains[0, 0] > 0
+    assert session.result_of(scene).amplitudes[0, 0] > 0
     monkeypatch.setattr(worker, "is_interactive", lambda: True)
     runs, step = threading.Event(), Tracer.step
 
@@ -49,7 +49,7 @@ def test_an_edit_takes_the_place_of_the_one_that_is_traced(slow, scene):
     slow.haptics.rho = 0.25
     slow.haptics.kappa = 0.2
     bpy.context.view_layer.update()
-    assert session.result_of(scene).gains[0, 0] == pytest.approx((1 - 0.2) * 0.25, rel=1e-6)
+    assert session.result_of(scene).amplitudes[0, 0] == pytest.approx((1 - 0.2) * 0.25, rel=1e-6)
     assert not sessions.is_behind(scene)
 
 
@@ -88,4 +88,4 @@ def test_it_is_cancelled_and_what_was_shown_stays(slow, scene):
     assert [name for name, _ in next_step(scene, False).operators] == ["haptic.trace_frame"]
     slow.haptics.rho = 0.5
     bpy.context.view_layer.update()
-    assert session.result_of(scene).gains[0, 0] == pytest.approx(0.9 * 0.5, rel=1e-6)
+    assert session.result_of(scene).amplitudes[0, 0] == pytest.approx(0.9 * 0.5, rel=1e-6)

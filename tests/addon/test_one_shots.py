@@ -211,7 +211,7 @@ def test_a_click_on_a_frame_keeps_its_blow_after_playing_and_after_loading(scene
     bpy.ops.wm.open_mainfile(filepath=path)
     again = session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     assert [(s.name, s.amplitude) for s in again.sources] == [(s.name, s.amplitude) for s in result.sources]
-    assert again.gains == pytest.approx(result.gains)
+    assert again.amplitudes == pytest.approx(result.amplitudes)
 
 
 def test_a_click_on_a_frame_that_was_never_played_has_its_keyframe(scene, bell):
@@ -255,7 +255,7 @@ def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(scene, b
     add_empty("shaker", (0, 0, 0.5), bpy.data.objects["ground"]).haptics.source.enabled = True
     source.signal = "FILE"
     result = session.trace(scene, bpy.context.evaluated_depsgraph_get())
-    assert [item.name for item in result.sources] == ["shaker"] and result.gains.all()
+    assert [item.name for item in result.sources] == ["shaker"] and result.amplitudes.all()
 
 
 def write_wav(path, samples, rate=8000):
@@ -312,7 +312,7 @@ def test_a_front_in_a_medium_comes_when_sound_does_and_falls_with_the_distance(s
         ear.parent, ear.matrix_parent_inverse = air, air.matrix_basis.inverted()
         ear.haptics.listener.enabled, ear.haptics.listener.limiter, ear.haptics.listener.radius = True, False, 0.0
     results = play(scene, 1, 12)
-    levels = next(result.gains[0] for result in results if result.sources)
+    levels = next(result.amplitudes[0] for result in results if result.sources)
     names = [item.name for item in results[-1].listeners]
     heard = np.concatenate([result.block for result in results if result.block is not None], axis=1)
     for name, level, samples in zip(names, levels, heard, strict=True):

@@ -19,8 +19,8 @@ def sound(add_box):
 
 def _goes_on(result):
     assert result is not None
-    assert result.gains.shape == (1, 1)
-    assert result.gains[0, 0] > 0
+    assert result.amplitudes.shape == (1, 1)
+    assert result.amplitudes[0, 0] > 0
 
 
 def test_an_empty_as_source_on_nothing(sound, add_empty, traced):
@@ -57,7 +57,7 @@ def test_a_mirrored_object_touches_where_it_stands(add_box, traced):
     left, right = add_box("left", (0, 0, 0), (1, 1, 1)), add_box("right", (1, 0, 0), (-1, 1, 1))
     left.haptics.source.enabled = right.haptics.listener.enabled = True
     bpy.context.view_layer.update()
-    assert traced().gains[0, 0] > 0
+    assert traced().amplitudes[0, 0] > 0
     assert _problems() == {}
 
 
@@ -85,7 +85,7 @@ def test_an_expression_without_a_finite_gain_names_its_object(add_box, traced):
     bad.haptics.source.enabled = bad.haptics.listener.enabled = True
     bad.haptics.function, bad.haptics.expression = "expression", "x / d"
     result = traced()
-    assert result is None or (result.gains == 0).all()
+    assert result is None or (result.amplitudes == 0).all()
     assert any("bad" in problem.object + problem.message for problem in session.problems_of(bpy.context.scene))
 
 
@@ -133,14 +133,14 @@ def test_an_object_without_bounds_stops_only_itself_and_is_named(add_box, add_em
     add_empty("shaker", (0, 0, 0), first).haptics.source.enabled = True
     add_empty("skin", (0, 0, 0), second).haptics.listener.enabled = True
     huge.haptics.enabled = False
-    before = traced().gains
+    before = traced().amplitudes
     huge.haptics.enabled = True
     for scale, corner in ((1e30, 1.0), (1.0, 1e30)):
         huge.scale, huge.data.vertices[7].co.x = (scale, scale, scale), corner
         huge.data.update()
         bpy.context.view_layer.update()
         result = traced()
-        assert result.gains == pytest.approx(before)
+        assert result.amplitudes == pytest.approx(before)
         assert result.objects == ("first", "second")
         assert [(item.object, "10,000 km" in item.message) for item in session.problems_of(scene)] == [("huge", True)]
 

@@ -49,12 +49,12 @@ def impacts(scene: Any) -> list[tuple[str, float, float]]:
 
 
 def test_each_mode_renders_the_same_blow(struck):
-    blow, felt = impacts(struck), session.result_of(struck).gains.copy()
+    blow, felt = impacts(struck), session.result_of(struck).amplitudes.copy()
     assert len(blow) == 1
     for mode in ("SD", "MD", "MN", "HT"):
         bpy.ops.haptic.set_mode(mode=mode)
         assert impacts(struck) == blow, mode
-    assert session.result_of(struck).gains == pytest.approx(felt, rel=1e-12)
+    assert session.result_of(struck).amplitudes == pytest.approx(felt, rel=1e-12)
 
 
 @pytest.mark.slow
@@ -172,7 +172,7 @@ def test_a_saved_file_opens_with_its_result(struck, tmp_path):
     assert after.number == FRAME
     assert impacts(scene) == blow
     assert after.impacts == before.impacts
-    assert after.gains == pytest.approx(before.gains, rel=1e-6)
+    assert after.amplitudes == pytest.approx(before.amplitudes, rel=1e-6)
     assert [item.position for item in after.sources] == [pytest.approx(item.position, abs=1e-6) for item in before.sources]
     bpy.ops.haptic.set_mode(mode="SD")
     assert impacts(scene) == blow
@@ -204,7 +204,7 @@ def test_a_baked_file_has_its_impacts_in_every_frame(struck, tmp_path):
     bpy.ops.haptic.bake()
     struck.frame_set(FRAME)
     blow, path = impacts(struck), tmp_path / "baked.blend"
-    felt = session.result_of(struck).gains
+    felt = session.result_of(struck).amplitudes
     struck.frame_set(5)
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     assert len(blow) == 1
@@ -213,7 +213,7 @@ def test_a_baked_file_has_its_impacts_in_every_frame(struck, tmp_path):
     for frame, expected in ((FRAME, blow), (19, []), (FRAME + 1, blow), (FRAME, blow)):
         scene.frame_set(frame)
         assert impacts(scene) == expected, frame
-    assert session.result_of(scene).gains == pytest.approx(felt, rel=1e-6)
+    assert session.result_of(scene).amplitudes == pytest.approx(felt, rel=1e-6)
     assert session.result_of(scene).path_objects(0, 0)
 
 

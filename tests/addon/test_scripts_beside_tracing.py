@@ -20,7 +20,7 @@ def humming(scene, add_box):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.source.enabled = box.haptics.listener.enabled = True
     scene.frame_set(1)
-    assert session.result_of(scene).gains[0, 0] > 0
+    assert session.result_of(scene).amplitudes[0, 0] > 0
     return box
 
 
@@ -39,7 +39,7 @@ def test_the_worker_has_ended_before_a_script_goes_on(humming, scene):
     humming.haptics.kappa, humming.haptics.rho = 0.2, 0.25
     bpy.context.view_layer.update()
     assert _workers() == []
-    assert sessions.shown(scene).result.gains[0, 0] == pytest.approx((1 - 0.2) * 0.25, rel=1e-6)
+    assert sessions.shown(scene).result.amplitudes[0, 0] == pytest.approx((1 - 0.2) * 0.25, rel=1e-6)
     scene.frame_set(7)
     assert _workers() == []
     assert sessions.shown(scene).result.number == 7
@@ -67,7 +67,7 @@ def test_a_long_trace_is_put_off_until_the_script_has_ended(humming, scene, monk
     worker._look()  # what the timer calls
     assert worker.end_within(60.0)
     assert sessions.shown(scene) is not before
-    assert session.result_of(scene).gains[0, 0] == pytest.approx((1 - 0.2) * 0.25, rel=1e-6)
+    assert session.result_of(scene).amplitudes[0, 0] == pytest.approx((1 - 0.2) * 0.25, rel=1e-6)
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ def felt(scene):
     """By source and listener: whether anything is felt, gain of the listener included."""
     bpy.context.view_layer.update()
     result = session.result_of(scene)
-    return [[bool(gain * listener.gain > 0) for gain, listener in zip(row, result.listeners, strict=True)] for row in result.gains]
+    return [[bool(gain * listener.gain > 0) for gain, listener in zip(row, result.listeners, strict=True)] for row in result.amplitudes]
 
 
 ALL = [[True, True], [True, True]]

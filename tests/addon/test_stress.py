@@ -254,7 +254,7 @@ class Stress:
         assert result.objects == fresh.objects, where
         assert [item.name for item in result.listeners] == [item.name for item in fresh.listeners], where
         assert result.sources[: len(fresh.sources)] == fresh.sources, where
-        np.testing.assert_allclose(result.gains[: len(fresh.sources)], fresh.gains, rtol=SAME, atol=1e-9, err_msg=where)
+        np.testing.assert_allclose(result.amplitudes[: len(fresh.sources)], fresh.amplitudes, rtol=SAME, atol=1e-9, err_msg=where)
         assert sessions.shown(scene).result.number == fresh.number, where
 
 

@@ -37,8 +37,8 @@ def test_gain_of_two_touching_boxes_is_the_closed_form(seesaw, traced):
     result = traced()
     distances = math.hypot(3.0, 0.1), 0.25
     expected = math.prod(_gain(0.25, 0.8, d) for d in distances)
-    assert result.gains.shape == (1, 1)
-    assert result.gains[0, 0] == pytest.approx(expected, rel=1e-6)
+    assert result.amplitudes.shape == (1, 1)
+    assert result.amplitudes[0, 0] == pytest.approx(expected, rel=1e-6)
     assert result.path_objects(0, 0) == ("plank", "box")
 
 
@@ -75,7 +75,7 @@ def test_amplitude_and_kappa_that_are_keyframed_count_at_each_frame(seesaw, scen
         result = session.result_of(scene)
         amplitude, kappa = source.haptics.source.amplitude, plank.haptics.kappa
         expected = amplitude * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1)) * _gain(0.1, 0.9, 0.25)
-        assert result.gains[0, 0] == pytest.approx(expected, rel=1e-5)
+        assert result.amplitudes[0, 0] == pytest.approx(expected, rel=1e-5)
     assert 0.2 < session.result_of(scene).sources[0].amplitude <= 1.0
 
 
@@ -118,23 +118,23 @@ def test_drivers_and_strips_of_the_nla_count_at_each_frame(seesaw, scene):
         amplitude, kappa = source.haptics.source.amplitude, frame / 20
         assert plank.haptics.kappa == pytest.approx(kappa)
         expected = amplitude * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1)) * _gain(0.1, 0.9, 0.25)
-        assert result.gains[0, 0] == pytest.approx(expected, rel=1e-5)
+        assert result.amplitudes[0, 0] == pytest.approx(expected, rel=1e-5)
         felt.append(amplitude)
     assert 0 < felt[0] < felt[1] < felt[2] == felt[3] < felt[4] < 1
 
 
 def test_moving_the_box_away_breaks_the_path(seesaw, traced):
-    assert traced().gains[0, 0] > 0
+    assert traced().amplitudes[0, 0] > 0
     seesaw[1].location.z += 1.0
     bpy.context.view_layer.update()
     result = traced()
-    assert result.gains[0, 0] == 0
+    assert result.amplitudes[0, 0] == 0
     assert result.path_objects(0, 0) == ()
 
 
 def test_renamed_deleted_and_duplicated_objects_keep_being_traced(seesaw, traced, scene):
     plank, box, _, _ = seesaw
-    before = traced().gains[0, 0]
+    before = traced().amplitudes[0, 0]
     plank.name = "zzz board"
     assert traced().path_objects(0, 0) == ("zzz board", "box")
     copy = box.copy()  # linked: shares the mesh
@@ -144,7 +144,7 @@ def test_renamed_deleted_and_duplicated_objects_keep_being_traced(seesaw, traced
     result = traced()
     assert len(result.objects) == 3
     assert len(result.contacts) == 2
-    assert result.gains[0, 0] == pytest.approx(before)
+    assert result.amplitudes[0, 0] == pytest.approx(before)
     bpy.data.objects.remove(box)
     bpy.context.view_layer.update()
     result = traced()
@@ -177,16 +177,16 @@ def box_names(result):
 
 def test_two_scenes_are_traced_each_by_itself(seesaw, traced, add_box):
     first = bpy.context.scene
-    gain = traced().gains[0, 0]
+    gain = traced().amplitudes[0, 0]
     second = bpy.data.scenes.new("other")
     bpy.context.window.scene = second
     other = add_box("lonely", (0, 0, 0), (1, 1, 1))
     other.haptics.source.enabled = other.haptics.listener.enabled = True
     result = session.trace(second, bpy.context.evaluated_depsgraph_get())
     assert result.objects == ("lonely",)
-    assert result.gains[0, 0] == pytest.approx(_gain(0.1, 0.9, 0.0))
+    assert result.amplitudes[0, 0] == pytest.approx(_gain(0.1, 0.9, 0.0))
     bpy.context.window.scene = first
-    assert session.trace(first, bpy.context.evaluated_depsgraph_get()).gains[0, 0] == gain
+    assert session.trace(first, bpy.context.evaluated_depsgraph_get()).amplitudes[0, 0] == gain
     assert session.result_of(second).objects == ("lonely",)
 
 
@@ -228,7 +228,7 @@ def test_the_command_line_finds_the_same_gains_in_the_export(seesaw, traced, tmp
     assert main(["propagate", str(path)]) == 0
     pairs = json.loads(capsys.readouterr().out)["gains"]
     assert [(p["source"], p["listener"]) for p in pairs] == [("shaker", "skin")]
-    assert pairs[0]["gain"] == pytest.approx(result.gains[0, 0], rel=1e-12)
+    assert pairs[0]["gain"] == pytest.approx(result.amplitudes[0, 0], rel=1e-12)
     assert pairs[0]["path"] == ["plank", "box"]
 
 

@@ -31,7 +31,7 @@ def test_results_are_those_of_waiting_for_each_frame(bench):
     beside = list(timeline.results(bench, *FRAMES))
     assert [r.number for r in beside] == [r.number for r in waited] == list(range(FRAMES[0], FRAMES[1] + 1))
     for one, other in zip(waited, beside, strict=True):
-        assert one.gains.tobytes() == other.gains.tobytes()
+        assert one.amplitudes.tobytes() == other.amplitudes.tobytes()
         assert one.contacts.positions.tobytes() == other.contacts.positions.tobytes()
         assert (one.block is None) == (other.block is None)
         assert one.block is None or one.block.tobytes() == other.block.tobytes()

@@ -15,7 +15,7 @@ SCENE = {
         for name, amplitude, hertz in (("saw", 1.0, 250.0), ("fan", 0.1, 240.0), ("hum", 1.0, 40.0))
     ],
     "listeners": [
-        {"name": name, "object": "plate", "position": [0, 0, 0], "radius": radius, "extent": extent}
+        {"name": name, "object": "plate", "position": [0, 0, 0], "radius": radius, "extent": extent, "gain": 2 if name == "palm" else 1}
         for name, radius, extent in (("point", 2.0, "none"), ("palm", 2.0, "strongest"), ("belly", 50.0, "strongest"))
     ],
 }
@@ -32,6 +32,22 @@ def printed(tmp_path, capsys):
 def test_distances_count_from_the_nearest_point_of_the_volume(printed):
     gains = {pair["listener"]: pair["gain"] for pair in printed["gains"] if pair["source"] == "saw"}
     assert gains == {name: pytest.approx(math.exp(-0.2 * away), rel=1e-12) for name, away in (("point", 5), ("palm", 3), ("belly", 0))}
+
+
+def test_gain_includes_the_amplitude_path_gain_does_not_and_level_is_what_is_played(printed):
+    """The levels of the tones are those of sines: 3 dB below their amplitudes, and 6 dB higher where the listener has a gain of 2."""
+    for pair in printed["gains"]:
+        amplitude = 0.1 if pair["source"] == "fan" else 1.0
+        factor = 2.0 if pair["listener"] == "palm" else 1.0
+        assert pair["path_gain"] == pytest.approx(pair["gain"] / amplitude, rel=1e-12)
+        assert pair["level"] == pytest.approx(20 * math.log10(pair["gain"] * factor / math.sqrt(2)), abs=1e-3)
+
+
+def test_a_listener_that_nothing_reaches_has_no_level(tmp_path, capsys):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps({**SCENE, "listeners": [{**SCENE["listeners"][0], "gain": 0}]}))
+    assert main(["propagate", str(path)]) == 0
+    assert {pair["level"] for pair in json.loads(capsys.readouterr().out)["gains"]} == {None}
 
 
 def test_who_is_felt_and_who_is_hidden(printed):

@@ -107,7 +107,7 @@ def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(sce
         for result in traced:
             for s, source in enumerate(result.sources):
                 if source.name in gains:
-                    gains[source.name].append(result.gains[s, number[row["listener"]]])
+                    gains[source.name].append(result.amplitudes[s, number[row["listener"]]])
         assert dict(row["gains"]) == pytest.approx({name: np.mean(values) for name, values in gains.items()}, rel=1e-12)
 
 

@@ -40,12 +40,13 @@ def decibels(values: Any) -> Any:
 
 
 def of_frames(results: list[Any]) -> Measured:
-    """Of traced frames: gains of the frames that begin, end, or have impacts; the level of each listener in each frame; all impacts."""
+    """Of traced frames: amplitudes that arrive in those that begin, end, or have impacts; the level of each listener in each frame; all
+    impacts."""
     struck = [result for result in results if result.impacts]
     shown = {result.number: result for result in (results[0], *struck[:3], results[-1])}
     numbers = hashlib.sha256()
     for result in results:
-        numbers.update(result.gains.tobytes())
+        numbers.update(_amplitudes(result).tobytes())
         numbers.update(b"" if result.block is None else result.block.tobytes())
     return {
         "listeners": [item.name for item in results[-1].listeners],
@@ -62,12 +63,18 @@ def of_frames(results: list[Any]) -> Measured:
     }
 
 
+def _amplitudes(result: Any) -> Any:
+    """The amplitudes (s, l) that arrive, which version 0.1 called gains."""
+    return result.amplitudes if hasattr(result, "amplitudes") else result.gains
+
+
 def _by_source(result: Any) -> list[list[Any]]:
-    """Name of each source, or the objects of a temporary one, and its gains at the listeners. Impacts at one moment may change places."""
+    """Name of each source, or the objects of a temporary one, and the amplitudes that arrive at the listeners. Impacts at one moment
+    may change places."""
     rows = []
-    for source, gains in zip(result.sources, result.gains, strict=True):
+    for source, amplitudes in zip(result.sources, _amplitudes(result), strict=True):
         name = source.name if source.kind.value == "persistent" else f"{source.object} {source.second_object or ''}"
-        rows.append([name, *decibels(gains)])
+        rows.append([name, *decibels(amplitudes)])
     return sorted(rows, key=json.dumps)
 
 

@@ -63,7 +63,7 @@ def demo(folder: Path) -> dict[str, object]:
     bpy.ops.wm.read_homefile(use_empty=True)
     return {
         "gains": [
-            {"source": source.name, "listener": listener.name, "gain": float(result.gains[s, i])}
+            {"source": source.name, "listener": listener.name, "gain": float(result.amplitudes[s, i])}
             for s, source in enumerate(result.sources)
             for i, listener in enumerate(result.listeners)
         ],

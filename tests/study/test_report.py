@@ -74,7 +74,7 @@ def test_numbers_are_json_with_every_check_measure_and_impact(bake, tmp_path):
     assert len(found["checks"]) == len(checks_of(ride))
     assert [(row["section"], row["mode"]) for row in found["measures"]] == [("Explosion", mode) for mode in ("HT", "SD", "MD", "MN")]
     assert len(found["impacts"]) == len(ride.began("Shock Front")) > 5
-    assert all(sum(gain > 0 for gain in impact["gains"]["SD"]) == 1 for impact in found["impacts"])
+    assert all(sum(gain > 0 for gain in impact["amplitudes"]["SD"]) == 1 for impact in found["impacts"])
 
 
 def test_body_map_has_a_disc_for_every_default_listener():

@@ -61,7 +61,7 @@ def test_levels_are_those_of_the_tracks(bake):
 
 @pytest.mark.slow
 def test_material_counts_in_tracing_alone(bake):
-    walls = checks.wall_gains(bake(*WALLS))
+    walls = checks.wall_amplitudes(bake(*WALLS))
     assert [name.split(" ")[0] for name in walls] == ["Stone", "Wood", "Wood", "Wood", "Ribbon"]
     stone, wood, ribbon = (np.array(walls[name]) for name in ("Stone Wall 3", "Wood Wall 2", "Ribbon Wall 1"))
     assert stone[checks.HT].sum() > wood[checks.HT].sum() > 1.1 * ribbon[checks.HT].sum()

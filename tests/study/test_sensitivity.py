@@ -47,7 +47,7 @@ def test_a_variation_is_the_ride_with_edited_properties(mine_ride):
             part.haptics.kappa, part.haptics.rho = kappa, rho
     assert len(varied.soundings) == len(edited.soundings) > 0
     for one, other in zip(varied.soundings, edited.soundings, strict=True):
-        assert one.gains == pytest.approx(other.gains, rel=1e-6, abs=1e-12)
+        assert one.amplitudes == pytest.approx(other.amplitudes, rel=1e-6, abs=1e-12)
     assert varied.renditions[Mode.HT].rms == pytest.approx(edited.renditions[Mode.HT].rms, abs=1e-8)
 
 
@@ -56,16 +56,16 @@ def test_checks_of_a_section(bake):
     ride = bake(2100, 2130)
     sounding = next(s for s in ride.soundings if s.began)
 
-    def with_gains(gains):
-        rows = np.zeros_like(sounding.gains)
-        rows[HT, : len(gains)] = gains
-        rows[HT, len(gains) :] = gains[-1]
+    def with_amplitudes(amplitudes):
+        rows = np.zeros_like(sounding.amplitudes)
+        rows[HT, : len(amplitudes)] = amplitudes
+        rows[HT, len(amplitudes) :] = amplitudes[-1]
         rows[2] = 0.1
-        return replace(ride, soundings=(replace(sounding, gains=rows),))
+        return replace(ride, soundings=(replace(sounding, amplitudes=rows),))
 
-    assert has_pattern(with_gains([0.1, 0.1]), SECTION).holds is False
-    assert has_pattern(with_gains([0.1 * 10 ** (2.9 / 20), 0.1]), SECTION).holds is False
-    assert has_pattern(with_gains([0.1 * 10 ** (3.1 / 20), 0.1]), SECTION).holds is True
-    assert has_pattern(with_gains([0.1, 0.0]), SECTION).holds is True
-    assert wider_than_distance(with_gains([0.9, 0.1]), SECTION).holds is True
-    assert wider_than_distance(with_gains([0.1, 0.1]), SECTION).holds is False
+    assert has_pattern(with_amplitudes([0.1, 0.1]), SECTION).holds is False
+    assert has_pattern(with_amplitudes([0.1 * 10 ** (2.9 / 20), 0.1]), SECTION).holds is False
+    assert has_pattern(with_amplitudes([0.1 * 10 ** (3.1 / 20), 0.1]), SECTION).holds is True
+    assert has_pattern(with_amplitudes([0.1, 0.0]), SECTION).holds is True
+    assert wider_than_distance(with_amplitudes([0.9, 0.1]), SECTION).holds is True
+    assert wider_than_distance(with_amplitudes([0.1, 0.1]), SECTION).holds is False

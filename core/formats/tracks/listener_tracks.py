@@ -19,10 +19,10 @@ PIECE = 2**14
 """Samples of one listener that are processed at once where the intermediate results are to stay in the processor's cache."""
 
 
-def strengths(source: Source, gains: FloatArray) -> list[float]:
-    """Peak of an impact's vibration at each listener, at most 1."""
+def strengths(source: Source, amplitudes: FloatArray) -> list[float]:
+    """Peak of an impact's vibration at each listener, at most 1; ``amplitudes`` (l,): with which it arrives."""
     peak = min(source.emitted.peak, 1.0)
-    return list(map(float, np.minimum(gains * peak, 1.0)))
+    return list(map(float, np.minimum(amplitudes * peak, 1.0)))
 
 
 def sorted_impacts(impacts: Iterable[tuple[float, float]]) -> FloatArray:

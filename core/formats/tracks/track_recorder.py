@@ -21,7 +21,7 @@ class Heard:
     number: int
     sources: tuple[Source, ...]
     listeners: tuple[Listener, ...]
-    gains: FloatArray
+    amplitudes: FloatArray
     block: FloatArray | None
     first_sample: int
     sample_rate: float
@@ -46,7 +46,7 @@ class TrackRecorder:
             raise ValueError(f"listeners: they change in frame {result.number}")
         for row, source in enumerate(result.sources):
             if source.kind is SourceKind.TEMPORARY and source.name not in self._impacts:
-                self._impacts[source.name] = (source.onset, strengths(source, result.gains[row]))
+                self._impacts[source.name] = (source.onset, strengths(source, result.amplitudes[row]))
         if result.block is None or not result.block.shape[1]:
             return
         if not self._count:

@@ -69,7 +69,7 @@ def test_what_stands_on_an_object_with_a_problem_is_left_out(add_box, add_empty,
     bad.haptics.function, bad.haptics.expression = "expression", "x * foo"
     add_empty("skin", (0, 0, 0), bad).haptics.listener.enabled = True
     good.haptics.source.enabled = good.haptics.listener.enabled = True
-    assert traced().gains.shape == (1, 1)
+    assert traced().amplitudes.shape == (1, 1)
     assert [problem.object for problem in session.problems_of(bpy.context.scene)] == ["bad"]
 
 

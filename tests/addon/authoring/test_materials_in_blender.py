@@ -153,9 +153,9 @@ def test_a_change_of_a_material_is_traced(boxes, materials, traced):
     boxes[0].haptics.source.enabled = boxes[1].haptics.listener.enabled = True
     _select(*boxes[:2])
     bpy.ops.haptic.apply_material(preset="steel")
-    before = traced().gains[0, 0]
+    before = traced().amplitudes[0, 0]
     materials.items["Steel"].rho = 0.3
-    assert session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get()).gains[0, 0] < before
+    assert session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get()).amplitudes[0, 0] < before
 
 
 def test_the_curve_shows_what_is_traced():
@@ -247,7 +247,7 @@ def test_physical_materials_follow_from_preset_and_size(add_box, traced):
         assert bpy.data.objects[name].haptics.wave == "rod"
         assert bpy.data.objects[name].haptics.extent == pytest.approx(max(size))
         alpha = np.pi * np.array(centres) * damping.loss_factor / damping.speed
-        gain = result.gains[names[0].index(f"{name} source"), names[1].index(f"{name} listener")]
+        gain = result.amplitudes[names[0].index(f"{name} source"), names[1].index(f"{name} listener")]
         assert gain == pytest.approx(bank_response(60.0, SAMPLE_RATE) @ np.exp(-4 * alpha), rel=1e-5)
 
 

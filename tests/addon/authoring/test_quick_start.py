@@ -26,7 +26,7 @@ def test_four_operators_from_a_cube_to_something_felt(add_box):
         bpy.context.scene.frame_set(frame)
     result = session.result_of(bpy.context.scene)
     assert len(result.listeners) == 12
-    assert (result.gains > 0).all()
+    assert (result.amplitudes > 0).all()
     assert np.abs(result.block).max() > 0.01
 
 
@@ -34,7 +34,7 @@ def test_three_operators_from_nothing_to_something_felt():
     bpy.ops.haptic.add_source_object(kind="PULSE")
     bpy.ops.haptic.add_listener()
     bpy.context.scene.frame_set(2)
-    assert session.result_of(bpy.context.scene).gains[0, 0] > 0.1
+    assert session.result_of(bpy.context.scene).amplitudes[0, 0] > 0.1
 
 
 def test_make_haptic_chooses_materials(add_box):
@@ -122,7 +122,7 @@ def test_a_medium_surrounds_the_selection(add_box, traced):
     bpy.context.view_layer.update()
     assert air.haptics.medium
     assert tuple(air.dimensions) == pytest.approx((7.5, 1.5, 1.5))
-    assert traced().gains[0, 0] > 0
+    assert traced().amplitudes[0, 0] > 0
 
 
 def test_samples_are_added_beside_the_scenes_of_the_file(scene):

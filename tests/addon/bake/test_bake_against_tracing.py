@@ -52,7 +52,7 @@ def test_frames_of_the_track_are_those_that_were_traced(shaken):
         result = storage.track_of(shaken).result(expected.number)
         assert result.time == pytest.approx(expected.time, abs=1e-12)
         assert [s.name for s in result.sources] == [s.name for s in expected.sources]
-        np.testing.assert_allclose(result.gains, expected.gains, rtol=0, atol=1e-6)
+        np.testing.assert_allclose(result.amplitudes, expected.amplitudes, rtol=0, atol=1e-6)
         for again, listener in zip(result.listeners, expected.listeners, strict=True):
             assert again.position == pytest.approx(listener.position, abs=1e-6)
         assert (result.block is None) == (expected.block is None)
@@ -113,7 +113,7 @@ def test_intensity_and_frequency_of_a_sine_on_curves(shaken):
     bpy.ops.haptic.bake()
     for name, index in (("foot", 0), ("hand", 1)):
         obj = bpy.data.objects[name]
-        gain = storage.track_of(shaken).result(8).gains[0, index]
+        gain = storage.track_of(shaken).result(8).amplitudes[0, index]
         keys = np.empty(48, dtype=np.float32)
         for path, expected, tolerance in ((INTENSITY, gain, 0.03), (FREQUENCY, 60.0, 0.03)):
             _curve(obj, path).keyframe_points.foreach_get("co", keys)
@@ -280,29 +280,29 @@ def test_meters_know_the_last_second_wherever_the_track_is_entered(shaken, playi
     )
 
 
-def baked_gains(scene, frame):
-    return storage.track_of(scene).result(frame).gains
+def baked_amplitudes(scene, frame):
+    return storage.track_of(scene).result(frame).amplitudes
 
 
-def traced_gains(scene):
-    """The gains that are shown once Blender has evaluated the last edit."""
+def traced_amplitudes(scene):
+    """The amplitudes that are shown once Blender has evaluated the last edit."""
     bpy.context.view_layer.update()
-    return session.result_of(scene).gains
+    return session.result_of(scene).amplitudes
 
 
 def test_while_the_timeline_stands_the_scene_is_shown_as_it_is_now(shaken):
     bpy.ops.haptic.bake()
     shaken.frame_set(9)
-    np.testing.assert_allclose(traced_gains(shaken), baked_gains(shaken, 9), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(traced_amplitudes(shaken), baked_amplitudes(shaken, 9), rtol=0, atol=1e-6)
     source = bpy.data.objects["shaker"].haptics.source
     source.amplitude = 0.05
-    np.testing.assert_allclose(traced_gains(shaken), 0.05 * baked_gains(shaken, 9), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(traced_amplitudes(shaken), 0.05 * baked_amplitudes(shaken, 9), rtol=0, atol=1e-6)
     source.amplitude, source.muted = 1.0, True
-    assert not traced_gains(shaken).any()
+    assert not traced_amplitudes(shaken).any()
     source.muted = False
-    assert (traced_gains(shaken) > 0).all()
+    assert (traced_amplitudes(shaken) > 0).all()
     bpy.data.objects.remove(bpy.data.objects["crate"])
-    assert traced_gains(shaken)[0, 0] > 0
+    assert traced_amplitudes(shaken)[0, 0] > 0
     assert [item.name for item in session.result_of(shaken).listeners] == ["foot"]  # the hand was on the crate
 
 
@@ -315,10 +315,10 @@ def test_a_stop_shows_the_frame_as_it_is_now(shaken, monkeypatch):
         bpy.data.objects["shaker"].haptics.source.amplitude = 0.25
         shaken.frame_set(9)
         assert playback.is_from_track(session.result_of(shaken))
-        np.testing.assert_allclose(session.result_of(shaken).gains, baked_gains(shaken, 9), rtol=0, atol=1e-6)
+        np.testing.assert_allclose(session.result_of(shaken).amplitudes, baked_amplitudes(shaken, 9), rtol=0, atol=1e-6)
     handlers.trace_opened()  # after the stop, from a timer, which only a window has
     assert not playback.is_from_track(session.result_of(shaken))
-    np.testing.assert_allclose(traced_gains(shaken), 0.25 * baked_gains(shaken, 9), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(traced_amplitudes(shaken), 0.25 * baked_amplitudes(shaken, 9), rtol=0, atol=1e-6)
 
 
 def test_the_first_frame_of_a_bake_is_felt_and_has_paths(shaken, settle):
@@ -331,6 +331,6 @@ def test_the_first_frame_of_a_bake_is_felt_and_has_paths(shaken, settle):
         assert (why.notice, why.reasons) == ("", ())
     bpy.context.view_layer.objects.active = bpy.data.objects["hand"]
     path = settle(lambda: paths.path_of(shaken)).value
-    assert [hop.object for hop in path.hops] == ["ground", "crate"]
+    assert [hop.object for hop in path.fall.hops] == ["ground", "crate"]
     result = session.result_of(shaken)
     assert result.path_objects(0, 1) == ("ground", "crate")  # which the overlay draws

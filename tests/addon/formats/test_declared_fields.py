@@ -109,4 +109,4 @@ def test_a_listener_with_more_digits_than_blender_has_is_imported_and_plays(plai
     written = there_and_back(plain, tmp_path)
     assert written["listeners"][0]["ducking"] == 12.345678912
     (listener,) = traced().listeners
-    assert listener.ducking == 12.345678912 and traced().gains.max() > 0
+    assert listener.ducking == 12.345678912 and traced().amplitudes.max() > 0

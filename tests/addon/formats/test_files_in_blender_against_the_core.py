@@ -33,7 +33,7 @@ def by_core(scene):
 
 def in_blender(result):
     bands = result.propagation.band_gain
-    bands = np.ones((*result.gains.shape, 6)) * result.propagation.gain[..., None] if bands is None else bands
+    bands = np.ones((*result.amplitudes.shape, 6)) * result.propagation.gain[..., None] if bands is None else bands
     return {
         (source.name, listener.name): (source.amplitude * result.propagation.gain[s, i], bands[s, i])
         for s, source in enumerate(result.sources)
@@ -147,19 +147,19 @@ def stack(tmp_path):
 
 def test_what_a_contact_passes_on_belongs_to_the_pair(stack, tmp_path, traced):
     imported(stack)
-    assert traced().gains.tolist() == [[0.5, 0.1]]
+    assert traced().amplitudes.tolist() == [[0.5, 0.1]]
     exported(tmp_path / "b.json")
     written = json.loads((tmp_path / "b.json").read_text())["contacts"]
     assert [item["transmission"]["gain"] for item in written] == [0.5, 0.1] and written[0]["extras"] == {"screws": 4}
     bpy.data.objects["left"].location.y += 1.0  # now contacts are found, and pass on what they did
     bpy.context.view_layer.update()
     result = traced()
-    assert result.gains.tolist() == [[0.5, 0.1]]
+    assert result.amplitudes.tolist() == [[0.5, 0.1]]
     places = {item.objects: item.positions[0] for item in result.contacts.to_contacts(result.objects)}
     assert places["floor", "right"] == (2, 0, 0) and places[min(k for k in places if "left" in k)][1] == pytest.approx(1.0, abs=0.01)
     bpy.data.objects["left"].location.z += 1.0
     bpy.context.view_layer.update()
-    assert traced().gains.tolist() == [[0.0, 0.1]]
+    assert traced().amplitudes.tolist() == [[0.0, 0.1]]
 
 
 def test_what_an_author_changes_counts_more_than_the_file(stack, traced):
@@ -170,12 +170,12 @@ def test_what_an_author_changes_counts_more_than_the_file(stack, traced):
     scene.haptics.contact_tolerance = 0.02
     assert (-2, 0.1, 0) not in {item.positions[0] for item in traced().contacts.to_contacts(traced().objects)}
     scene.haptics.contact_tolerance = 0.01
-    assert traced().gains.tolist() == [[0.5, 0.1]]
+    assert traced().amplitudes.tolist() == [[0.5, 0.1]]
     floor.haptics.function, floor.haptics.constant = "constant", 0.25
-    assert traced().gains.tolist() == [[0.125, 0.025]]
+    assert traced().amplitudes.tolist() == [[0.125, 0.025]]
     floor.scale = (0.1, 0.1, 1)
     bpy.context.view_layer.update()
-    assert traced().gains.tolist() == [[0.0, 0.0]]
+    assert traced().amplitudes.tolist() == [[0.0, 0.0]]
 
 
 def test_two_files_in_one_scene_keep_their_contacts(stack, traced):
@@ -186,7 +186,7 @@ def test_two_files_in_one_scene_keep_their_contacts(stack, traced):
         bpy.data.objects[f"old {name}"].location.z += 50
     bpy.context.view_layer.update()
     assert bpy.ops.import_scene.haptic_scene(filepath=str(stack)) == {"FINISHED"}
-    gains = {(s.name, i.name): g for s, row in zip(traced().sources, traced().gains, strict=True)
+    gains = {(s.name, i.name): g for s, row in zip(traced().sources, traced().amplitudes, strict=True)
              for i, g in zip(traced().listeners, row, strict=True)}  # fmt: skip
     assert gains["motor.001", "left"] == 0.5 and gains["motor.001", "right"] == 0.1
 
@@ -214,7 +214,7 @@ def test_damaged_contacts_are_a_problem_in_words(stack, traced):
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     assert bpy.ops.import_scene.haptic_scene(filepath=str(stack)) == {"FINISHED"}
-    assert traced().gains.tolist() == [[0.5, 0.1]] and not session.problems_of(bpy.context.scene)
+    assert traced().amplitudes.tolist() == [[0.5, 0.1]] and not session.problems_of(bpy.context.scene)
 
 
 def test_functions_that_begin_in_a_later_frame_are_kept(stack, tmp_path, traced):
@@ -226,6 +226,6 @@ def test_functions_that_begin_in_a_later_frame_are_kept(stack, tmp_path, traced)
     document |= {"frame_rate": 25, "frames": [{"frame": 1}, later]}
     stack.write_text(json.dumps(document))
     imported(stack)
-    assert traced().gains.tolist() == [[0.5, 0.0]]
+    assert traced().amplitudes.tolist() == [[0.5, 0.0]]
     bpy.context.scene.frame_set(2)
-    assert traced().gains.tolist() == [[0.5, 0.3]]
+    assert traced().amplitudes.tolist() == [[0.5, 0.3]]

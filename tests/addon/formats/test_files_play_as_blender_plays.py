@@ -19,7 +19,7 @@ LAST = 60
 def gains(result):
     return {
         (source.name, listener.name): gain
-        for source, row in zip(result.sources, result.gains, strict=True)
+        for source, row in zip(result.sources, result.amplitudes, strict=True)
         for listener, gain in zip(result.listeners, row.tolist(), strict=True)
     }
 

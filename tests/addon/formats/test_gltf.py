@@ -95,7 +95,7 @@ def test_nothing_where_it_is_not_wanted_or_nothing_is_tagged(bench, gltf):
 def test_blenders_importer_gives_the_roles_back(bench, gltf, traced, tmp_path):
     before = traced()
     expected = {
-        (source.name, listener.name): before.gains[s, i]
+        (source.name, listener.name): before.amplitudes[s, i]
         for s, source in enumerate(before.sources)
         for i, listener in enumerate(before.listeners)
     }
@@ -110,7 +110,7 @@ def test_blenders_importer_gives_the_roles_back(bench, gltf, traced, tmp_path):
     after = traced()
     for s, source in enumerate(after.sources):
         for i, listener in enumerate(after.listeners):
-            assert after.gains[s, i] == pytest.approx(expected[source.name, listener.name], rel=1e-3)
+            assert after.amplitudes[s, i] == pytest.approx(expected[source.name, listener.name], rel=1e-3)
 
 
 def test_odd_extras_are_left_out(bench, gltf, tmp_path):

@@ -150,7 +150,7 @@ def test_a_frame_of_the_demo_with_its_impacts(tmp_path, traced):
         if any(source.kind is SourceKind.TEMPORARY for source in result.sources):
             break
     before = {
-        (source.name, listener.name): result.gains[s, i]
+        (source.name, listener.name): result.amplitudes[s, i]
         for s, source in enumerate(result.sources)
         for i, listener in enumerate(result.listeners)
     }
@@ -294,9 +294,9 @@ def test_frames_become_keyframes(workshop, tmp_path, traced):
         assert [item.name for item in now.sources] == sorted(item.name for item in result.sources)
         louder = {item.name: item.gain for item in result.listeners}
         assert {item.name: item.gain for item in now.listeners} == pytest.approx(louder, rel=1e-5)
-        by_name = {item.name: row for item, row in zip(result.sources, result.gains, strict=True)}
+        by_name = {item.name: row for item, row in zip(result.sources, result.amplitudes, strict=True)}
         columns = [[item.name for item in result.listeners].index(item.name) for item in now.listeners]
-        for source, gains in zip(now.sources, now.gains, strict=True):
+        for source, gains in zip(now.sources, now.amplitudes, strict=True):
             np.testing.assert_allclose(gains, by_name[source.name][columns], rtol=2e-3, atol=1e-4)
     curves = bpy.data.objects["Box"].animation_data
     assert curves is None  # what did not move has no keyframes
@@ -342,7 +342,7 @@ def test_a_file_from_elsewhere_without_shapes(tmp_path, traced):
     }
     (tmp_path / "a.json").write_text(json.dumps(document))
     imported(tmp_path / "a.json")
-    assert traced().gains[0, 0] > 0
+    assert traced().amplitudes[0, 0] > 0
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ def tones(scene) -> np.ndarray:
     row = [listener.name for listener in result.listeners].index("left")
     each = {
         source.name: gain * np.sin(2 * np.pi * frequency * n / RATE)
-        for source, gain in zip(result.sources, result.gains[:, row], strict=True)
+        for source, gain in zip(result.sources, result.amplitudes[:, row], strict=True)
         for frequency in [{"box": 150.0, "second": 35.0}[source.name]]
     }
     return np.array([each["box"], each["second"]])

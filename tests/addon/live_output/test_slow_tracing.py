@@ -50,7 +50,7 @@ def test_blocks_follow_each_other_while_frames_are_still_being_traced(felt, plug
     seconds = handlers.frame_seconds(felt)
     samples = np.concatenate(sent, axis=1)
     assert samples.shape[1] == sample_index(28 * seconds, RATE), "no sample is left out or played twice"
-    gain = session.result_of(felt).gains[0, 0]
+    gain = session.result_of(felt).amplitudes[0, 0]
     expected = gain * np.sin(2 * np.pi * 150.0 * np.arange(samples.shape[1]) / RATE)
     begin = sample_index(seconds, RATE)
     assert np.abs(samples[0] - expected)[begin:].max() < 1e-9
@@ -74,7 +74,7 @@ def test_gains_come_a_frame_later(felt, plug, connect, slow, uncorrected):
         until(lambda begun=begun: begun is None or begun.done())
         felt.frame_set(frame)
     levels = [float(np.abs(block[0]).max()) for block in sent]  # the block that ends at frame 2 comes first
-    gain = session.result_of(felt).gains[0, 0] / 0.9
+    gain = session.result_of(felt).amplitudes[0, 0] / 0.9
     assert max(levels[:18]) == pytest.approx(0.2 * gain, rel=1e-3), "up to the block that ends at frame 19"
     assert levels[18] == pytest.approx(0.2 * gain, rel=1e-3), "frame 20 is felt with what frame 19 said"
     assert levels[20] == pytest.approx(0.9 * gain, rel=1e-3)
@@ -102,7 +102,7 @@ def test_a_frame_that_went_ahead_is_corrected_when_it_has_been_traced(felt, plug
     elapsed = corrected_at - begun_at
     assert 0.03 < elapsed < 0.25, "from the moment on that the trace was done"
     assert corrected.shape[1] == pytest.approx(ahead.shape[1] - elapsed * RATE, abs=2)
-    gain = session.result_of(felt).gains[0, 0] / 0.9
+    gain = session.result_of(felt).amplitudes[0, 0] / 0.9
     assert np.abs(ahead[0]).max() == pytest.approx(0.2 * gain, rel=1e-3)
     assert np.abs(corrected[0, -200:]).max() > 0.7 * gain
     handlers.animation_playback_post(felt)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.scene_reader.reading import Reading
 from haptic_tracing.addon.session.sessions import Traced
-from haptic_tracing.addon.view.comparison import mode_gains
+from haptic_tracing.addon.view.comparison import mode_amplitudes
 from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, place_of, shown_levels
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.settings import ContactSettings
@@ -152,7 +152,7 @@ def test_compared_modes_are_those_that_tracing_gives():
     settings = Settings(localise=0.5)
     result, history = played(3, settings=settings)
     frame = replace(traced(result, history), settings=settings)
-    gains = {mode: mode_gains(mode, frame) for mode in Mode}
+    gains = {mode: mode_amplitudes(mode, frame) for mode in Mode}
     for mode, gain in gains.items():
         assert gain == pytest.approx(0.5 * propagate(result.graph, Settings(mode=mode, localise=0.5)).gain[0])
     assert gains[Mode.MN].tolist() == [0.5, 0.5]

@@ -54,7 +54,7 @@ def _activate(name):
 def test_levels_are_worked_out_once_a_frame(felt, settle):
     foot, hand = settle(lambda: watched.levels_of(felt))
     assert foot.is_felt
-    assert foot.peak == pytest.approx(20 * np.log10(session.result_of(felt).gains[0, 0]), abs=0.05)
+    assert foot.peak == pytest.approx(20 * np.log10(session.result_of(felt).amplitudes[0, 0]), abs=0.05)
     assert hand.peak_and_level() == "silent"
     assert watched.levels_of(felt)[0] is foot
     felt.frame_set(51)
@@ -66,7 +66,7 @@ def test_samples_are_rendered_where_they_are_shown_or_asked_for(felt, settle):
     assert not sessions.shown(felt).samples.size
     assert settle(lambda: meters.scope_of(felt)).samples.shape == (2000,)
     assert settle(lambda: watched.levels_of(felt))[0].peak == pytest.approx(
-        20 * np.log10(session.of(felt).shown.result.gains[0, 0]), abs=0.05
+        20 * np.log10(session.of(felt).shown.result.amplitudes[0, 0]), abs=0.05
     )
     for frame in range(51, 61):
         felt.frame_set(frame)
@@ -81,7 +81,7 @@ def test_a_script_gets_the_samples_of_the_frames_that_it_asks_for(felt):
         if frame > felt.frame_current:
             felt.frame_set(frame)
         result = session.result_of(felt)
-        expected = result.gains[0, 0] * np.sin(2 * np.pi * 60 * (result.first_sample + np.arange(320) - latency) / 8000)
+        expected = result.amplitudes[0, 0] * np.sin(2 * np.pi * 60 * (result.first_sample + np.arange(320) - latency) / 8000)
         assert result.block[0] == pytest.approx(expected, abs=1e-6)
 
 
@@ -163,7 +163,7 @@ def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch, settle):
 
 def test_modes_by_one_click(felt, settle):
     def gains():
-        return session.result_of(felt).gains[0].tolist()
+        return session.result_of(felt).amplitudes[0].tolist()
 
     before = gains()
     assert before[1] == 0
@@ -226,7 +226,7 @@ def test_another_mode_is_traced_although_a_track_is_there(felt, monkeypatch, pla
     bpy.ops.haptic.set_mode(mode="MN")
     felt.frame_set(21)
     assert not playback.is_from_track(session.result_of(felt))
-    assert session.result_of(felt).gains[0].tolist() == [1, 1]
+    assert session.result_of(felt).amplitudes[0].tolist() == [1, 1]
     bpy.ops.haptic.set_mode(mode="HT")
     felt.frame_set(22)
     assert playback.is_from_track(session.result_of(felt)) == plays

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.paths import ListenerPath, listener_path
-from haptic_tracing.addon.view.render_data import Options, listener_gains, path_steps
+from haptic_tracing.addon.view.render_data import Options, listener_amplitudes, path_steps
 from haptic_tracing.core.propagation.spread import spread
 from haptic_tracing.core.render.filter_bank import bank_response
 from haptic_tracing.core.render.history import still_samples
@@ -47,14 +47,14 @@ def test_gains_are_those_of_the_tone_through_the_filters_of_the_bands(frequency)
     result = rumbling_bridge(frequency)
     walker = [listener.name for listener in result.listeners].index("walker")
     gains = np.exp(-(0.4 + np.array(DECAYS)) * sum(TO_WALKER))
-    assert result.gains[0, walker] == pytest.approx(AMPLITUDE * bank_response(frequency, SAMPLE_RATE) @ gains, rel=1e-6)
+    assert result.amplitudes[0, walker] == pytest.approx(AMPLITUDE * bank_response(frequency, SAMPLE_RATE) @ gains, rel=1e-6)
 
 
 @pytest.mark.parametrize("frequency", [30.0, 60.0, 80.0, 110.0])
 def test_gains_agree_with_levels(frequency):
     result = rumbling_bridge(frequency)
     rms = np.sqrt(np.mean(still_samples(result, 1.0)[:, 800:] ** 2, axis=1))
-    assert np.sqrt(2) * rms == pytest.approx(result.gains[0], rel=2e-3)
+    assert np.sqrt(2) * rms == pytest.approx(result.amplitudes[0], rel=2e-3)
 
 
 @pytest.mark.parametrize("frequency", [30.0, 50.0, 100.0, 200.0])
@@ -64,28 +64,32 @@ def test_lines_are_coloured_by_the_band_of_the_tone(frequency):
     expected = AMPLITUDE * math.exp(-loss_per_metre(frequency) * sum(TO_WALKER))
     settings = dataclasses.replace(BRIDGE.settings, threshold=0.0)
     node = result.graph.listener_nodes[walker]
-    assert spread(result.graph, settings).gain[node] == pytest.approx(expected, rel=1e-12)
+    assert spread(result.graph, settings).amplitude[node] == pytest.approx(expected, rel=1e-12)
     pair = 0, walker
     _, gain, _ = path_steps(result, result.graph, Mode.HT, {pair: result.propagation.best_path[pair]})
     assert gain[-1, 1] == pytest.approx(expected, rel=1e-12)
 
 
-def test_losses_of_a_path_add_up_to_the_gain_beside_them():
+def test_losses_of_a_path_are_those_of_the_band_of_the_tone_and_other_paths_add_what_other_bands_pass():
     result = rumbling_bridge(100.0)
-    path = listener_path(Traced(1, result, BRIDGE.settings, np.zeros((len(result.listeners), 0))), ("walker", ""))
+    path = listener_path(Traced(1, result, BRIDGE.settings, np.zeros((len(result.listeners), 0))), ("walker", "", False))
     assert isinstance(path, ListenerPath)
-    assert [hop.object for hop in path.hops] == ["deck", "pier", "ground"]
+    fall = path.fall
+    assert [hop.object for hop in fall.hops] == ["deck", "pier", "ground"]
     per_metre = 20 * math.log10(math.e) * loss_per_metre(100.0)
-    assert [hop.loss for hop in path.hops] == pytest.approx([per_metre * metres for metres in TO_WALKER], rel=1e-9)
-    assert path.best_gain == pytest.approx(20 * math.log10(AMPLITUDE) - per_metre * sum(TO_WALKER), rel=1e-9)
+    assert [hop.loss for hop in fall.hops] == pytest.approx([per_metre * metres for metres in TO_WALKER], rel=1e-9)
+    assert fall.amplitude == pytest.approx(20 * math.log10(AMPLITUDE))
+    through_filters = bank_response(100.0, SAMPLE_RATE) @ np.exp(-(0.4 + np.array(DECAYS)) * sum(TO_WALKER))
+    assert fall.gain == pytest.approx(20 * math.log10(through_filters), rel=1e-6)
+    assert fall.others == pytest.approx(fall.gain + per_metre * sum(TO_WALKER), abs=1e-9), "what the filters of the other bands add"
 
 
 def test_each_tone_arrives_in_its_own_band():
     result = rumbling_bridge(30.0, 200.0)
     walker = [listener.name for listener in result.listeners].index("walker")
     low, high = (AMPLITUDE * math.exp(-loss_per_metre(frequency) * sum(TO_WALKER)) for frequency in (30.0, 200.0))
-    assert listener_gains(result, Options())[walker] == result.gains[0, walker] > result.gains[1, walker]
+    assert listener_amplitudes(result, Options())[walker] == result.amplitudes[0, walker] > result.amplitudes[1, walker]
     chosen = dataclasses.replace(BRIDGE.settings, threshold=0.0)
-    gains = [spread(result.graph, chosen, {source.name}).gain[result.graph.listener_nodes[walker]] for source in result.sources]
+    gains = [spread(result.graph, chosen, {source.name}).amplitude[result.graph.listener_nodes[walker]] for source in result.sources]
     assert gains == pytest.approx([low, high], rel=1e-12)
-    assert spread(result.graph, chosen).gain[result.graph.listener_nodes[walker]] == pytest.approx(low, rel=1e-12)
+    assert spread(result.graph, chosen).amplitude[result.graph.listener_nodes[walker]] == pytest.approx(low, rel=1e-12)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.colour_map import STEPS, GainScale, colour_table, decibel_text
+from haptic_tracing.addon.view.colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
 from hypothesis import given
 from hypothesis import strategies as st
 from oklab import from_oklab, interpolated, oklab
@@ -54,14 +54,14 @@ def test_order_is_seen_by_the_colour_blind(kind):
 
 @given(st.floats(0, 1), st.floats(1e-6, 0.3))
 def test_place_is_linear_in_decibels(gain, threshold):
-    scale = GainScale.of_threshold(threshold)
+    scale = AmplitudeScale.of_threshold(threshold)
     level = 20 * math.log10(gain) if gain else -math.inf
     assert scale.place(np.array(gain)) == pytest.approx(min(1, max(0, 1 - level / scale.floor)), abs=1e-9)
 
 
 @given(st.floats(0, 1))
 def test_ticks_are_few_round_and_on_the_scale(threshold):
-    scale = GainScale.of_threshold(threshold)
+    scale = AmplitudeScale.of_threshold(threshold)
     ticks = scale.ticks()
     assert ticks[-1] == 0
     assert 3 <= len(ticks) <= 7
@@ -70,7 +70,7 @@ def test_ticks_are_few_round_and_on_the_scale(threshold):
 
 
 def test_gain_above_one_keeps_the_last_colour():
-    scale = GainScale.of_threshold(0.001)
+    scale = AmplitudeScale.of_threshold(0.001)
     assert np.array_equal(scale.colour(np.array([1.0, 7.0])), colour_table()[[-1, -1]])
 
 

@@ -92,7 +92,7 @@ def test_viewport_picture_shows_the_nodes_in_their_colours(off_screen, scene, ca
     pixels = read_png(tmp_path / "a.png")
     assert pixels.shape == (SIZE[1], SIZE[0], 3)
     data = render_data(bridge, BRIDGE.settings, Options())
-    gains = bridge.gains.max(axis=0)
+    gains = bridge.amplitudes.max(axis=0)
     assert _pixel(scene, pixels, _node(bridge, "truck")) == pytest.approx(SOURCE_COLOUR, abs=0.02)
     for listener, gain in zip(bridge.listeners[:2], gains[:2], strict=True):
         assert _pixel(scene, pixels, listener.position) == pytest.approx(data.scale.colour(gain), abs=0.02)

@@ -7,7 +7,7 @@ import networkx
 import numpy as np
 import pytest
 from haptic_tracing.addon.view.annotations import label_text
-from haptic_tracing.addon.view.colour_map import GainScale
+from haptic_tracing.addon.view.colour_map import AmplitudeScale
 from haptic_tracing.addon.view.render_data import IMPACT_COLOUR, SILENT_COLOUR, SOURCE_COLOUR, Options, Shape, path_steps, render_data
 from haptic_tracing.core.scene.values import Mode, Settings, SourceKind
 from hypothesis import HealthCheck, given, settings
@@ -56,7 +56,7 @@ def test_paths_end_with_the_gain_of_the_best_path(seed):
         length = sum(math.dist(*(explicit.nodes[n]["position"] for n in edge)) for edge in networkx.utils.pairwise(nodes))
         assert steps[end][1] == nodes[-1]
         assert gain[end, 1] == pytest.approx(result.sources[pair[0]].amplitude * product, rel=1e-9)
-        assert gain[end, 1] == pytest.approx(result.gains[pair], rel=1e-9)
+        assert gain[end, 1] == pytest.approx(result.amplitudes[pair], rel=1e-9)
         assert arc_length[end, 1] == pytest.approx(length, rel=1e-9)
     assert (arc_length[:, 1] >= arc_length[:, 0]).all()
 
@@ -84,7 +84,7 @@ def test_arrays_are_finite_and_fit_together(seed, show_intra, show_best_paths, m
 
 def test_bridge_points(bridge):
     data = render_data(bridge, BRIDGE.settings, Options())
-    scale = GainScale.of_threshold(0.01)
+    scale = AmplitudeScale.of_threshold(0.01)
     assert scale.floor == -40
     by_place = {tuple(np.round(p.astype(float), 3).tolist()): k for k, p in enumerate(data.points.position)}
     truck = by_place[(-1.5, 0.0, 1.0)]

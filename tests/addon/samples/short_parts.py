@@ -53,7 +53,7 @@ def digest(results: list[Any]) -> dict[str, Any]:
     return {
         **_touched(results),
         "levels": np.sqrt((np.concatenate(blocks, axis=1) ** 2).mean(axis=1)).tolist(),
-        "gains": _rows(results, {result.number: result.gains for result in results}),
+        "gains": _rows(results, {result.number: result.amplitudes for result in results}),
     }
 
 

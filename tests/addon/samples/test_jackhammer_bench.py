@@ -51,11 +51,11 @@ def test_bodies_touch_as_the_figure_shows_and_none_is_deep_in_another(played):
 def test_every_listener_feels_the_jackhammer_and_none_more_than_it(played):
     first = played[0]
     assert [source.name for source in first.sources] == ["Jackhammer"]
-    assert np.all(first.gains > 0.0)
-    assert np.all(first.gains < 1.0)
+    assert np.all(first.amplitudes > 0.0)
+    assert np.all(first.amplitudes < 1.0)
     legs = [i for i, listener in enumerate(first.listeners) if listener.body_part.startswith("upper_leg")]
     ears = [i for i, listener in enumerate(first.listeners) if listener.body_part.startswith("ear")]
-    assert first.gains[0, legs].min() > 3 * first.gains[0, ears].max()
+    assert first.amplitudes[0, legs].min() > 3 * first.amplitudes[0, ears].max()
 
 
 @pytest.mark.slow

@@ -1,12 +1,14 @@
 """Every sample: levels of the default strategy and of the energy balance are ones that a designer can compare."""
 
 import importlib.util
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 from haptic_tracing.addon.io.frame_scene import scene_of_result
 from haptic_tracing.addon.session import session
+from haptic_tracing.addon.view import levels, paths
 from haptic_tracing.addon.view.render_data import Options, path_steps, render_data
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import objects_on
@@ -31,10 +33,29 @@ def play(build, results):
             found = result
             if result.impacts:
                 break
-        assert found.sources and (found.gains > 0).any()
+        assert found.sources and (found.amplitudes > 0).any()
         return scene, found
 
     return played
+
+
+def _check_tables(shown):
+    """The table of the way from each source to each listener that it reaches: its rounded rows add up to the level that is shown, and with
+    the threshold to the margin; in the scenes of the samples best paths are the whole gain."""
+    found = levels.shown_levels(shown, False)
+    for row, column in np.argwhere(shown.result.amplitudes > 0).tolist():
+        ends = shown.result.listeners[column].name, shown.result.sources[row].name, False
+        path = paths.listener_path(shown, ends)
+        table, level = paths.rows(path), found[column]
+        tenths = [round(10 * item.decibels) for item in table if math.isfinite(item.decibels)]
+        end = next(place for place, item in enumerate(table) if item.is_sum)
+        if len(tenths) == len(table):
+            assert sum(tenths[:end]) == tenths[end]
+            assert tenths[end] / 10 == pytest.approx(level.rms, abs=0.051)
+            assert tenths[end] - tenths[end + 1] == tenths[end + 2]
+            assert tenths[end + 2] / 10 == pytest.approx(level.margin, abs=0.051)
+        assert path.fall.gain == pytest.approx(20 * math.log10(shown.result.gains[row, column]))
+        assert path.fall.hops
 
 
 @pytest.mark.parametrize("name", [name if name == "hammer_nail" else pytest.param(name, marks=pytest.mark.slow) for name in SAMPLES])
@@ -55,15 +76,16 @@ def test_levels_compare_and_are_those_of_the_ways_shown(play, name):
         check_local(haptic, strategy, largest.name, (x - 60.0, y, z))
     graph = graph_of_scene(haptic)
     check_shown(graph, traced(haptic, Strategy.AUTO), haptic.settings.threshold)
-    paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if nodes}
-    assert set(paths) == set(map(tuple, np.argwhere(result.gains > 0).tolist()))
-    steps, gain, _ = path_steps(result, result.graph, Mode.HT, paths)
-    ends = np.cumsum([len(nodes) - 1 for nodes in paths.values()]) - 1
-    for end, (pair, nodes) in zip(ends, paths.items(), strict=True):
+    ways = {pair: nodes for pair, nodes in result.propagation.best_path.items() if nodes}
+    assert set(ways) == set(map(tuple, np.argwhere(result.amplitudes > 0).tolist()))
+    steps, gain, _ = path_steps(result, result.graph, Mode.HT, ways)
+    ends = np.cumsum([len(nodes) - 1 for nodes in ways.values()]) - 1
+    for end, (pair, nodes) in zip(ends, ways.items(), strict=True):
         assert steps[end, 1] == nodes[-1]
-        assert gain[end, 1] == pytest.approx(result.gains[pair], rel=1e-9)
+        assert gain[end, 1] == pytest.approx(result.amplitudes[pair], rel=1e-9)
         assert result.path_objects(*pair) == objects_on(result.graph, nodes)
+    _check_tables(session.of(scene).shown)
     drawn = render_data(result, session.of(scene).reading.settings, Options()).paths
     shown = {tuple(place) for place in np.round(drawn.position.reshape(-1, 3), 3).tolist()}
-    for nodes in paths.values():
+    for nodes in ways.values():
         assert {tuple(place) for place in np.round(result.graph.node_position[list(nodes)].astype(np.float32), 3).tolist()} <= shown

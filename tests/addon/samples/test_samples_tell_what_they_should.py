@@ -30,7 +30,7 @@ def test_every_blow_of_the_hammer_is_one_impact_that_the_hammer_hands_on(build, 
             source, hand = len(result.sources) - 1, listener(result, "hand.L")
             path = result.path_objects(source, hand)
             assert path == ("Hammer", "Avatar Hand.L")
-            assert result.gains[source, hand] > 1.5 * np.delete(result.gains[source], hand).max()
+            assert result.amplitudes[source, hand] > 1.5 * np.delete(result.amplitudes[source], hand).max()
     assert [pair for _, pair in found] == [frozenset(("Hammer", "Nail"))] * 2
     assert [number for number, _ in found] == pytest.approx(hammer_nail.STRIKES[:2], abs=1)
 
@@ -43,8 +43,8 @@ def test_what_goes_through_air_takes_no_other_way(build, results, gain_along, na
     for k, item in enumerate(result.listeners):
         path = result.path_objects(0, k)
         assert path == (*source, item.object)
-        assert result.gains[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
-    assert result.gains.min() > 0.02
+        assert result.amplitudes[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
+    assert result.amplitudes.min() > 0.02
 
 
 @pytest.mark.slow
@@ -64,15 +64,15 @@ def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form
         path = result.path_objects(0, k)
         assert path.count("Ground") == 2
         assert path.index("Ground") < next(n for n, name in enumerate(path) if name.startswith("Near Rail"))
-        with_rails[item.name] = result.gains[0, k]
-        assert result.gains[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
+        with_rails[item.name] = result.amplitudes[0, k]
+        assert result.amplitudes[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
     scene.objects["Near Rail.L"].haptics.enabled = scene.objects["Near Rail.R"].haptics.enabled = False
     *_, result = results(scene, 2, 2)
     for k, item in enumerate(result.listeners):
         path = result.path_objects(0, k)
         assert path.count("Ground") == 1
-        assert result.gains[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
-        assert result.gains[0, k] < 0.1 * with_rails[item.name]
+        assert result.amplitudes[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
+        assert result.amplitudes[0, k] < 0.1 * with_rails[item.name]
 
 
 @pytest.mark.slow
@@ -124,8 +124,8 @@ def test_falling_stalactite_shakes_both_legs_through_the_ground(build, results, 
         path = result.path_objects(source, k)
         assert path[0] == "Ground 02"
         assert path[1].startswith("Rail")
-        assert result.gains[source, k] == pytest.approx(result.gains[source].max(), rel=0.01)
-    assert result.gains[source, legs[0]] == pytest.approx(result.gains[source, legs[1]], rel=0.01)
+        assert result.amplitudes[source, k] == pytest.approx(result.amplitudes[source].max(), rel=0.01)
+    assert result.amplitudes[source, legs[0]] == pytest.approx(result.amplitudes[source, legs[1]], rel=0.01)
 
 
 @pytest.mark.slow
@@ -158,9 +158,9 @@ def test_wind_blows_from_below_while_the_cart_is_on_the_bridge(build, results):
     wind = next(k for k, source in enumerate(result.sources) if source.name == "Wind")
     legs = [listener(result, f"upper_leg.{side}") for side in "LR"]
     ears = [listener(result, f"ear.{side}") for side in "LR"]
-    assert result.gains[wind, legs].min() > 1.1 * result.gains[wind, ears].max() > 0.01
+    assert result.amplitudes[wind, legs].min() > 1.1 * result.amplitudes[wind, ears].max() > 0.01
     *_, result = results(scene, 1300, 1301)
-    assert result.gains[wind].max() == 0
+    assert result.amplitudes[wind].max() == 0
 
 
 @pytest.mark.slow
@@ -174,7 +174,7 @@ def test_walls_of_stone_wood_and_ribbons_differ_by_tracing_alone(build, results)
             frame = mine_ride.wall_frame(number)
             total = np.zeros(len(PAPER_LISTENERS))
             for result in results(scene, frame, frame + 9):
-                total = np.maximum(total, result.gains.sum(axis=0))
+                total = np.maximum(total, result.amplitudes.sum(axis=0))
             assert total.max() > 0.05
             found.append(total)
         return found

@@ -43,7 +43,7 @@ def test_the_blow_is_felt_in_the_hand_as_the_text_says(by_hand, gain_along):
     session.result_of(by_hand)
     (level,) = shown_levels(sessions.shown(by_hand), False)
     assert level.margin_text() == re.search(r"(\+\d+ dB) above the threshold", text)[1]
-    (gain,) = result.gains[-1]
+    (gain,) = result.amplitudes[-1]
     path = result.path_objects(len(result.sources) - 1, 0)
     assert path == ("Hammer", "Hand")
     assert gain == pytest.approx(gain_along(by_hand, result, len(result.sources) - 1, 0, path), rel=1e-5)

@@ -37,7 +37,7 @@ def traced(first, exact):
     for number in range(first, FRAMES.stop):
         result = tracer.step(frame(number, exact and number % EXACT_FRAMES == 0))
         assert len(result.contacts) == 1
-        found[number] = result.contacts.positions.tobytes(), result.gains.tobytes(), tracer.checksum()
+        found[number] = result.contacts.positions.tobytes(), result.amplitudes.tobytes(), tracer.checksum()
     return found
 
 

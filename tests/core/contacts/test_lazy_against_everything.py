@@ -75,7 +75,7 @@ def test_lazy_tracing_gives_the_same(settings, special, seed):
         assert some.impacts == every.impacts
         assert [source.name for source in some.sources] == [source.name for source in every.sources]
         audible = np.array([source.amplitude > 0 for source in some.sources], dtype=bool)
-        np.testing.assert_allclose(some.gains[audible], every.gains[audible], rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(some.amplitudes[audible], every.amplitudes[audible], rtol=1e-9, atol=1e-12)
         if every.block is not None:
             np.testing.assert_allclose(some.block, every.block, rtol=1e-9, atol=1e-12)
         impacts += len(every.impacts)

@@ -122,7 +122,7 @@ def test_where_a_contact_arrives_in_the_volume():
 def test_several_arrivals_count_by_their_power():
     result = traced([(0.1, 0, 1), (-0.1, 0, 1)])
     assert result.arrivals()[0] == pytest.approx((0.5, 0.5))
-    quiet = dataclasses.replace(result, gains=result.gains * [[1.0], [0.5]])
+    quiet = dataclasses.replace(result, amplitudes=result.amplitudes * [[1.0], [0.5]])
     assert quiet.arrivals()[0, 0] == pytest.approx(0.2), "4 of 5 parts of the power come from the left"
 
 

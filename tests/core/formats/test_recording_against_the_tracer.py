@@ -79,7 +79,7 @@ def test_tracing_the_file_gives_the_gains_and_samples_of_the_first_run(run, tmp_
     assert [result.number for result in again] == list(FRAMES)
     for first, second in zip(results, again, strict=True):
         assert [source.name for source in first.sources] == [source.name for source in second.sources]
-        np.testing.assert_allclose(second.gains, first.gains, rtol=1e-5, atol=1e-9)
+        np.testing.assert_allclose(second.amplitudes, first.amplitudes, rtol=1e-5, atol=1e-9)
     first, second = recorded_tracks(results), recorded_tracks(again)
     assert first.start == second.start and first.count == second.count == round((len(FRAMES) - 1) / RATE * 8000)
     np.testing.assert_allclose(second.samples, first.samples, atol=1e-5)
@@ -189,8 +189,8 @@ def test_objects_and_listeners_that_come_and_go(tmp_path):
     for ours, theirs in zip(expected, traced(export.scene, export.recording), strict=True):
         assert theirs.objects == ours.objects
         assert [item.name for item in theirs.listeners] == [item.name for item in ours.listeners]
-        heard = dict(zip((item.name for item in theirs.sources), theirs.gains.tolist(), strict=True))
-        for source, row in zip(ours.sources, ours.gains.tolist(), strict=True):
+        heard = dict(zip((item.name for item in theirs.sources), theirs.amplitudes.tolist(), strict=True))
+        for source, row in zip(ours.sources, ours.amplitudes.tolist(), strict=True):
             assert heard.pop(source.name) == pytest.approx(row, rel=1e-12)
         assert not heard  # nothing is left of what was on the crate
 

@@ -190,7 +190,7 @@ def test_a_frame_that_is_come_to_again_has_the_shots_that_it_had():
     frame = 11  # both sound
     assert len(results[frame].shots) == 2
     again = tracer.step(replace(make(frame, frame / RATE), continuous=False, recall=True))
-    assert again.sources == results[frame].sources and again.gains.tolist() == results[frame].gains.tolist()
+    assert again.sources == results[frame].sources and again.amplitudes.tolist() == results[frame].amplitudes.tolist()
     bell = replace(bell, triggers=(gate,))
     edited = tracer.step(replace(falling(bell, 4.0)(frame, frame / RATE), continuous=False, recall=True))
     assert [shot.on for shot in edited.shots] == ["passing"]
@@ -248,7 +248,7 @@ def test_a_front_arrives_after_distance_over_speed_and_falls_with_the_distance()
         assert np.argmax(samples) == pytest.approx(middle, abs=1)
         level = RADIUS / (RADIUS + d) * math.exp(-DECAY * d)
         assert samples.max() == pytest.approx(level, rel=5e-3)
-    gains = next(result.gains[0] for result in results if result.sources)
+    gains = next(result.amplitudes[0] for result in results if result.sources)
     np.testing.assert_allclose(gains, [RADIUS / (RADIUS + d) * math.exp(-DECAY * d) for d in DISTANCES], rtol=1e-9)
 
 

@@ -97,4 +97,4 @@ def test_no_path_goes_in_by_one_point_and_out_by_another(strategy):
     assert result.gain[0, 0] == pytest.approx(math.exp(-8), rel=1e-12)
     assert objects_on(graph, result.best_path[0, 0]) == ("soil",)
     shown = spread(graph, BEST)
-    assert shown.gain[graph.listener_nodes[0]] == pytest.approx(math.exp(-8), rel=1e-12)
+    assert shown.amplitude[graph.listener_nodes[0]] == pytest.approx(math.exp(-8), rel=1e-12)

@@ -69,7 +69,7 @@ def strongest_by_networkx(graph: HapticGraph, threshold: float, max_connections:
 @given(graphs(), st.sampled_from((0.0, 0.01, 0.2)), st.sampled_from((None, 0, 1, 2, 3, 5)))
 def test_gain_is_the_largest_product(graph: HapticGraph, threshold: float, max_connections: int | None) -> None:
     found = spread(graph, Settings(strategy="best_path", threshold=threshold, max_connections=max_connections))
-    assert found.gain == pytest.approx(strongest_by_networkx(graph, threshold, max_connections), rel=1e-9)
+    assert found.amplitude == pytest.approx(strongest_by_networkx(graph, threshold, max_connections), rel=1e-9)
 
 
 @settings(deadline=None, derandomize=True, max_examples=120)
@@ -78,22 +78,22 @@ def test_predecessors_make_trees_that_carry_the_gain(graph: HapticGraph) -> None
     found = spread(graph, Settings(threshold=0.0, max_connections=None))
     explicit = graph.to_networkx()
     roots = {node for source in graph.sources for node in source.nodes}
-    for node in np.flatnonzero(found.gain > 0).tolist():
+    for node in np.flatnonzero(found.amplitude > 0).tolist():
         visited = [node]
         while found.predecessor[visited[-1]] >= 0:
             visited.append(int(found.predecessor[visited[-1]]))
             assert explicit.has_edge(*visited[-2:])
             assert len(visited) <= graph.node_count
-            assert found.gain[visited[-1]] >= found.gain[visited[-2]] * (1 - 1e-12)
+            assert found.amplitude[visited[-1]] >= found.amplitude[visited[-2]] * (1 - 1e-12)
         assert visited[-1] in roots
-    assert not (found.predecessor[found.gain == 0] >= 0).any()
+    assert not (found.predecessor[found.amplitude == 0] >= 0).any()
 
 
 @settings(deadline=None, derandomize=True, max_examples=40)
 @given(graphs())
 def test_chosen_sources_alone(graph: HapticGraph) -> None:
-    together = spread(graph, Settings()).gain
-    alone = [spread(graph, Settings(), {source.name}).gain for source in graph.sources]
+    together = spread(graph, Settings()).amplitude
+    alone = [spread(graph, Settings(), {source.name}).amplitude for source in graph.sources]
     assert np.array_equal(together, np.max([np.zeros(graph.node_count), *alone], axis=0))
 
 
@@ -102,4 +102,4 @@ def test_a_gain_above_one_is_followed() -> None:
     contact = Contact(("a", "b"), ((1, 0, 0), (1, 0, 0)), Constant(gain_value=2.0))
     graph = graph_of_scene(HapticScene(objects, (contact,), (Source("s", "a"),), (Listener("l", "b", (2, 0, 0)),)))
     found = spread(graph, Settings())
-    assert found.gain[graph.listener_nodes[0]] == pytest.approx(math.exp(-0.1) * 2.0 * 0.5)
+    assert found.amplitude[graph.listener_nodes[0]] == pytest.approx(math.exp(-0.1) * 2.0 * 0.5)

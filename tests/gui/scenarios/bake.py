@@ -38,13 +38,13 @@ def steps(window):
     window.seen["fits"] = playback.stale_reasons(scene) == ()
     window.seen["stands: traced"] = not playback.is_from_track(session.result_of(scene))
     yield from window.screenshot("bake")
-    window.seen["the path is known"] = bool(paths.path_of(scene).value.hops)
+    window.seen["the path is known"] = bool(paths.path_of(scene).value.fall.hops)
 
     def shown():
         return sessions.shown(scene).result
 
     def strongest():
-        return float(shown().gains.max())
+        return float(shown().amplitudes.max())
 
     bpy.ops.screen.animation_play()
     yield from window.wait_until(lambda: shown().number > 42 and playback.is_from_track(shown()))

@@ -37,10 +37,10 @@ def steps(window):
     before = felt()
     window.seen["some are felt and some hidden"] = sum(before) == 20 and before[0] > 0 and before[1] > 0
     yield from window.screenshot("felt")
-    gain = session.result_of(scene).gains.sum()
+    gain = session.result_of(scene).amplitudes.sum()
     listener.radius = 1.0
     yield 1.0
-    window.seen["a larger palm feels more"] = session.result_of(scene).gains.sum() > 1.2 * gain
+    window.seen["a larger palm feels more"] = session.result_of(scene).amplitudes.sum() > 1.2 * gain
     window.seen["its empty is drawn as large"] = abs(palm.empty_display_size - 1.0) < 1e-6
     listener.ducking = 24.0
     bpy.data.objects["Source 12"].haptics.source.priority = 5.0

@@ -13,7 +13,7 @@ def steps(window):
     yield
     yield from window.press("RIGHT_ARROW")
     yield 0.5
-    window.seen["gain"] = float(session.result_of(bpy.context.scene).gains.max()) > 0
+    window.seen["gain"] = float(session.result_of(bpy.context.scene).amplitudes.max()) > 0
 
     path = str(window.folder / "saved.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)

@@ -35,7 +35,7 @@ def steps(window):
 
     def listen(scene, depsgraph=None):
         traced = sessions.shown(scene)
-        heard.append(traced is not None and bool(traced.result.shots) and float(traced.result.gains.max(initial=0.0)) > 0)
+        heard.append(traced is not None and bool(traced.result.shots) and float(traced.result.amplitudes.max(initial=0.0)) > 0)
 
     bpy.app.handlers.frame_change_post.append(listen)
     with window.context():

@@ -27,4 +27,4 @@ def steps(window):
     yield from window.press("SPACE")
     yield from window.screenshot("felt")
     result = window.module("addon.session.session").result_of(bpy.context.scene)
-    window.seen["twelve listeners feel it"] = result.gains.shape == (1, 12) and bool((result.gains > 0).all())
+    window.seen["twelve listeners feel it"] = result.amplitudes.shape == (1, 12) and bool((result.amplitudes > 0).all())

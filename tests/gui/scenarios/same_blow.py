@@ -24,7 +24,7 @@ def steps(window):
     def blow():
         return [(item.name, item.onset, item.amplitude) for item in session.result_of(scene).sources]
 
-    struck, gains = blow(), session.result_of(scene).gains.copy()
+    struck, gains = blow(), session.result_of(scene).amplitudes.copy()
     window.seen["there is a blow"] = len(struck) >= 1
     yield from window.screenshot("HT")
     for mode, (x, y) in (("SD", (120, 0)), ("HT", (-120, 0))):
@@ -39,7 +39,7 @@ def steps(window):
         window.seen[f"the same blow in {mode}"] = scene.haptics.mode == mode and blow() == struck
         if mode == "SD":
             yield from window.screenshot("SD")
-    window.seen["felt as before"] = bool((session.result_of(scene).gains == gains).all())
+    window.seen["felt as before"] = bool((session.result_of(scene).amplitudes == gains).all())
     yield from window.click_button("haptics.show_flow")
     window.seen["with Signal Flow"] = scene.haptics.show_flow and blow() == struck
     yield from window.undo()

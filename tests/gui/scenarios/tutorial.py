@@ -136,7 +136,7 @@ def steps(window):
     yield 0.5
     result = session.result_of(scene)
     window.seen["strikes at the frame"] = scene.frame_current == strikes and len(result.impacts) == 1
-    (gain,) = result.gains[-1]
+    (gain,) = result.amplitudes[-1]
     said = colours.decibel_text(float(gain))
     window.seen[f"the label says {said}"] = said == re.search(r"label says (\S+ dB)", text)[1]
     yield from window.screenshot("struck")
@@ -145,5 +145,5 @@ def steps(window):
         bpy.ops.haptic.apply_material(preset="rubber", target="SELECTED")
     yield 0.5
     result = session.result_of(scene)
-    window.seen["of rubber: the same blow, weaker"] = len(result.impacts) == 1 and bool(0 < result.gains[-1][0] < gain)
+    window.seen["of rubber: the same blow, weaker"] = len(result.impacts) == 1 and bool(0 < result.amplitudes[-1][0] < gain)
     yield from window.screenshot("rubber")
