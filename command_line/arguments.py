@@ -67,6 +67,16 @@ def _contacts(parser: Parser) -> None:
     )
 
 
+def _serve(parser: Parser) -> None:
+    parser.add_argument("scene", metavar="SCENE.json", type=Path, nargs="?", help="haptic scene; without it each client sends its own")
+    parser.add_argument("--listen", default="127.0.0.1:7710", metavar="HOST:PORT", help="address of the WebSocket (127.0.0.1:7710)")
+    parser.add_argument("--osc", type=int, metavar="PORT", help="also answer OSC over UDP on this port, such as 7711")
+    parser.add_argument("--device", action="append", default=[], metavar="NAME", help="a device to play on, as `devices` lists it")
+    parser.add_argument("--osc-devices", action="store_true", help="steps by OSC are played on the devices, too")
+    parser.add_argument("--token", metavar="TEXT", help="what clients say to play on devices (drawn and printed)")
+    parser.add_argument("--allow-origin", action="append", default=[], metavar="ORIGIN", help="a web page that may connect")
+
+
 def _devices(parser: Parser) -> None:
     parser.add_argument("--profiles", metavar="FOLDER", type=Path, help="folder with device profiles of your own (*.json)")
     actions = parser.add_subparsers(dest="action", metavar="ACTION")
@@ -187,6 +197,11 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "contacts of a haptic scene file",
         "Print the contacts of a haptic scene file, found from the shapes and poses of its objects.",
         _contacts,
+    ),
+    "serve": Subcommand(
+        "levels and samples for an engine, over a WebSocket or OSC",
+        "Answer poses from an engine with what each listener feels, and play it on devices.",
+        _serve,
     ),
     "devices": Subcommand("haptic devices: list, test, encode", "List the connected haptic devices.", _devices),
     "export": Subcommand(

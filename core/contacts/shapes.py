@@ -7,7 +7,7 @@ A shape with margin m is its core and every point within m metres of it: the mar
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from typing import Any, ClassVar
 
@@ -47,17 +47,15 @@ def points_array(key: str, value: ArrayLike) -> FloatArray:
     return points
 
 
-def rotation_matrix(rotation: tuple[float, float, float, float]) -> FloatArray:
-    """The (3, 3) matrix of a unit quaternion (w, x, y, z)."""
-    w, x, y, z = rotation
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ],
-        dtype=np.float64,
-    )
+def rotation_matrix(rotation: Sequence[float] | FloatArray) -> FloatArray:
+    """The matrices (..., 3, 3) of unit quaternions (..., 4): w, x, y, z."""
+    w, x, y, z = np.moveaxis(np.asarray(rotation, dtype=np.float64), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 def pose_matrix(pose: Pose) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +14,8 @@ from ..collisions import Frame
 from ..contacts.authored import AuthoredContacts
 from ..contacts.contact_set import ContactSet
 from ..contacts.settings import Body
-from ..contacts.shapes import pose_matrix
+from ..contacts.shapes import pose_matrix, rotation_matrix
+from ..formats.io.schema import validate
 from ..formats.scene.values_json import read_listener, read_object, read_source
 from ..render.history import History
 from ..scene.references import PlacedError, require_known, require_new
@@ -25,6 +26,9 @@ from .step import Step, answer
 
 LONGEST_STEP = 0.25
 """Duration of a step from which on the run begins anew: without impacts, from silence [s]."""
+
+_SHORTEST = 1e-12
+"""Length above which a quaternion is a rotation."""
 
 Position = Sequence[float]
 """Three numbers [m], in the world."""
@@ -40,8 +44,9 @@ class Run:
     def __init__(self, scene: HapticScene, sample_rate: float) -> None:
         self.settings, self.rules = scene.settings, scene.rules
         self.sample_rate = sample_rate
-        self._objects = {item.name: item for item in scene.objects}
-        self._poses = {item.name: pose_matrix(item.pose or Pose()) for item in scene.objects}
+        self._objects: dict[str, HapticObject] = {}
+        self._poses = np.zeros((0, 4, 4))  # of the objects, in their order
+        self._set_objects(scene.objects, np.array([pose_matrix(item.pose or Pose()) for item in scene.objects]).reshape(-1, 4, 4))
         self._moved: set[str] = set()
         self._listed = scene.contacts
         self._places: dict[tuple[str, str], FloatArray] = {}  # by kind and name, in the frame of the object
@@ -57,7 +62,6 @@ class Run:
         self._history = History()
         self._time: float | None = None
         self._step = 0
-        self._changed()
 
     @property
     def objects(self) -> tuple[str, ...]:
@@ -74,6 +78,11 @@ class Run:
         """The names of the listeners, in the order of the rows of samples."""
         return tuple(self._listeners)
 
+    @property
+    def body_parts(self) -> dict[str, str]:
+        """The body part of each listener, "" for none."""
+        return {name: item.body_part for name, item in self._listeners.items()}
+
     def step(
         self,
         time: float,
@@ -89,7 +98,7 @@ class Run:
 
         Args:
             time: seconds of the caller's clock.
-            poses: of objects that have moved: x, y, z [m], then the rotation as a quaternion w, x, y, z.
+            poses: of objects that have moved: x, y, z [m], then the rotation as a quaternion w, x, y, z of any length but 0.
             sources: ``playing`` and ``amplitude`` of sources, from now on.
             contacts: all that touch now, as in a scene file; none are searched for then.
             impacts: since the last step, as `read_impacts` takes them; none are searched for then.
@@ -100,8 +109,8 @@ class Run:
         """
         if not math.isfinite(time) or time == self._time:
             raise PlacedError(("time",), f"must be finite, and other than that of the last step, got {time!r}")
-        for name, pose in (poses or {}).items():
-            self._move(name, pose)
+        if poses:
+            self._move(poses)
         for name, form in (sources or {}).items():
             self._play(name, form)
         result = self._tracer.step(self._frame(time, contacts, impacts, source_positions or {}, listener_positions or {}))
@@ -132,10 +141,12 @@ class Run:
         listener: Mapping[str, Any] | None = None,
     ) -> None:
         """Add an object, a source or a listener, as in a scene file. Raises ValueError, also where the name exists."""
+        _check("add", object=object, source=source, listener=listener)
         if object is not None:
             item = read_object(object, ("object",))
             require_new(item.name, self._objects, "object", ("object", "name"))
-            self._put(item)
+            pose = pose_matrix(item.pose or Pose())[None]
+            self._set_objects((*self._objects.values(), item), np.concatenate([self._poses, pose]))
         if source is not None:
             self._add("source", read_source(source, ("source",)), self._sources)
         if listener is not None:
@@ -145,11 +156,11 @@ class Run:
         """Remove an object, with the sources and listeners on it, a source or a listener, by name. Raises ValueError."""
         if object is not None:
             require_known(object, self._objects, "object", ("object",))
-            del self._objects[object], self._poses[object]
+            kept = [name != object for name in self._objects]
             self._listed = tuple(contact for contact in self._listed if object not in contact.objects)
             self._sources = {name: item for name, item in self._sources.items() if object not in (item.object, item.second_object)}
             self._listeners = {name: item for name, item in self._listeners.items() if item.object != object}
-            self._changed()
+            self._set_objects([item for item, stays in zip(self._objects.values(), kept, strict=True) if stays], self._poses[kept])
         if source is not None:
             require_known(source, self._sources, "source", ("source",))
             del self._sources[source]
@@ -164,23 +175,20 @@ class Run:
         listener: Mapping[str, Any] | None = None,
     ) -> None:
         """Replace an object, a source or a listener by one of the same name. Raises ValueError, also where there is none."""
+        _check("replace", object=object, source=source, listener=listener)
         if object is not None:
             item = read_object(object, ("object",))
             require_known(item.name, self._objects, "object", ("object", "name"))
-            self._put(item, keeps_pose=item.pose is None)
+            if item.pose is not None:
+                self._poses[self._row[item.name]] = pose_matrix(item.pose)
+            self._moved.add(item.name)
+            self._set_objects((self._objects | {item.name: item}).values(), self._poses)
         if source is not None:
-            require_known(str(source.get("name")), self._sources, "source", ("source", "name"))
+            require_known(source["name"], self._sources, "source", ("source", "name"))
             self._place("source", read_source(source, ("source",)))
         if listener is not None:
-            require_known(str(listener.get("name")), self._listeners, "listener", ("listener", "name"))
+            require_known(listener["name"], self._listeners, "listener", ("listener", "name"))
             self._place("listener", read_listener(listener, ("listener",)))
-
-    def _put(self, item: HapticObject, keeps_pose: bool = False) -> None:
-        self._objects[item.name] = item
-        if not keeps_pose:
-            self._poses[item.name] = pose_matrix(item.pose or Pose())
-        self._moved.add(item.name)
-        self._changed()
 
     def _add(self, kind: str, item: Source | Listener, known: Mapping[str, Any]) -> None:
         require_new(item.name, known, kind, (kind, "name"))
@@ -189,16 +197,20 @@ class Run:
     def _place(self, kind: str, item: Source | Listener) -> None:
         """Add or replace a source or listener, with its position in the frame of its object."""
         require_known(item.object, self._objects, "object", (kind, "object"))
-        pose = self._poses[item.object]
+        pose = self._poses[self._row[item.object]]
         self._places[kind, item.name] = pose[:3, :3].T @ (np.array(item.position) - pose[:3, 3])
         if isinstance(item, Source):
             self._sources[item.name] = item
         else:
             self._listeners[item.name] = item
 
-    def _changed(self) -> None:
-        """Take over the objects after a change of their list."""
-        self._frame_objects = tuple(self._objects.values())
+    def _set_objects(self, objects: Iterable[HapticObject], poses: FloatArray) -> None:
+        """Take over a changed list of objects with their poses (n, 4, 4)."""
+        self._frame_objects = tuple(objects)
+        self._objects = {item.name: item for item in self._frame_objects}
+        self._row = {name: row for row, name in enumerate(self._objects)}
+        self._poses = poses
+        self._solid = np.array([item.shape is not None for item in self._frame_objects], dtype=np.bool_)
         self._bodies = tuple(
             Body(item.name, item.shape, item.mass, item.motion, item.medium, item.material)
             for item in self._frame_objects
@@ -206,14 +218,21 @@ class Run:
         )
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
 
-    def _move(self, name: str, pose: Sequence[float]) -> None:
-        require_known(name, self._objects, "object", ("poses", name))
+    def _move(self, poses: Mapping[str, Sequence[float]]) -> None:
+        """Set the poses of objects."""
+        for name in poses:
+            require_known(name, self._row, "object", ("poses", name))
         try:
-            x, y, z, *rotation = pose
-            self._poses[name] = pose_matrix(Pose((x, y, z), tuple(rotation)))  # type: ignore[arg-type]
-        except (TypeError, ValueError) as error:
-            raise PlacedError(("poses", name), f"expected x, y, z, qw, qx, qy, qz: {error}") from None
-        self._moved.add(name)
+            moved = np.array([*poses.values()], dtype=np.float64).reshape(len(poses), 7)
+            length = np.linalg.norm(moved[:, 3:], axis=1)
+            if not (np.isfinite(moved).all() and (length > _SHORTEST).all()):
+                raise ValueError
+        except (TypeError, ValueError):
+            raise PlacedError(("poses", _faulty(poses)), "expected x, y, z, qw, qx, qy, qz: finite, and a rotation") from None
+        rows = [self._row[name] for name in poses]
+        self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:] / length[:, None])
+        self._poses[rows, :3, 3] = moved[:, :3]
+        self._moved.update(poses)
 
     def _play(self, name: str, form: Mapping[str, Any]) -> None:
         require_known(name, self._sources, "source", ("sources", name))
@@ -238,6 +257,7 @@ class Run:
         given = self._given(contacts)
         begun = time if self._time is None else self._time
         moving = [body.name for body in self._bodies] if given is None else list(self._objects)
+        transforms = self._poses[self._solid] if given is None else self._poses.copy()
         sources = []
         for source in self._sources.values():
             amplitude = 0.0 if source.name in self._silent else self._amplitudes.get(source.name, source.amplitude)
@@ -251,7 +271,7 @@ class Run:
             listeners=tuple(item.moved(self._position("listener", item, listener_positions)) for item in self._listeners.values()),
             settings=self.settings,
             bodies=self._bodies if given is None else (),
-            transforms=np.array([self._poses[name] for name in moving]).reshape(-1, 4, 4),
+            transforms=transforms,
             contacts=given,
             continuous=self._time is not None and 0 < time - self._time <= LONGEST_STEP,
             authored=self._contacts_listed() if given is None else None,
@@ -262,7 +282,7 @@ class Run:
         """World position of a source or listener."""
         if item.name in given:
             return given[item.name]
-        pose = self._poses[item.object]
+        pose = self._poses[self._row[item.object]]
         x, y, z = (pose[:3, :3] @ self._places[kind, item.name] + pose[:3, 3]).tolist()
         return x, y, z
 
@@ -282,3 +302,19 @@ class Run:
             kept = [item for item in self._listed if settled.issuperset(item.objects) or not shapeless.isdisjoint(item.objects)]
             self._authored = settled, AuthoredContacts.of(self._objects, settled, kept, {})
         return self._authored[1]
+
+
+def _check(message: str, **parts: Any) -> None:
+    """Raise FormatError unless the given parts are those of a valid message of the server."""
+    validate({key: value for key, value in parts.items() if value is not None}, f"run-time-1#{message}", message)
+
+
+def _faulty(poses: Mapping[str, Sequence[float]]) -> str:
+    """The first object whose pose is not one."""
+    for name, pose in poses.items():
+        try:
+            if len(pose) != 7 or not all(map(math.isfinite, pose)) or math.hypot(*pose[3:]) <= _SHORTEST:
+                return name
+        except TypeError:
+            return name
+    return next(iter(poses))

@@ -14,7 +14,7 @@ SYSTEMS = {
     "linux-x64": ("manylinux", "x86_64"),
 }
 SHIPPED_WITH_BLENDER = {"numpy"}
-COMMAND_LINE_ONLY = {"tqdm"}
+COMMAND_LINE_ONLY = {"tqdm", "python-osc"}
 NEEDED_BY_THEM = {"cffi", "pycparser"}  # sounddevice calls PortAudio through cffi, which comes with pycparser
 
 

@@ -14,6 +14,8 @@ from .error import FormatError, json_pointer
 from .scene_schema import SCENE, scene_schema
 
 SCHEMAS = Path(__file__).parents[1] / "schemas"
+MESSAGES = "run-time-1"
+"""The schema of the messages to a server."""
 
 Place = tuple[str | int, ...]
 
@@ -81,8 +83,12 @@ def _fault(document: Any, schema: str) -> _Fault | None:
 
 
 def load_schema(schema: str) -> dict[str, Any]:
-    """The schema as a JSON document. ``haptic-scene-1.1#NAME``: that of an object with any of the properties of the definition NAME."""
+    """The schema as a JSON document. ``haptic-scene-1.1#NAME``: that of an object with any of the properties of the definition NAME;
+    ``run-time-1#NAME``: that of a message, whose parts are those of scenes."""
     name, _, part = schema.partition("#")
+    if name == MESSAGES:
+        messages = json.loads((SCHEMAS / f"{MESSAGES}.schema.json").read_text("utf-8"))
+        return {**messages["$defs"][part], "$defs": scene_schema()["$defs"]}
     if name == SCENE:
         scene = scene_schema()
         definitions = scene["$defs"]

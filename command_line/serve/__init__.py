@@ -1,0 +1,61 @@
+"""``haptic-tracing serve``: answers poses from an engine with levels, impacts and samples, and drives devices."""
+
+from __future__ import annotations
+
+import argparse
+import secrets
+import sys
+from collections.abc import Sequence
+
+from ...core.run_time import load
+from .. import say
+from .conversation import Conversation, names
+from .live_view import LiveView
+from .osc import OscDoor
+from .sockets import LOCAL, Door
+from .stage import DeviceStage
+
+
+def run(args: argparse.Namespace) -> int:
+    """Serve until Ctrl-C."""
+    scene = None if args.scene is None else load(args.scene)
+    host, port = _address(args.listen)
+    if host not in LOCAL and args.token is None:
+        raise ValueError(f"--listen {args.listen}: others than this machine may connect only with a token: name one by --token")
+    if args.osc is not None and scene is None:
+        raise ValueError("--osc: needs a scene")
+    token = args.token or secrets.token_urlsafe(12)
+    stage = DeviceStage.of(args.device) if args.device else None
+    view = LiveView(sys.stdout)
+    door = Door(scene, stage, host, token, args.allow_origin, view.show)
+    osc = None
+    try:
+        with door.listen(port) as server:
+            if args.osc is not None:
+                osc = OscDoor(Conversation(scene, stage if args.osc_devices else None), args.osc)
+                osc.start()
+            say(_greeting(f"{host}:{server.socket.getsockname()[1]}", token, stage, args))
+            server.serve_forever()
+    finally:
+        if osc is not None:
+            osc.close()
+        if stage is not None:
+            stage.close()
+    return 0
+
+
+def _greeting(address: str, token: str, stage: DeviceStage | None, args: argparse.Namespace) -> Sequence[str]:
+    lines = [f"listening on ws://{address}, token {token}"]
+    if args.osc is not None:
+        lines.append(f"listening for OSC on udp://127.0.0.1:{args.osc}")
+    if stage is not None:
+        lines.append(f"devices: {names([output.profile.title for output in stage.outputs.values()])}, for clients with the token")
+    return lines
+
+
+def _address(text: str) -> tuple[str, int]:
+    """Host and port. Raises ValueError."""
+    host, _, port = text.rpartition(":")
+    if not host or not port.isdecimal() or not 0 <= int(port) <= 65535:
+        raise ValueError(f"--listen {text}: expected HOST:PORT")
+    return host.strip("[]"), int(port)

@@ -1,0 +1,198 @@
+"""What a client says, and what it is answered: the messages of `docs/run_time.md`, without a socket."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from ...core.devices.checked_json import parse_json
+from ...core.formats.io.error import FormatError, json_pointer
+from ...core.formats.io.schema import validate
+from ...core.run_time import Run, Scene, Step
+from ...core.run_time import open as open_run
+from ...core.scene.references import PlacedError
+from .convention import Convention
+
+VERSION = 1
+MOST_OBJECTS = 10_000
+"""Objects, sources or listeners of a run."""
+MESSAGES = ("hello", "step", "add", "replace", "remove", "play", "stop")
+RATE = 8000.0
+
+Answer = dict[str, Any] | bytes
+
+
+class Stage(Protocol):
+    """What plays the blocks of a run on devices."""
+
+    latency: float
+    """Seconds by which devices play behind."""
+
+    def play(self, run: Run, step: Step) -> None:
+        """Play the block of a step."""
+
+    def stop(self) -> None:
+        """Fall silent."""
+
+
+class Conversation:
+    """The messages of one client about one run. ``stage``: the devices that play for it, None for none."""
+
+    def __init__(self, scene: Scene | None, stage: Stage | None) -> None:
+        self._scene, self._stage = scene, stage
+        self._convention = Convention()
+        self.run: Run | None = None if scene is None else open_run(scene, RATE)
+        self.last: Step | None = None
+
+    def answer(self, text: str | bytes) -> list[Answer]:
+        """The answers to a message. A message that is not valid is answered by an error; it never raises."""
+        name: Any = None
+        try:
+            message = parse_json(text)
+            name = message.get("id") if isinstance(message, dict) else None
+            return self._answered(message)
+        except PlacedError as error:
+            return [_error(name, json_pointer(error.place), error.reason)]
+        except FormatError as error:
+            return [_error(name, error.pointer, error.reason)]
+        except (ValueError, ArithmeticError) as error:
+            return [_error(name, "", str(error))]
+
+    def _answered(self, message: Any) -> list[Answer]:
+        kind = message.get("type") if isinstance(message, dict) else None
+        if kind not in MESSAGES:
+            raise PlacedError(("type",), f"must be one of {', '.join(MESSAGES)}")
+        validate(message, f"run-time-1#{kind}", "message")
+        if kind == "hello":
+            return [self._hello(message)]
+        if self.run is None:
+            raise PlacedError(("type",), "there is no scene: say hello with one first")
+        match kind:
+            case "step":
+                return self._step(self.run, message)
+            case "play":
+                self.run.play(message["source"])
+                return []
+            case "stop":
+                self.run.stop()
+                if self._stage is not None:
+                    self._stage.stop()
+                return [{"type": "stopped"}]
+        parts = {key: message[key] for key in ("object", "source", "listener") if key in message}
+        getattr(self.run, kind)(**parts)
+        if max(map(len, (self.run.objects, self.run.sources, self.run.listeners))) > MOST_OBJECTS:
+            self.run = None
+            raise PlacedError(("object",), f"more than {MOST_OBJECTS}: the scene is dropped")
+        return [self.scene()]
+
+    def _hello(self, message: Mapping[str, Any]) -> dict[str, Any]:
+        names = ("up", "handedness", "metres_per_unit")
+        self._convention = Convention(**{key: message[key] for key in names if key in message})
+        scene = self._scene
+        if "scene" in message:
+            for key in ("objects", "sources", "listeners"):
+                items = message["scene"].get(key)
+                if isinstance(items, list) and len(items) > MOST_OBJECTS:
+                    raise PlacedError(("scene", key), f"must have at most {MOST_OBJECTS} items")
+            try:
+                scene = Scene.of_document({"format": "haptic-scene", "version": "1.1", **message["scene"]}, "scene")
+            except FormatError as error:
+                raise PlacedError(("scene", *error.pointer.strip("/").split("/")), error.reason) from None
+        if scene is None:
+            raise PlacedError(("scene",), "is required: the server was started without one")
+        self._scene = scene
+        self.run = open_run(scene, message.get("sample_rate", RATE))
+        return self.scene()
+
+    def scene(self) -> dict[str, Any]:
+        """The message that names what the run has."""
+        assert self.run is not None
+        return {
+            "type": "scene",
+            "version": VERSION,
+            "objects": list(self.run.objects),
+            "sources": list(self.run.sources),
+            "listeners": list(self.run.listeners),
+            "sample_rate": self.run.sample_rate,
+            "latency": 0.0 if self._stage is None else self._stage.latency,
+            "calibrated": False,
+        }
+
+    def _step(self, run: Run, message: Mapping[str, Any]) -> list[Answer]:
+        given = dict(message)
+        for key in ("type", "id", "samples"):
+            given.pop(key, None)
+        step = self.last = run.step(**(given if self._convention.is_own else self._converted(given)))
+        if self._stage is not None:
+            self._stage.play(run, step)
+        frame = frame_message(step, message.get("id"), self._convention)
+        return [frame, step.block.astype("<f4").tobytes()] if message.get("samples") else [frame]
+
+    def _converted(self, given: dict[str, Any]) -> dict[str, Any]:
+        """The arguments of a step in the axes and units of scenes."""
+        own = self._convention
+        if poses := given.get("poses"):
+            try:
+                rows = own.poses(np.array(list(poses.values()), dtype=np.float64).reshape(len(poses), 7))
+            except (TypeError, ValueError):
+                pass  # the run names the faulty one
+            else:
+                given["poses"] = dict(zip(poses, rows, strict=True))
+        for key in ("source_positions", "listener_positions"):
+            if key in given:
+                given[key] = {name: own.position(place) for name, place in given[key].items()}
+        if "impacts" in given:
+            given["impacts"] = [{**form, "position": own.position(form["position"])} for form in given["impacts"]]
+        if "contacts" in given:
+            given["contacts"] = [_contact(form, own) for form in given["contacts"]]
+        return given
+
+
+def _contact(form: Mapping[str, Any], own: Convention) -> dict[str, Any]:
+    placed = {**form, "positions": [own.position(place) for place in form["positions"]]}
+    return placed | {"normal": own.direction(form["normal"])} if "normal" in form else placed
+
+
+def frame_message(step: Step, name: Any, convention: Convention) -> dict[str, Any]:
+    """The answer to a step."""
+    return {
+        "type": "frame",
+        **({} if name is None else {"id": name}),
+        "time": step.time,
+        "levels": {
+            listener: {"level": level.level, "margin": level.margin, "gains": level.gains} for listener, level in step.levels.items()
+        },
+        "impacts": [
+            {
+                "time": blow.time,
+                "objects": blow.objects,
+                "position": convention.position_back(blow.position),
+                "energy": blow.energy,
+                "gains": blow.gains,
+            }
+            for blow in step.impacts
+        ],
+        "first_sample": step.first_sample,
+        "n": step.block.shape[1],
+        "listeners": step.listeners,
+        "milliseconds": {stage: round(value, 3) for stage, value in step.milliseconds.items()},
+        **({"warnings": step.warnings} if step.warnings else {}),
+    }
+
+
+def _error(name: Any, where: str, reason: str) -> dict[str, Any]:
+    known = {"id": name} if isinstance(name, int | str) and not isinstance(name, bool) else {}
+    return {"type": "error", **known, "where": where, "message": reason}
+
+
+def text_of(answer: dict[str, Any]) -> str:
+    """An answer as JSON."""
+    return json.dumps(answer, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def names(items: Sequence[str]) -> str:
+    """Names for a person: the first few."""
+    return ", ".join(items[:5]) + (f" and {len(items) - 5} more" if len(items) > 5 else "")

@@ -1,0 +1,66 @@
+"""OSC over UDP: poses in, levels and impacts out."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from pythonosc.dispatcher import Dispatcher
+from pythonosc.osc_server import BlockingOSCUDPServer
+from pythonosc.udp_client import SimpleUDPClient
+
+from .conversation import Conversation, text_of
+
+
+class OscDoor:
+    """Answers OSC messages on a port of this machine. The poses since the last step belong to the next one."""
+
+    def __init__(self, conversation: Conversation, port: int) -> None:
+        """Raises OSError if the port is taken."""
+        self._conversation = conversation
+        self._poses: dict[str, list[float]] = {}
+        dispatcher = Dispatcher()
+        dispatcher.map("/haptic/pose", self._pose)
+        dispatcher.map("/haptic/step", self._step, needs_reply_address=True)
+        dispatcher.map("/haptic/play", self._play, needs_reply_address=True)
+        dispatcher.map("/haptic/stop", self._stop, needs_reply_address=True)
+        self.server = BlockingOSCUDPServer(("127.0.0.1", port), dispatcher)
+        self._thread = threading.Thread(target=self.server.serve_forever, name="haptics osc", daemon=True)
+
+    def start(self) -> None:
+        """Begin to answer."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Answer no more."""
+        self.server.shutdown()
+        self.server.server_close()
+
+    def _pose(self, address: str, *values: Any) -> None:
+        if values and isinstance(values[0], str):
+            self._poses[values[0]] = list(values[1:])
+
+    def _step(self, client: tuple[str, int], address: str, *values: Any) -> None:
+        poses, self._poses = self._poses, {}
+        self._say(client, {"type": "step", "time": values[0] if values else None, "poses": poses})
+
+    def _play(self, client: tuple[str, int], address: str, *values: Any) -> None:
+        self._say(client, {"type": "play", "source": values[0] if values else None})
+
+    def _stop(self, client: tuple[str, int], address: str, *values: Any) -> None:
+        self._say(client, {"type": "stop"})
+
+    def _say(self, client: tuple[str, int], message: dict[str, Any]) -> None:
+        """Answer a message to where it came from."""
+        to = SimpleUDPClient(*client[:2])
+        for answer in self._conversation.answer(text_of(message)):
+            if isinstance(answer, bytes):
+                continue
+            if answer["type"] == "error":
+                to.send_message("/haptic/error", [answer["where"], answer["message"]])
+            elif answer["type"] == "frame":
+                for listener, level in answer["levels"].items():
+                    numbers = [-200.0 if level[key] is None else float(level[key]) for key in ("level", "margin")]
+                    to.send_message("/haptic/level", [listener, *numbers])
+                for blow in answer["impacts"]:
+                    to.send_message("/haptic/impact", [*blow["objects"], float(blow["energy"])])

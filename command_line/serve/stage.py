@@ -1,0 +1,78 @@
+"""The devices that a server plays on, through the guard process."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+
+from ...core.devices.guard import GuardedOutput
+from ...core.devices.inventory import look
+from ...core.devices.mapping import ActuatorMapping, map_listeners
+from ...core.devices.profiles import Adjustment, Profile
+from ...core.run_time import Run, Step
+from .conversation import RATE
+
+SILENCE = 0.25
+"""Seconds after the last step from which devices are silent."""
+_LOOK = 0.02
+
+
+class DeviceStage:
+    """Devices that play the blocks of one run at a time. They fall silent `SILENCE` seconds after the last block."""
+
+    def __init__(self, outputs: dict[str, GuardedOutput]) -> None:
+        self.outputs = outputs
+        self.latency = max((output.profile.latency for output in outputs.values() if isinstance(output.profile, Profile)), default=0.0)
+        self._mapping: tuple[tuple[tuple[str, str], ...], ActuatorMapping] | None = None
+        self._played = 0.0
+        self._ended = threading.Event()
+        self._watch = threading.Thread(target=self._silence_late, name="haptics silence", daemon=True)
+        for output in outputs.values():
+            output.start()
+        self._watch.start()
+
+    @classmethod
+    def of(cls, wanted: Sequence[str]) -> DeviceStage:
+        """The connected devices whose names contain one of the ``wanted`` texts. Raises ValueError."""
+        found = look().devices
+        chosen = {}
+        for text in wanted:
+            alike = [device for device in found if text.lower() in f"{device.key} {device.title}".lower()]
+            if not alike:
+                known = ", ".join(device.title for device in found) or "none"
+                raise ValueError(f"device {text!r} is not connected; connected are: {known}")
+            chosen[alike[0].key] = alike[0].open(Adjustment())
+        return cls(chosen)
+
+    def play(self, run: Run, step: Step) -> None:
+        """Play the block of a step on the actuators of its listeners."""
+        if not step.block.shape[1] or run.sample_rate != RATE:
+            return
+        parts = tuple(run.body_parts.items())
+        if self._mapping is None or self._mapping[0] != parts:
+            devices = {key: output.profile for key, output in self.outputs.items()}
+            self._mapping = parts, map_listeners(dict(parts), devices)
+        self._played = time.monotonic()
+        for key, block in self._mapping[1].blocks(step.block).items():
+            self.outputs[key].send(block)
+
+    def stop(self) -> None:
+        """Silence all devices."""
+        self._played = 0.0
+        for output in self.outputs.values():
+            output.silence()
+
+    def close(self) -> None:
+        """Silence, release and close all devices."""
+        self._ended.set()
+        for output in self.outputs.values():
+            output.request_stop()
+        for output in self.outputs.values():
+            output.stop()
+
+    def _silence_late(self) -> None:
+        """The thread that silences devices when no step comes."""
+        while not self._ended.wait(_LOOK):
+            if self._played and time.monotonic() - self._played > SILENCE - 2 * _LOOK:
+                self.stop()

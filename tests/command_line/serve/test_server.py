@@ -1,0 +1,194 @@
+"""The server as a program: connections, tokens, origins, slow readers, OSC, and devices that fall silent."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+from crate_on_ground import SCENE
+from pythonosc.dispatcher import Dispatcher
+from pythonosc.osc_server import BlockingOSCUDPServer
+from pythonosc.udp_client import SimpleUDPClient
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+pytestmark = pytest.mark.slow
+DEVICES = Path(__file__).parents[2] / "core" / "devices"
+
+
+class Served:
+    """A running server. ``url``, ``token``: those it has printed."""
+
+    def __init__(self, *arguments, prefix=()):
+        command = [*prefix, sys.executable, "-m", "haptic_tracing", "serve", "--listen", "127.0.0.1:0", *map(str, arguments)]
+        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        line = self.process.stderr.readline()
+        found = re.fullmatch(r"listening on (ws://\S+), token (\S+)\n", line)
+        assert found, line + self.process.stderr.read()
+        self.url, self.token = found.groups()
+
+    def stop(self, by=signal.SIGINT):
+        self.process.send_signal(by)
+        self.process.wait(20)
+        return self.process.stderr.read()
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps({"format": "haptic-scene", "version": "1.1", **SCENE}))
+    return path
+
+
+@pytest.fixture
+def served(scene_file):
+    server = Served(scene_file)
+    yield server
+    assert "Traceback" not in server.stop()
+
+
+def ask(client, **message):
+    client.send(json.dumps(message))
+    return json.loads(client.recv(timeout=20))
+
+
+def test_two_clients_have_a_run_each(served):
+    with connect(served.url) as one, connect(served.url) as other:
+        assert ask(one, type="hello", version=1)["objects"] == ["ground", "crate"]
+        assert ask(other, type="hello", version=1, scene={"objects": [{"name": "moon", "kappa": 0, "rho": 0}]})["objects"] == ["moon"]
+        far = ask(one, type="step", time=0.0, poses={"crate": [0, 0, 9, 1, 0, 0, 0]})
+        assert far["levels"]["hand"]["level"] is None
+        assert ask(other, type="step", time=0.0)["levels"] == {}
+        one.send(json.dumps({"type": "step", "time": 0.1, "samples": True}))
+        frame, block = json.loads(one.recv(timeout=20)), one.recv(timeout=20)
+        assert len(block) == 4 * frame["n"] * len(frame["listeners"])
+
+
+def test_pages_of_other_origins_and_names_are_refused(served, scene_file):
+    with pytest.raises(InvalidStatus, match="403"):
+        connect(served.url, origin="https://example.org", legacy=True)
+    with pytest.raises(InvalidStatus, match="403"):
+        connect("ws://example.org", sock=socket.create_connection(("127.0.0.1", int(served.url.rpartition(":")[2]))), legacy=True)
+    allowed = Served(scene_file, "--allow-origin", "https://example.org")
+    with connect(allowed.url, origin="https://example.org") as client:
+        assert ask(client, type="hello", version=1)["type"] == "scene"
+    assert "Traceback" not in allowed.stop()
+    assert urllib.request.urlopen(served.url.replace("ws:", "http:") + "/health").read() == b"ok\n"
+
+
+def test_other_machines_need_a_token(scene_file):
+    command = [sys.executable, "-m", "haptic_tracing", "serve", str(scene_file), "--listen", "0.0.0.0:0"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2
+    assert "--token" in done.stderr
+    server = Served(scene_file, "--listen", "0.0.0.0:0", "--token", "secret")
+    url = server.url.replace("0.0.0.0", "127.0.0.1")
+    with connect(url) as client:
+        assert ask(client, type="hello", version=1)["where"] == "/token"
+        assert ask(client, type="step", time=0.0)["where"] == "/token"
+        assert ask(client, type="hello", version=1, token="secret")["type"] == "scene"
+    assert "Traceback" not in server.stop()
+
+
+def test_a_ninth_connection_and_a_message_above_4_mb_are_refused(served):
+    clients = [connect(served.url, legacy=True) for _ in range(8)]
+    with pytest.raises(InvalidStatus, match="503"):
+        connect(served.url, legacy=True)
+    clients[0].send("[" + " " * (4 * 2**20) + "]")
+    with pytest.raises(ConnectionClosed):
+        clients[0].recv(timeout=20)
+    for client in clients:
+        client.close()
+    deadline = time.monotonic() + 20
+    while time.monotonic() < deadline:  # the server counts a client out once it has noticed
+        try:
+            with connect(served.url) as client:
+                assert ask(client, type="hello", version=1)["type"] == "scene"
+            return
+        except InvalidStatus:
+            time.sleep(0.05)
+    pytest.fail("no connection is accepted after others have closed")
+
+
+def test_a_slow_reader_loses_old_frames_never_the_newest(served):
+    with connect(served.url, max_queue=1) as client:
+        ask(client, type="hello", version=1)
+        count = 2000
+        for k in range(count):
+            client.send(json.dumps({"type": "step", "id": k, "time": k / 100}))
+        last = -1
+        received = 0
+        while last != count - 1:
+            message = client.recv(timeout=20)
+            number = json.loads(message)["id"]
+            assert number > last
+            last, received = number, received + 1
+        assert received <= count
+
+
+def test_an_engine_that_just_goes_leaves_no_traceback(served):
+    for _ in range(3):
+        client = connect(served.url, legacy=True)
+        ask(client, type="hello", version=1)
+        client.socket.shutdown(socket.SHUT_RDWR)
+    with connect(served.url) as client:
+        assert ask(client, type="hello", version=1)["type"] == "scene"
+
+
+def test_osc_is_answered_where_it_came_from(scene_file):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    server = Served(scene_file, "--osc", port)
+    heard = []
+    dispatcher = Dispatcher()
+    dispatcher.set_default_handler(lambda address, *values: heard.append((address, *values)))
+    answers = BlockingOSCUDPServer(("127.0.0.1", 0), dispatcher)
+    answers.timeout = 20
+    to = SimpleUDPClient("127.0.0.1", port)
+    to._sock = answers.socket  # answers go to the port that asks
+    to.send_message("/haptic/step", 0.0)
+    answers.handle_request()
+    to.send_message("/haptic/pose", ["crate", 0.0, 0.0, 9.0, 1.0, 0.0, 0.0, 0.0])
+    to.send_message("/haptic/step", 0.1)
+    answers.handle_request()
+    to.send_message("/haptic/pose", ["moon", 0.0])
+    to.send_message("/haptic/step", 0.2)
+    answers.handle_request()
+    answers.server_close()
+    assert "Traceback" not in server.stop()
+    (first, hand, level, _), (second, _, silence, _), (third, where, _) = heard
+    assert (first, hand, second, third, where) == ("/haptic/level", "hand", "/haptic/level", "/haptic/error", "/poses/moon")
+    assert level > -60 > silence
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only")
+@pytest.mark.parametrize("ending", ["no more steps", "client goes", "server is killed"])
+def test_devices_fall_silent(tmp_path, ending):
+    """A pad plays the steps of a client with the token, and nothing 250 ms after the last one, whoever ends."""
+    if shutil.which("umockdev-run") is None:
+        pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
+    sys.path.insert(0, str(DEVICES))
+    from made_up_devices import XBOX_BT, describe
+
+    loud = {**SCENE, "listeners": [{"name": "hand", "object": "ground", "position": [2, 1, 0], "body_part": "hand.L"}]}
+    (tmp_path / "loud.json").write_text(json.dumps({"format": "haptic-scene", "version": "1.1", **loud}))
+    command = ["umockdev-run", *describe(tmp_path, [XBOX_BT]), "--", sys.executable, str(Path(__file__).parent / "pad_of_a_server.py")]
+    done = subprocess.run([*command, str(tmp_path), ending], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    reports, last_step = json.loads(done.stdout.splitlines()[-1])
+    times = np.array([seconds for seconds, _ in reports])
+    strengths = np.array([max(bytes.fromhex(report)[2:6]) for _, report in reports])
+    assert strengths.max() > 0
+    assert times[strengths > 0].max() <= last_step + 0.25
+    assert strengths[-1] == 0
