@@ -76,7 +76,9 @@ def decibels(level: float) -> str:
 
 def change_words(change: float) -> str:
     """What is added to a level, in tenths of decibels with its sign: "−12.3 dB", or "silent"."""
-    return iface_("silent") if change == -math.inf else f"{change + 0.0:+.1f} dB".replace("-", "\N{MINUS SIGN}")
+    if change == -math.inf:
+        return iface_("silent")
+    return f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}") if abs(change) >= 0.05 else "0.0 dB"
 
 
 def margin_words(margin: float) -> str:
