@@ -94,17 +94,27 @@ def _number(level: float) -> str:
 
 def levels(result: FrameResult, samples: FloatArray, peak_seconds: float = PEAK_SECONDS) -> tuple[Level, ...]:
     """The levels of all listeners at the end of ``samples`` (l, n)."""
-    window, latest = (samples[:, max(samples.shape[1] - round(s * result.sample_rate), 0) :] for s in (LEVEL_SECONDS, peak_seconds))
-    count = len(result.listeners)
-    peak = np.abs(latest).max(axis=1, initial=0.0)
-    rms = np.sqrt((window**2).mean(axis=1)) if window.shape[1] else np.zeros(count)
-    margin = sensation_level(window, result.sample_rate)
+    peak = np.abs(_end(samples, peak_seconds, result.sample_rate)).max(axis=1, initial=0.0)
     with np.errstate(divide="ignore"):
-        loud, mean = 20 * np.log10(peak), 20 * np.log10(rms)
+        loud = 20 * np.log10(peak)
+    mean, margin = level_and_margin(samples, result.sample_rate)
     return tuple(
         Level(listener.name, listener.body_part, p, r, m, r - m if math.isfinite(m) and math.isfinite(r) else None)
         for listener, p, r, m in zip(result.listeners, loud.tolist(), mean.tolist(), margin.tolist(), strict=True)
     )
+
+
+def level_and_margin(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
+    """Level and margin [dB] of each row at the end of ``samples`` (l, n)."""
+    window = _end(samples, LEVEL_SECONDS, sample_rate)
+    rms = np.sqrt((window**2).mean(axis=1)) if window.shape[1] else np.zeros(len(window))
+    with np.errstate(divide="ignore"):
+        return 20 * np.log10(rms), sensation_level(window, sample_rate)
+
+
+def _end(samples: FloatArray, seconds: float, sample_rate: float) -> FloatArray:
+    """The last ``seconds`` of samples (l, n)."""
+    return samples[:, max(samples.shape[1] - round(seconds * sample_rate), 0) :]
 
 
 def shown_levels(traced: Traced, is_playing: bool, before: tuple[Level, ...] | None = None) -> tuple[Level, ...]:
@@ -120,7 +130,7 @@ def felt_samples(traced: Traced, is_playing: bool) -> FloatArray:
     """The samples (l, n) from which `shown_levels` computes the levels."""
     if _shows_still(traced, is_playing):
         return still_samples(traced.result, LEVEL_SECONDS)
-    return traced.samples[:, max(traced.samples.shape[1] - round(LEVEL_SECONDS * traced.result.sample_rate), 0) :]
+    return _end(traced.samples, LEVEL_SECONDS, traced.result.sample_rate)
 
 
 def _shows_still(traced: Traced, is_playing: bool) -> bool:

@@ -14,7 +14,7 @@ from ...core.message import Metres, written
 from ..blender.time import is_playing
 from ..session.derived import Derived, Latest
 from ..session.sessions import Traced
-from .levels import LEVEL_SECONDS, shown_levels
+from .levels import LEVEL_SECONDS, felt_samples, level_and_margin
 from .watched import active_name, watched
 
 
@@ -50,8 +50,8 @@ def listener_path(traced: Traced, choice: tuple[str, str, bool], before: Listene
         return None
     named = [row for row in reaching if result.sources[row].name == chosen]
     row = named[0] if named else max(reaching, key=lambda row: float(result.amplitudes[row, column]))
-    level = shown_levels(traced, plays)[column]
-    return ListenerPath(waterfall(result, traced.settings.mode, row, column, level.rms, LEVEL_SECONDS), level.margin)
+    (level,), (margin,) = level_and_margin(felt_samples(traced, plays)[[column]], result.sample_rate)
+    return ListenerPath(waterfall(result, traced.settings.mode, row, column, float(level), LEVEL_SECONDS), float(margin))
 
 
 _PATH: Derived[tuple[str, str, bool], ListenerPath | None] = Derived(listener_path, every_frame=True, hears=True)
