@@ -14,7 +14,7 @@ from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.scene.values import Mode
 from . import say
-from .export import chosen_formats, chosen_options
+from .export import chosen_formats, chosen_options, writable
 from .frame_bar import frame_bar
 from .part import write_part_of
 from .setting import assign
@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
             write_part_of(scene, args, name, frames)
             continue
         export = _bake(scene, name, frames, recorded="scene" in formats)
-        for name in formats:
+        for name in writable(args.to, formats, export, options):
             written = registry.write(name, export, args.out, options[name])
             print("\n".join([*(f"wrote {path}" for path in written.files), *(f"not in {name}: {loss}" for loss in written.losses)]))
     return 0

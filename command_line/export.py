@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -46,6 +46,7 @@ def run(args: argparse.Namespace) -> int:
     if args.losses:
         print(json.dumps({"losses": {name: registry.losses(name, export, chosen[name]) for name in names}}, ensure_ascii=False, indent=1))
         return 0
+    names = writable(args.to, names, export, chosen)
     args.out.mkdir(parents=True, exist_ok=True)
     if args.picture:
         check_matplotlib()
@@ -73,6 +74,21 @@ def _with_picture(name: str, export: Export, written: registry.Written, folder: 
 def chosen_formats(text: str) -> list[str]:
     """The formats in ``text``, each once; ``all`` are all of them."""
     return list(registry.FORMATS) if text == "all" else list(dict.fromkeys(text.split(",")))
+
+
+def writable(text: str, names: Sequence[str], export: Export, options: Mapping[str, Mapping[str, Value]]) -> list[str]:
+    """The formats ``names``, as chosen by ``text``; of ``all`` those that can be written, and a line for each other one."""
+    found = []
+    for name in names:
+        try:
+            registry.losses(name, export, options[name])
+        except ValueError as error:
+            if text != "all":
+                raise
+            say([f"{name}: {error}"])
+        else:
+            found.append(name)
+    return found
 
 
 def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str, Value]]:

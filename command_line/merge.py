@@ -16,7 +16,7 @@ from ..core.render.arrival import arriving
 from ..core.render.mixdown import Mixdown
 from ..core.render.renderer import sample_index
 from . import say
-from .export import chosen_formats, chosen_options
+from .export import chosen_formats, chosen_options, writable
 from .part_file import HeardFrame, Origin, Part, checksum_of, read_part
 
 _SAME = {
@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
         tracks = _tracks(parts)
         say(f"{name}: '{item.name}' feels nothing" for row, item in enumerate(tracks.listeners) if not tracks.samples[row].any())
         export = Export(name, tracks=tracks if tracks.listeners else None)
-        for form in formats:
+        for form in writable(args.to, formats, export, options):
             written = registry.write(form, export, args.out, options[form])
             print("\n".join([*(f"wrote {path}" for path in written.files), *(f"not in {form}: {loss}" for loss in written.losses)]))
     return 0

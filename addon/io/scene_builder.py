@@ -39,12 +39,13 @@ LONGEST_NAME = 63
 
 
 def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list[str]:
-    """Create the objects of an export in a collection with its name; ``settings``: also apply its settings and times to the scene.
+    """Create the objects of an export in a collection with its name; ``settings``: also apply its settings and times to the scene, whose
+    current frame stays.
 
     Returns sentences about losses.
 
     """
-    builder = _Builder(export, scene)
+    builder, frame = _Builder(export, scene), scene.frame_current
     try:
         builder.add_materials()
         builder.add_objects()
@@ -61,6 +62,8 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
     except BaseException:
         builder.remove()
         raise
+    finally:
+        scene.frame_set(frame)
     return builder.losses()
 
 
@@ -207,13 +210,11 @@ class _Builder:
         return write_numbers(haptics, **{name: getattr(rules, rule) for name, rule in RULES.items()})
 
     def _take_time(self, known: Mapping[str, Any]) -> None:
-        rate, start, frame = (known.get(key) for key in ("frame_rate", "frame_start", "frame"))
+        rate, start = (known.get(key) for key in ("frame_rate", "frame_start"))
         if isinstance(rate, int | float) and 1 <= rate <= 10_000:
             set_frame_rate(self.scene, float(rate))
         if isinstance(start, int):
             self.scene.frame_start = start
-        if isinstance(frame, int) and abs(frame) < 1_000_000:
-            self.scene.frame_set(frame)
 
     def keep_contacts(self) -> None:
         """Store the contacts of the file in addition to those of earlier imports; they replace those of objects that are imported again."""
@@ -263,7 +264,7 @@ class _Builder:
         if any(source.second_object is not None for source in (*self.haptic.sources, *begun)):
             self.scene.haptics.impacts = False
         set_frame_rate(self.scene, recording.frame_rate)
-        first, last = recording.frames[0].number, recording.frames[-1].number
+        last = recording.frames[-1].number
         self.scene.frame_start, self.scene.frame_end = recording.frame_start, max(last, recording.frame_start)
         if self.scene.frame_start != recording.frame_start:
             self.lose("negative frames, Blender plays from 0", f"{recording.frame_start} to {last}")
@@ -271,7 +272,6 @@ class _Builder:
         moved = replace(first_scene, objects=tuple(replace(item, pose=self.poses[item.name]) for item in first_scene.objects))
         for loss in write_keyframes(moved, recording, self.objects, self.attached):
             self.lose("not carried over", loss)
-        self.scene.frame_set(first)
 
     def _new(self, name: str, data: Any) -> Object:
         obj = bpy.data.objects.new(name, data)

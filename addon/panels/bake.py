@@ -97,7 +97,7 @@ def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
         return
     column = layout.column(align=True)
     column.scale_y = 0.8
-    draw_pair(column, iface_("Level"), iface_("compared with {}").format(fitted(other, 0.3)), 0.35)
+    draw_pair(column, iface_("Level", "Haptics"), iface_("compared with {}").format(fitted(other, 0.3)), 0.35)
     for item in latest.value:
         change = item.here - item.there
         words = f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}") if math.isfinite(change) else "\N{EM DASH}"

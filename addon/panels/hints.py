@@ -64,10 +64,11 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
 
 
 def _has_sources(scene: Scene, traced: sessions.Traced) -> bool:
-    """True if there is a source, or if moving bodies can collide."""
+    """True if there is a source, or if bodies with a mass move, whose impacts, sliding or rolling are sources."""
     if traced.result.sources or traced.reading is None or traced.reading.sources:
         return True
-    return scene.haptics.impacts and any(body.motion == "dynamic" for body in traced.reading.bodies)
+    excites = scene.haptics.impacts or len(scene.haptics.textures.items) > 0
+    return excites and any(body.mass and body.motion != "static" for body in traced.reading.bodies)
 
 
 def _playing(sources: Sequence[Source]) -> str:

@@ -60,7 +60,7 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
         chosen = context.object.name_full if context.object is not None else ""
         column = layout.column(align=True)
         if shown:
-            draw_pair(column, "Listener", "Level", 0.5)
+            draw_pair(column, "Listener", iface_("Level", "Haptics"), 0.5)
         for index, level in enumerate(shown):
             _draw_level(column, level)
             if len(shown) <= _ALL_IN_DETAIL or level.listener == chosen:
@@ -197,7 +197,7 @@ class HAPTIC_PT_meters(ClosedPanel, Panel):
         column = layout.column(align=True)
         column.scale_y = 0.8
         if shown:
-            _draw_row(column, "", iface_("Peak, level"), iface_("Margin"))
+            _draw_row(column, "", iface_("Peak, level"), iface_("Margin", "Haptics"))
         for level in shown:
             _draw_row(column, level.listener, level.peak_and_level(), level.margin_text())
 

@@ -25,7 +25,12 @@ class HapticDeviceProperties(PropertyGroup):
 
     gain: limited("Gain", "Makes everything on this device stronger or weaker", 1.0, (0.0, 4.0), soft_max=2.0)
     floor: limited(
-        "Floor", "Least strength at which the actuator moves: the weakest signal starts there", 0.0, (0.0, 0.9), subtype="FACTOR"
+        "Floor",
+        "Least strength at which the actuator moves: the weakest signal starts there",
+        0.0,
+        (0.0, 0.9),
+        subtype="FACTOR",
+        translation_context="Haptics",
     )
     curve: limited("Curve", "Exponent of strength; below 1 lifts weak signals", 1.0, (0.1, 4.0), soft_min=0.3, soft_max=2.0)
     ceiling: share("Ceiling", "The device is never driven above this fraction of its safe maximum", 1.0)
@@ -48,7 +53,7 @@ class HapticLiveOutputProperties(PropertyGroup):
         "Sound Cards Too",
         "Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
     )
-    preview_volume: share("Volume", "How loud listeners are heard", 0.5, update=_volume_changed)
+    preview_volume: share("Volume", "How loud listeners are heard", 0.5, update=_volume_changed, translation_context="Haptics")
 
 
 class HapticActuatorProperties(PropertyGroup):

@@ -6,6 +6,8 @@ operators that edit tables.
 
 from __future__ import annotations
 
+from typing import Any
+
 from bpy.props import CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty
 from bpy.types import PropertyGroup
 
@@ -28,9 +30,9 @@ SIDE_ITEMS = (
 )
 
 
-def _curve(name: str, description: str, weak: float, low: float, high: float) -> FloatVectorProperty:
+def _curve(name: str, description: str, weak: float, low: float, high: float, **more: Any) -> FloatVectorProperty:
     """A value for the weakest impacts and for those of full energy."""
-    return FloatVectorProperty(name=name, description=description, size=2, default=(weak, 1.0), min=low, max=high)
+    return FloatVectorProperty(name=name, description=description, size=2, default=(weak, 1.0), min=low, max=high, **more)
 
 
 def least_energy() -> FloatProperty:
@@ -94,7 +96,14 @@ class HapticImpactRule(RuleScope, Imported, PropertyGroup):
     full_energy: full_energy()
     refractory: refractory()
     gain: _curve("Gain", "Amplitude of the weakest collisions, and of those of full energy", 0.0, 0.0, 1.0)
-    pitch: _curve("Pitch", "How many times as fast the signal plays in the weakest collisions, and in those of full energy", 1.0, 0.25, 4.0)
+    pitch: _curve(
+        "Pitch",
+        "How many times as fast the signal plays in the weakest collisions, and in those of full energy",
+        1.0,
+        0.25,
+        4.0,
+        translation_context="Haptics",
+    )
     decay: _curve(
         "Decay", "Part of its decay time that the signal has in the weakest collisions, and in those of full energy", 1.0, 0.01, 1.0
     )

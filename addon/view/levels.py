@@ -82,10 +82,10 @@ def change_words(change: float) -> str:
 
 
 def margin_words(margin: float) -> str:
-    """A margin in decibels with its sign: "+23 dB", "−5 dB", "" for silence."""
+    """A margin in decibels with its sign: "+23 dB", "−5 dB", "0 dB", "" for silence."""
     if margin == -math.inf:
         return ""
-    return f"+{margin:.0f} dB" if margin > 0 else f"\N{MINUS SIGN}{abs(margin):.0f} dB"
+    return f"+{margin:.0f} dB" if round(margin) > 0 else f"{_number(margin)} dB"
 
 
 def _number(level: float) -> str:

@@ -180,9 +180,9 @@ def _add_heads(builder: HudBuilder, corner: tuple[float, float], title: str, col
         place = min(max(left + place_of(tick) * width - half, left), left + width - half)
         builder.text(words, (place, base), FAINT_INK, SMALL_TEXT)
     values = left + columns.bar * scale
-    builder.text(shortened(iface_("Level"), (LEVEL_WIDTH - 2) * scale, size, measure), (values, base), FAINT_INK, SMALL_TEXT)
+    builder.text(shortened(iface_("Level", "Haptics"), (LEVEL_WIDTH - 2) * scale, size, measure), (values, base), FAINT_INK, SMALL_TEXT)
     if columns.margin:
-        words = shortened(iface_("Margin"), MARGIN_WIDTH * scale, size, measure)
+        words = shortened(iface_("Margin", "Haptics"), MARGIN_WIDTH * scale, size, measure)
         builder.text(words, (values + columns.level * scale, base), FAINT_INK, SMALL_TEXT)
 
 

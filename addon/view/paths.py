@@ -85,10 +85,10 @@ def rows(path: ListenerPath, by_loss: bool = False) -> list[Row]:
     added = [step._replace(decibels=_difference(now, then)) for step, (then, now) in zip(steps, pairwise(tenths), strict=True)]
     shown = added[: len(always)] + [row for row in added[len(always) :] if abs(row.decibels) >= 0.05]
     level = tenths[-1] if math.isfinite(tenths[-1]) else round(fall.level, 1)  # of other sources if this one is silent
-    shown.append(Row(iface_("Level"), level, is_sum=True))
+    shown.append(Row(iface_("Level", "Haptics"), level, is_sum=True))
     if math.isfinite(path.margin):
         margin = round(path.margin, 1)
-        shown += [Row(iface_("Threshold of feeling"), level - margin), Row(iface_("Margin"), margin, is_sum=True)]
+        shown += [Row(iface_("Threshold of feeling"), level - margin), Row(iface_("Margin", "Haptics"), margin, is_sum=True)]
     return shown
 
 

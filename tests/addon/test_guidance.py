@@ -62,6 +62,24 @@ def test_bodies_that_fall_need_no_source(scene, add_box, traced):
     assert step(scene) == ["haptic.add_source"]
 
 
+@pytest.mark.parametrize("what", ["impacts", "textures", "one-shot"])
+def test_what_strikes_slides_or_is_triggered_needs_no_source(scene, add_box, add_empty, traced, what):
+    """Nor does it in the frames in which nothing sounds; a hammer that an animation moves strikes as well."""
+    bpy.ops.rigidbody.world_add()
+    ground = add_box("ground", (0, 0, 0), (2, 2, 1), body="PASSIVE")
+    hammer = add_box("hammer", (0, 0, 3), (1, 1, 1), body="ACTIVE")
+    hammer.rigid_body.kinematic = True
+    scene.haptics.impacts = what == "impacts"
+    if what == "textures":
+        scene.haptics.textures.items.add()
+    if what == "one-shot":
+        bell = add_empty("bell", parent=ground).haptics.source
+        bell.enabled = bell.one_shot = bell.trigger_hit = True
+        bell.decay, bell.signal = 0.1, "BLAST"
+    traced()
+    assert "haptic.add_listener" in step(scene)
+
+
 def test_the_main_panel_begins_with_the_answer(scene, add_box, add_empty, settle):
     ground = add_box("ground", (0, 0, 0), (2, 2, 1))
     add_empty("drill", parent=ground).haptics.source.enabled = True

@@ -69,9 +69,13 @@ def motors(tracks: Tracks) -> dict[str, dict[int, list[int]]]:
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
-    """What the files do not carry, one sentence each."""
+    """What the files do not carry, one sentence each. Raises ValueError if no listener is at a part of the body where a device is worn."""
     tracks = export.need_tracks()
     driven = {number for indices in motors(tracks).values() for numbers in indices.values() for number in numbers}
+    if not driven:
+        raise ValueError(
+            "tracks: no listener is where a bHaptics device is worn: give one such a body part (hand.L, chest.L, upper_back.L, ...)"
+        )
     absent = [listener.name for number, listener in enumerate(tracks.listeners) if number not in driven]
     yield from common_losses(tracks, body=True)
     yield f"frequencies: the strength every {INTERVAL} ms remains, in {options['levels']} steps"

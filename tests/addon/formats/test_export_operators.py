@@ -233,3 +233,14 @@ def test_endings_follow_the_format():
     assert with_ending("/a/b.v2", (".wav", ".hjif"), ".hjif") == "/a/b.v2.hjif"
     assert with_ending("/a/", (".wav",), ".hjif") == "/a/"
     assert [export_name(p) for p in ("/a/b.json.gz", "/a/b.v2.hjif", "/a/b.v2", "/a/.wav")] == ["b", "b.v2", "b.v2", ".wav"]
+
+
+def test_tact_without_a_body_part_is_an_error_with_its_cure(shaken, tmp_path):
+    for obj in shaken.objects:
+        obj.haptics.listener.body_part = "NONE"
+    with pytest.raises(RuntimeError, match=r"no listener is where a bHaptics device is worn: give one such a body part"):
+        bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3)
+    assert list(tmp_path.iterdir()) == []
+    next(obj for obj in shaken.objects if obj.haptics.listener.enabled).haptics.listener.body_part = "foot.L"
+    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3)
+    assert [path.suffix for path in tmp_path.iterdir()] == [".tact"]

@@ -8,7 +8,7 @@ import pytest
 from haptic_tracing.addon.scene_reader.reading import Reading
 from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.comparison import mode_amplitudes
-from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, place_of, shown_levels
+from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, margin_words, place_of, shown_levels
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.settings import ContactSettings
 from haptic_tracing.core.perception import threshold_level
@@ -173,3 +173,20 @@ def test_frames_that_nobody_hears_are_left_out_and_rendered_when_asked_for():
         wave = 0.5 * math.exp(-0.2) * np.sin(2 * np.pi * 100.0 * times)
         assert block_of(result)[0] == pytest.approx(wave, abs=1e-12)
     assert block_of(results[0]) is None
+
+
+@pytest.mark.parametrize(
+    ("margin", "words"),
+    [
+        (23.4, "+23 dB"),
+        (0.6, "+1 dB"),
+        (0.4, "0 dB"),
+        (0.0, "0 dB"),
+        (-0.4, "0 dB"),
+        (-0.6, "\u22121 dB"),
+        (-5.2, "\u22125 dB"),
+        (-math.inf, ""),
+    ],
+)
+def test_margins_have_a_sign_unless_they_are_zero(margin, words):
+    assert margin_words(margin) == words

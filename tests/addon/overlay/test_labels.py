@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.blender.text import text_width
+from haptic_tracing.addon.blender.text import shortened, text_width
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.hud import TEXT_SIZE
 from haptic_tracing.addon.view.label_placement import place_labels, project
@@ -116,3 +116,20 @@ def test_a_legend_without_symbols_shows_the_gains_alone(scene, camera):
     ((_, _, _, top),) = items.bounds
     assert 0 <= max(text.position[1] for text in items.texts) + items.texts[0].size <= top
     assert top - max(text.position[1] for text in items.texts) < 2 * TEXT_SIZE
+
+
+@pytest.mark.parametrize("name", ["upper_leg.L.001", "upper_leg.R.001", "middle_back.R", "index_finger-left", "Forearm_r.012"])
+def test_shortened_names_keep_the_side_of_the_body(name):
+    """Here every character is as wide as any other."""
+    side = name[max(name.rfind(mark) for mark in (".L", ".R", "-left", "_r")) :]
+    for room in range(len(side) + 2, len(name)):
+        short = shortened(name, room, 1.0, lambda words, size: len(words) * size)
+        assert len(short) <= room and short.endswith(side) and short[0] == name[0] and "\u2026" in short
+
+
+def test_names_without_a_side_keep_both_ends():
+    measure = lambda words, size: len(words) * size  # noqa: E731
+    assert shortened("Jackhammer", 7, 1.0, measure) == "Jac\u2026mer"
+    assert shortened("Jackhammer", 10, 1.0, measure) == "Jackhammer"
+    assert shortened("upper_leg.L.001", 4, 1.0, measure) == "up\u20261"
+    assert shortened("Jackhammer", 2, 1.0, measure) == ""

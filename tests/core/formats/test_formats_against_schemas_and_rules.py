@@ -13,6 +13,7 @@ from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.tracks import ohm
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
+from haptic_tracing.core.scene.bhaptics import DEVICES
 from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import HealthCheck, given, settings
@@ -24,6 +25,7 @@ sys.modules["format_rules"] = rules
 spec.loader.exec_module(rules)
 
 FORMATS = [name for name in registry.FORMATS if name != "scene"]
+POSITIONS = {position for layout in DEVICES.values() for position in layout}
 SCENE = HapticScene(objects=(HapticObject("ground", 0.2, 0.9),))
 
 
@@ -96,7 +98,11 @@ def generated_tracks(draw):
 @given(generated_tracks())
 def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
     folder = tmp_path_factory.mktemp("generated")
-    for result in write_all(tracks, folder).values():
+    worn = any(BODY_PART[item.body_part].bhaptics in POSITIONS for item in tracks.listeners if item.body_part in BODY_PART)
+    if not worn:
+        with pytest.raises(ValueError, match="give one such a body part"):
+            write_all(tracks, folder, ["tact"])
+    for result in write_all(tracks, folder, [name for name in FORMATS if worn or name != "tact"]).values():
         for path in result.files:
             rules.check_file(path, tracks)
             if path.suffix in registry.READERS and ".transients" not in path.name:

@@ -88,6 +88,9 @@ def steps(window):
         preferences.use_translate_interface = True
         yield 0.5
         window.seen["in German"] = bpy.app.translations.pgettext_iface("Make Haptic") == "Haptisch machen"
+        words = {"Level": "Pegel", "Margin": "Abstand", "Distance": "Entfernung", "Volume": "Lautstärke", "Floor": "Untergrenze"}
+        for word, german in words.items():  # Blender translates them in another sense
+            window.seen[german] = bpy.app.translations.pgettext_iface(word, "Haptics") == german
         yield from window.screenshot("german")
         preferences.language = "en_US"
     yield 0.3
