@@ -9,7 +9,7 @@ MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak lint format test-matrix $(MATRIX:%=test-%) test-gui docs validate package wheels bench samples clean
+.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak stability lint format test-matrix $(MATRIX:%=test-%) test-gui docs validate package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
@@ -21,6 +21,7 @@ help:
 	@echo "make stress       edits, undo, load, render and removed scenes in 20 random orders of 2,000, each result against a fresh trace"
 	@echo "make fuzz         a million random inputs for all readers, formulas, stored properties and network messages"
 	@echo "make soak         half an hour of live output on four made-up devices: lags, missed deadlines, memory, files and threads"
+	@echo "make stability    scenes at the ends of what numbers can hold, against closed forms: a table and a plot"
 	@echo "make lint         linters and types; make format mends what can be mended by itself"
 	@echo "make test-matrix  the suite on bpy $(MATRIX)"
 	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
@@ -52,6 +53,9 @@ fuzz: .venv/complete
 
 soak: packages-for-test .venv/complete
 	$(PYTHON) -m benchmarks.soak
+
+stability: packages-for-test .venv/complete
+	$(PYTHON) -m benchmarks.stability
 
 lint: .venv-lint/complete build/types/haptic_tracing
 	.venv-lint/bin/ruff check .

@@ -81,7 +81,9 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
     most, least = np.sqrt(np.minimum(level[0] + doubt, 1.0)), np.sqrt(np.maximum(level[0] - doubt, 0.0))
     here = rows[:, None], columns
     gain[here] = amplitude[0]
-    error[here] = np.where(doubt * wanted[here] > 0, np.maximum(np.maximum(most - amplitude[0], amplitude[0] - least), TINIEST), 0.0)
+    rounded = (amplitude[0] > 0) & (amplitude[0] <= 2 * TINIEST)  # its square may be `UNDERFLOW` in the place of a smaller one
+    beyond = np.maximum(np.maximum(most - amplitude[0], amplitude[0] - least), TINIEST)
+    error[here] = np.where(((doubt > 0) | rounded) & wanted[here], beyond, 0.0)
     if bands is not None:
         bands[here] = np.moveaxis(amplitude[1:], 0, -1)
     return Energies(gain, error, bands, count)
