@@ -222,14 +222,19 @@ class ConvexHull(_PointShape):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mesh(_PointShape):
-    """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres. It has no inside: what touches it touches a triangle.
-    ``sphere_margin`` is its margin where the other shape is a sphere (0 in Bullet), None the same as for all."""
+    """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres. ``sphere_margin`` is its margin where the other shape is
+    a sphere (0 in Bullet), None the same as for all.
+
+    With ``sunk_in`` 0 it is a shell: what touches it touches a triangle. Otherwise it is a solid, closed and counter-clockwise seen from
+    outside: what crosses its surface, or lies inside at most ``sunk_in`` metres beneath it (or half the smallest extent of the smaller
+    body, if that is less), touches it."""
 
     type: ClassVar[str] = "mesh"
     points: FloatArray
     triangles: IntArray
     margin: float = 0.0
     sphere_margin: float | None = None
+    sunk_in: float = 0.0
 
     def __post_init__(self) -> None:
         points = points_array("points", self.points)

@@ -1,7 +1,7 @@
 """Times of impact: when two moving bodies first touch within an interval.
 
-The time is found on the bodies' paths: by conservative advancement (Mirtich 1996) where they move far compared with their thickness, by
-regula falsi on their signed distance otherwise.
+The time is found on the bodies' paths: by conservative advancement (Mirtich 1996) where they move far compared with their thickness or one
+of them is a mesh, by regula falsi on their signed distance otherwise.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ _AROUND = 0.05
 """Metres within which bodies are from each other at their computed time of impact."""
 
 _MOST_STEPS = 40
+
+_MOST_STEPS_OF_MESHES = 12
 
 
 class TimeOfImpact:
@@ -70,19 +72,24 @@ class TimeOfImpact:
         a, b = pairs.T
         start, actual = moving.at_either_end()
         after = np.where(start <= _TOUCH, 0.0, np.inf)
-        slow = (~far & (start > _TOUCH)).nonzero()[0]
+        mesh = self._narrow.is_mesh[pairs[:, 0]] | self._narrow.is_mesh[pairs[:, 1]]
+        slow = (~far & ~mesh & (start > _TOUCH)).nonzero()[0]
         if len(slow):
             after[slow] = moving.chosen(slow).first_touch(start[slow], expected[slow])
-        fast = (far & (start > _TOUCH)).nonzero()[0]
+        fast = (far & ~mesh & (start > _TOUCH)).nonzero()[0]
         if len(fast):
             after[fast] = moving.chosen(fast).advanced(self._radius[a[fast]] + self._radius[b[fast]])
+        hollow = (mesh & (start > _TOUCH)).nonzero()[0]
+        if len(hollow):
+            radius = self._radius[a[hollow]] + self._radius[b[hollow]]
+            after[hollow] = moving.chosen(hollow).stepped(start[hollow], expected[hollow], radius)
         met = (after <= paths.duration).nonzero()[0]
         if len(met) == 0:
             return None
         moving, after = moving.chosen(met), after[met]
         poses = moving.poses(after)
         placing = moving.pairs, *relative_pose(*poses), np.full(len(after), _AROUND)
-        return Meetings(moving, after, poses, placing, expected[met], actual[met], far[met])
+        return Meetings(moving, after, poses, placing, expected[met], actual[met], far[met], mesh[met])
 
     def final_distances(self, paths: Paths, pairs: IntArray, limit: FloatArray) -> FloatArray:
         """Signed distances (p,) of ``pairs`` at the end of their paths, exact up to ``limit`` (p,)."""
@@ -150,26 +157,66 @@ class _MovingPairs:
         The distance can't shrink faster than the bodies move along the normal, which bounds the next step.
         """
         duration = self.paths.duration
-        a, b = self.pairs.T
-        bend = self.paths.acceleration[:, b] - self.paths.acceleration[:, a]
-        bending = np.sqrt((bend * bend).sum(axis=0))
-        turning = (np.sqrt((self.paths.spin[:, self.pairs.T] ** 2).sum(axis=0)).sum(axis=0)) * radius
         time = np.zeros(len(self.pairs))
         result = np.full(len(time), np.inf)
         active = np.arange(len(time))
         for _ in range(_MOST_STEPS):
             if len(active) == 0:
                 break
-            moving, now = self.chosen(active), time[active]
-            first, second = moving.poses(now)
-            distance, normal = self.narrow.directed_clearances(moving.pairs, *relative_pose(first, second), moving._limit)
+            now = time[active]
+            distance, speed = self.chosen(active).approaching(now, radius[active])
             touching = distance <= _TOUCH
             result[active[touching]] = now[touching]
-            outward = turned(first[:9].reshape(3, 3, -1), normal)
-            relative = self.paths.velocities(a[active], now) - self.paths.velocities(b[active], now)
-            speed = np.maximum(dot(relative, outward), 0.0) + bending[active] * (duration - now) + turning[active]
-            time[active] = now + np.maximum(distance, _TOUCH / 2) / np.maximum(speed, 1e-9)
+            time[active] = now + np.maximum(distance, _TOUCH / 2) / speed
             active = active[~touching & (time[active] <= duration)]
+        return result
+
+    def approaching(self, now: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Distances (k,) ``now`` (k,), and bounds (k,) on how fast they can shrink from then on [m/s]; ``radius`` as in `advanced`."""
+        a, b = self.pairs.T
+        first, second = self.poses(now)
+        distance, normal = self.narrow.directed_clearances(self.pairs, *relative_pose(first, second), self._limit)
+        relative = self.paths.velocities(a, now) - self.paths.velocities(b, now)
+        bend = self.paths.acceleration[:, b] - self.paths.acceleration[:, a]
+        turning = np.sqrt((self.paths.spin[:, self.pairs.T] ** 2).sum(axis=0)).sum(axis=0) * radius
+        speed = np.maximum(dot(relative, turned(first[:9].reshape(3, 3, -1), normal)), 0.0)
+        speed += np.sqrt((bend * bend).sum(axis=0)) * (self.paths.duration - now) + turning
+        return distance, np.maximum(speed, 1e-9)
+
+    def stepped(self, start: FloatArray, end: FloatArray, radius: FloatArray) -> FloatArray:
+        """Times (k,) of the first touch of pairs with a mesh, whose distances tell nothing once they overlap, infinite where there is none.
+        ``start`` and ``end`` (k,): distances at either end; ``radius`` as in `advanced`.
+
+        Conservative steps, lengthened to where the distance would vanish as it has shrunk in the step before; where that is too far, the
+        next one halves it. Pairs not found in `_MOST_STEPS_OF_MESHES` steps have what the end says.
+        """
+        duration, count = self.paths.duration, len(start)
+        low, high = np.zeros(count), np.full(count, np.inf)
+        rate = np.zeros(count)
+        last = start.copy()
+        result = np.where(end <= _TOUCH, duration, np.inf)
+        time, active = np.zeros(count), np.arange(count)
+        for _ in range(_MOST_STEPS_OF_MESHES):
+            now = time[active]
+            distance, speed = self.chosen(active).approaching(now, radius[active])
+            ahead = distance > _TOUCH
+            before, through = active[ahead], active[~ahead]
+            step = now[ahead] - low[before]
+            rate[before] = np.divide(last[before] - distance[ahead], step, out=np.zeros(len(before)), where=step > 0)
+            low[before], last[before] = now[ahead], distance[ahead]
+            high[through] = result[through] = now[~ahead]
+            safe = low[active] + np.where(ahead, distance / speed, 0.0)
+            shrinking = rate[active] > 0
+            ahead_by = np.divide(last[active], rate[active], out=np.zeros(len(active)), where=shrinking)
+            guess = np.minimum(low[active] + ahead_by, np.minimum((low[active] + high[active]) / 2, duration))
+            time[active] = np.maximum(safe, guess)
+            touched = ~ahead & (distance > 0)
+            missed = ahead & (safe > duration)
+            result[active[missed]] = np.inf
+            found = touched | (high[active] - low[active] <= _INSTANT)
+            active = active[~(found | missed)]
+            if len(active) == 0:
+                break
         return result
 
     def go_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
@@ -183,7 +230,7 @@ class _MovingPairs:
 class Meetings:
     """Pairs of bodies that first touch ``after`` (k,) seconds on their paths, in ``poses`` (12, k) of the first and of the second;
     ``placing``: a query for their patches there. ``expected`` and ``actual`` (k,) as in `Hits`; ``far`` (k,): whether the bodies move far
-    compared with their thickness."""
+    compared with their thickness; ``mesh`` (k,): whether one is a mesh."""
 
     moving: _MovingPairs
     after: FloatArray
@@ -192,6 +239,7 @@ class Meetings:
     expected: FloatArray
     actual: FloatArray
     far: BoolArray
+    mesh: BoolArray
 
     def hits(self, found: PairPatches) -> Hits:
         """The hits, with the patches ``found``."""
@@ -209,4 +257,6 @@ class Meetings:
             within = (one + other) / np.maximum(approach[fast], SLOWEST)
             passes[fast] = moving.chosen(fast).go_through(after[fast], within, np.minimum(one, other) / 4)
         ways = normal.T, centre.T, approach, velocities.transpose(2, 1, 0)
-        return Hits(moving.pairs, after, found.distance, *ways, self.expected, self.actual, passes)
+        # Meshes that have passed through each other are not deeper for it: as deep as they would be at this speed.
+        deep = np.where(self.mesh, -np.maximum(approach, 0.0) * (moving.paths.duration - after), np.inf)
+        return Hits(moving.pairs, after, found.distance, *ways, np.minimum(self.expected, deep), self.actual, passes)

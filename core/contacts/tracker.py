@@ -576,7 +576,7 @@ class ContactTracker:
             return self._narrow.query(numbers, turn, offset, limit)
         inside, others = medium.nonzero()[0], (~medium).nonzero()[0]
         found = self._narrow.query(numbers[others], turn[..., others], offset[:, others], limit[others])
-        distance = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside], limit[inside])
+        distance = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside])
         a, b = numbers[inside].T
         middle = (np.maximum(self._low[:, a], self._low[:, b]) + np.minimum(self._high[:, a], self._high[:, b])) / 2
         pose = self._pose[:, a]

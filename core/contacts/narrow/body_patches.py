@@ -50,7 +50,8 @@ class PairPatches:
 @dataclass(frozen=True, slots=True)
 class CoreContacts:
     """Pairs of cores in contact: ``owner`` the pair of bodies, ``distance`` between the surfaces, ``normal``, ``centre`` of the patch,
-    ``weight`` (area in square metres; that of a line is tiny, in proportion to its length), reported ``area``, ``corners``."""
+    ``weight`` (area in square metres; that of a line is tiny, in proportion to its length), reported ``area``, the metres ``within`` which
+    the contact counts beyond the nearest one, ``corners``."""
 
     owner: IntArray
     distance: FloatArray
@@ -58,6 +59,7 @@ class CoreContacts:
     centre: FloatArray
     weight: FloatArray
     area: FloatArray
+    within: FloatArray
     corners: list[FloatArray] | None
 
 
@@ -68,7 +70,11 @@ def core_contacts(rows: CorePairs, normal: FloatArray, distance: FloatArray, pat
         every = zip(patch.corners.transpose(2, 1, 0), patch.used.T, patch.centre.T, strict=True)
         points = [c[u] if u.any() else m[None] for c, u, m in every]
     outward = np.where(rows.flipped, -normal, normal)
-    return CoreContacts(rows.owner, distance, outward, patch.centre, patch.area, np.where(patch.wide, patch.area, 0.0), points)
+    area = np.where(patch.wide, patch.area, 0.0)
+    # Triangles are parts of a face, however small: those that lie on each other belong to the patch as their whole face does.
+    of_area = PATCH_GAP * patch.area / (patch.area + _FACE_AREA)
+    within = _TOGETHER + (of_area if rows.triangle_b is None else np.maximum(of_area, patch.reach))
+    return CoreContacts(rows.owner, distance, outward, patch.centre, patch.area, area, within, points)
 
 
 def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> PairPatches:
@@ -79,8 +85,9 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
     centre, area = np.zeros((3, count)), np.zeros(count)
     if not found:
         return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
-    owner, each, normals, centres, weights, areas = (
-        np.concatenate([getattr(f, name) for f in found], axis=-1) for name in ("owner", "distance", "normal", "centre", "weight", "area")
+    owner, each, normals, centres, weights, areas, within = (
+        np.concatenate([getattr(f, name) for f in found], axis=-1)
+        for name in ("owner", "distance", "normal", "centre", "weight", "area", "within")
     )
     if len(np.unique(owner)) == len(owner):
         distance[owner] = np.minimum(distance[owner], each)
@@ -89,7 +96,6 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
     else:
         np.minimum.at(distance, owner, each)
         above = each - distance[owner]
-        within = _TOGETHER + PATCH_GAP * weights / (weights + _FACE_AREA)
         near = np.square(np.clip(2.0 - 2.0 * above / within, 0.0, 1.0))
         weights = near * (weights + _POINT_AREA)
         kept = weights > 0

@@ -66,10 +66,10 @@ _CLOSED_FORMS: dict[tuple[int, int], Callable[[_Placed, _Placed], Separation]] =
 class CoreDistances:
     """Distances between the cores of a table."""
 
-    def __init__(self, table: CoreTable, pairing: CorePairing) -> None:
+    def __init__(self, table: CoreTable, pairing: CorePairing, bodies: ConvexDistances) -> None:
         self._table = table
         self._pairing = pairing
-        self._convex = ConvexDistances(table)
+        self._convex = bodies
 
     def _kinds(self, rows: CorePairs) -> tuple[int, int]:
         return int(self._table.kind[rows.first[0]]), int(self._table.kind[rows.second[0]])

@@ -11,6 +11,8 @@ from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, ranges
 from .cores import CoreTable, Kind, Size
 from .frames import product, relative, turned, turned_back
 from .mesh_index import MeshIndex
+from .surfaces import Surfaces
+from .triangles import apart_by
 
 BEYOND = 1e-9
 """Metres beyond the limit of a query at which a distance is reported where only a lower bound is known."""
@@ -44,13 +46,12 @@ class CorePairs:
 class CorePairing:
     """Makes pairs of cores from pairs of the bodies of a table."""
 
-    def __init__(self, table: CoreTable) -> None:
+    def __init__(self, table: CoreTable, surfaces: Surfaces) -> None:
         self._table = table
-        self._meshes: dict[int, MeshIndex] = {}
+        self._surfaces = surfaces
 
-    def groups(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> Iterator[CorePairs]:
-        """All pairs of cores of ``pairs`` of bodies, placed as in `NarrowPhase`, in groups of the same kinds, the simpler kind first. Only
-        the triangles of a mesh within ``limit`` (p,) metres are included."""
+    def groups(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> Iterator[CorePairs]:
+        """All pairs of cores of ``pairs`` of bodies, placed as in `NarrowPhase`, in groups of the same kinds, the simpler kind first."""
         table = self._table
         owner, first, second = _products(table.start, pairs)
         flipped = table.kind[first] > table.kind[second]
@@ -65,12 +66,11 @@ class CorePairing:
         for value in np.unique(kinds).tolist():
             rows = chosen_of(everything, np.flatnonzero(kinds == value)) if np.any(kinds != value) else everything
             kind_a, kind_b = Kind(value // len(Kind)), Kind(value % len(Kind))
-            if kind_a is Kind.MESH:
-                yield from self._meshes_on_meshes(rows, limit)
-            elif kind_b is Kind.MESH:
-                yield self._on_triangles(rows, kind_a, limit)
-            else:
-                yield rows
+            if kind_b is Kind.MESH and kind_a is Kind.BOX:
+                rows.radius_a = table.radius[Size.THICK, rows.first]
+            if kind_b is Kind.MESH and kind_a is Kind.POINT:
+                rows.radius_b = np.array([table.cores[core].mesh_radius_to_points for core in rows.second.tolist()])
+            yield rows
 
     def _world(self, core: IntArray, rotation: FloatArray, centre: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Poses of cores of bodies in these poses."""
@@ -79,25 +79,16 @@ class CorePairing:
         return product(rotation, self._table.rotation[..., core]), centre + turned(rotation, self._table.offset[:, core])
 
     def mesh(self, core: int) -> MeshIndex:
-        """The index of the triangles of a core that is a mesh, made on first use."""
-        made = self._meshes.get(core)
-        if made is None:
-            mesh = self._table.cores[core].mesh
-            assert mesh is not None
-            made = self._meshes[core] = MeshIndex.of(mesh)
-        return made
+        """The triangles of a core that is a mesh or a hull."""
+        return self._surfaces[core].index
 
-    def _on_triangles(self, rows: CorePairs, kind: Kind, limit: FloatArray) -> CorePairs:
-        """Convex cores against those triangles of their meshes that are near."""
+    def on_triangles(self, rows: CorePairs, reach: FloatArray) -> CorePairs:
+        """Convex cores of one kind against those triangles of their meshes that are within ``reach`` (n,) metres."""
         table = self._table
-        if kind is Kind.BOX:
-            rows.radius_a = table.radius[Size.THICK, rows.first]
-        if kind is Kind.POINT:
-            rows.radius_b = np.array([table.cores[core].mesh_radius_to_points for core in rows.second.tolist()])
         turn = relative(rows.rotation_b, rows.rotation_a)
         middle = turned_back(rows.rotation_b, rows.centre_a + turned(rows.rotation_a, table.bound_centre[:, rows.first]) - rows.centre_b)
         half = turned(np.abs(turn), table.bound_half[:, rows.first])
-        half += rows.radius_a + rows.radius_b + np.maximum(limit[rows.owner], 0.0)
+        half += rows.radius_a + rows.radius_b + np.maximum(reach, 0.0)
         bounds = np.stack([middle - half, middle + half]).transpose(2, 0, 1)
         row, triangle = [], []
         for core in np.unique(rows.second).tolist():
@@ -109,25 +100,22 @@ class CorePairing:
         expanded.triangle_b = np.concatenate(triangle)
         return expanded
 
-    def _meshes_on_meshes(self, rows: CorePairs, limit: FloatArray) -> Iterator[CorePairs]:
-        """Pairs of near triangles of two meshes, one pair of meshes at a time."""
-        table = self._table
-        for k in range(len(rows)):
-            row = chosen_of(rows, np.array([k]))
-            first, second = self.mesh(int(row.first[0])), self.mesh(int(row.second[0]))
-            grown = float(row.radius_a[0] + row.radius_b[0] + max(limit[row.owner[0]], 0.0))
-            back_b = row.rotation_b[..., 0].T
-            turn, shift = back_b @ row.rotation_a[..., 0], back_b @ (row.centre_a[:, 0] - row.centre_b[:, 0])
-            middle, half = table.bound_centre[:, row.second[0]], table.bound_half[:, row.second[0]] + grown
-            back = turn.T @ (middle - shift)
-            extent = np.abs(turn.T) @ half
-            _, near = first.near(np.array([[back - extent, back + extent]]))
-            corners = first.corners[near] @ turn.T + shift
-            bounds = np.stack([corners.min(axis=1) - grown, corners.max(axis=1) + grown], axis=1)
-            mine, theirs = second.near(bounds)
-            expanded = chosen_of(row, np.zeros(len(mine), dtype=np.int64))
-            expanded.triangle_a, expanded.triangle_b = near[mine], theirs
-            yield expanded
+    def near_triangles(self, row: CorePairs, reach: float) -> CorePairs:
+        """The pairs of triangles of one pair of surfaces that may be within ``reach`` metres of each other."""
+        first, second = self._surfaces[int(row.first[0])], self._surfaces[int(row.second[0])]
+        back_b = row.rotation_b[..., 0].T
+        turn, shift = back_b @ row.rotation_a[..., 0], back_b @ (row.centre_a[:, 0] - row.centre_b[:, 0])
+        middle, half = (second.low + second.high) / 2, (second.high - second.low) / 2 + reach
+        back = turn.T @ (middle - shift)
+        extent = np.abs(turn.T) @ half
+        _, near = first.index.near(np.array([[back - extent, back + extent]]))
+        corners = first.index.corners[near] @ turn.T + shift
+        mine, theirs = second.index.near(np.stack([corners.min(axis=1) - reach, corners.max(axis=1) + reach], axis=1))
+        possible = apart_by(corners[mine].transpose(2, 1, 0), second.index.corners[theirs].transpose(2, 1, 0)) <= reach
+        mine, theirs = mine[possible], theirs[possible]
+        expanded = chosen_of(row, np.zeros(len(mine), dtype=np.int64))
+        expanded.triangle_a, expanded.triangle_b = near[mine], theirs
+        return expanded
 
     def corners(self, mesh: IntArray, triangle: IntArray, rotation: FloatArray, centre: FloatArray) -> FloatArray:
         """World corners (3, 3, n), by coordinate and corner, of triangles of meshes."""

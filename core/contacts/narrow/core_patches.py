@@ -36,7 +36,7 @@ class CorePatches:
         count = len(rows)
         if self._table.kind[rows.first[0]] == Kind.POINT:
             none = np.zeros(count, dtype=np.bool_)
-            return Patches(middle, np.zeros(count), none, np.zeros(count), middle[:, None], none[None], none)
+            return Patches(middle, np.zeros(count), none, np.zeros(count), middle[:, None], none[None], none, np.zeros(count))
         first, many_a, wide_a = self._polygons(rows.first, rows.triangle_a, rows.rotation_a, rows.centre_a, normal)
         second, many_b, wide_b = self._polygons(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b, -normal)
         first -= middle[:, None]
@@ -47,7 +47,8 @@ class CorePatches:
             if len(alike):
                 parts.append((alike, patches(first[:, :corners_a, alike], second[:, :corners_b, alike], normal[:, alike])))
         result = _merged(count, parts)
-        kind = np.maximum(self._table.kind[rows.first], self._table.kind[rows.second])
+        drawn = np.where(rows.triangle_a is None, self._table.kind[rows.first], Kind.MESH)
+        kind = np.maximum(drawn, self._table.kind[rows.second])
         result = _at_nearest_points(result, np.isin(kind, _DRAWN_ROUGHLY))
         area = result.area
         faceted = (self._table.kind[rows.second] == Kind.HULL) & np.isin(self._table.kind[rows.first], (Kind.BOX, Kind.HULL))

@@ -66,9 +66,11 @@ class Core:
         return np.array([-half, half])
 
     def thickness(self) -> float:
-        """Smallest extent [m]: of a mesh, which is hollow, that of its surface; of a hull, the smallest width square to a face."""
+        """Smallest extent [m]: of a shell that of its surface, of a solid mesh that of its bounds, of a hull the smallest width square to a
+        face."""
         if self.mesh is not None:
-            return 2 * min(self.radius[0], self.mesh_radius_to_points)
+            inside = float(np.ptp(self.bounds(), axis=0).min()) if self.mesh.sunk_in > 0 else 0.0
+            return inside + 2 * min(self.radius[0], self.mesh_radius_to_points)
         if self.hull is not None:
             normals, _ = self.hull.planes()
             return float(np.ptp(self.hull.points @ normals.T, axis=0).min(initial=np.inf)) + 2 * self.radius[0]

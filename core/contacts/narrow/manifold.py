@@ -29,7 +29,8 @@ _LINE_GAP = 0.00005
 class Patches:
     """Per pair: ``centre`` (3, n) in the contact plane through the origin, ``area`` (n,) [m^2], ``found`` (n,) False where the features do
     not face each other, ``gap`` (n,) by which the nearest corner of the patch is further apart than the distance along the normal (infinite
-    where there is none), ``corners`` (3, k, n) of the patch, which of them are ``used`` (k, n), and ``wide`` (n,) False for a line."""
+    where there is none), ``corners`` (3, k, n) of the patch, which of them are ``used`` (k, n), ``wide`` (n,) False for a line,
+    and ``reach`` (n,): the largest gap within the patch beyond the least."""
 
     centre: FloatArray
     area: FloatArray
@@ -38,6 +39,7 @@ class Patches:
     corners: FloatArray
     used: BoolArray
     wide: BoolArray
+    reach: FloatArray
 
 
 def patch_gap(slope: FloatArray) -> FloatArray:
@@ -89,7 +91,8 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     # Leave out where the gap is larger; the cut closes the outline from where it goes out to where it comes in.
     from_gap, to_gap = (level + dot(ends, slope[:, None]) for ends in (start, end))
     least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=0)
-    top = np.where(np.isinf(least_gap), 0.0, least_gap) + patch_gap(np.sqrt(dot(slope, slope)))
+    reach = patch_gap(np.sqrt(dot(slope, slope)))
+    top = np.where(np.isinf(least_gap), 0.0, least_gap) + reach
     rise = to_gap - from_gap
     leaves, enters = used & (from_gap <= top) & (to_gap > top), used & (from_gap > top) & (to_gap <= top)
     share = np.divide(top - from_gap, rise, out=np.zeros_like(rise), where=leaves | enters)
@@ -108,6 +111,7 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
         corners=u[:, None] * corners[0] + v[:, None] * corners[1],
         used=used & found,
         wide=found,
+        reach=reach,
     )
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ..shapes import Mesh
 
 _CHUNK = 2_000_000
 """Boxes times blocks or triangles tested at a time, to bound memory."""
@@ -15,7 +14,7 @@ _CHUNK = 2_000_000
 
 @dataclass(frozen=True, slots=True)
 class MeshIndex:
-    """``corners`` (t, 3, 3) of the triangles that have an area, ``number`` (t,) in the mesh, both in the order of the blocks; bounds of
+    """``corners`` (t, 3, 3) of the triangles in the order of the blocks; bounds of
     blocks (b, 2, 3), the triangles of block k being ``k * size : (k + 1) * size``."""
 
     corners: FloatArray
@@ -26,9 +25,8 @@ class MeshIndex:
     size: int
 
     @classmethod
-    def of(cls, mesh: Mesh) -> MeshIndex:
-        """Order the triangles of ``mesh`` along a Z-order curve."""
-        corners = mesh.points[mesh.triangles]
+    def of(cls, corners: FloatArray) -> MeshIndex:
+        """Order triangles (t, 3, 3) along a Z-order curve."""
         centre = corners.mean(axis=1)
         extent = np.maximum(np.ptp(centre, axis=0), 1e-300)
         cell = np.minimum((centre - centre.min(axis=0)) / extent * 1024, 1023).astype(np.int64)

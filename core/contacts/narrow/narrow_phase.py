@@ -10,11 +10,14 @@ from ...arrays import FloatArray, IntArray, chosen_of, joined
 from ..shapes import Shape
 from .body_patches import CoreContacts, PairPatches, core_contacts, reduced
 from .box_pairs import BoxPairs
+from .convex import ConvexDistances
 from .core_distances import CoreDistances, exact
 from .core_pairs import BEYOND, CorePairing, CorePairs, bounded
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind
 from .separating_axes import AxisSeparation
+from .surface_pairs import SurfacePairs
+from .surfaces import Surfaces
 
 _CERTAIN = 1e-4
 """Metres between a lower and an upper bound on a distance up to which the lower bound counts as the distance."""
@@ -22,7 +25,7 @@ _CERTAIN = 1e-4
 
 class NarrowPhase:
     """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes count as hulls. ``is_box`` (n,): which
-    bodies are single boxes.
+    bodies are single boxes; ``is_mesh`` (n,): which have a mesh.
 
     A pair is placed by the ``rotation`` (3, 3, p) of its second body and the ``offset`` (3, p) of its origin in the frame of the first;
     results are in that frame.
@@ -32,9 +35,12 @@ class NarrowPhase:
         self._table = table = CoreTable.of(shapes, solid or [False] * len(shapes))
         self._boxes = BoxPairs(table)
         self.is_box = self._boxes.is_box
-        self._pairing = CorePairing(table)
-        self._distances = CoreDistances(table, self._pairing)
+        self.is_mesh = np.logical_or.reduceat(np.append(table.kind == Kind.MESH, False), table.start[:-1]) if len(shapes) else self.is_box
+        surfaces, bodies = Surfaces(table), ConvexDistances(table)
+        self._pairing = CorePairing(table, surfaces)
+        self._distances = CoreDistances(table, self._pairing, bodies)
         self._patches = CorePatches(table, self._pairing)
+        self._surfaces = SurfacePairs(table, self._pairing, surfaces, bodies, self._patches)
 
     @property
     def thickness(self) -> FloatArray:
@@ -92,24 +98,34 @@ class NarrowPhase:
         count = len(pairs)
         distance = np.full(count, np.inf)
         normal = np.tile([[0.0], [0.0], [1.0]], count)
-        for rows in self._pairing.groups(pairs, rotation, offset, limit):
-            separation = self._distances.separated(rows)
-            gap = bounded(rows, separation.distance - rows.radius_a - rows.radius_b, limit)
-            outward = np.where(rows.flipped, -separation.normal, separation.normal)
+        for rows in self._pairing.groups(pairs, rotation, offset):
+            if self._is_on_mesh(rows):
+                gap, normals = self._surfaces.gaps(rows)
+            else:
+                separation = self._distances.separated(rows)
+                gap, normals = separation.distance, separation.normal
+            gap = gap - rows.radius_a - rows.radius_b
+            outward = np.where(rows.flipped, -normals, normals)
             order = np.argsort(-gap, kind="stable")
             owner = rows.owner[order]
             closer = gap[order] < distance[owner]
             normal[:, owner[closer]] = outward[:, order[closer]]
             np.minimum.at(distance, owner, gap[order])
-        return np.where(np.isinf(distance), limit + BEYOND, distance), normal
+        return distance, normal
 
-    def gaps(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
-        """Distances (p,) up to ``limit`` (p,), 0 where bodies overlap: cheaper than to find out how deep."""
+    def gaps(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> FloatArray:
+        """Distances (p,), 0 where bodies overlap: cheaper than to find out how deep."""
         distance = np.full(len(pairs), np.inf)
-        for rows in self._pairing.groups(pairs, rotation, offset, limit):
-            gap = self._distances.separated(rows, depths=False).distance - rows.radius_a - rows.radius_b
-            np.minimum.at(distance, rows.owner, bounded(rows, gap, limit))
-        return np.where(np.isinf(distance), limit + BEYOND, np.maximum(distance, 0.0))
+        for rows in self._pairing.groups(pairs, rotation, offset):
+            if self._is_on_mesh(rows):
+                gap = self._surfaces.gaps(rows, solid=True)[0]
+            else:
+                gap = self._distances.separated(rows, depths=False).distance
+            np.minimum.at(distance, rows.owner, gap - rows.radius_a - rows.radius_b)
+        return np.asarray(np.maximum(distance, 0.0))
+
+    def _is_on_mesh(self, rows: CorePairs) -> bool:
+        return bool(self._table.kind[rows.second[0]] == Kind.MESH)
 
     def _general(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, corners: bool = False) -> PairPatches:
         """Pairs of any shapes."""
@@ -117,9 +133,16 @@ class NarrowPhase:
         found: list[CoreContacts] = []
         closed: list[tuple[CorePairs, AxisSeparation]] = []
         others = []
-        for rows in self._pairing.groups(pairs, rotation, offset, limit):
-            if rows.triangle_b is not None:
-                self._finish(rows, self._distances.separated(rows), limit, distance, found, corners)
+        for rows in self._pairing.groups(pairs, rotation, offset):
+            if self._is_on_mesh(rows):
+                meet = self._surfaces.meet(rows)
+                if meet.any():
+                    self._surfaces.contacts(chosen_of(rows, meet), limit, distance, found, corners)
+                rows = chosen_of(rows, ~meet)
+                rows = chosen_of(rows, ~self._surfaces.inside(rows, limit, distance, found))
+                rows = self._surfaces.near(rows, limit) if len(rows) else rows
+                if len(rows):
+                    self._finish(rows, self._distances.separated(rows), limit, distance, found, corners)
             elif self._distances.in_closed_form(rows):
                 closed.append((rows, self._distances.separated(rows)))
             else:
@@ -155,4 +178,6 @@ class NarrowPhase:
             rows, separated, patch = chosen_of(rows, ~unsure), chosen_of(separated, ~unsure), chosen_of(patch, ~unsure)
         if len(rows):
             gap = separated.distance - rows.radius_a - rows.radius_b + np.where(separated.exact, 0.0, patch.gap)
+            if rows.triangle_b is not None:
+                gap = np.maximum(gap, self._surfaces.deepest(rows))
             found.append(core_contacts(rows, separated.normal, gap, patch, corners))

@@ -1,0 +1,82 @@
+"""Surfaces of cores as triangles: meshes, and hulls where they meet a mesh. What is inside a closed one touches it down to a depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...arrays import BoolArray, FloatArray, IntArray
+from .cores import Core, CoreTable
+from .mesh_index import MeshIndex
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """The triangles of a core in its own frame. ``depth`` [m]: how far beneath the surface a body touches it; 0 of a shell, infinite of a
+    hull. ``size`` [m]: the smallest extent. ``first`` and ``second``: FCL's objects for the first and the second of a pair."""
+
+    index: MeshIndex
+    low: FloatArray
+    high: FloatArray
+    depth: float
+    size: float
+    first: Any
+    second: Any
+
+    @classmethod
+    def of(cls, core: Core) -> Surface:
+        """The surface of a mesh or a hull."""
+        import fcl
+
+        if core.mesh is not None:
+            points, triangles, depth = core.mesh.points, core.mesh.triangles, core.mesh.sunk_in
+        else:
+            assert core.hull is not None
+            points, triangles = core.hull.points, core.hull.triangles
+            depth = 0.0 if np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3 else np.inf
+        geometry = fcl.BVHModel()
+        geometry.beginModel(len(points), len(triangles))
+        geometry.addSubModel(points, triangles)
+        geometry.endModel()
+        low, high = core.bounds()
+        size = float(np.min(high - low)) + 2 * core.radius[0]
+        index = MeshIndex.of(points[triangles])
+        return cls(index, low, high, depth, size, fcl.CollisionObject(geometry), fcl.CollisionObject(geometry))
+
+    def contains(self, points: FloatArray) -> BoolArray:
+        """Which points (n, 3) are inside: where the surface winds around them, counted along rays upwards. A point on the edge of two
+        triangles, seen from above, counts for one of them."""
+        bounds = np.stack([points, points], axis=1)
+        bounds[:, 1, 2] = np.inf
+        ray, triangle = self.index.near(bounds)
+        corners = self.index.corners[triangle] - points[ray, None]
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        sides = np.stack([_side(p, q) for p, q in ((a, b), (b, c), (c, a))])
+        turns = np.where((sides > 0).all(axis=0), 1, np.where((sides < 0).all(axis=0), -1, 0))
+        normal = np.cross(b - a, c - a)
+        above = (normal * a).sum(axis=1) * turns > 0
+        return np.asarray(np.bincount(ray[above], turns[above], len(points)) > 0.5)
+
+
+def _side(start: FloatArray, end: FloatArray) -> IntArray:
+    """On which side of each edge (n, 3), seen from above, the origin is: 1 or -1; the opposite for the edge in the other direction."""
+    area = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    way = end - start
+    return np.sign(np.where(area != 0, area, np.where(way[:, 1] != 0, way[:, 1], way[:, 0]))).astype(np.int64)
+
+
+class Surfaces:
+    """The surfaces of a table's cores, made on first use."""
+
+    def __init__(self, table: CoreTable) -> None:
+        self._table = table
+        self._made: dict[int, Surface] = {}  # by the id of the core: equal bodies share theirs
+
+    def __getitem__(self, core: int) -> Surface:
+        item = self._table.cores[core]
+        made = self._made.get(id(item))
+        if made is None:
+            made = self._made[id(item)] = Surface.of(item)
+        return made

@@ -1,0 +1,171 @@
+"""Contacts of surfaces against brute force over all triangles, and their patches against closed forms and continuity."""
+
+from __future__ import annotations
+
+import importlib.util
+import itertools
+import sys
+from pathlib import Path
+
+import fcl
+import numpy as np
+import pytest
+from haptic_tracing.core.contacts.narrow.frames import relative_pose
+from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
+from haptic_tracing.core.contacts.shapes import ConvexHull, Mesh
+
+_spec = importlib.util.spec_from_file_location("triangle_reference", Path(__file__).parents[2] / "references" / "triangle_reference.py")
+reference = importlib.util.module_from_spec(_spec)
+sys.modules["triangle_reference"] = reference
+_spec.loader.exec_module(reference)
+
+TOLERANCE, SUNK_IN, BAND = 0.012, 0.05, 1e-3
+
+
+def poses_12(matrix):
+    return np.concatenate([matrix[:3, :3].reshape(9, 1), matrix[:3, 3:]])
+
+
+def query(first, second, a, b, limit=TOLERANCE):
+    """Distance, normal, centre and area of the contact of two shapes in these poses (4, 4), in the world."""
+    found = NarrowPhase([first, second]).query(np.array([[0, 1]]), *relative_pose(poses_12(a), poses_12(b)), np.array([limit]))
+    return float(found.distance[0]), a[:3, :3] @ found.normal[:, 0], a[:3, :3] @ found.centre[:, 0] + a[:3, 3], float(found.area[0])
+
+
+def rotation(random):
+    w, x, y, z = (lambda q: q / np.linalg.norm(q))(random.normal(size=4))
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])  # fmt: skip
+
+
+def pose(place, turn=None):
+    matrix = np.eye(4)
+    matrix[:3, 3] = place
+    if turn is not None:
+        matrix[:3, :3] = turn
+    return matrix
+
+
+def body(points, triangles):
+    model = fcl.BVHModel()
+    model.beginModel(len(points), len(triangles))
+    model.addSubModel(points, triangles)
+    model.endModel()
+    return fcl.CollisionObject(model)
+
+
+def near_poses(one, other, random, count):
+    """Poses of the second mesh in which it is within 3 cm of the first, crosses it or is inside it."""
+    a, b = body(*one), body(*other)
+    result = []
+    while len(result) < count:
+        turn, way = rotation(random), random.normal(size=3)
+        way /= np.linalg.norm(way)
+        through = random.uniform(-0.15, 0.15, size=3)
+        b.setRotation(turn)
+        away, target = 0.0, random.uniform(-0.01, 0.018)
+        while True:  # outwards until they are as far apart as wanted, from anywhere within
+            b.setTranslation(through + away * way)
+            gap = fcl.distance(a, b, fcl.DistanceRequest(), fcl.DistanceResult())
+            if gap > max(target, 0.0):
+                break
+            away += 0.004
+        if gap < 0.05:
+            result.append(pose(through + (away + min(target, 0.0)) * way, turn))
+    return result
+
+
+def placed(mesh, matrix):
+    points, triangles = mesh
+    return (points @ matrix[:3, :3].T + matrix[:3, 3])[triangles]
+
+
+PAIRS = list(itertools.combinations_with_replacement(sorted(reference.SOLIDS), 2))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name_a", "name_b"), PAIRS, ids=[f"{a}-{b}" for a, b in PAIRS])
+@pytest.mark.parametrize("solid", [True, False], ids=["solids", "shells"])
+def test_contacts_are_those_of_all_triangles(name_a, name_b, solid):
+    """None is missed and none invented beyond 1 mm; distances of those apart are exact, those of solids that cross within their bounds."""
+    random = np.random.default_rng(sum(map(ord, name_a + name_b)))
+    one, other = reference.SOLIDS[name_a], reference.SOLIDS[name_b]
+    shapes = [Mesh(*mesh, sunk_in=SUNK_IN * solid) for mesh in (one, other)]
+    most = min(SUNK_IN, *(np.ptp(points, axis=0).min() / 2 for points, _ in (one, other))) * solid
+    apart = crossing = inside = 0
+    for matrix in near_poses(one, other, random, 12):
+        first, second = placed(one, np.eye(4)), placed(other, matrix)
+        gap = reference.distance(first, second)
+        enclosed = solid and (reference.is_inside(second[:1, 0], first)[0] or reference.is_inside(first[:1, 0], second)[0])
+        distance, normal, centre, area = query(*shapes, np.eye(4), matrix)
+        assert np.isfinite(normal).all() and np.isfinite(centre).all() and area >= 0
+        if gap == 0:
+            crossing += 1
+            assert distance <= 1e-7 if not solid else -most - 1e-9 <= distance <= BAND
+        elif enclosed:
+            inside += 1
+            assert distance == pytest.approx(gap - most, abs=1e-6) if gap - most <= TOLERANCE else distance > TOLERANCE
+        elif gap <= TOLERANCE:
+            apart += 1
+            assert distance == pytest.approx(gap, abs=1e-6)
+            for corners in (first.reshape(-1, 3), second.reshape(-1, 3)):
+                assert (centre >= corners.min(axis=0) - gap).all() and (centre <= corners.max(axis=0) + gap).all()
+        else:
+            assert distance > TOLERANCE
+    assert apart + crossing + inside >= 3
+
+
+@pytest.mark.parametrize("parts", [1, 7])
+@pytest.mark.parametrize("below", ["slab", "shell", "hull"])
+@pytest.mark.parametrize("gap", [0.01, 1e-4, 0.0, -1e-4, -0.02])
+def test_a_box_on_a_slab(parts, below, gap):
+    """Distance, normal, centre and area by closed form, however the faces are divided. A shell has no depth beyond its faces' own."""
+    points, triangles = reference.box((3.0, 2.0, 0.2), parts)
+    ground = ConvexHull(points) if below == "hull" else Mesh(points, triangles, sunk_in=SUNK_IN * (below == "slab"))
+    top = Mesh(*reference.box((0.4, 0.3, 0.2), parts), sunk_in=SUNK_IN)
+    distance, normal, centre, area = query(ground, top, pose((0, 0, -0.1)), pose((0.23, 0.11, 0.1 + gap)))
+    assert distance == pytest.approx(gap, abs=1e-7)
+    np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-6)
+    np.testing.assert_allclose(centre, [0.23, 0.11, gap / 2], atol=1e-6)
+    assert area == pytest.approx(0.12, rel=1e-4)
+
+
+@pytest.mark.parametrize("parts", [1, 6])
+def test_patches_are_continuous(parts):
+    """A concave body that sinks, tilts and slides on a slab: no step of the patch is larger than a few times that of the body."""
+    u_shape = [(-0.3, -0.1), (0.3, -0.1), (0.3, 0.2), (0.2, 0.2), (0.2, 0.05), (-0.2, 0.05), (-0.2, 0.2), (-0.3, 0.2)]
+    body = Mesh(*reference.prism(u_shape, 0.3), sunk_in=SUNK_IN)
+    slab = Mesh(*reference.box((3.0, 2.0, 0.3), parts), sunk_in=SUNK_IN)
+    standing = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # on its back, the faces' normals being along z
+    steps = np.linspace(0, 1, 201)
+    paths = {
+        "sinks": [pose((0.1, 0.05, 0.25 + 0.005 - 0.02 * t), standing) for t in steps],
+        "tilts": [pose((0.1, 0.05, 0.25), np.array([[1, 0, 0], [0, 1, -a], [0, a, 1]]) @ standing) for a in 0.002 * (steps - 0.5)],
+        "slides": [pose((0.1 + 0.05 * t, 0.05, 0.25 - 0.002), standing) for t in steps],
+    }
+    for name, path in paths.items():
+        found = [query(slab, body, pose((0, 0, -0.0)), matrix) for matrix in path]
+        distances, normals, centres, areas = (np.array(each) for each in zip(*found, strict=True))
+        assert np.abs(np.diff(distances)).max() < 4e-4, name
+        assert np.abs(np.diff(normals, axis=0)).max() < 2e-2, name
+        assert np.abs(np.diff(centres, axis=0)).max() < 6e-3, name
+        assert np.abs(np.diff(areas)).max() < 0.05 * areas.max(), name
+
+
+def test_what_is_inside_touches_down_to_a_depth():
+    """A fingertip in a sofa touches it, a lamp in the air of a room does not, nor what lies deep in the ground."""
+    large, small = reference.box((2.0, 2.0, 2.0), 3), reference.box((0.04, 0.04, 0.04))
+    room, tip = Mesh(*large, sunk_in=SUNK_IN), Mesh(*small, sunk_in=SUNK_IN)
+    for beneath, touches in ((0.001, True), (0.015, True), (0.031, True), (0.033, False), (0.5, False)):
+        distance, normal, centre, _ = query(room, tip, np.eye(4), pose((0.3, 0.2, 1 - beneath - 0.02)))
+        assert (distance <= TOLERANCE) == touches
+        if touches:
+            assert distance == pytest.approx(beneath - 0.02, abs=1e-6)
+            np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-6)
+            np.testing.assert_allclose(centre[:2], [0.3, 0.2], atol=0.021)
+    shell = Mesh(*large)
+    assert query(shell, tip, np.eye(4), pose((0.3, 0.2, 1 - 0.015 - 0.02)))[0] > TOLERANCE
+    assert query(shell, tip, np.eye(4), pose((0.3, 0.2, 1 - 0.005 - 0.02)))[0] == pytest.approx(0.005, abs=1e-7)
