@@ -65,7 +65,9 @@ def create_overridden_groups() -> None:
     for block in (*bpy.data.objects, *bpy.data.node_groups):
         if block.override_library is not None:
             for side in filter(None, (block, block.override_library.reference)):
-                (_INNER_GROUPS if isinstance(side, Object) else bool)(side.haptics)
+                haptics = side.haptics
+                if isinstance(side, Object):
+                    _INNER_GROUPS(haptics)
 
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
