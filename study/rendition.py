@@ -83,7 +83,7 @@ class Ride:
         return tuple(s for s in self.soundings if s.began and any(name.startswith(words) for name in s.objects))
 
     def effects(self, mode: Mode, first: int = 0, last: int = 2**31) -> FloatArray:
-        """Gains (e, l), amplitudes included, of consecutive effects: every impact at its beginning, every other source once per second."""
+        """Amplitudes (e, l) that arrive, of consecutive effects: every impact at its beginning, every other source once per second."""
         each = round(self.frame_rate)
         number = MODES.index(mode)
         rows = [

@@ -150,6 +150,22 @@ def test_blender_overrides_no_scenes(tmp_path: Path) -> None:
     assert wanted.scenes[0].override_create() is None
 
 
+@pytest.mark.parametrize("operator", ["make_objects", "add_source", "add_listener"])
+def test_the_instance_of_a_linked_collection_says_what_to_do(tmp_path: Path, operator: str) -> None:
+    collection = bpy.data.collections.new("Rig")
+    collection.objects.link(bpy.data.objects.new("Body", bpy.data.meshes.new("Body")))
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {collection})
+    bpy.data.collections.remove(collection)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.collections = ["Rig"]
+    instance = bpy.data.objects.new("Rig", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", wanted.collections[0]
+    bpy.context.scene.collection.objects.link(instance)
+    chosen = bpy.context.temp_override(object=instance, active_object=instance, selected_objects=[instance])
+    with chosen, pytest.raises(RuntimeError, match="Object > Library Override > Make"):
+        getattr(bpy.ops.haptic, operator)()
+
+
 def test_system_overrides_are_no_objects_to_edit(tmp_path: Path) -> None:
     _library(tmp_path / "library.blend")
     box, _ = _overridden(tmp_path / "library.blend")

@@ -91,6 +91,11 @@ def test_files_out_and_in(play):
     assert all(seen.values()), seen
 
 
+def test_library_overrides(play):
+    seen = played_through(play(SCENARIOS / "overrides.py"))
+    assert all(seen.values()), seen
+
+
 def test_answer_hint_path_and_corners(play):
     seen = played_through(play(SCENARIOS / "answer.py"))
     assert all(seen.values()), seen
