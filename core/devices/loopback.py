@@ -18,7 +18,7 @@ from time import monotonic
 from typing import Any
 from urllib.parse import urlsplit
 
-from .checked_json import parse_json
+from ..formats.io.strict_json import parse_json
 from .connection import DeviceError, StandInModule, carried_module
 from .families.family import HidDevice, Interface
 
@@ -143,7 +143,7 @@ class Connection:
 
 def messages_of(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
     """The messages of a Buttplug packet, with their kinds. Raises ValueError."""
-    packet = parse_json(text)
+    packet = parse_json(text.encode() if isinstance(text, str) else text, "its message")
     if not isinstance(packet, list) or not all(isinstance(message, dict) for message in packet):
         raise ValueError("it is no list of messages")
     return [(kind, content) for message in packet for kind, content in message.items() if isinstance(content, dict)]

@@ -11,9 +11,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from ..formats.io.error import FormatError
+from ..formats.io.schema import validate
 from ..scene.bhaptics import DEVICES, region
 from ..scene.body import BODY_PARTS
-from .checked_json import schema_fault
 from .connection import DeviceError, StandInModule
 from .families.family import RESEND, RumbleFamily, any_interface
 from .loopback import Connection, Player, player_module
@@ -104,9 +105,10 @@ def ping_seconds(info: dict[str, Any]) -> float | None:
 
 def _checked(content: dict[str, Any], kind: str) -> dict[str, Any]:
     """A message of Intiface as ``intiface.schema.json`` defines it. Raises DeviceError with the place of a fault."""
-    fault = schema_fault(content, "intiface", kind)
-    if fault is not None:
-        raise DeviceError(f"Intiface: {fault[0] or kind} {fault[1]}")
+    try:
+        validate({kind: content}, "intiface", "Intiface")
+    except FormatError as error:
+        raise DeviceError(str(error)) from None
     return content
 
 

@@ -8,16 +8,20 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
+from ..formats.io.error import FormatError, errors_in
+from ..formats.io.schema import validate
+from ..formats.io.strict_json import parse_json, read_bytes
 from ..perception import BEST_FREQUENCY, threshold_level
 from ..scene.body import BODY_PART
-from ..scene.references import named
-from .checked_json import parse_json, schema_fault
+from ..scene.references import Place, PlacedError, named
 from .families.family import AnyFamily, RumbleFamily
 from .families.registry import FAMILIES
 from .report import Transport
 
 Kind = Literal["VCM", "LRA", "ERM", "PCM"]
 
+MAX_BYTES = 2**20
+"""Largest file of a profile."""
 BUILT_IN = Path(__file__).parent / "profiles"
 EARLIEST = -0.050
 """Least delay in seconds, limited by the duration of a frame's block."""
@@ -140,22 +144,23 @@ class Profile:
         return not isinstance(self.family, RumbleFamily) or self.family.has_tones
 
 
-def parse_profile(text: str, families: Mapping[str, AnyFamily] = FAMILIES) -> Profile:
-    """A profile from its JSON text. Raises ValueError with the JSON pointer and the reason, in one line."""
-    try:
-        document = parse_json(text)
-    except ValueError as error:
-        raise ValueError(f"/: {error}") from None
-    fault = schema_fault(document, "device")
-    if fault is not None:
-        raise ValueError(f"/{fault[0]}: {fault[1]}")
-    family = families.get(document["family"])
+def parse_profile(data: bytes, file: str | Path) -> Profile:
+    """A profile from its JSON text, read from ``file``. Raises FormatError."""
+    document = parse_json(data, file)
+    validate(document, "device", file)
+    with errors_in(file):
+        return _profile(document)
+
+
+def _profile(document: Mapping[str, Any]) -> Profile:
+    family = FAMILIES.get(document["family"])
     if family is None:
-        raise ValueError(f"/family: {document['family']!r} is unknown: use one of {', '.join(families)}")
+        raise PlacedError(("family",), f"{document['family']!r} is unknown: use one of {', '.join(FAMILIES)}")
     interval = document.get("minimum_interval")
     if interval is not None and interval < min(family.minimum_interval.values()):
-        raise ValueError(f"/minimum_interval: {interval} s is faster than the device allows ({min(family.minimum_interval.values())} s)")
-    actuators = tuple(_actuator(f"/actuators/{i}", data) for i, data in enumerate(document["actuators"]))
+        fastest = min(family.minimum_interval.values())
+        raise PlacedError(("minimum_interval",), f"{interval} s is faster than the device allows ({fastest} s)")
+    actuators = tuple(_actuator(("actuators", i), data) for i, data in enumerate(document["actuators"]))
     _check_channels(family, actuators)
     return Profile(
         name=document["name"],
@@ -170,21 +175,21 @@ def parse_profile(text: str, families: Mapping[str, AnyFamily] = FAMILIES) -> Pr
     )
 
 
-def _actuator(place: str, data: Mapping[str, Any]) -> Actuator:
+def _actuator(place: Place, data: Mapping[str, Any]) -> Actuator:
     for i, part in enumerate(data["body_parts"]):
         if part not in BODY_PART:
-            raise ValueError(f"{place}/body_parts/{i}: body part {part!r} is unknown: use one of {', '.join(BODY_PART)}")
-    takes = [_band(f"{place}/channels/{i}/takes", channel["takes"]) for i, channel in enumerate(data["channels"])]
+            raise PlacedError((*place, "body_parts", i), f"body part {part!r} is unknown: use one of {', '.join(BODY_PART)}")
+    takes = [_band((*place, "channels", i, "takes"), channel["takes"]) for i, channel in enumerate(data["channels"])]
     channels = tuple(Channel(channel["name"], band) for channel, band in zip(data["channels"], takes, strict=True))
     calibration = Calibration(**data.get("calibration", {}))
     values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}
-    return Actuator(**{**values, "band": _band(f"{place}/band", data["band"]), "channels": channels, "calibration": calibration})
+    return Actuator(**{**values, "band": _band((*place, "band"), data["band"]), "channels": channels, "calibration": calibration})
 
 
-def _band(place: str, limits: list[float]) -> tuple[float, float]:
+def _band(place: Place, limits: list[float]) -> tuple[float, float]:
     low, high = map(float, limits)
     if not low < high:
-        raise ValueError(f"{place}: {low} Hz is not below {high} Hz")
+        raise PlacedError(place, f"{low} Hz is not below {high} Hz")
     return low, high
 
 
@@ -195,23 +200,23 @@ def _check_channels(family: AnyFamily, actuators: tuple[Actuator, ...]) -> None:
     used: set[str] = set()
     for i, actuator in enumerate(actuators):
         if actuator.name in names:
-            raise ValueError(f"/actuators/{i}/name: {actuator.name!r} is used twice")
+            raise PlacedError(("actuators", i, "name"), f"{actuator.name!r} is used twice")
         names.add(actuator.name)
         if not isinstance(family, RumbleFamily) and len(actuator.channels) > 1:
-            raise ValueError(f"/actuators/{i}/channels: {family.name} takes samples, so an actuator has one channel")
+            raise PlacedError(("actuators", i, "channels"), f"{family.name} takes samples, so an actuator has one channel")
         for k, channel in enumerate(actuator.channels):
-            place = f"/actuators/{i}/channels/{k}/name"
+            place = ("actuators", i, "channels", k, "name")
             if channel.name not in family.channels:
-                raise ValueError(f"{place}: {family.name} has no channel {channel.name!r}: use one of {', '.join(family.channels)}")
+                raise PlacedError(place, f"{family.name} has no channel {channel.name!r}: use one of {', '.join(family.channels)}")
             if channel.name in used:
-                raise ValueError(f"{place}: channel {channel.name!r} is used twice")
+                raise PlacedError(place, f"channel {channel.name!r} is used twice")
             used.add(channel.name)
 
 
 @lru_cache(maxsize=64)
-def _parsed(text: str) -> Profile:
+def _parsed(data: bytes, file: Path) -> Profile:
     """`parse_profile`: files are read again at every search for devices, and seldom change."""
-    return parse_profile(text)
+    return parse_profile(data, file)
 
 
 def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Profile], tuple[str, ...]]:
@@ -225,11 +230,14 @@ def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Prof
         seen: set[str] = set()
         for file in sorted(folder.glob("*.json")):
             try:
-                profile = _parsed(file.read_text(encoding="utf-8"))
+                profile = _parsed(read_bytes(file, MAX_BYTES), file)
                 if profile.name in seen:
-                    raise ValueError(f"/name: {profile.name!r} is used by another file of this folder")
-            except (OSError, ValueError) as error:
-                problems.append(f"{file}: {error}")
+                    raise FormatError(file, "/name", f"{profile.name!r} is used by another file of this folder")
+            except OSError as error:
+                problems.append(f"{file}: {error.strerror}")
+                continue
+            except FormatError as error:
+                problems.append(str(error))
                 continue
             seen.add(profile.name)
             profiles[profile.name] = profile

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import struct
 from pathlib import Path
 from typing import BinaryIO
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+from ..regular_file import open_regular
 from .interpolation import resample
 from .sampled import MAX_SAMPLES, Sampled
 
@@ -27,9 +29,9 @@ def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
     """
     path = Path(path)
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise ValueError("larger than 1 GiB")
-        with path.open("rb") as file:
+        with open_regular(path) as file:
+            if os.fstat(file.fileno()).st_size > MAX_BYTES:
+                raise ValueError("larger than 1 GiB")
             wav = WavFile(file)
             if wav.count * sample_rate / wav.rate > MAX_SAMPLES:
                 raise ValueError(f"longer than {MAX_SAMPLES / sample_rate:g} seconds")

@@ -11,17 +11,17 @@ PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 
 
 LAYERS = (
-    ("core.arrays", "core.message"),
+    ("core.arrays", "core.message", "core.regular_file"),
     ("core.least_squares",),
     ("core.signals", "core.perception"),
     ("core.scene",),
-    ("core.contacts", "core.devices"),
+    ("core.contacts",),
     ("core.graph",),
     ("core.propagation", "core.collisions"),
     ("core.render", "core.modalities"),
     ("core.tracer", "core.diagnosis", "core.design"),
     ("core.formats",),
-    ("core.run_time",),
+    ("core.run_time", "core.devices"),
     ("addon.blender", "addon.changes", "addon.gateway", "addon.translations"),
     ("addon.properties",),
     ("addon.scene_reader",),

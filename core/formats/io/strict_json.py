@@ -18,6 +18,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from ...regular_file import open_regular
 from .error import FormatError, json_pointer
 
 MAX_BYTES = 256 * 2**20
@@ -40,7 +41,7 @@ def read_bytes(path: Path, max_bytes: int = MAX_BYTES) -> bytes:
 
     Raises FormatError if it is larger than ``max_bytes`` after decompression, and OSError.
     """
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         try:
             with gzip.open(file) if path.suffix.lower() == ".gz" else nullcontext(file) as unpacked:
                 data = _read_up_to(unpacked, max_bytes + 1)

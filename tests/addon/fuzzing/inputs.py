@@ -88,9 +88,9 @@ def read_choice(content: bytes, folder: Path) -> bool:
 
 def read_profile(content: bytes, folder: Path) -> bool:
     try:
-        parse_profile(content.decode("utf-8", "replace"))
-    except ValueError as error:
-        assert str(error).startswith("/"), error
+        parse_profile(content, "pad.json")
+    except FormatError as error:
+        assert str(error).startswith("pad.json: ") and len(str(error)) < 1000, error
         return False
     return True
 

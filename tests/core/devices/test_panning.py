@@ -94,10 +94,10 @@ def test_a_profile_of_the_users_own_may_have_positions(tmp_path):
     document = json.loads((BUILT_IN / "dualsense.json").read_text())
     for actuator, x in zip(document["actuators"], (0, 1), strict=True):
         actuator["position"], actuator["body_parts"] = [x, 0], ["belly"]
-    assert [item.position for item in parse_profile(json.dumps(document)).actuators] == [(0, 0), (1, 0)]
+    assert [item.position for item in parse_profile(json.dumps(document).encode(), "pad.json").actuators] == [(0, 0), (1, 0)]
     document["actuators"][0]["position"] = [0]
     with pytest.raises(ValueError, match="/actuators/0/position"):
-        parse_profile(json.dumps(document))
+        parse_profile(json.dumps(document).encode(), "pad.json")
 
 
 def traced(places, **listener):

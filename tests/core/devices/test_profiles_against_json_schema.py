@@ -8,9 +8,10 @@ import jsonschema
 import pytest
 from haptic_tracing.core.devices.families.registry import FAMILIES
 from haptic_tracing.core.devices.profiles import BUILT_IN, Calibration, load_profiles, parse_profile, profile
+from haptic_tracing.core.formats.io.schema import SCHEMAS
 from haptic_tracing.core.scene.body import PAPER_LISTENERS
 
-SCHEMA = json.loads((BUILT_IN.parent / "device.schema.json").read_text())
+SCHEMA = json.loads((SCHEMAS / "device.schema.json").read_text())
 FILES = sorted(BUILT_IN.glob("*.json"))
 
 
@@ -18,7 +19,7 @@ FILES = sorted(BUILT_IN.glob("*.json"))
 def test_built_in_profiles_are_valid_and_named_like_their_file(file):
     jsonschema.Draft7Validator.check_schema(SCHEMA)
     jsonschema.Draft7Validator(SCHEMA).validate(json.loads(file.read_text()))
-    loaded = parse_profile(file.read_text())
+    loaded = parse_profile(file.read_bytes(), file)
     assert loaded.name == file.stem
     assert all(part in PAPER_LISTENERS for actuator in loaded.actuators for part in actuator.body_parts)
     assert {channel.name for actuator in loaded.actuators for channel in actuator.channels} <= set(loaded.family.channels)
@@ -56,46 +57,52 @@ def changed(**changes):
     return json.dumps(document)
 
 
+NESTED = ("description", "actuators__0__body_parts", "actuators__0__body_parts__0", "actuators__0__position", "sustained")
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "/: is not JSON"),
-        ("{", "/: is not JSON"),
-        ("[" * 100_000, "/: "),
-        ('{"slew": NaN}', "/: is not JSON: NaN is not a number of JSON"),
-        ("[]", "/: must be object"),
+        ("", "the file is empty"),
+        ("{", "not JSON: "),
+        ("[" * 100_000, "nested deeper than 100 levels"),
+        ('{"slew": NaN}', "/slew: NaN is not a JSON number"),
+        ("[]", "must be an object, got an array"),
         (changed(format="haptic-toaster"), "/format: must be"),
         (changed(version="2.0"), "/version: must be"),
         (changed(family="toaster"), "/family: 'toaster' is unknown: use one of dualsense"),
         (changed(name="Über"), "/name: must match"),
-        (changed(actuators=[]), "/actuators: must contain at least 1 items"),
+        (changed(actuators=[]), "/actuators: must have at least 1 items"),
         (changed(actuators__0__band=[400, 20]), "/actuators/0/band: 400.0 Hz is not below 20.0 Hz"),
         (changed(actuators__1__channels__0__takes=[10, 10]), "/actuators/1/channels/0/takes: 10.0 Hz is not below 10.0 Hz"),
-        (changed(actuators__0__band=[20]), "/actuators/0/band: must contain at least 2 items"),
-        (changed(actuators__0__safe_maximum=1.5), "/actuators/0/safe_maximum: must be smaller than or equal to 1"),
-        (changed(actuators__0__latency=-1), "/actuators/0/latency: must be bigger than or equal to 0"),
-        (changed(actuators__0__kind="piezo"), "/actuators/0/kind: must be one of"),
+        (changed(actuators__0__band=[20]), "/actuators/0/band: must have at least 2 items"),
+        (changed(actuators__0__safe_maximum=1.5), "/actuators/0/safe_maximum: must be at most 1"),
+        (changed(actuators__0__latency=-1), "/actuators/0/latency: must be at least 0"),
+        (changed(actuators__0__kind="piezo"), "/actuators/0/kind: must be "),
         (changed(actuators__0__body_parts=["tail"]), "/actuators/0/body_parts/0: body part 'tail' is unknown"),
         (changed(actuators__0__channels__0__name="middle"), "/actuators/0/channels/0/name: dualsense has no channel 'middle'"),
         (changed(actuators__1__channels__0__name="left"), "/actuators/1/channels/0/name: channel 'left' is used twice"),
         (changed(actuators__1__name="left grip"), "/actuators/1/name: 'left grip' is used twice"),
         (changed(minimum_interval=0.001), "/minimum_interval: 0.001 s is faster than the device allows"),
-        (changed(actuators__0__wattage=3), "/actuators/0: must not contain"),
-        (changed(sustained__maximum=None), "/sustained: must contain"),
+        (changed(actuators__0__wattage=3), "/actuators/0/wattage: unknown key"),
+        (changed(**{"w" * 5000: 3}), "/www"),
+        (changed(family="t" * 5000), "/family: "),
+        *((changed(**{place: [[]]}).replace("[[]]", "[" * depth + "]" * depth), "nested deeper") for place in NESTED for depth in (300, 990)),
+        (changed(sustained__maximum=None), "/sustained/maximum: is required"),
     ],
 )
 def test_a_broken_profile_says_where_and_what_in_one_line(text, message):
     with pytest.raises(ValueError) as caught:
-        parse_profile(text)
-    assert str(caught.value).startswith(message)
-    assert "\n" not in str(caught.value)
+        parse_profile(text.encode(), "pad.json")
+    assert str(caught.value).startswith(f"pad.json: {message}")
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 600
 
 
 def test_samples_go_to_one_channel_per_actuator():
     document = json.loads((BUILT_IN / "dualsense-pcm.json").read_text())
     document["actuators"][0]["channels"].append({"name": "right", "takes": [10, 100]})
     with pytest.raises(ValueError, match="/actuators/0/channels: dualsense-pcm takes samples"):
-        parse_profile(json.dumps(document))
+        parse_profile(json.dumps(document).encode(), "pad.json")
 
 
 def test_broken_files_do_not_keep_the_others_from_loading(tmp_path):
