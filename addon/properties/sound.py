@@ -12,6 +12,7 @@ from bpy.types import Context, Object, PropertyGroup
 
 from ...core.devices import profiles
 from ..blender.extension import profile_folders
+from ..blender.paths import local_path
 from .callbacks import changed, updating
 from .kinds import choice, limited, share, switch, text
 
@@ -31,7 +32,7 @@ SHOWN = {"PITCH": ("band", "frequency"), "FIXED": ("frequency",), "DEVICE": ("de
 
 def sound_path(owner: bpy.types.ID, path: str) -> Path:
     """A path that is stored with ``owner``, as an absolute path. Raises ValueError if there is no such file."""
-    full = Path(bpy.path.abspath(path, library=owner.library))
+    full = local_path(path, owner)
     if not full.is_file():
         raise ValueError(iface_("there is no file {}").format(full))
     return full

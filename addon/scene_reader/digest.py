@@ -17,8 +17,10 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import ID, NodeTree, Object, PropertyGroup, Scene
 
+from ...core.regular_file import open_regular
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_in, fcurves_of
+from ..blender.paths import local_path
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from .drawings import mapping_of, points_of
 from .roles import is_tagged, regions_of
@@ -185,7 +187,7 @@ def _roles(obj: Object, scene: Scene) -> str:
     if source.one_shot and source.trigger_markers:
         roles.append(marker_frames(scene, source.trigger_markers))
     if source.enabled and source.signal == "FILE":
-        roles.append(_file_sum(bpy.path.abspath(source.filepath, library=obj.library)))
+        roles.append(_file_sum(source.filepath, obj))
     return _sum(roles)
 
 
@@ -219,19 +221,20 @@ def _datablock(value: ID) -> Any:
     return _sum([_values(value.haptics, animated, "haptics."), animation, drawn])
 
 
-def _file_sum(path: str) -> str:
-    """A checksum of a file, "" if there is none."""
+def _file_sum(stored: str, owner: Object) -> str:
+    """A checksum of the file whose path is stored with an object, "" if there is none."""
     try:
-        state = Path(path).stat()
+        path = local_path(stored, owner)
+        state = path.stat()
         return _content_sum(path, state.st_mtime_ns, state.st_size)
-    except OSError:
+    except (OSError, ValueError):
         return ""
 
 
 @lru_cache(maxsize=64)
-def _content_sum(path: str, changed: int, size: int) -> str:
+def _content_sum(path: Path, changed: int, size: int) -> str:
     """The checksum of a file with the modification time ``changed`` and a ``size`` in bytes."""
-    with Path(path).open("rb") as file:
+    with open_regular(path) as file:
         total = 0
         while part := file.read(1 << 20):
             total = zlib.crc32(part, total)

@@ -9,7 +9,6 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
@@ -20,6 +19,7 @@ from ...core.scene.texture import RANGES as OF_TEXTURES
 from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject
 from ...core.signals import LONGEST, Signal
+from ..blender.paths import local_path
 from ..blender.single_precision import shortest
 from .drawings import read_drawing
 from .functions import read_transmission
@@ -101,7 +101,7 @@ def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:
         return TEMPLATES[row.template]
     if not row.filepath:
         raise ValueError(iface_("its signal is a file, but none is chosen"))
-    path = Path(bpy.path.abspath(row.filepath))
+    path = local_path(row.filepath, row.id_data)
     if not path.is_file():
         raise ValueError(iface_("there is no file {}").format(path))
     state = path.stat()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.scene.impact_rule import QUIETEST
@@ -13,6 +12,7 @@ from ...core.scene.values import Listener, Source, SourceKind
 from ...core.signals import DEFAULT_PERSISTENT, LONGEST, Automation, Loop, Noise, Pulse, Signal, Sine, read_wav
 from ...core.signals.envelopes import Decay, Keyed
 from ...core.signals.limits import MIN_SECONDS
+from ..blender.paths import local_path
 from ..blender.single_precision import shortest
 from .drawings import read_drawing
 from .imported import imported_source
@@ -43,7 +43,7 @@ def read_signal(properties: Any, frequency: Automation | None = None, envelope: 
             return kept.of if properties.one_shot and isinstance(kept, Loop) else kept
     if not properties.filepath:
         raise ValueError(iface_("its signal is a WAV file, but none is chosen"))
-    recorded = read_wav(bpy.path.abspath(properties.filepath))
+    recorded = read_wav(local_path(properties.filepath, properties.id_data))
     return recorded if properties.one_shot else Loop(recorded)
 
 

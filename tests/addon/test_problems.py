@@ -1,5 +1,7 @@
 """Bad input in a Blender scene: a message that names the object and the cure, and the rest of the scene goes on."""
 
+import os
+
 import bpy
 import pytest
 from haptic_tracing.addon.session import session
@@ -116,6 +118,31 @@ def test_a_missing_recording(sound, traced):
     sound.haptics.source.filepath = "/nowhere/at/all.wav"
     traced()
     assert "all.wav" in _problems()["sound"]
+
+
+REMOTE = ("\\\\server\\share\\a.wav", "https://example.org/a.wav")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes among its files")
+def test_a_recording_that_is_a_pipe_keeps_nobody_waiting(sound, traced, tmp_path):
+    os.mkfifo(tmp_path / "pipe.wav")
+    sound.haptics.source.signal = "FILE"
+    sound.haptics.source.filepath = str(tmp_path / "pipe.wav")
+    traced()
+    assert "pipe.wav is not a file" in _problems()["sound"]
+
+
+@pytest.mark.parametrize("path", REMOTE)
+def test_a_recording_on_another_computer_needs_online_access(sound, traced, path):
+    """Blender as a module has none; a name of the network could take minutes to be looked up."""
+    assert not bpy.app.online_access
+    sound.haptics.source.signal = "FILE"
+    sound.haptics.source.filepath = path
+    traced()
+    assert "is on another computer: allow online access" in _problems()["sound"]
+    sound.haptics.source.signal = "SOUND"
+    sound.haptics.source.sound.filepath = path
+    assert "is on another computer" in sound.haptics.source.sound.fault
 
 
 def test_an_exporter_with_nothing_to_export_says_so(tmp_path):

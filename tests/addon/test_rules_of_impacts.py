@@ -109,6 +109,7 @@ BAD = {
     "silent": (lambda folder: write_wav(folder / "a.wav", np.zeros(800)), "no vibration"),
     "longer than a minute": (lambda folder: write_wav(folder / "a.wav", np.full(8000 * 61, 0.5)), "a.wav lasts longer than a minute"),
     "missing": (lambda folder: str(folder / "gone.wav"), "there is no file"),
+    "elsewhere": (lambda folder: "\\\\server\\share\\a.wav", "is on another computer: allow online access"),
     "not finite": (lambda folder: write_float_wav(folder / "a.wav", [0.5, np.nan, 0.1] * 100), "not finite"),
     "no sound file": (lambda folder: (folder / "a.wav").write_text("hello") and str(folder / "a.wav"), "a.wav"),
     "another ending": (lambda folder: (folder / "a.txt").write_text("hello") and str(folder / "a.txt"), "the ending must be one of"),

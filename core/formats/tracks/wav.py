@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...regular_file import open_regular
 from ...signals.interpolation import resample
 from ...signals.limits import MAX_PEAK
 from ...signals.wav import WavFile
@@ -149,7 +150,7 @@ class StoredSamples:
     ndim = 2
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("rb")
+        self._file = open_regular(path)
         try:
             self._wav = WavFile(self._file)
             self.shape: tuple[int, ...] = (self._wav.channels, self._wav.count)

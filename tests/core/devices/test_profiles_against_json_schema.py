@@ -87,7 +87,11 @@ NESTED = ("description", "actuators__0__body_parts", "actuators__0__body_parts__
         (changed(actuators__0__wattage=3), "/actuators/0/wattage: unknown key"),
         (changed(**{"w" * 5000: 3}), "/www"),
         (changed(family="t" * 5000), "/family: "),
-        *((changed(**{place: [[]]}).replace("[[]]", "[" * depth + "]" * depth), "nested deeper") for place in NESTED for depth in (300, 990)),
+        *(
+            (changed(**{place: [[]]}).replace("[[]]", "[" * depth + "]" * depth), "nested deeper")
+            for place in NESTED
+            for depth in (300, 990)
+        ),
         (changed(sustained__maximum=None), "/sustained/maximum: is required"),
     ],
 )
