@@ -19,6 +19,7 @@ from . import say
 from .export import chosen_formats, chosen_options, writable
 from .part_file import HeardFrame, Origin, Part, checksum_of, read_part
 
+_MOST_NAMED = 20
 _SAME = {
     "blend": "another .blend file",
     "mode": "another mode",
@@ -86,7 +87,9 @@ def _problems(named: dict[int, tuple[Path, Part]]) -> Iterator[str]:
     if file.is_file() and checksum_of(file) != origin.blend:
         yield f"{first_path}: stale: {file} has changed since"
     missing = [number for number in range(1, origin.parts + 1) if number not in named]
-    yield from (f"missing: {origin.title(number)}" for number in missing)
+    yield from (f"missing: {origin.title(number)}" for number in missing[:_MOST_NAMED])
+    if len(missing) > _MOST_NAMED:
+        yield f"and {len(missing) - _MOST_NAMED} more"
     for number, (path, part) in named.items():
         earlier = named.get(number - 1)
         if earlier is not None and earlier[1].after != part.before:

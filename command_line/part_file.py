@@ -21,18 +21,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.formats.io.atomic import atomic_file
-from ..core.formats.io.error import FormatError
+from ..core.formats.io.budget import Budget, budget_of
+from ..core.formats.io.error import FormatError, errors_in
+from ..core.formats.io.scene_schema import SCENE
+from ..core.formats.io.schema import validate
 from ..core.formats.io.strict_json import parse_json
 from ..core.formats.scene.values_json import item_to_dict, read_listener, read_source
 from ..core.propagation import Propagation
+from ..core.regular_file import open_regular
 from ..core.render.frame_result import FrameResult
+from ..core.scene.references import PlacedError
 from ..core.scene.values import Listener, Source
 
-MAX_BYTES = 2 * 2**30
-"""Largest size of a part's arrays in memory."""
-
+_SCHEMA = "bake_part"
 _VERSION = 1
+_BARE_SCENE: Mapping[str, Any] = {"format": "haptic-scene", "version": "1.1", "objects": []}
 _NOWHERE = (0.0, 0.0, 0.0)
+_LARGEST, _LONGEST_FRAME = 1e9, 100.0
+_ROW, _FRAME = 800, 2000  # bytes of a source in a frame, and of a frame, in memory
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +99,7 @@ class Part:
 
 def checksum_of(file: Path) -> str:
     """SHA-256 of a file."""
-    with file.open("rb") as opened:
+    with open_regular(file) as opened:
         return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
@@ -106,7 +112,7 @@ def programs() -> str:
 def write_part(part: Part, path: Path) -> None:
     """Write a part atomically."""
     table = _Table()
-    arrays = table.arrays(part.frames)
+    given = table.arrays(part.frames)
     header = {
         "haptic_tracing_part": _VERSION,
         "origin": asdict(part.origin),
@@ -117,36 +123,53 @@ def write_part(part: Part, path: Path) -> None:
         "sources": [item_to_dict(item) for item in table.sources],
         "listeners": [item_to_dict(item) for item in table.listeners],
     }
+    arrays = {"header": np.frombuffer(json.dumps(header).encode(), dtype=np.uint8), **given}
     with atomic_file(path) as file:
-        np.savez_compressed(file, allow_pickle=False, header=np.frombuffer(json.dumps(header).encode(), dtype=np.uint8), **arrays)
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+        if _needed(arrays) > budget_of(file.tell()):
+            file.seek(0)
+            np.savez(file, allow_pickle=False, **arrays)  # else it would be too small for its content
 
 
 def read_part(path: Path) -> Part:
     """Read a part. Raises FormatError if it is damaged or not a part, and OSError."""
+    budget = Budget(path)
     try:
-        with zipfile.ZipFile(path) as archive:
-            if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
-                raise FormatError(path, "/", f"larger than {MAX_BYTES / 2**30:g} GiB")
-            arrays = {entry.filename.removesuffix(".npy"): _array(archive, entry) for entry in archive.infolist()}
-        header = parse_json(arrays.pop("header").tobytes(), path)
-        if header["haptic_tracing_part"] != _VERSION:
-            raise FormatError(path, "/haptic_tracing_part", f"written by another version: {header['haptic_tracing_part']}")
-        return _part(header, arrays)
+        with open_regular(path) as file, zipfile.ZipFile(file) as archive:
+            entries = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
+            validate({"arrays": {name: _form(archive, entry) for name, entry in entries.items()}}, _SCHEMA, path)
+            budget.take(sum(entry.file_size for entry in entries.values()))
+            arrays = {name: _array(archive, entry) for name, entry in entries.items()}
     except FormatError:
         raise
-    except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, KeyError, IndexError, TypeError, NotImplementedError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, NotImplementedError) as error:
         raise FormatError(path, "/", f"no part of a bake, or damaged: {error}") from None
+    budget.take(_ROW * len(arrays["source"]) + _FRAME * len(arrays["time"]))
+    header = parse_json(arrays.pop("header").tobytes(), path)
+    validate({"header": header}, _SCHEMA, path)
+    # In a part a source may begin before time 0, in a scene not.
+    sources = [{key: value for key, value in form.items() if key != "onset"} for form in header["sources"]]
+    validate({**_BARE_SCENE, "sources": sources, "listeners": header["listeners"]}, SCENE, path)
+    with errors_in(path):
+        return _part(header, arrays)
+
+
+def _form(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> dict[str, Any]:
+    """Type and shape of an array, as its entry begins."""
+    if entry.flag_bits & 1:
+        raise ValueError(f"{entry.filename} is encrypted")
+    with archive.open(entry) as file:
+        np.lib.format.read_magic(file)
+        shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(file)
+    return {"type": dtype.str, "shape": list(shape), "fortran": is_fortran}
 
 
 def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
-    """Read an array after checking its size and its checksum."""
+    """Read an array, with its checksum."""
     with archive.open(entry) as file:
         np.lib.format.read_magic(file)
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-        data = file.read(entry.file_size)
-    if dtype.hasobject or any(side < 0 for side in shape):
-        raise ValueError(f"{entry.filename} holds no numbers")
-    return np.frombuffer(data, dtype=dtype).reshape(shape)
+        return np.frombuffer(file.read(entry.file_size), dtype=dtype).reshape(shape)
 
 
 class _Table:
@@ -189,25 +212,68 @@ class _Table:
 
 
 def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part:
+    """A part from its validated content. Raises PlacedError where that does not fit together."""
     given = header["origin"]
-    origin = Origin(**{**given, "settings": tuple(given["settings"]), "frames": (int(given["frames"][0]), int(given["frames"][1]))})
+    origin = Origin(**{**given, "settings": tuple(given["settings"]), "frames": tuple(given["frames"])})
     sources = [read_source(form, ("sources", number)) for number, form in enumerate(header["sources"])]
     listeners = [read_listener(form, ("listeners", number)) for number, form in enumerate(header["listeners"])]
-    (first, last), counts = origin.range_of(header["number"]), arrays["counts"]
+    _check(header, origin, arrays)
+    number = int(header["number"])
+    first, last = origin.range_of(number)
     more = len(arrays["time"]) - (last - first + 1)
+    counts = arrays["counts"]
     rows = np.cumsum([0, *counts])
     delays, bands = np.cumsum([0, *(counts * arrays["has_delay"])]), np.cumsum([0, *(counts * arrays["has_bands"])])
     frames = []
     for k, time in enumerate(arrays["time"].tolist()):
         own = slice(rows[k], rows[k + 1])
         heard = tuple(
-            replace(sources[number], amplitude=amplitude)
-            for number, amplitude in zip(arrays["source"][own].tolist(), arrays["amplitude"][own].tolist(), strict=True)
+            replace(sources[row], amplitude=amplitude)
+            for row, amplitude in zip(arrays["source"][own].tolist(), arrays["amplitude"][own].tolist(), strict=True)
         )
         delay = arrays["delay"][delays[k] : delays[k + 1]] if arrays["has_delay"][k] else None
         band_gain = arrays["bands"][bands[k] : bands[k + 1]] if arrays["has_bands"][k] else None
         propagation = Propagation.of_gains(arrays["gain"][own], band_gain, delay)
         frames.append(HeardFrame(first - more + k, time, heard, tuple(listeners[n] for n in arrays["listener"][k].tolist()), propagation))
-    if more < 0 or (more and header["number"] > 1) or rows[-1] != len(arrays["gain"]):
-        raise ValueError("frames are missing")
-    return Part(origin, header["number"], float(header["sample_rate"]), header["before"], header["after"], tuple(frames))
+    return Part(origin, number, float(header["sample_rate"]), header["before"], header["after"], tuple(frames))
+
+
+def _check(header: Mapping[str, Any], origin: Origin, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Raise PlacedError unless the numbers of the header and the arrays fit together."""
+    first, last = origin.frames
+    if not 1 <= header["number"] <= origin.parts <= last - first + 1:
+        raise PlacedError(("header", "number"), "is not the number of one of the parts, each of at least one frame")
+    begin, end = origin.range_of(header["number"])
+    frames, people, counts = len(arrays["time"]), arrays["gain"].shape[1], arrays["counts"]
+    more = frames - (end - begin + 1)
+    if more < 0 or (more and header["number"] > 1):
+        raise PlacedError(("arrays", "time"), "frames are missing")
+    if len(counts) != frames or counts.min() < 0 or counts.max() > len(arrays["source"]):
+        raise PlacedError(("arrays", "counts"), "are not the numbers of sources of the frames")
+    rows = int(counts.sum())
+    shapes: dict[str, tuple[int, ...]] = {
+        "listener": (frames, people),
+        "source": (rows,),
+        "amplitude": (rows,),
+        "gain": (rows, people),
+        "has_delay": (frames,),
+        "has_bands": (frames,),
+    }
+    for name in ("delay", "bands"):
+        shapes[name] = int(counts @ np.resize(arrays[f"has_{name}"], frames)), people
+    for name, shape in shapes.items():
+        if arrays[name].shape[: len(shape)] != shape:
+            raise PlacedError(("arrays", name), f"has the shape {arrays[name].shape}, not {shape}")
+    for name, known in (("source", header["sources"]), ("listener", header["listeners"])):
+        if arrays[name].size and not (arrays[name].min() >= 0 and arrays[name].max() < len(known)):
+            raise PlacedError(("arrays", name), "refers to one that the header does not have")
+    for name in ("time", "amplitude", "gain", "delay", "bands"):
+        if not (np.abs(arrays[name]) <= _LARGEST).all():
+            raise PlacedError(("arrays", name), f"has values beyond {_LARGEST:g}")
+    if not ((steps := np.diff(arrays["time"])) > 0).all() or steps.max(initial=0) > _LONGEST_FRAME:
+        raise PlacedError(("arrays", "time"), f"does not rise by up to {_LONGEST_FRAME:g} s from frame to frame")
+
+
+def _needed(arrays: Mapping[str, NDArray[Any]]) -> int:
+    """Bytes that a part takes in memory."""
+    return sum(array.nbytes + 256 for array in arrays.values()) + _ROW * len(arrays["source"]) + _FRAME * len(arrays["time"])

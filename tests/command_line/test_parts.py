@@ -1,5 +1,6 @@
 """Parts of a bake against the bake in one go, to the bit; and what `merge` says of parts that don't add up."""
 
+import json
 import shutil
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from haptic_tracing.addon.session import session, timeline
 from haptic_tracing.command_line import build_parser, main, merge, part
 from haptic_tracing.command_line.part_file import HeardFrame, Origin, Part, programs, read_part, write_part
 from haptic_tracing.command_line.sample import _bake_rigid_bodies
+from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
 from haptic_tracing.core.propagation import Propagation
 from haptic_tracing.core.render.renderer import sample_index
@@ -173,7 +175,7 @@ def test_another_process_keeps_a_part_that_is_there(hammer):
 @pytest.mark.slow
 def test_parts_that_do_not_add_up_are_named(hammer, tmp_path, capsys):
     first, second = parts_in(hammer, tmp_path)
-    known = read_part(second)
+    known = read_part(Path(second))
 
     def said(*parts):
         assert main(["merge", *map(str, parts), "--out", str(tmp_path / "out")]) == 2
@@ -236,10 +238,112 @@ def test_a_part_keeps_recordings_bands_and_delays_to_the_bit(tmp_path):
 
 def test_an_array_is_read_only_as_far_as_the_file_goes(tmp_path):
     """A header that claims a terabyte, and one with objects."""
-    for name, dtype, shape in (("claims", "<f8", (2**37,)), ("objects", "|O", (1,))):
+    for name, dtype, shape in (("claims", "|u1", (2**40,)), ("objects", "|O", (1,))):
         path = tmp_path / f"{name}.npz"
         with zipfile.ZipFile(path, "w") as archive, archive.open("header.npy", "w") as entry:
             np.lib.format.write_array_header_1_0(entry, {"descr": dtype, "fortran_order": False, "shape": shape})
             entry.write(b"\0" * 8)
-        with pytest.raises(ValueError, match="no part of a bake, or damaged"):
+        with pytest.raises(ValueError, match=r"/arrays/time: is required|/arrays/header/type: must be"):
             read_part(path)
+
+
+@pytest.fixture
+def small_part(tmp_path):
+    """A part of two frames, and a function that writes it with changes to its header and arrays."""
+    saw, hand = Source("saw", "box", (0.0, 0.0, 0.0), 0.3, signal=Sine(60.0)), Listener("hand", "box", (0.0, 0.0, 0.0))
+    frames = tuple(HeardFrame(n, n / 24, (saw,), (hand,), Propagation.of_gains(np.full((1, 1), 0.5))) for n in (1, 2))
+    path = tmp_path / "part.npz"
+    write_part(Part(origin_of("any", 2, 1), 1, 8000.0, "", "after", frames), path)
+
+    def write(change_header=lambda header: None, **arrays):
+        with np.load(path) as archive:
+            stored = {name: archive[name] for name in archive.files}
+        header = json.loads(stored["header"].tobytes())
+        change_header(header)
+        stored |= {"header": np.frombuffer(json.dumps(header).encode(), dtype=np.uint8), **arrays}
+        np.savez_compressed(path, **{name: array for name, array in stored.items() if array is not None})
+        return path
+
+    return write
+
+
+def setting(*place, value):
+    def change(header):
+        for key in place[:-1]:
+            header = header[key]
+        header[place[-1]] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        (("origin", "parts"), 0, "/header/origin/parts: must be at least 1, got 0"),
+        (("origin", "parts"), 50_000_000, "/header/origin/parts: must be at most"),
+        (("origin", "parts"), 3, "/header/number: is not the number of one of the parts"),
+        (("number",), 2.5, "/header/number: must be an integer"),
+        (("sources",), "saw", '/header/sources: must be an array, got "saw"'),
+        (("sources", 0), "saw", '/header/sources/0: must be an object, got "saw"'),
+        (("sources", 0, "signal"), {"signal": "sine", "frequency": "high"}, "/sources/0/signal"),
+        (("listeners", 0, "gain"), "loud", "/listeners/0/gain: must be a number"),
+        (("origin", "frames"), [1], "/header/origin/frames: must have at least 2 items"),
+        (("origin", "frames"), [1, 3], "/arrays/time: frames are missing"),
+        (("haptic_tracing_part",), 2, "/header/haptic_tracing_part: must be 1, got 2"),
+        (("k" * 5000,), 1, "/header/kkk"),
+    ],
+)
+def test_a_part_with_a_strange_header_is_refused_with_its_place(small_part, place, value, message):
+    path = small_part(setting(*place, value=value))
+    with pytest.raises(FormatError) as caught:
+        read_part(path)
+    assert str(caught.value).startswith(f"{path}: {message}") and len(str(caught.value)) < 600
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"gain": None}, "/arrays/gain: is required"),
+        ({"more": np.zeros(1)}, "/arrays/more: unknown key"),
+        ({"gain": np.zeros((2, 1), dtype=np.float32)}, '/arrays/gain/type: must be "<f8", got "<f4"'),
+        ({"gain": np.zeros((3, 1))}, "/arrays/gain: has the shape"),
+        ({"gain": np.full((2, 1), np.nan)}, "/arrays/gain: has values beyond"),
+        ({"time": np.array([0.0, 1e8])}, "/arrays/time: does not rise"),
+        ({"counts": np.array([1, -1])}, "/arrays/counts: are not the numbers"),
+        ({"source": np.array([0, 7])}, "/arrays/source: refers to one that the header does not have"),
+        ({"source": np.array([0, -1])}, "/arrays/source: refers to one that the header does not have"),
+    ],
+)
+def test_a_part_with_strange_arrays_is_refused_with_its_place(small_part, arrays, message):
+    path = small_part(**arrays)
+    with pytest.raises(FormatError) as caught:
+        read_part(path)
+    assert str(caught.value).startswith(f"{path}: {message}")
+
+
+def test_a_part_that_would_become_gigabytes_is_refused(small_part):
+    """Zeros, a thousandth of their size when compressed."""
+    path = small_part(gain=np.zeros((2, 16_000_000)))
+    assert path.stat().st_size < 300_000
+    with pytest.raises(FormatError, match=r"its content takes more than 7. MB of memory"):
+        read_part(path)
+
+
+def test_a_large_part_of_equal_gains_is_read_again(tmp_path):
+    """It is stored without compression, which would make it too small for its content."""
+    saws = tuple(Source(f"saw {n}", "box", (0.0, 0.0, 0.0), 0.3) for n in range(1000))
+    hand, gains = Listener("hand", "box", (0.0, 0.0, 0.0)), Propagation.of_gains(np.full((1000, 1), 0.5))
+    frames = tuple(HeardFrame(n, n / 24, saws, (hand,), gains) for n in range(1, 101))
+    write_part(Part(origin_of("any", 100, 1), 1, 8000.0, "", "after", frames), tmp_path / "part.npz")
+    assert (read_part(tmp_path / "part.npz").frames[99].propagation.gain == 0.5).all()
+
+
+def test_an_encrypted_part_is_refused(small_part):
+    path = small_part()
+    data = bytearray(path.read_bytes())
+    for signature, flags in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
+        place = data.find(signature)
+        data[place + flags] |= 1
+    path.write_bytes(data)
+    with pytest.raises(FormatError, match=r"no part of a bake, or damaged: .* is encrypted"):
+        read_part(path)
