@@ -8,9 +8,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...core.devices.checked_json import parse_json
 from ...core.formats.io.error import FormatError, json_pointer
 from ...core.formats.io.schema import validate
+from ...core.formats.io.strict_json import parse_json
 from ...core.run_time import Run, Scene, Step
 from ...core.run_time import open as open_run
 from ...core.scene.references import PlacedError
@@ -51,7 +51,7 @@ class Conversation:
         """The answers to a message. A message that is not valid is answered by an error; it never raises."""
         name: Any = None
         try:
-            message = parse_json(text)
+            message = parse_json(text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text, "message")
             name = message.get("id") if isinstance(message, dict) else None
             return self._answered(message)
         except PlacedError as error:
