@@ -77,6 +77,13 @@ def _serve(parser: Parser) -> None:
     parser.add_argument("--allow-origin", action="append", default=[], metavar="ORIGIN", help="a web page that may connect")
 
 
+def _conformance(parser: Parser) -> None:
+    parser.add_argument("url", metavar="URL", help="a run-time server, such as ws://127.0.0.1:7710")
+    parser.add_argument("file", metavar="FILE.json", type=Path, nargs="*", help="conversations to play (those of the repository)")
+    parser.add_argument("--token", metavar="TEXT", help="what the server wants to hear")
+    parser.add_argument("--most", type=int, default=10, metavar="N", help="differences printed for each file (10)")
+
+
 def _devices(parser: Parser) -> None:
     parser.add_argument("--profiles", metavar="FOLDER", type=Path, help="folder with device profiles of your own (*.json)")
     actions = parser.add_subparsers(dest="action", metavar="ACTION")
@@ -202,6 +209,11 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "levels and samples for an engine, over a WebSocket or OSC",
         "Answer poses from an engine with what each listener feels, and play it on devices.",
         _serve,
+    ),
+    "conformance": Subcommand(
+        "compares the answers of a run-time server with closed forms",
+        "Play conversations with a run-time server and compare its answers with what closed forms say.",
+        _conformance,
     ),
     "devices": Subcommand("haptic devices: list, test, encode", "List the connected haptic devices.", _devices),
     "export": Subcommand(

@@ -171,6 +171,7 @@ def frame_message(step: Step, name: Any, convention: Convention) -> dict[str, An
                 "objects": blow.objects,
                 "position": convention.position_back(blow.position),
                 "energy": blow.energy,
+                "amplitude": blow.amplitude,
                 "gains": blow.gains,
             }
             for blow in step.impacts

@@ -27,13 +27,14 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Blow:
-    """An impact at ``time`` [s] between two objects, with its ``position`` [m], its ``energy`` [J] and its ``gains`` at the listeners, by
-    name, which include the amplitude that follows from the energy."""
+    """An impact at ``time`` [s] between two objects, with its ``position`` [m], its ``energy`` [J], the ``amplitude`` of its signal that
+    follows from the energy, and the ``gains`` of the paths to the listeners, by name."""
 
     time: float
     objects: tuple[str, str]
     position: tuple[float, float, float]
     energy: float
+    amplitude: float
     gains: Mapping[str, float]
 
 
@@ -89,5 +90,6 @@ def _blow(result: FrameResult, impact: Impact, row: int, moving: Sequence[str]) 
         objects=(moving[first], moving[second]),
         position=impact.positions[0],
         energy=impact.energy,
-        gains=dict(zip((item.name for item in result.listeners), result.gains[row].tolist(), strict=True)),
+        amplitude=result.sources[row].amplitude,
+        gains=dict(zip((item.name for item in result.listeners), result.propagation.gain[row].tolist(), strict=True)),
     )

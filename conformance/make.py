@@ -1,0 +1,243 @@
+"""The conformance files: what a run-time server must answer, computed here by closed forms, without Haptic Tracing.
+
+python conformance/make.py      write them beside this script
+
+Each file is a conversation: messages to send, and what must come back. Levels are in decibels of full scale (tolerance 0.01 dB), null for
+silence; impacts have a time (1 ms) and an energy (1 %).
+"""
+
+import json
+import math
+from itertools import pairwise
+from pathlib import Path
+
+HERE = Path(__file__).parent
+ALPHA = 0.3
+"""Loss of the objects [1/m]: their function is exp(-ALPHA d)."""
+G = 9.81
+RATE = 50
+LOSS = {"function": "exponential", "alpha": ALPHA}
+STILL = [1, 0, 0, 0]
+TONE = {"signal": "sine", "frequency": 80}  # whole periods in the quarter of a second that levels are taken over
+
+
+def item(name, **more):
+    return {"name": name, "kappa": 0.1, "rho": 0.9, "propagation": LOSS, **more}
+
+
+def box(name, size, place, **more):
+    return item(name, shape={"type": "box", "size": size}, pose={"position": place}, **more)
+
+
+def floor_and_crate(**more):
+    """A crate of 1 m on the ground, a tone on the ground 3 m from it, and a hand on top of it."""
+    return {
+        "objects": [box("ground", [20, 20, 1], [0, 0, -0.5], motion="static"), box("crate", [1, 1, 1], [0, 0, 0.5], mass=5)],
+        "sources": [{"name": "drill", "object": "ground", "position": [3, 0, 0], "amplitude": 0.5, "signal": TONE}],
+        "listeners": [{"name": "hand", "object": "crate", "position": [0, 0, 1], "gain": 2}],
+        **more,
+    }
+
+
+def level(gain, amplitude=0.5, of_listener=2.0):
+    """The level of a tone that arrives with ``gain`` [dB]: RMS of a sine."""
+    return 20 * math.log10(gain * amplitude * of_listener / math.sqrt(2))
+
+
+def hello(scene, **more):
+    return {"send": {"type": "hello", "version": 1, "scene": scene, **more}, "expect": {"type": "scene"}}
+
+
+def steps(count, first=0, last=None, **each):
+    """Steps at `RATE` a second, of which only the last has expectations."""
+    sent = [{"send": {"type": "step", "time": round((first + k) / RATE, 9), **each}} for k in range(count)]
+    if last is not None:
+        sent[-1]["expect"] = {"type": "frame", **last}
+    return sent
+
+
+def felt(gain, listener="hand", source="drill", **more):
+    """What a listener feels that one tone reaches with ``gain``, 0 for silence."""
+    return {"levels": {listener: {"level": level(gain, **more) if gain else None, "gains": {source: gain}}}}
+
+
+def tone():
+    bar = {
+        "objects": [item("bar")],
+        "sources": [{"name": "drill", "object": "bar", "position": [0, 0, 0], "amplitude": 0.5, "signal": TONE}],
+        "listeners": [{"name": "hand", "object": "bar", "position": [2, 0, 0], "gain": 2}],
+    }
+    gain = math.exp(-ALPHA * 2)
+    quieter = {"send": {"type": "step", "time": 1.0, "sources": {"drill": {"amplitude": 0.25}}}}
+    silent = {"send": {"type": "step", "time": 2.0, "sources": {"drill": {"playing": False}}}}
+    return [
+        hello(bar),
+        *steps(40, last=felt(gain)),
+        quieter,
+        *steps(20, 51, felt(gain, amplitude=0.25)),
+        silent,
+        *steps(20, 101, felt(0.0)),
+    ]
+
+
+def chain():
+    links = [f"link {k}" for k in range(6)]
+    scene = {
+        "objects": [item(name) for name in links],
+        "contacts": [
+            {"objects": [a, b], "positions": [[k + 1, 0, 0]] * 2, "transmission": {"function": "constant", "gain": 0.9}}
+            for k, (a, b) in enumerate(pairwise(links))
+        ],
+        "sources": [{"name": "drill", "object": links[0], "position": [0, 0, 0], "amplitude": 0.5, "signal": TONE}],
+        "listeners": [{"name": "hand", "object": links[-1], "position": [6, 0, 0], "gain": 2}],
+    }
+    return [hello(scene), *steps(40, last=felt(math.exp(-ALPHA * 6) * 0.9**5))]
+
+
+def loop():
+    """Two ways round a ring of four: the best path takes the shorter one."""
+    corners = {"south": (0, 0), "east": (3, 0), "north": (3, 3), "west": (0, 5)}
+    touching = [("south", "east", (2, 0)), ("east", "north", (3, 2)), ("north", "west", (1, 4)), ("west", "south", (0, 2))]
+    scene = {
+        "objects": [item(name) for name in corners],
+        "contacts": [{"objects": [a, b], "positions": [[*place, 0]] * 2} for a, b, place in touching],
+        "sources": [{"name": "drill", "object": "south", "position": [0, 0, 0], "amplitude": 0.5, "signal": TONE}],
+        "listeners": [{"name": "hand", "object": "north", "position": [3, 3, 0], "gain": 2}],
+        "settings": {"strategy": "best_path"},
+    }
+    south_east = math.dist((0, 0), (2, 0)) + math.dist((2, 0), (3, 2)) + math.dist((3, 2), (3, 3))
+    south_west = math.dist((0, 0), (0, 2)) + math.dist((0, 2), (1, 4)) + math.dist((1, 4), (3, 3))
+    return [hello(scene), *steps(40, last=felt(math.exp(-ALPHA * min(south_east, south_west))))]
+
+
+def boxes():
+    """A crate on the ground touches it at its middle; lifted, it is silent; moved, it is nearer; turned by 90 degrees, its hand moves."""
+    turn = [math.sqrt(0.5), 0, 0, math.sqrt(0.5)]
+    scene = floor_and_crate(listeners=[{"name": "hand", "object": "crate", "position": [0.4, 0, 1], "gain": 2}])
+
+    def at(pose, first, gain):
+        return steps(30, first, felt(gain), poses={"crate": pose})
+
+    up = math.hypot(0.4, 1)
+    return [
+        hello(scene),
+        *at([0, 0, 0.5, *STILL], 0, math.exp(-ALPHA * (3 + up))),
+        *at([0, 0, 4, *STILL], 100, 0.0),
+        *at([1, 0, 0.5, *STILL], 200, math.exp(-ALPHA * (2 + up))),
+        *at([1, 0, 0.5, *turn], 300, math.exp(-ALPHA * (2 + up))),
+    ]
+
+
+def fall(height, frame_rate, seconds, convert=lambda x, y, z: [x, y, z, *STILL]):
+    """Steps of a crate that falls onto the ground."""
+    for k in range(round(seconds * frame_rate)):
+        time = k / frame_rate
+        yield {"send": {"type": "step", "time": time, "poses": {"crate": convert(0, 0, max(height - G / 2 * time**2, 0) + 0.5)}}}
+
+
+def with_impact(exchange, height):
+    """The exchange with the expectation that one impact comes, in the step in which it happens, and none elsewhere."""
+    when = math.sqrt(2 * height / G)
+    for one in exchange:
+        now = one["send"].get("time")
+        if now is not None:
+            one["expect"] = {"type": "frame", "impacts": []}
+            if when <= now and when is not None and not any(e.get("expect", {}).get("impacts") for e in exchange):
+                one["expect"]["impacts"] = [{"objects": ["ground", "crate"], "time": when, "energy": 5 * G * height}]
+    return exchange
+
+
+def impact():
+    return with_impact([hello(floor_and_crate()), *fall(1.5, 60, 0.9)], 1.5)
+
+
+def axes_of_unity():
+    """The fall again, in left-handed axes with y up."""
+    scene = hello(floor_and_crate(), up="y", handedness="left")
+    return with_impact([scene, *fall(1.5, 60, 0.9, lambda x, y, z: [x, z, y, *STILL])], 1.5)
+
+
+def impact_of_the_engine():
+    """An impact that the engine reports, with half the energy that gives the full amplitude (100 J)."""
+    gain = math.exp(-ALPHA * 1)
+    hit = {"objects": ["ground", "crate"], "position": [0, 0, 0], "time": 0.61, "energy": 50}
+    slow = {"objects": ["ground", "crate"], "position": [0, 0, 0], "time": 0.63, "normal_speed": 4}
+    expected = [{"objects": ["ground", "crate"], "time": 0.61, "energy": 50, "amplitude": 0.5, "gains": {"hand": gain}}]
+    return [
+        hello(floor_and_crate(sources=[])),
+        *steps(31),
+        {"send": {"type": "step", "time": 0.62, "impacts": [hit]}, "expect": {"type": "frame", "impacts": expected}},
+        {"send": {"type": "step", "time": 0.64, "impacts": [slow]}, "expect": {"type": "frame", "impacts": [{"energy": 5 * 4**2 / 2}]}},
+        {"send": {"type": "step", "time": 0.66, "impacts": []}, "expect": {"type": "frame", "impacts": []}},
+    ]
+
+
+def spawn_and_removal():
+    """A second crate on the first; without the first, which held it, nothing arrives."""
+    upper = box("upper", [1, 1, 1], [0, 0, 1.5], mass=1)
+    foot = {"name": "foot", "object": "upper", "position": [0, 0, 2], "gain": 2}
+    names = {"objects": ["ground", "crate", "upper"], "listeners": ["hand", "foot"]}
+    return [
+        hello(floor_and_crate()),
+        *steps(1),
+        {"send": {"type": "add", "object": upper, "listener": foot}, "expect": {"type": "scene", **names}},
+        *steps(30, 1, felt(math.exp(-ALPHA * 5), "foot")),
+        {"send": {"type": "remove", "object": "crate"}, "expect": {"type": "scene", "objects": ["ground", "upper"], "listeners": ["foot"]}},
+        *steps(30, 31, felt(0.0, "foot")),
+    ]
+
+
+def one_shot():
+    """A source with triggers is silent until it is played, and after it."""
+    click = {"name": "click", "object": "crate", "position": [0, 0, 1], "triggers": []}
+    return [
+        hello(floor_and_crate(sources=[click])),
+        *steps(20, last={"levels": {"hand": {"level": None}}}),
+        {"send": {"type": "play", "source": "click"}},
+        *steps(1, 20, {"levels": {"hand": {"felt": True}}}),
+        *steps(100, 21, {"levels": {"hand": {"level": None}}}),
+    ]
+
+
+def back_in_time():
+    """A step back begins anew: the crate, now on the ground, makes no impact."""
+    falling = list(fall(1.5, 60, 0.5))
+    landed = {
+        "send": {"type": "step", "time": 0.1, "poses": {"crate": [0, 0, 0.5, *STILL]}},
+        "expect": {"type": "frame", "impacts": [], "n": 0},
+    }
+    return [hello(floor_and_crate()), *falling, landed]
+
+
+def mistakes():
+    def wrong(message, where):
+        return {"send": message, "expect": {"type": "error", "where": where}}
+
+    return [
+        wrong({"type": "hello", "version": 7}, "/version"),
+        hello(floor_and_crate()),
+        wrong({"type": "dance"}, "/type"),
+        wrong({"type": "step"}, "/time"),
+        wrong({"type": "step", "time": 0, "poses": {"moon": [0, 0, 0, *STILL]}}, "/poses/moon"),
+        wrong({"type": "step", "time": 0, "poses": {"crate": [0, 0, 0, 0, 0, 0, 0]}}, "/poses/crate"),
+        wrong({"type": "remove", "source": "moon"}, "/source"),
+        *steps(30, last=felt(math.exp(-ALPHA * 4))),
+        {"send": {"type": "stop"}, "expect": {"type": "stopped"}},
+    ]
+
+
+FILES = (tone, chain, loop, boxes, impact, axes_of_unity, impact_of_the_engine, spawn_and_removal, one_shot, back_in_time, mistakes)
+
+
+def written():
+    """The files' names and texts."""
+    for make in FILES:
+        title = (make.__doc__ or make.__name__).split("\n")[0]
+        lines = ",\n  ".join(json.dumps(one) for one in make())
+        yield f"{make.__name__}.json", f'{{"title": {json.dumps(title)},\n "exchange": [\n  {lines}\n ]}}\n'
+
+
+if __name__ == "__main__":
+    for name, text in written():
+        (HERE / name).write_text(text)
+        print(f"wrote {name}")
