@@ -26,8 +26,8 @@ from ..session.timeline import simulation_start
 from . import storage
 from .track import HapticTrack
 
-_ALIKE, _LEAST_GAIN = 0.1, 1e-4
-"""Difference in decibels up to which gains are alike, and the gain above which they are compared."""
+_ALIKE, _LEAST = 0.1, 1e-4
+"""Difference in decibels up to which arriving amplitudes are alike, and the amplitude above which they are compared."""
 _REST = 20.0  # pause after a comparison of scene and track, as a multiple of its duration
 
 
@@ -101,19 +101,19 @@ def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
 
 
 def _differs(traced: Traced, track: HapticTrack, before: bool | None = None) -> bool:
-    """Whether the sources that play all the time are traced with other gains than were baked in that frame: by more than `_ALIKE`."""
+    """Whether the sources that play all the time arrive with another amplitude than was baked in that frame: by more than `_ALIKE`."""
     baked = track.result(traced.result.number)
     if baked is None or traced.reading is None:
         return False
     lasting = {source.name for source in traced.reading.sources if source.triggers is None and source.kind is SourceKind.PERSISTENT}
-    now, then = ({pair: gain for pair, gain in _gains(result) if pair[0] in lasting} for result in (traced.result, baked))
-    return now.keys() != then.keys() or any(abs(20 * math.log10(gain / then[pair])) > _ALIKE for pair, gain in now.items())
+    now, then = ({pair: value for pair, value in _arriving(result) if pair[0] in lasting} for result in (traced.result, baked))
+    return now.keys() != then.keys() or any(abs(20 * math.log10(value / then[pair])) > _ALIKE for pair, value in now.items())
 
 
-def _gains(result: FrameResult) -> Iterator[tuple[tuple[str, str], float]]:
-    """The gains of a frame that may be felt, each with the names of its source and its listener."""
-    for row, column in np.argwhere(result.gains > _LEAST_GAIN).tolist():
-        yield (result.sources[row].name, result.listeners[column].name), float(result.gains[row, column])
+def _arriving(result: FrameResult) -> Iterator[tuple[tuple[str, str], float]]:
+    """The amplitudes that arrive in a frame and may be felt, each with the names of its source and its listener."""
+    for row, column in np.argwhere(result.amplitudes > _LEAST).tolist():
+        yield (result.sources[row].name, result.listeners[column].name), float(result.amplitudes[row, column])
 
 
 _DIFFERS: Derived[HapticTrack, bool] = Derived(_differs)

@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
 from bpy.props import FloatProperty, StringProperty
-from bpy.types import Context, Operator, Scene
+from bpy.types import Context, Event, Operator, Scene, UILayout
 
-from ...core.design import recordings, wishes
+from ...core.design import felt, recordings, wishes
 from ...core.scene import spectra
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
 from ..blender import job
-from ..blender.polling import LINKED, UNDO, Action, Edit, Refused, is_editable, permitted, poll_object_mode
+from ..blender.compatibility import animated_paths
+from ..blender.polling import LINKED, Action, Edit, Refused, is_editable, permitted, poll_object_mode
+from ..properties.kinds import switch
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
 from ..translations.sentences import sentence
@@ -25,7 +26,7 @@ from ..view import levels
 if TYPE_CHECKING:
     from ...core.graph.haptic_graph import HapticGraph
 
-_rpt = bpy.app.translations.pgettext_rpt
+_iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
 
 _ROUNDS = 4
 """Number of iterations, needed because limiters, ceilings and frequencies between band centres make levels deviate from predictions."""
@@ -35,56 +36,141 @@ _CHOOSE = "Choose two recordings, a source, a listener and an object first"
 
 
 class HAPTIC_OT_make_felt(Edit, Operator):
-    """Raise the gain of this listener until it is felt, and where that is not enough the amplitude of the source it feels most"""
+    """Raise what the selected listeners feel above the threshold of feeling, by as few changes as possible, which are shown first"""
 
     bl_label = "Make It Felt"
-    bl_options = {*UNDO, "INTERNAL"}
 
-    listener: StringProperty(name="Listener", options={"HIDDEN"})
+    listener: StringProperty(name="Listener", options={"HIDDEN", "SKIP_SAVE"})
     margin: FloatProperty(name="Margin (dB)", description="How far above the threshold of feeling", default=6.0, min=0.0, max=60.0)
+    use_amplitude: switch(
+        "Amplitude", "If the gain of the listener is not enough, raise the amplitude of the source that it feels most", True
+    )
+    use_frequency: switch("Frequency", "If that is not enough, change the frequency of that source to one that is felt better", True)
+    use_material: switch("Materials", "If that is not enough, change the materials on the path to those that pass on more", True)
+    plans: tuple[felt.Plan, ...] = ()
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        try:
+            self.plans = self._planned(context)
+        except ValueError as error:
+            self.report({"WARNING"}, str(error))
+            return {"CANCELLED"}
+        return context.window_manager.invoke_props_dialog(self, width=380, confirm_text=self.bl_label)
+
+    def check(self, context: Context) -> bool:
+        self.plans = self._planned(context)
+        return True
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.prop(self, "margin")
+        row = layout.row(align=True)
+        for name in ("use_amplitude", "use_frequency", "use_material"):
+            row.prop(self, name, toggle=True)
+        for planned in self.plans:
+            column = layout.box().column(align=True)
+            _draw_row(column, planned.listener, levels.margin_words(planned.before), levels.margin_words(planned.after))
+            for change in planned.changes:
+                _draw_row(column, f"{_iface(_NAMES[change.kind])}: {change.name}", f"{change.before:.3g}", f"{change.after:.3g}")
+            if not planned.changes and planned.before < self.margin - _NEAR:
+                column.label(text="Not felt by these means: nothing is changed", icon="ERROR")
 
     def apply(self, context: Context) -> None:
-        found: Any = context.scene.objects.get(self.listener)
-        margin = -math.inf
-        for _ in range(_ROUNDS):
-            session.trace(context.scene, context.evaluated_depsgraph_get(), live=True)
-            traced = sessions.shown(context.scene)
-            names = [] if traced is None else [item.name for item in traced.result.listeners]
-            if traced is None:
-                raise Refused(why_untraced(session.problems_of(context.scene)))
-            if found is None or not is_editable(found) or self.listener not in names:
-                raise Refused(_rpt("'{}' can't be changed: it is linked from a library, or no listener any more").format(self.listener))
-            index = names.index(self.listener)
-            margin = levels.shown_levels(traced, False)[index].margin
-            if margin >= self.margin - _NEAR or not _raise(found.haptics.listener, traced, index, self.margin - margin):
-                break
-        if margin == -math.inf:
-            raise Refused(_rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(self.listener))
-        if margin < self.margin - _NEAR:
-            words = _rpt("'{}' has a margin of {:.0f} dB now; more needs other materials, a nearer source or another frequency")
-            self.report({"WARNING"}, words.format(self.listener, margin))
-        else:
-            self.report({"INFO"}, _rpt("'{}' is felt with a margin of {:.0f} dB").format(self.listener, margin))
+        self.plans = self._planned(context)
+        for planned in self.plans:
+            for change in planned.changes:
+                _make(context.scene, change)
+        traced = _traced_now(context)
+        shown = {level.listener: level.margin for level in levels.shown_levels(traced, False)}
+        left = [name for planned in self.plans if not shown[name := planned.listener] > 0]
+        least = min(self.plans, key=lambda planned: shown[planned.listener]).listener
+        if len(left) == len(self.plans):
+            words = _rpt(
+                "'{}' can't be felt by these means, at best with a margin of {}: nothing is changed. Bring a source nearer, or close a gap"
+            )
+            best = max(self.plans, key=lambda planned: planned.after)
+            raise Refused(words.format(best.listener, levels.margin_words(best.after)))
+        words = _rpt("Felt now; the least margin is {} at '{}'") if not left else _rpt("Felt now, except by: {1}")
+        self.report({"WARNING" if left else "INFO"}, words.format(levels.margin_words(shown[least]), ", ".join(left) or least))
+
+    def _planned(self, context: Context) -> tuple[felt.Plan, ...]:
+        """The changes for each listener, which also count for those after it."""
+        traced = _traced_now(context)
+        selected = [obj.name_full for obj in context.selected_objects if obj.haptics.listener.enabled]
+        names = [self.listener] if self.listener and self.listener not in selected else selected
+        if not names:
+            raise Refused(_rpt("Select a listener first"))
+        result, plans = traced.result, []
+        means = _means(context.scene, traced, names, self.use_amplitude, self.use_frequency, self.use_material)
+        for name in names:
+            if name not in means.listeners:
+                raise Refused(_rpt("'{}' can't be changed: it is linked from a library, or no listener any more").format(name))
+            planned = felt.plan(result, traced.settings, name, self.margin, means)
+            if planned.before == -math.inf:
+                raise Refused(_rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(name))
+            plans.append(planned)
+            result = planned.result
+        return tuple(plans)
 
 
-def _raise(listener: Any, traced: sessions.Traced, index: int, missing: float) -> bool:
-    """Raise the gain of a listener, and that of its strongest source when the gain is at its maximum, by ``missing`` decibels in total.
-    Returns False if neither can be raised further."""
-    if not math.isfinite(missing):
-        return False
-    factor, result = 10 ** (missing / 20), traced.result
-    owners = [(listener, "gain")]
-    strongest = bpy.data.objects.get(result.sources[int(np.argmax(result.amplitudes[:, index]))].name)
-    if strongest is not None and is_editable(strongest) and strongest.haptics.source.enabled:
-        owners.append((strongest.haptics.source, "amplitude"))
-    is_raised = False
-    for owner, name in owners:
-        before, most = getattr(owner, name), owner.bl_rna.properties[name].hard_max
-        if before > 0 and factor > 1 and before < most:
-            setattr(owner, name, min(before * factor, most))
-            factor /= getattr(owner, name) / before
-            is_raised = True
-    return is_raised
+_NAMES = {
+    felt.Kind.GAIN: "Gain",
+    felt.Kind.AMPLITUDE: "Amplitude",
+    felt.Kind.FREQUENCY: "Frequency (Hz)",
+    felt.Kind.MATERIAL: "K = (1 - κ) ρ",
+}
+
+
+def _draw_row(layout: UILayout, name: str, before: str, after: str) -> None:
+    split = layout.split(factor=0.65)
+    split.label(text=name, translate=False)
+    row = split.row()
+    row.alignment = "RIGHT"
+    row.label(text=f"{before} \N{RIGHTWARDS ARROW} {after}", translate=False)
+
+
+def _traced_now(context: Context) -> sessions.Traced:
+    """The current frame, after waiting for its trace. Raises Refused if it can't be traced."""
+    session.trace(context.scene, context.evaluated_depsgraph_get(), live=True)
+    traced = sessions.shown(context.scene)
+    if traced is None:
+        raise Refused(why_untraced(session.problems_of(context.scene)))
+    return traced
+
+
+def _means(scene: Scene, traced: sessions.Traced, names: list[str], amplitudes: bool, frequencies: bool, materials: bool) -> felt.Means:
+    """What may be changed of the listeners ``names`` and of all sources and materials: what is editable and not animated."""
+    result, library = traced.result, scene.haptics.materials.items
+    known = {item.name for item in result.listeners}
+    free: dict[str, tuple[str, ...]] = {}
+    if materials:
+        own = [item.name for item in result.graph.table.objects if item.material not in library and _is_free(item.name, "haptics.kappa")]
+        free = {name: (name,) for name in own} | {item.name: made for item in library if (made := _made_of(traced, item.name))}
+    return felt.Means(
+        listeners=frozenset(name for name in names if name in known and _is_free(name, "haptics.listener.gain")),
+        loud=frozenset(item.name for item in result.sources if amplitudes and _is_free(item.name, "haptics.source.amplitude")),
+        tuned=frozenset(item.name for item in result.sources if frequencies and _is_free(item.name, "haptics.source.frequency")),
+        materials=free,
+    )
+
+
+def _is_free(name: str, path: str) -> bool:
+    """Whether an object has a property that can be edited and that no animation sets."""
+    obj = bpy.data.objects.get(name)
+    return obj is not None and is_editable(obj) and path not in (animated_paths(obj) or ())
+
+
+def _make(scene: Scene, change: felt.Change) -> None:
+    """Write a change to the listener, source or material."""
+    if change.kind is felt.Kind.MATERIAL:
+        owner = scene.haptics.materials.items.get(change.name) or bpy.data.objects[change.name].haptics
+        kappa, rho = coefficients_of(change.after, owner.rho)
+        if owner.rho != rho:
+            owner.rho = rho
+        owner.kappa = kappa
+        return
+    haptics = bpy.data.objects[change.name].haptics
+    setattr(haptics.listener if change.kind is felt.Kind.GAIN else haptics.source, change.kind, change.after)
 
 
 class HAPTIC_OT_design_by_wish(Edit, Operator):
