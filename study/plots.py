@@ -37,7 +37,7 @@ def plots(ride: Ride) -> Iterator[tuple[str, str, bytes]]:
     if wall_amplitudes(ride):
         yield "Walls", "What is felt of the impacts with each wall: mean over the actuators, and at each actuator.", _walls(ride)
     if stalactites(ride):
-        yield "Stalactites", "Gain at the upper legs of each stalactite that strikes the ground.", _stalactites(ride)
+        yield "Stalactites", "Amplitude at the upper legs of each stalactite that strikes the ground.", _stalactites(ride)
 
 
 def _figure(rows: int, height: float, **options: Any) -> tuple[Any, Any]:
