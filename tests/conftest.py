@@ -28,7 +28,7 @@ settings.load_profile("same examples")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--times-examples", type=int, default=1, metavar="N", help="N times the examples of each property, from random seeds")
-    parser.addoption("--stress-seeds", type=int, default=2, metavar="N", help="random orders of operations in test_stress.py")
+    parser.addoption("--stress-seeds", type=int, default=1, metavar="N", help="random orders of operations in test_stress.py")
     parser.addoption("--stress-operations", type=int, default=300, metavar="N", help="operations in each of them")
 
 

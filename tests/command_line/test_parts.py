@@ -28,6 +28,8 @@ from haptic_tracing.sample_scenes import SAMPLES, build_sample
 RINGING = ("jackhammer_bench", "hammer_nail")
 """Samples in which an impact sounds over a cut."""
 FEWER = {"domino_wall": 24, "pile": 8}
+TYPICAL = ("hammer_nail", "domino_wall", "sliding_and_rolling")
+"""Samples that represent the others in the suite: a blow that sounds over a cut, many impacts, what slides and rolls."""
 
 
 class Run:
@@ -75,7 +77,7 @@ def slides(registered, tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SAMPLES)
+@pytest.mark.parametrize("name", [name if name in TYPICAL else pytest.param(name, marks=pytest.mark.more) for name in SAMPLES])
 def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
     scene = built(name, FEWER.get(name))
     seconds = timeline.sounding_seconds(scene)

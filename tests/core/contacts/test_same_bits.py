@@ -14,10 +14,18 @@ from haptic_tracing.core.contacts.shapes import ConvexHull, Shape
 sys.path.insert(0, str(Path(__file__).parent))
 import bullet_pairs
 
-PAIRS = [
-    pytest.param(*pair, marks=pytest.mark.slow) if {"cylinder", "hull", "mesh", "pyramid"} & set(pair) else pair
-    for pair in bullet_pairs.PAIRS
-]
+SLOW = {"cylinder", "hull", "mesh", "pyramid"}
+TYPICAL = {("box", "cylinder"), ("hull", "mesh"), ("pyramid", "hull")}
+"""Of the slow pairs, those that represent the others in the suite."""
+
+
+def _marks(pair: tuple[str, str]) -> list[pytest.MarkDecorator]:
+    if not SLOW & set(pair):
+        return []
+    return [pytest.mark.slow] if pair in TYPICAL else [pytest.mark.slow, pytest.mark.more]
+
+
+PAIRS = [pytest.param(*pair, marks=_marks(pair)) for pair in bullet_pairs.PAIRS]
 
 
 def elsewhere(array: np.ndarray, offset: int) -> np.ndarray:
