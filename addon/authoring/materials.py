@@ -11,8 +11,9 @@ from ...core.scene.materials import MATERIALS, Material, guess
 from ...core.scene.measured import physical
 from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
-from ..properties.function import PARAMETERS
-from ..properties.materials import SHARED, HapticMaterial, add_material, values_of, write_values
+from ..properties import materials
+from ..properties.declared import write_values
+from ..properties.materials import SHARED, HapticMaterial, add_material, values_of
 
 
 def spread_all_around(haptics: Any, radius: float) -> None:
@@ -37,7 +38,7 @@ def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
     """Assign a material to objects: they take its values, now and when it changes."""
     name, values = item.name, values_of(item)
     for obj in progress(objects):
-        write_values(obj, values)
+        materials.write_values(obj, values)
         if obj.haptics.material.name != name:
             obj.haptics.material.name = name
 
@@ -62,10 +63,8 @@ def make_physical(objects: Iterable[Object], in_a_building: bool) -> int:
         if material is None:
             continue
         known += 1
-        form = physical(material.name, tuple(obj.dimensions), in_a_building, part_in(obj.name)).to_dict()
-        obj.haptics.function = form.pop("function")
-        for key, own in PARAMETERS["physical"].items():
-            setattr(obj.haptics, own, form[key])
+        obj.haptics.function = "physical"
+        write_values(obj.haptics, physical(material.name, tuple(obj.dimensions), in_a_building, part_in(obj.name)))
     return known
 
 

@@ -19,7 +19,7 @@ from ...core.scene.values import Listener
 from ..blender.single_precision import shortest
 from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
 from ..properties.sound import device_profiles
-from ..scene_reader.imported import imported_device, text_of
+from ..scene_reader.imported import stored, text_of
 
 ADJUSTED = ("gain", "floor", "curve", "ceiling", "offset")
 """Properties of a device that are written to its extras, under `EXTRAS`, if they differ from their defaults."""
@@ -32,8 +32,8 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
     choices = {item.name: _choice(bpy.data.objects.get(item.name)) for item in listeners}
     named = {place.device for choice in choices.values() for place in places_of(choice) or ()}
     names = sorted({*settings.keys(), *named} - {""})
-    kept = {name: imported_device(settings[name].imported if name in settings else "") for name in names}
-    profiles = {name: known.profile or profile_name(name) for name, known in kept.items()}
+    kept = {name: stored(settings[name].imported if name in settings else "", "device") for name in names}
+    profiles = {name: known.get("profile") or profile_name(name) for name, known in kept.items()}
     found = automatic({item.name: item.body_part for item in listeners}, profiles)
     felt = {name: found[name] if choice == AUTOMATIC else places_of(choice) or [] for name, choice in choices.items()}
     return tuple(
@@ -46,7 +46,7 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
                 for place in sorted(set(felt[listener]), key=lambda place: place.actuator)
                 if place.device == name and place.actuator
             ),
-            extras={**known.extras, **_adjusted(settings.get(name))},
+            extras={**known.get("extras", {}), **_adjusted(settings.get(name))},
         )
         for name, known in kept.items()
     )

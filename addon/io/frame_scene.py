@@ -20,7 +20,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind, TriggerKind
 from ..blender.single_precision import shortest
 from ..properties.modalities import SHOWN
-from ..scene_reader.imported import FileContacts, file_contacts, imported_object, imported_scene, imported_source
+from ..scene_reader.imported import FileContacts, file_contacts, stored_extras, stored_item
 from ..scene_reader.modalities import read_modality
 from ..scene_reader.problem import why_untraced
 from ..scene_reader.reading import Reading
@@ -67,7 +67,7 @@ def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene)
     sources += [item for item in reading.sources if item.triggers is not None]
     return HapticScene(
         objects=_by_name(_object(item, found.get(item.name), item.name in reading.settled) for item in reading.posed_objects()),
-        sources=_by_name(_source(item, found.get(item.name)) for item in sources),
+        sources=_by_name(map(_source, sources)),
         listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
         settings=reading.settings,
         extras=_extras(scene, result.number),
@@ -130,15 +130,11 @@ def _by_name(items: Any) -> tuple[Any, ...]:
 
 
 def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObject:
-    kept = imported_object(obj.haptics.imported if obj is not None else "")
-    return replace(item, pose=kept.pose if settled else item.pose, extras=dict(kept.extras))
+    return replace(item, pose=stored_item(obj.haptics.imported, "object")["pose"]) if obj is not None and settled else item
 
 
-def _source(item: Source, obj: Object | None) -> Source:
-    if obj is None:  # an impact of this frame, or what slides or rolls
-        return item
-    triggers = None if item.triggers is None else tuple(t for t in item.triggers if t.on is not TriggerKind.LEVEL)
-    return replace(item, extras=dict(imported_source(obj.haptics.source.imported).extras), triggers=triggers)
+def _source(item: Source) -> Source:
+    return item if not item.triggers else replace(item, triggers=tuple(t for t in item.triggers if t.on is not TriggerKind.LEVEL))
 
 
 def _listener(item: Listener, obj: Object | None) -> Listener:
@@ -156,6 +152,6 @@ def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:
     """The imported extras of the scene, with its frame and frame rate."""
     rate = scene.render.fps / scene.render.fps_base
     return {
-        **imported_scene(scene.haptics.imported).extras,
+        **stored_extras(scene.haptics.imported),
         EXTRAS: {"frame": frame, "frame_start": scene.frame_start, "frame_rate": shortest(rate)},
     }

@@ -14,9 +14,8 @@ from bpy.types import Object
 
 from ...core.formats.scene.values_json import item_to_dict, json_value, read_listener, read_object, read_source
 from ...core.scene.values import HapticScene
-from ..scene_reader.imported import text_of
 from .frame_scene import scene_of_frame
-from .property_writer import write_body, write_listener, write_source
+from .property_writer import stored_text, write_body, write_listener, write_source
 
 KEY = "haptic_tracing"
 VERSION = 1
@@ -141,8 +140,8 @@ def read_roles(obj: Object, form: dict[str, Any]) -> None:
         if role in form
     }
     if "object" in items:
-        kept = write_body(obj.haptics, items["object"])
-        obj.haptics.imported = text_of(**kept, mass=items["object"].mass, extras=dict(items["object"].extras))
+        write_body(obj.haptics, items["object"])
+        obj.haptics.imported = stored_text(items["object"], ("shape", "pose", "motion"))
     if "source" in items:
         write_source(obj.haptics.source, items["source"], placed=False)
     if "listener" in items:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, fields
-from typing import Any
+from collections.abc import Iterable, Sequence
 
 import bpy
 from bpy.types import Scene
 
-from ...core.formats.scene.lists_json import LibraryMaterial
+from ...core.scene.library import LibraryMaterial
 from ...core.scene.values import HapticObject
 from ..blender.single_precision import authored
-from ..properties.materials import add_material, own_values
-
-_KEYS = tuple(item.name for item in fields(LibraryMaterial) if item.name != "name")
+from ..properties.declared import read_values, write_values
+from ..properties.materials import HapticMaterial, add_material, own_values
+from ..scene_reader.imported import stored_item
+from .property_writer import stored_text
 
 
 def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool) -> tuple[LibraryMaterial, ...]:
@@ -25,9 +24,9 @@ def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool
         if item.material:
             named.setdefault(item.material, item.name)
     items = scene.haptics.materials.items
-    known = [_material(item.name, {key: getattr(item, key) for key in _KEYS}) for item in items if whole or item.name in named]
+    known = [_material(item) for item in items if whole or item.name in named]
     others = [
-        _material(name, own_values(bpy.data.objects[owner]))
+        LibraryMaterial(name, **{key: authored(value) for key, value in own_values(bpy.data.objects[owner]).items()})
         for name, owner in named.items()
         if name not in items and owner in bpy.data.objects
     ]
@@ -38,14 +37,15 @@ def take_materials(scene: Scene, materials: Sequence[LibraryMaterial]) -> list[s
     """Add ``materials`` to a scene's library. Existing ones of the same name are kept, and their names are returned if they differ."""
     other = []
     for material in materials:
-        values = {key: value for key, value in asdict(material).items() if key != "name"}
         known = scene.haptics.materials.items.get(material.name)
         if known is None:
-            add_material(scene, material.name, values)
-        elif _material(material.name, {key: getattr(known, key) for key in _KEYS}) != _material(material.name, values):
+            known = add_material(scene, material.name, {})
+            write_values(known, material)
+            known.imported = stored_text(material)
+        elif _material(known) != material:
             other.append(material.name)
     return other
 
 
-def _material(name: str, values: Mapping[str, Any]) -> LibraryMaterial:
-    return LibraryMaterial(name, **{key: authored(values[key]) for key in _KEYS})
+def _material(item: HapticMaterial) -> LibraryMaterial:
+    return LibraryMaterial(item.name, **read_values(LibraryMaterial, item, stored_item(item.imported, "material")))

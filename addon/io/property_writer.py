@@ -10,24 +10,20 @@ from bpy.types import Object
 from ...core.formats.scene.values_json import item_to_dict
 from ...core.modalities.propagation import ModalityScene
 from ...core.scene.functions import ModulationFunction
-from ...core.scene.impact_rule import RANGES, ImpactRule, ImpactTemplates
+from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
 from ...core.scene.rules import ContactSettings
-from ...core.scene.texture import RANGES as OF_TEXTURES
 from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind, TriggerKind
 from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
-from ..properties.declared import held_as
+from ..properties.declared import identifier, write_values
 from ..properties.drawing import HERTZ
-from ..properties.function import CONTACT_PARAMETERS, PARAMETERS
-from ..properties.function import TRANSMISSIONS as CONTACTS
-from ..scene_reader.functions import function_of_properties, stands_for
-from ..scene_reader.imported import LIMITS, OF_IMPACTS, text_of
-from ..scene_reader.rules import TEMPLATES
+from ..properties.function import parameters_of
+from ..scene_reader.imported import text_of
 
 
 def write_numbers(owner: Any, **values: float) -> dict[str, float]:
-    """Set properties. Returns the numbers that differ from them by rounding to single precision, for `imported.exact`."""
+    """Set properties. Returns the numbers that differ from them by rounding to single precision, for `scene_reader.modalities`."""
     for name, value in values.items():
         setattr(owner, name, value)
     return {name: value for name, value in values.items() if shortest(value) != value and takes(owner, name, value)}
@@ -38,21 +34,17 @@ def takes(owner: Any, name: str, value: float) -> bool:
     return shortest(getattr(owner, name)) == shortest(value)
 
 
-def write_body(haptics: Any, item: HapticObject) -> dict[str, Any]:
-    """Set an object's properties to ``item``. Returns the values that they cannot hold."""
-    haptics.enabled, haptics.medium = True, item.medium
-    numbers = write_numbers(haptics, kappa=item.kappa, rho=item.rho)
+def write_body(haptics: Any, item: HapticObject) -> None:
+    """Set an object's properties to ``item``."""
+    haptics.enabled = True
+    write_values(haptics, item)
     function = item.propagation
     if _choose(haptics, "function", function.name):
-        form = function.to_dict()
-        for key, name in PARAMETERS.get(function.name, {}).items():
-            setattr(haptics, name, form[key])
-        haptics.wave_speed = function.spectrum.wave_speed
+        write_values(haptics, function)
+        write_values(haptics, function.spectrum)
         haptics.material.use_bands = bool(function.spectrum.band_decays)
         if function.spectrum.band_decays:
-            haptics.material.band_decays = function.spectrum.band_decays
-    made = function_of_properties(haptics)
-    return {"numbers": numbers, "function": function.to_dict() if made != function and stands_for(made, function) else None}
+            write_values(haptics.material, function.spectrum)
 
 
 def write_modality(obj: Object, part: ModalityScene, name: str) -> tuple[dict[str, float], list[str]]:
@@ -62,7 +54,7 @@ def write_modality(obj: Object, part: ModalityScene, name: str) -> tuple[dict[st
     losses = []
     form = part.forms.get(name, {"function": part.modality.default_function})
     group.function = form["function"]
-    for key, own in PARAMETERS.get(group.function, {}).items():
+    for key, own in parameters_of(group).items():
         match form.get(key):
             case str(text):
                 setattr(group, own, text)
@@ -76,23 +68,15 @@ def write_modality(obj: Object, part: ModalityScene, name: str) -> tuple[dict[st
 def write_source(source: Any, item: Source, placed: bool = True) -> None:
     """Set a source's properties to ``item``; ``placed``: store its world position as well."""
     source.enabled = True
-    numbers = write_numbers(source, amplitude=item.amplitude, priority=item.priority)
+    write_values(source, item)
     signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
     signal, source.decay = _without_decay(signal) if item.kind is SourceKind.PERSISTENT else (signal, 0.0)
     kept = _write_signal(source, signal)
     source.one_shot = item.triggers is not None
     source.trigger_hit = any(trigger.on is TriggerKind.HIT for trigger in item.triggers or ())
-    source.imported = text_of(
-        numbers=numbers,
-        signal=kept.to_dict() if kept is not None else None,
-        kind=None if item.kind is SourceKind.PERSISTENT else item.kind.value,
-        onset=item.onset or None,
-        second_object=item.second_object if placed else None,
-        second_position=item.second_position if placed else None,
-        position=item.position if placed else None,
-        extras=dict(item.extras),
-        triggers=[item_to_dict(trigger) for trigger in item.triggers or () if trigger.on is not TriggerKind.HIT],
-    )
+    triggers = [item_to_dict(trigger) for trigger in item.triggers or () if trigger.on is not TriggerKind.HIT]
+    without = ("signal", "triggers", *(() if placed else ("position", "second_object", "second_position")))
+    source.imported = stored_text(item, without, signal=kept and kept.to_dict(), triggers=triggers)
 
 
 def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[str]:
@@ -102,22 +86,10 @@ def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[s
     return write_values(listener, item)
 
 
-def write_values(group: Any, item: Any) -> list[str]:
-    """Set the properties of a group to what they hold of the fields of ``item``. Returns sentences about losses."""
-    losses = []
-    for key, name in group.held[type(item)].items():
-        value = getattr(item, key)
-        held = held_as(type(item), key, value)
-        if held is None:
-            losses.append(f"{key.replace('_', ' ')} {value!r}")
-        else:
-            setattr(group, name, held)
-    return losses
-
-
-def stored_text(item: Any, without: Collection[str] = ()) -> str:
-    """The text that stores an item, except its name, its object, and the fields ``without``."""
-    return text_of(**{key: value for key, value in item_to_dict(item).items() if key not in ("name", "object", *without)})
+def stored_text(item: Any, without: Collection[str] = (), **others: Any) -> str:
+    """The text that stores an item, except its name, its object, and the fields ``without``, together with ``others``."""
+    form = {key: value for key, value in item_to_dict(item).items() if key not in ("name", "object", *without)}
+    return text_of(**{**form, **others})
 
 
 def write_tables(haptics: Any, rules: ContactSettings) -> None:
@@ -134,28 +106,28 @@ def write_tables(haptics: Any, rules: ContactSettings) -> None:
 
 
 def _write_transmission(row: Any, function: ModulationFunction) -> None:
-    """Set a row's properties to ``function``, in single precision; functions not available for contacts become the identity."""
-    row.function = function.name if function.name in CONTACTS else "identity"
-    for key, name in CONTACT_PARAMETERS.get(row.function, {}).items():
-        setattr(row, name, function.to_dict()[key])
+    """Set a row's properties to ``function``; a function not available for contacts becomes the identity."""
+    if not _choose(row, "function", function.name):
+        row.function = "identity"
+        return
+    write_values(row, function)
+    row.imported = text_of(transmission=function.to_dict())
 
 
 def _write_impact_rule(row: Any, rule: ImpactRule) -> None:
     """Set a row's properties to ``rule``."""
-    numbers = write_numbers(row, **{name: getattr(rule, name) for name in OF_IMPACTS})
+    write_values(row, rule)
+    row.use_limits = rule.limits is not None
     if rule.limits is not None:
-        row.use_limits = True
-        numbers |= write_numbers(row, **{name: getattr(rule.limits, name) for name in LIMITS})
-    for name in (*RANGES, "seed"):
-        setattr(row, name, getattr(rule, name))
-    kept = None if isinstance(rule.template, ImpactTemplates) else rule.template.to_dict()
-    row.template = "KEPT" if kept else next(name for name, template in TEMPLATES.items() if template is rule.template)
-    row.imported = text_of(numbers=numbers, signal=kept)
+        write_values(row, rule.limits)
+    row.template = identifier(rule.template) if isinstance(rule.template, ImpactTemplates) else "KEPT"
+    row.imported = stored_text(rule)
 
 
 def _write_texture(row: Any, texture: Texture) -> None:
     """Set a row's properties to ``texture``."""
-    row.imported = text_of(numbers=write_numbers(row, **{name: getattr(texture, name) for name in OF_TEXTURES}))
+    write_values(row, texture)
+    row.imported = stored_text(texture)
 
 
 def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:

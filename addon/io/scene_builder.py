@@ -14,22 +14,31 @@ from bpy.types import Collection, Object
 from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of, without_rubbing
+from ...core.formats.scene.values_json import item_to_dict
 from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.functions import Identity, ModulationFunction
-from ...core.scene.rules import ContactSettings
-from ...core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, Vector
+from ...core.scene.values import Contact, HapticObject, Listener, Pose, Source, Vector
 from ..blender.single_precision import shortest
 from ..properties.actuators import MUTED as ACTUATORS_MUTED
+from ..properties.declared import write_values
 from ..properties.materials import add_material, own_values
 from ..properties.modalities import SHOWN
-from ..scene_reader.functions import read_function, read_transmission, stands_for
-from ..scene_reader.imported import OF_PROPAGATION, RULES, file_contacts, near, text_of, text_of_contacts, text_with
-from ..scene_reader.rules import TEMPLATES
+from ..scene_reader.functions import read_transmission
+from ..scene_reader.imported import file_contacts, near, text_of, text_of_contacts, text_with
+from ..scene_reader.objects import read_object
 from .devices import take_devices
 from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
 from .materials import take_materials
-from .property_writer import write_body, write_listener, write_modality, write_numbers, write_source, write_tables
+from .property_writer import (
+    stored_text,
+    write_body,
+    write_listener,
+    write_modality,
+    write_numbers,
+    write_source,
+    write_tables,
+)
 from .shape_mesh import surface
 
 SMALLEST = 0.1
@@ -120,25 +129,20 @@ class _Builder:
                 material = ""
             if material in self.scene.haptics.materials.items:
                 haptics.material.name = material  # and its values, which the object's own replace
-            kept = write_body(haptics, item)
+            write_body(haptics, item)
+            numbers: dict[str, float] = {}
             for modality in SHOWN:
-                numbers, losses = write_modality(obj, parts.get(modality.name, ModalityScene(modality)), item.name)
-                kept["numbers"] |= numbers
+                exact, losses = write_modality(obj, parts.get(modality.name, ModalityScene(modality)), item.name)
+                numbers |= exact
                 for loss in losses:
                     self.lose(loss, item.name)
-            haptics.imported = text_of(
-                **kept,
-                shape=None if guessed else shape.to_dict(),
-                mass=item.mass,
-                motion=item.motion.value,
-                impact_material=item.impact_material or None,
-                pose={"position": pose.position, "rotation": pose.rotation},
-                extras=dict(item.extras),
+            haptics.imported = stored_text(
+                replace(item, shape=None if guessed else shape, pose=pose, material=""), motion=item.motion.value, numbers=numbers
             )
             if material and material not in self.scene.haptics.materials.items:
                 add_material(self.scene, material, own_values(obj))
                 haptics.material.name = material
-            if read_function(haptics) != item.propagation:
+            if read_object(obj).propagation != item.propagation:
                 self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
 
     def add_source(self, item: Source) -> None:
@@ -177,37 +181,31 @@ class _Builder:
     def take_settings(self) -> None:
         """Apply the settings, the scene properties in the extras, and the frame of the file."""
         haptics, settings = self.scene.haptics, self.haptic.settings
-        haptics.mode, haptics.strategy = settings.mode.value, settings.strategy.value
-        haptics.max_connections = settings.max_connections or 0
-        numbers = write_numbers(haptics, **{name: getattr(settings, name) for name in OF_PROPAGATION})
-        if settings.max_connections == 0:
-            self.lose("max_connections", "0 means no limit here")
+        write_values(haptics, settings)
         extras = dict(self.haptic.extras)
         known = extras.get(EXTRAS)
         if isinstance(known, dict):
             del extras[EXTRAS]
             self._take_time(known)
-        tolerance = None if settings.tolerance == Settings().tolerance else settings.tolerance
-        slack = None if self.haptic.rules.slack == ContactSettings().slack else self.haptic.rules.slack
-        haptics.imported = text_of(numbers=numbers | self._take_rules(), tolerance=tolerance, slack=slack, extras=extras)
+        self._take_rules()
+        rules = {key: value for key, value in item_to_dict(self.haptic.rules).items() if not isinstance(value, list) or key == "gravity"}
+        haptics.imported = text_of(settings=item_to_dict(settings), rules=rules, extras=extras)
         for part in self.export.modalities:
             getattr(haptics.modalities, part.modality.name).enabled = part.enabled
 
-    def _take_rules(self) -> dict[str, float]:
-        """Apply the rules of contacts and impacts. Returns the exact numbers."""
+    def _take_rules(self) -> None:
+        """Apply the rules of contacts and impacts."""
         scene, haptics, rules = self.scene, self.scene.haptics, self.haptic.rules
-        haptics.impacts, haptics.impact_energy = rules.impacts, rules.energy.value
-        haptics.impact_signal = next(name for name, templates in TEMPLATES.items() if templates is rules.templates)
+        write_values(haptics, rules)
         write_tables(haptics, rules)
         for row, rule in zip(haptics.transmission_table.items, rules.transmission_table.rows, strict=True):
-            if not stands_for(read_transmission(row)[0], rule.does):
+            if read_transmission(row)[0] != rule.does:
                 self.lose("what its function does beside what the panel has", str(rule.does.name))
         scene.use_gravity = any(rules.gravity)
         if scene.use_gravity:
             scene.gravity = rules.gravity
-        if rules.time_scale != (scene.rigidbody_world.time_scale if scene.rigidbody_world is not None else 1.0):
+        if scene.rigidbody_world is not None and rules.time_scale != scene.rigidbody_world.time_scale:
             self.lose("time scale, which a rigid body world has here", f"{rules.time_scale:g}")
-        return write_numbers(haptics, **{name: getattr(rules, rule) for name, rule in RULES.items()})
 
     def _take_time(self, known: Mapping[str, Any]) -> None:
         rate, start = (known.get(key) for key in ("frame_rate", "frame_start"))

@@ -9,15 +9,15 @@ from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
+from ...core.scene.values import MODES
 from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
 from ..changes.redraw import redraw_viewports
 from ..properties.kinds import number, switch
-from ..properties.scene import MODE_ITEMS
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions, worker
 from ..view import graph_mesh
 
-_ITEMS = (*MODE_ITEMS, ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
+_ITEMS = (*((mode.value, *words) for mode, words in MODES.items()), ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
 
 
 class HAPTIC_OT_trace_frame(Action, Operator):
@@ -76,7 +76,7 @@ class HAPTIC_OT_set_mode(Action, Operator):
 
     def apply(self, context: Context) -> None:
         haptics = context.scene.haptics
-        modes = [name for name, *_ in MODE_ITEMS]
+        modes = list(map(str, MODES))
         following = modes[(modes.index(haptics.mode) + 1) % len(modes)]
         haptics.mode = following if self.mode == "NEXT" else self.mode
         if not haptics.tracing:  # else the edit is traced

@@ -10,7 +10,7 @@ from bpy.types import UILayout
 
 from ...core.scene import functions
 from ..blender.text import wrapped
-from ..properties.function import CONTACT_PARAMETERS
+from ..properties.function import parameters_of
 from ..translations.sentences import sentence
 from .texts import font_size, ui_scale
 
@@ -29,7 +29,7 @@ def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsi
         row.prop(group, "expression", text="")
         draw_finding(layout, group.expression, _checked(group.expression, kappa, rho, epsilon, on_contact))
         return
-    for parameter in CONTACT_PARAMETERS.get(group.function, {}).values():
+    for parameter in parameters_of(group).values():
         layout.prop(group, parameter)
 
 

@@ -6,9 +6,9 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Menu
 
+from ...core.scene.values import MODES
 from ...sample_scenes import SAMPLES
 from ..operators.adding import SOURCE_ITEMS
-from ..properties.scene import MODE_ITEMS
 from .thumbnails import cell
 
 # Operators on the selection, on the scene, on materials; unknown ones are left out.
@@ -101,10 +101,10 @@ class HAPTIC_MT_mode_pie(Menu):
 
     def draw(self, context: Context) -> None:
         pie = self.layout.menu_pie()
-        for mode, title, _ in MODE_ITEMS:
+        for mode, (title, _) in MODES.items():
             current = context.scene.haptics.mode == mode
             text = f"{iface_(title)} ({mode})"
-            pie.operator("haptic.set_mode", text=text, icon="RADIOBUT_ON" if current else "RADIOBUT_OFF", translate=False).mode = mode
+            pie.operator("haptic.set_mode", text=text, icon="RADIOBUT_ON" if current else "RADIOBUT_OFF", translate=False).mode = mode.value
 
 
 def draw_object_menu(self: Menu, context: Context) -> None:

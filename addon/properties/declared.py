@@ -9,35 +9,39 @@ from typing import Any, TypeVar
 
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
-from bpy.types import PropertyGroup
 
 from ...core.scene.declaration import Choice, Declaration, Number, Numbers, Switch, Text, declared, default_of, shown
 from ..blender.single_precision import authored
 
-_Group = TypeVar("_Group", bound=type[PropertyGroup])
+_Group = TypeVar("_Group", bound=type)
 _UNITS = {"m": "LENGTH", "kg": "MASS", "m/s": "VELOCITY"}
 """Units that Blender shows itself; labels name others."""
 _LEAST = float(np.finfo(np.float32).tiny)
 """The least number above 0 that a property holds."""
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
-IDENTIFIERS = {"": "NONE"}
+_IDENTIFIERS = {"": "NONE", "by_material": "MATERIALS", "plain": "PLAIN"}
 """Blender's identifiers of values that have others in the core."""
+_NUMBERS = {"best_path": 1, "all_paths": 2, "energy_balance": 3, "as_in_the_paper": 4}
+"""The numbers under which files store values that are not in the order of their choices."""
 
 
-def holding(cls: type, more: Mapping[str, Mapping[str, Any]] = _NOTHING, **names: str) -> Callable[[_Group], _Group]:
+def holding(cls: type, *only: str, more: Mapping[str, Mapping[str, Any]] = _NOTHING, **names: str) -> Callable[[_Group], _Group]:
     """Decorator: the group gets a property for each field of ``cls`` that has a label, after its own properties.
 
     Args:
         cls: A class with declared fields.
+        only: The fields; all by default.
         more: Further arguments of Blender's properties, by field.
         names: Names of properties, by field, where they differ.
     """
 
     def decorate(group: _Group) -> _Group:
-        held = {key: names.get(key, key) for key in shown(cls)}
-        made = {held[key]: _property(cls, key, item, more.get(key, _NOTHING)) for key, item in shown(cls).items()}
+        fields = {key: item for key, item in shown(cls).items() if not only or key in only}
+        held = {key: names.get(key, key) for key in fields}
+        made = {held[key]: _property(cls, key, item, more.get(key, _NOTHING)) for key, item in fields.items()}
         group.__annotations__ = {**get_annotations(group), **made}
-        group.held = {**getattr(group, "held", {}), cls: held}  # type: ignore[attr-defined]
+        inherited = {key: names for base in reversed(group.__mro__) for key, names in base.__dict__.get("held", {}).items()}
+        group.held = {**inherited, cls: held}  # type: ignore[attr-defined]
         return group
 
     return decorate
@@ -48,8 +52,9 @@ def _property(cls: type, key: str, declaration: Declaration, more: Mapping[str, 
     unit = getattr(declaration, "unit", "")
     default = default_of(cls, key) if declaration.shown is None else declaration.shown
     common: dict[str, Any] = {
-        "name": declaration.label if unit in ("", *_UNITS) else f"{declaration.label} ({unit})",
+        "name": declaration.label if unit in ("", *_UNITS) else f"{declaration.label} ({unit})".replace(") (", ", "),
         "description": declaration.about,
+        "translation_context": declaration.context or "*",
         "default": default,
         **({} if declaration.animated else {"options": set()}),
         **more,
@@ -58,8 +63,7 @@ def _property(cls: type, key: str, declaration: Declaration, more: Mapping[str, 
         case Switch():
             return BoolProperty(**common)
         case Choice():
-            items = [(identifier(value), *item) for value, item in declaration.items.items()]
-            return EnumProperty(**{**common, "items": items, "default": identifier(default)})
+            return EnumProperty(**{**common, "items": items_of(declaration.items), "default": identifier(default)})
         case Numbers():
             return FloatVectorProperty(**{"size": declaration.count, **_limits(declaration), **common})
         case Number(whole=True):
@@ -77,9 +81,14 @@ def _limits(declaration: Number) -> dict[str, Any]:
     return limits if declaration.digits is None else {**limits, "precision": declaration.digits}
 
 
+def items_of(items: Mapping[str, tuple[str, str]]) -> tuple[tuple[str, str, str, str, int], ...]:
+    """The items of a choice, as Blender's properties have them."""
+    return tuple((identifier(value), *item, "", _NUMBERS.get(value, place)) for place, (value, item) in enumerate(items.items()))
+
+
 def identifier(value: str) -> str:
     """The identifier of a value in Blender."""
-    return IDENTIFIERS.get(value, str(value))
+    return _IDENTIFIERS.get(value, str(value))
 
 
 def held_as(cls: type, key: str, value: Any) -> Any:
@@ -91,7 +100,7 @@ def held_as(cls: type, key: str, value: Any) -> Any:
         case Numbers():
             return tuple(_nearest(declaration, number) for number in value)
         case Number(whole=True):
-            return int(min(max(value, declaration.low), declaration.high))
+            return int(min(max(value or 0, declaration.low), declaration.high))
         case Number():
             return _nearest(declaration, value)
         case Text():
@@ -104,9 +113,34 @@ def value_of(cls: type, key: str, held: Any) -> Any:
     declaration = declared(cls)[key]
     if isinstance(declaration, Choice):
         return next(value for value in declaration.items if identifier(value) == held)
-    return authored(held)
+    return authored(held) or None if declaration.optional else authored(held)
 
 
 def _nearest(declaration: Number, value: float) -> float:
     limits = _limits(declaration)
     return float(min(max(np.float32(value), np.float32(limits["min"])), np.float32(limits["max"])))
+
+
+def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of the fields of ``cls`` that the properties of ``group`` hold, and those ``stored`` of the others. A stored value counts
+    as long as its property holds it, which may be with fewer digits."""
+    values = dict(stored)
+    for key, name in group.held.get(cls, _NOTHING).items():
+        held = getattr(group, name)
+        held = tuple(held) if hasattr(held, "foreach_get") else held
+        if key not in stored or held_as(cls, key, stored[key]) != held:
+            values[key] = value_of(cls, key, held)
+    return values
+
+
+def write_values(group: Any, item: Any) -> list[str]:
+    """Set the properties of a group to what they hold of the fields of ``item``. Returns sentences about losses."""
+    losses = []
+    for key, name in group.held.get(type(item), _NOTHING).items():
+        value = getattr(item, key)
+        held = held_as(type(item), key, value)
+        if held is None:
+            losses.append(f"{key.replace('_', ' ')} {value!r}")
+        else:
+            setattr(group, name, held)
+    return losses

@@ -14,9 +14,12 @@ from bpy.props import CollectionProperty, FloatProperty, FloatVectorProperty, In
 from bpy.types import Context, Object, PropertyGroup, Scene
 
 from ...core.scene.bands import BAND_COUNT
+from ...core.scene.functions import Spectrum
+from ...core.scene.library import LibraryMaterial
 from ..blender.progress import progress
-from .callbacks import updating
-from .kinds import choice, limited, number, share, switch, text
+from .callbacks import Stored, updating
+from .declared import holding
+from .kinds import choice, limited, switch, text
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
@@ -26,42 +29,6 @@ TARGET_ITEMS = (
 
 SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
 """The values that materials of the library and their objects have."""
-
-
-class Coefficients:
-    """Mixin: κ, ρ and wave speed, of a material or of an object."""
-
-    kappa: share(
-        "Kappa (κ)",
-        "A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's transmissibility: as its "
-        "function is published, only (1 - κ) ρ counts",
-        0.1,
-        precision=3,
-    )
-    rho: share(
-        "Rho (ρ)",
-        "A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's density coefficient",
-        0.9,
-        precision=3,
-    )
-    wave_speed: number(
-        "Wave Speed", "Speed of vibration in this material; 0 passes signals on without delay", 0.0, (0.0, 5000.0), unit="VELOCITY"
-    )
-
-
-class BandDecays:
-    """Mixin: the extra attenuation of each frequency band [1/m], and whether it counts."""
-
-    use_bands: switch("Frequency Bands", "Attenuate each frequency band by its own value per metre")
-    band_decays: FloatVectorProperty(
-        name="Band Attenuation",
-        description="Extra attenuation per metre in this band of frequencies; 0 adds none",
-        size=BAND_COUNT,
-        default=(0.0,) * BAND_COUNT,
-        min=0.0,
-        soft_max=5.0,
-        precision=3,
-    )
 
 
 def holders(obj: Object) -> dict[str, Any]:
@@ -134,15 +101,12 @@ def _bound(name: str, default: float) -> FloatProperty:
 
 
 @updating(_material_changed, animated=False)
-class HapticMaterial(Coefficients, BandDecays, PropertyGroup):
+@holding(LibraryMaterial)
+class HapticMaterial(Stored, PropertyGroup):
     """A material of the scene's library."""
 
     name: text("Name", "Name of the material in this scene's library", update=_material_renamed)
     known_as: StringProperty(options={"HIDDEN"})
-    use_delay: switch("Delay", "Delay signals by this material's wave speed; makes tracing slower")
-    conductivity: limited(
-        "Conductivity (W/(m·K))", "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15", 1.0, (0.01, 500.0)
-    )
     is_free: switch("Free", "Fulfil Wishes may change κ and ρ of this material", update=None)
     least_k: _bound("Least", 0.01)
     most_k: _bound("Most", 0.99)
@@ -159,14 +123,12 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
 
 
 @updating()
-class HapticObjectMaterial(BandDecays, PropertyGroup):
+@holding(Spectrum, "band_decays", more={"band_decays": {"default": (0.0,) * BAND_COUNT}})
+@holding(LibraryMaterial, "use_bands")
+class HapticObjectMaterial(PropertyGroup):
     """The material of an object, and the attenuation by band that the object takes from it."""
 
     name: text("Material", "The material of the scene's library that this object is made of", options=set(), update=_chosen)
-
-    def drop_imported(self, name: str) -> None:
-        """See `HapticObjectProperties.drop_imported`."""
-        self.id_data.haptics.drop_imported(name)
 
 
 def _recording(name: str, description: str) -> StringProperty:

@@ -8,7 +8,7 @@ from bpy.props import FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from ...core.modalities import MODALITIES, Modality, Quantity
-from .callbacks import changed, drop, updating
+from .callbacks import changed, updating
 from .function import FunctionParameters, function_property
 from .kinds import switch
 
@@ -29,8 +29,8 @@ def _property(quantity: Quantity) -> Any:
     )
 
 
-def _group(name: str, annotations: dict[str, Any], words: str, *mixins: type, **members: Any) -> type[PropertyGroup]:
-    return type(name, (*mixins, PropertyGroup), {"__annotations__": annotations, "__doc__": words, "__module__": __name__, **members})
+def _group(name: str, annotations: dict[str, Any], words: str, *mixins: type) -> type[PropertyGroup]:
+    return type(name, (*mixins, PropertyGroup), {"__annotations__": annotations, "__doc__": words, "__module__": __name__})
 
 
 def _object_group(modality: Modality) -> type[PropertyGroup]:
@@ -42,11 +42,8 @@ def _object_group(modality: Modality) -> type[PropertyGroup]:
         "source_value": _property(modality.source_value),
     }
 
-    def drop_imported(self: PropertyGroup, name: str) -> None:
-        drop(self.id_data.haptics, "numbers", f"{modality.name}.{name}")
-
     name = f"Haptic{modality.name.title()}Object"
-    return updating()(_group(name, annotations, modality.description, FunctionParameters, drop_imported=drop_imported))
+    return updating()(_group(name, annotations, modality.description, FunctionParameters))
 
 
 def _scene_group(modality: Modality) -> type[PropertyGroup]:

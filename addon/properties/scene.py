@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from bpy.props import IntProperty, PointerProperty
+from bpy.props import PointerProperty
 from bpy.types import PropertyGroup
 
+from ...core.scene.rules import ContactSettings
+from ...core.scene.values import Settings
 from . import bake, live_output, materials, modalities, rules
-from .callbacks import Imported, changed, updating, view_changed
-from .kinds import choice, limited, number, share, switch, text
-
-MODE_ITEMS = (
-    ("HT", "Haptic Tracing", "Through touching objects, as their properties say"),
-    ("SD", "Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
-    ("MD", "All by Distance", "Every source directly to every listener, fading with distance alone"),
-    ("MN", "All Alike", "Every source directly to every listener, without fading"),
-)
+from .callbacks import Stored, changed, updating, view_changed
+from .declared import holding
+from .kinds import choice, switch, text
 
 
 @updating(view_changed)
@@ -53,64 +49,20 @@ class HapticGltfProperties(PropertyGroup):
 
 
 @updating()
-class HapticSceneProperties(Imported, PropertyGroup):
+@holding(
+    ContactSettings,
+    tolerance="contact_tolerance",
+    energy="impact_energy",
+    least_energy="minimum_energy",
+    full_energy="maximum_energy",
+    refractory="refractory_time",
+    templates="impact_signal",
+)
+@holding(Settings)
+class HapticSceneProperties(Stored, PropertyGroup):
     """How a scene is traced and shown."""
 
     tracing: switch("Trace", "Trace haptics at every frame while the timeline plays or objects move", True)
-    mode: choice("Mode", "The rendering", MODE_ITEMS)
-    localise: share(
-        "Localise",
-        "Blends from propagation through touching objects (0) to the nearest listener of each source alone (1). "
-        "Some participants of the paper's study preferred to feel a source in one place",
-        0.0,
-    )
-    strategy: choice(
-        "Strategy",
-        "How the gain from a source to a listener is computed",
-        (
-            ("auto", "Automatic", "The best path for every source, over any number of connections", 0),
-            ("as_in_the_paper", "As in the Paper", "All paths for persistent sources, the best path for impacts", 4),
-            ("best_path", "Best Path", "Only the path that passes on most", 1),
-            ("all_paths", "All Paths", "The sum of everything that arrives", 2),
-            ("energy_balance", "Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles", 3),
-        ),
-    )
-    max_connections: IntProperty(
-        name="Max Connections",
-        description="Longest path, in connections through and between objects; 0 sets no limit",
-        default=32,
-        min=0,
-        soft_max=128,
-    )
-    threshold: limited(
-        "Threshold",
-        "A path ends where its gain falls below this part of the source; 0 sets no limit",
-        0.001,
-        (0.0, 1.0),
-        soft_max=0.1,
-        precision=4,
-    )
-    epsilon: number(
-        "Epsilon (ε, 1/m)",
-        "Least attenuation per metre, also of materials that would transmit without loss. The paper's ε",
-        0.1,
-        (0.0, 1.0),
-        precision=3,
-    )
-    contact_tolerance: number("Contact Tolerance", "Objects closer than this touch", 0.01, (0.0, 0.1), unit="LENGTH", precision=4)
-    impacts: switch("Impacts", "Collisions make temporary sources that play the impact signal once", True)
-    impact_signal: choice("Signal", "What impacts feel like", rules.SIGNAL_ITEMS)
-    minimum_energy: rules.least_energy()
-    maximum_energy: rules.full_energy()
-    impact_energy: choice(
-        "Energy",
-        "The energy that a collision is judged by",
-        (
-            ("kinetic", "Of Both Motions", "Kinetic energy of both objects: ½ m₁ v₁² + ½ m₂ v₂²"),
-            ("normal", "Of the Blow", "Energy of the relative motion along the contact normal: ½ μ v² with the reduced mass μ"),
-        ),
-    )
-    refractory_time: rules.refractory()
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)
     textures: PointerProperty(type=rules.HapticTextureTable)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from bpy.props import PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from .callbacks import Imported, updating
+from ...core.scene.values import Source
+from .callbacks import Stored, updating
+from .declared import holding
 from .drawing import HERTZ, drawing_property
-from .kinds import choice, limited, number, share, switch, text
+from .kinds import choice, limited, share, switch, text
 from .sound import HapticSoundProperties
 
 SIGNAL_ITEMS = (
@@ -27,13 +29,13 @@ def _name(name: str, description: str) -> StringProperty:
 
 
 @updating()
-class HapticSourceProperties(Imported, PropertyGroup):
+@holding(Source)
+class HapticSourceProperties(Stored, PropertyGroup):
     """A haptic source, which emits a signal."""
 
     enabled: switch("Haptic Source", "This object emits a haptic signal")
     muted: switch("Mute", "Keep the source but silence it")
     solo: switch("Solo", "Silence all sources that are not solo, and impacts", options=set())
-    amplitude: share("Amplitude", "Strength of the emitted signal; can be animated", 1.0)
     signal: choice("Signal", "What the source emits", SIGNAL_ITEMS, default="SINE")
     frequency: limited(
         "Frequency (Hz)",
@@ -54,12 +56,6 @@ class HapticSourceProperties(Imported, PropertyGroup):
         (0.0, 1e6),
         soft_max=60.0,
         precision=3,
-    )
-    priority: number(
-        "Priority",
-        "Weight of this source where a listener mixes by priority; where one ducks, higher ones turn lower ones down",
-        1.0,
-        (0.0, 10.0),
     )
     one_shot: switch("Once per Trigger", "Silent until a trigger below plays the signal, once per trigger")
     trigger: share(

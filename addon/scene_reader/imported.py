@@ -15,72 +15,24 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, cast
 
-from ...core.contacts.shapes import Shape, shape_from_dict
 from ...core.formats.io.scene_schema import DEFINED, SCENE
 from ...core.formats.io.schema import load_schema, validate
 from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import by_pair, pair_of
 from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
-from ...core.formats.scene.values_json import item_to_dict, read_members, read_triggers
+from ...core.formats.scene.values_json import item_to_dict, read_members
 from ...core.scene.declaration import declared
-from ...core.scene.functions import Identity, ModulationFunction, function_from_dict
-from ...core.scene.rules import Motion
-from ...core.scene.values import Contact, Pose, SourceKind, Trigger, Vector
-from ...core.signals import Signal, signal_from_dict
-from ..blender.single_precision import authored, shortest
-from ..properties.declared import held_as, value_of
-
-RULES = {
-    "contact_tolerance": "tolerance",
-    "minimum_energy": "least_energy",
-    "maximum_energy": "full_energy",
-    "refractory_time": "refractory",
-}
-"""Numbers of `ContactSettings` by the properties of a scene that hold them."""
-
-OF_PROPAGATION = ("threshold", "epsilon", "localise")
-"""Numbers of `Settings`, which have the same names in a scene's properties."""
-OF_IMPACTS, LIMITS = ("bend", "variation"), ("least_energy", "full_energy", "refractory")
-"""Numbers of a rule for impacts and of its limits, which have the same names in properties and in the core."""
+from ...core.scene.functions import Identity, ModulationFunction
+from ...core.scene.impact_rule import ImpactLimits
+from ...core.scene.rules import ContactSettings
+from ...core.scene.values import Contact, Settings, Vector
+from ..properties.scene import HapticSceneProperties
 
 NEAR = 1e-5
 """Difference in metres, or in elements of a rotation, below which an object counts as unmoved since the import, because Blender rounds to
 single precision."""
 
-Numbers = Mapping[str, float]
-"""Numbers of the file in double precision, by property."""
 Pair = tuple[str, str]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Imported:
-    """Values of an object, source, listener, rule, device or scene; those that its text does not hold are None or empty.
-
-    ``numbers`` with more digits than the properties hold, and ``extras``, keys of the file that this version does not know. The
-    ``function`` of an object applies while its properties represent it, the ``signal`` of a source or rule while its choice is the imported
-    signal. ``emitters``: positions of sources of other modalities on an object, by modality. ``tolerance`` of sums over paths, ``slack`` of
-    contacts.
-    """
-
-    numbers: Numbers = field(default_factory=dict)
-    extras: Mapping[str, Any] = field(default_factory=dict)
-    shape: Shape | None = None
-    mass: float | None = None
-    pose: Pose | None = None
-    function: ModulationFunction | None = None
-    emitters: Mapping[str, Vector] = field(default_factory=dict)
-    motion: Motion | None = None
-    impact_material: str = ""
-    signal: Signal | None = None
-    kind: SourceKind = SourceKind.PERSISTENT
-    onset: float = 0.0
-    second_object: str | None = None
-    second_position: Vector | None = None
-    position: Vector | None = None
-    triggers: tuple[Trigger, ...] = ()
-    tolerance: float | None = None
-    slack: float | None = None
-    profile: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,16 +59,6 @@ def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tole
     return text_of(contacts=forms[0], later=forms[1], tolerance=tolerance)
 
 
-def exact(owner: Any, name: str, numbers: Numbers) -> Any:
-    """A property's value with the author's precision: the imported number if there is one, otherwise as `authored`. Editing the property
-    removes the number; for an animated property it is used only in frames in which both agree."""
-    number = numbers.get(name)
-    if number is not None and owner.id_data.animation_data is None:
-        return number
-    value = authored(getattr(owner, name))
-    return number if number is not None and shortest(number) == value else value
-
-
 @lru_cache(maxsize=8192)
 def stored_item(text: str, name: str) -> Mapping[str, Any]:
     """The fields of the item in a text, without its name and its references; ``name``: that of its definition in the schema of scenes.
@@ -126,41 +68,55 @@ def stored_item(text: str, name: str) -> Mapping[str, Any]:
     if not text:
         return {}
     with _damaged():
-        form = parse_json(text.encode("utf-8", "surrogatepass"), "imported")
-        if isinstance(form, dict) and isinstance(form.get("numbers"), dict):  # until version 0.1 these were apart
-            form |= form.pop("numbers")
+        form = _in_terms_of_files(parse_json(text.encode("utf-8", "surrogatepass"), "imported"), name)
         validate(form, f"{SCENE}#{name}", "imported")
         return read_members({key: value for key, value in form.items() if key in declared(DEFINED[name])}, ())
 
 
-def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of the fields of ``cls`` that the properties of ``group`` hold, and those ``stored`` of the others. A stored value counts
-    as long as its property holds it, which may be with fewer digits."""
-    values = dict(stored)
-    for key, name in group.held[cls].items():
-        held = getattr(group, name)
-        held = tuple(held) if hasattr(held, "foreach_get") else held
-        if key not in stored or held_as(cls, key, stored[key]) != held:
-            values[key] = value_of(cls, key, held)
-    return values
+def _in_terms_of_files(form: Any, name: str) -> Any:
+    """The item ``name`` of a stored document. Version 0.1 stored only what properties could not hold, numbers apart from the rest."""
+    if not isinstance(form, dict):
+        return form
+    numbers = form.get("numbers")
+    numbers = numbers if isinstance(numbers, dict) else {}
+    match name:
+        case "settings":
+            return form.get(name, {key: value for key, value in {**form, **numbers}.items() if key in declared(Settings)})
+        case "rules":
+            held = HapticSceneProperties.held[ContactSettings].items()
+            former = {key: numbers[own] for key, own in held if own in numbers}
+            return form.get(name, {**former, **({"slack": form["slack"]} if "slack" in form else {})})
+        case "impact_rule":
+            limits = {key: numbers.pop(key) for key in declared(ImpactLimits) if key in numbers}
+            form = {"template": form["signal"], **form} if "signal" in form else form
+            return {**form, **({"limits": limits} if limits else {}), **numbers}
+        case "object" if "function" in form:
+            form = {**form, "propagation": form["function"]}
+    return {**form, **{key: value for key, value in numbers.items() if "." not in key}}
 
 
-def text_with(text: str, emitters: Mapping[str, Vector], numbers: Numbers) -> str:
+def stored_extras(text: str) -> Mapping[str, Any]:
+    """The stored extras of a scene."""
+    extras: Mapping[str, Any] = stored(text, "scene").get("extras", {})
+    return extras
+
+
+def fields_of(item: Any) -> dict[str, Any]:
+    """The values of the declared fields of an item, {} for None."""
+    return {} if item is None else {key: getattr(item, key) for key in declared(item.__class__)}
+
+
+def text_with(text: str, emitters: Mapping[str, Vector], numbers: Mapping[str, float]) -> str:
     """The text of an object with further emitters and numbers."""
-    form = stored(text, "object")
+    form = stored(text, "modalities")
     return text_of(**{**form, "emitters": {**form.get("emitters", {}), **emitters}, "numbers": {**form.get("numbers", {}), **numbers}})
 
 
-def _reader(kind: str, kept: int) -> Callable[[str], Imported]:
-    """The function from a stored text to what it stores, with a cache of ``kept`` results. It raises ValueError for a damaged text."""
-    return lru_cache(maxsize=kept)(lambda text: _imported(text, kind))
-
-
-imported_object = _reader("object", 4096)
-imported_source = _reader("source", 4096)
-imported_scene = _reader("scene", 8)
-imported_rule = _reader("rule", 1024)
-imported_device = _reader("device", 64)
+@lru_cache(maxsize=4096)
+def stored_modalities(text: str) -> tuple[Mapping[str, float], Mapping[str, Vector]]:
+    """The numbers of an object for modalities other than vibration, as ``modality.property``, and its positions as their source."""
+    form = stored(text, "modalities")
+    return plain(form.get("numbers", {})), plain(form.get("emitters", {}))
 
 
 @lru_cache(maxsize=8)
@@ -190,14 +146,6 @@ def _contacts(forms: Any) -> tuple[Contact, ...]:
     return scene_from_dict({"format": FORMAT, "version": VERSION, "objects": objects, "contacts": forms}, "imported").contacts
 
 
-def _imported(text: str, kind: str) -> Imported:
-    """What a text stores; keys of a later version of the add-on are ignored."""
-    form = stored(text, kind)
-    with _damaged():
-        known = {key: value for key, value in form.items() if key in _schema()["$defs"][kind]["properties"]}
-        return Imported(**{key: _READERS.get(key, plain)(value) for key, value in known.items()})
-
-
 def plain(value: Any) -> Any:
     """A JSON value with its numbers as floats and its lists as tuples."""
     match value:
@@ -208,19 +156,6 @@ def plain(value: Any) -> Any:
         case dict():
             return {key: plain(member) for key, member in value.items()}
     return value
-
-
-_READERS: Mapping[str, Callable[[Any], Any]] = {
-    "extras": dict,
-    "shape": shape_from_dict,
-    "pose": lambda form: Pose(tuple(form["position"]), tuple(form["rotation"])),
-    "function": function_from_dict,
-    "motion": Motion,
-    "signal": signal_from_dict,
-    "kind": SourceKind,
-    "triggers": lambda forms: read_triggers(forms, ()),
-}
-"""Converters of stored values other than `plain`, by key."""
 
 
 @cache

@@ -13,7 +13,7 @@ from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.settings import ContactSettings
 from ...core.contacts.shapes import pose_matrix
 from ...core.scene.values import Pose
-from .imported import NEAR, FileContacts, file_contacts, imported_scene
+from .imported import NEAR, FileContacts, file_contacts, stored_item
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +56,8 @@ class ImportedContacts:
     def read(self, scene: Scene) -> None:
         """Read the stored contacts of the scene again."""
         try:
-            imported_scene(scene.haptics.imported)
+            for name in ("settings", "rules"):
+                stored_item(scene.haptics.imported, name)
             self._kept, self.problems = file_contacts(scene.haptics.imported_contacts), ()
         except ValueError as error:
             self._kept, self.problems = FileContacts(), (str(error),)

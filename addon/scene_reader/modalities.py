@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from bpy.types import Object, Scene
 
 from ...core.modalities import Modality
 from ...core.modalities.propagation import Emitter, ModalityScene
-from ...core.scene.values import HapticObject
-from ..properties.function import PARAMETERS
+from ...core.scene.values import HapticObject, Vector
+from ..blender.single_precision import authored, shortest
+from ..properties.function import parameters_of
 from ..properties.modalities import SHOWN
-from .imported import Imported, exact, imported_object, near
+from .imported import near, stored_modalities
 from .roles import haptic_carrier
 
 
@@ -34,15 +36,15 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
         group = getattr(obj.haptics.modalities, modality.name)
         if obj.name_full not in names and not group.is_source:
             continue
-        kept = imported_object(obj.haptics.imported)
-        numbers = {name.removeprefix(prefix): value for name, value in kept.numbers.items() if name.startswith(prefix)}
+        kept, homes = stored_modalities(obj.haptics.imported)
+        numbers = {name.removeprefix(prefix): value for name, value in kept.items() if name.startswith(prefix)}
         if obj.name_full in names:
-            own = {quantity.name: exact(group, quantity.name, numbers) for quantity in modality.object_values}
+            own = {quantity.name: _exact(group, quantity.name, numbers) for quantity in modality.object_values}
             values[obj.name_full] = {key: value for key, value in own.items() if value != modality.defaults()[key]}
             if group.function != modality.default_function:
-                parameters = PARAMETERS.get(group.function, {}).items()
-                forms[obj.name_full] = {"function": group.function} | {key: exact(group, name, numbers) for key, name in parameters}
-        emitter = _emitter(modality, obj, kept, numbers, names)
+                parameters = parameters_of(group).items()
+                forms[obj.name_full] = {"function": group.function} | {key: _exact(group, name, numbers) for key, name in parameters}
+        emitter = _emitter(modality, obj, homes.get(modality.name), numbers, names)
         if emitter is not None:
             emitters.append(emitter)
     return ModalityScene(
@@ -54,13 +56,19 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
     )
 
 
-def _emitter(modality: Modality, obj: Object, kept: Imported, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
-    """The object as a source if it is one on any of the objects ``names``, else None."""
+def _exact(group: Any, name: str, numbers: Mapping[str, float]) -> Any:
+    """The value of a property: the number in ``numbers`` that it holds with fewer digits, or its own."""
+    value = authored(getattr(group, name))
+    number = numbers.get(name)
+    return number if number is not None and shortest(number) == value else value
+
+
+def _emitter(modality: Modality, obj: Object, home: Vector | None, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
+    """The object as a source, at its place ``home`` in a file, if it is one on any of the objects ``names``, else None."""
     group = getattr(obj.haptics.modalities, modality.name)
     carrier = haptic_carrier(obj) if group.is_source else None
     if carrier is None or carrier.name_full not in names:
         return None
     position = tuple(obj.matrix_world.translation)
-    home = kept.emitters.get(modality.name)
     position = home if home is not None and near(home, position) else position
-    return Emitter(obj.name_full, carrier.name_full, position, exact(group, "source_value", numbers))
+    return Emitter(obj.name_full, carrier.name_full, position, _exact(group, "source_value", numbers))

@@ -10,51 +10,46 @@ from ...core.scene.materials import named_in
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import impact_material
 from ..blender.single_precision import shortest
+from ..properties.declared import read_values
 from .animated_curves import Curves
 from .functions import read_function
-from .imported import exact, imported_object, imported_source, read_values, stored_item
+from .imported import stored_item
 from .signals import decaying, played_once, read_signal
 
 
 def read_object(obj: Object) -> HapticObject:
-    """The haptic object of a Blender object. Raises ValueError if its function is invalid."""
+    """The haptic object of a Blender object, without shape and pose. Raises ValueError if its function is invalid."""
     haptics = obj.haptics
-    imported = imported_object(haptics.imported)
-    return HapticObject(
-        name=obj.name_full,
-        kappa=exact(haptics, "kappa", imported.numbers),
-        rho=exact(haptics, "rho", imported.numbers),
-        propagation=read_function(haptics),
-        mass=shortest(obj.rigid_body.mass) if obj.rigid_body is not None else imported.mass,
-        medium=haptics.medium,
-        motion=read_motion(obj, imported.motion),
-        impact_material=read_impact_material(obj) or imported.impact_material,
-        material=haptics.material.name,
-    )
+    stored = stored_item(haptics.imported, "object")
+    values = {
+        **read_values(HapticObject, haptics, stored),
+        "propagation": read_function(haptics, stored.get("propagation")),
+        "shape": None,
+        "pose": None,
+        "mass": shortest(obj.rigid_body.mass) if obj.rigid_body is not None else stored.get("mass"),
+        "motion": read_motion(obj, stored.get("motion")),
+        "impact_material": read_impact_material(obj) or stored.get("impact_material", ""),
+        "material": haptics.material.name,
+    }
+    return HapticObject(obj.name_full, **values)
 
 
 def read_source(obj: Object, carrier: str, curves: Curves = (None, None), is_silenced: bool = False) -> Source:
     """The source of a Blender object on the haptic object ``carrier``, without its triggers; its position, here that of an imported file,
     is set per frame. ``curves``: frequency and envelope over the scene's time if they are animated."""
     properties = obj.haptics.source
-    imported = imported_source(properties.imported)
-    second = bpy.data.objects.get(imported.second_object or "")
-    struck = second is not None and second.haptics.enabled and second.name_full != carrier
-    signal = imported.signal if properties.signal == "KEPT" else read_signal(properties, *curves)
-    if imported.kind is SourceKind.PERSISTENT:
+    stored = stored_item(properties.imported, "source")
+    values = {**read_values(Source, properties, stored), "triggers": None}
+    second = bpy.data.objects.get(values.get("second_object") or "")
+    if second is None or not second.haptics.enabled or second.name_full == carrier:
+        values["second_object"] = values["second_position"] = None
+    signal = stored.get("signal") if properties.signal == "KEPT" else read_signal(properties, *curves)
+    if values.get("kind", SourceKind.PERSISTENT) is SourceKind.PERSISTENT:
         signal = decaying(signal, properties.decay)
-    return Source(
-        name=obj.name_full,
-        object=carrier,
-        position=imported.position or (0.0, 0.0, 0.0),
-        amplitude=0.0 if is_silenced else exact(properties, "amplitude", imported.numbers),
-        kind=imported.kind,
-        signal=played_once(signal) if properties.one_shot else signal,
-        second_object=imported.second_object if struck else None,
-        second_position=imported.second_position if struck else None,
-        onset=imported.onset,
-        priority=exact(properties, "priority", imported.numbers),
-    )
+    values["signal"] = played_once(signal) if properties.one_shot else signal
+    if is_silenced:
+        values["amplitude"] = 0.0
+    return Source(obj.name_full, carrier, **values)
 
 
 def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Listener:

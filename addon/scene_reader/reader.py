@@ -25,7 +25,7 @@ from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
 from .animated_curves import AnimatedCurves
 from .collision_shapes import collision_shape, mesh_checksum
-from .imported import imported_object, imported_source, near
+from .imported import near, stored_item
 from .imported_contacts import ImportedContacts
 from .objects import read_listener, read_object, read_source
 from .problem import Problem
@@ -204,7 +204,7 @@ class SceneReader:
                 shape = self._shape(obj, depsgraph, scale)
                 haptic_object = read_object(obj)
                 body = Body(name, shape, haptic_object.mass, haptic_object.motion, haptics.medium, haptic_object.material)
-                home = imported_object(haptics.imported).pose if _is_as_imported(obj, scale) else None
+                home = stored_item(haptics.imported, "object").get("pose") if _is_as_imported(obj, scale) else None
             except ValueError as error:
                 problems.append(Problem(name, str(error)))
         carrier = haptic_carrier(obj)
@@ -248,7 +248,7 @@ class SceneReader:
         body = obj.rigid_body
         settings = () if body is None else (body.collision_shape, body.mesh_source, body.use_margin, body.collision_margin)
         if _is_as_imported(obj, scale):
-            imported = imported_object(obj.haptics.imported).shape
+            imported = stored_item(obj.haptics.imported, "object").get("shape")
             if imported is not None:
                 return imported
         key, session_id = (tuple(scale.tolist()), settings), obj.session_uid
@@ -262,7 +262,7 @@ class SceneReader:
 def _with_regions(item: Source, row: int, scene: Scene) -> Source:
     """The source of the object in that row of the file, with the current pose of its region."""
     source = bpy.data.objects[row].haptics.source
-    kept, place = imported_source(source.imported).triggers, region_of(source, scene)
+    kept, place = stored_item(source.imported, "source").get("triggers") or (), region_of(source, scene)
     moved = (replace(t, **place) if t.on is TriggerKind.PASSING and t not in kept else t for t in item.triggers or ())
     return replace(item, triggers=tuple(moved))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
@@ -13,22 +13,19 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
 from ...core.formats import registry
-from ...core.scene.impact_rule import RANGES, ImpactLimits, ImpactRule, ImpactTemplates
+from ...core.scene.impact_rule import ImpactLimits, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import MOST_ROWS, Rule, RuleTable, Side
-from ...core.scene.texture import RANGES as OF_TEXTURES
 from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject
 from ...core.signals import LONGEST, Signal
 from ..blender.paths import local_path
-from ..blender.single_precision import shortest
+from ..properties.declared import identifier, read_values
 from .drawings import read_drawing
 from .functions import read_transmission
-from .imported import LIMITS, OF_IMPACTS, Imported, exact, imported_rule
+from .imported import fields_of, stored_item
 from .problem import Problem
 
 _ABSENT = {"OBJECT": "there is no haptic object '{}'", "MATERIAL": "nothing is made of a material '{}'"}
-TEMPLATES = {"MATERIALS": ImpactTemplates.BY_MATERIAL, "PLAIN": ImpactTemplates.PLAIN}
-"""Impact templates by the choice of a scene or of a rule."""
 
 
 def read_tables(scene: Scene, objects: Iterable[HapticObject]) -> tuple[dict[str, Any], list[Problem]]:
@@ -62,26 +59,29 @@ def _between(row: Any, known: Iterable[tuple[str, str]]) -> tuple[tuple[Side, Si
 
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
     """The impact rule of a row; with the signal by material and the reason if its own signal cannot be played."""
-    kept, template, fault = Imported(), ImpactRule().template, ""
+    stored, fault = _stored(row, "impact_rule")
+    values = read_values(ImpactRule, row, stored)
+    limits = ImpactLimits(**read_values(ImpactLimits, row, fields_of(stored.get("limits")))) if row.use_limits else None
+    template = ImpactRule().template
     try:
-        kept = imported_rule(row.imported)
-        template = ImpactRule(_template(row, kept.signal)).template
+        template = ImpactRule(_template(row, stored.get("template"))).template
     except (OSError, ValueError) as error:
-        fault = str(error)
-    values: dict[str, Any] = {name: exact(row, name, kept.numbers) for name in OF_IMPACTS}
-    values |= {name: tuple(map(shortest, getattr(row, name))) for name in RANGES}
-    limits = ImpactLimits(*(exact(row, name, kept.numbers) for name in LIMITS)) if row.use_limits else None
-    return ImpactRule(template, seed=row.seed, limits=limits, **values), fault
+        fault = fault or str(error)
+    return ImpactRule(**{**values, "template": template, "limits": limits}), fault
 
 
 def read_texture(row: Any) -> tuple[Texture, str]:
     """The texture of a row for sliding and rolling."""
-    kept, fault = Imported(), ""
+    stored, fault = _stored(row, "texture")
+    return Texture(**read_values(Texture, row, stored)), fault
+
+
+def _stored(row: Any, name: str) -> tuple[Mapping[str, Any], str]:
+    """The stored item of a row, and why it is damaged."""
     try:
-        kept = imported_rule(row.imported)
+        return stored_item(row.imported, name), ""
     except ValueError as error:
-        fault = str(error)
-    return Texture(**{name: exact(row, name, kept.numbers) for name in OF_TEXTURES}), fault
+        return {}, str(error)
 
 
 _READERS: dict[str, Callable[[Any], tuple[Any, str]]] = {
@@ -92,13 +92,13 @@ _READERS: dict[str, Callable[[Any], tuple[Any, str]]] = {
 """By table, the function from a row to its value and its fault, "" for none."""
 
 
-def _template(row: Any, kept: Signal | None) -> ImpactTemplates | Signal:
+def _template(row: Any, kept: ImpactTemplates | Signal | None) -> ImpactTemplates | Signal:
     if row.template == "KEPT":
         return kept or ImpactTemplates.BY_MATERIAL
     if row.template == "DRAWN":
         return replace(read_drawing(row.drawing), loops=False).to_signal()
     if row.template != "FILE":
-        return TEMPLATES[row.template]
+        return next(template for template in ImpactTemplates if identifier(template) == row.template)
     if not row.filepath:
         raise ValueError(iface_("its signal is a file, but none is chosen"))
     path = local_path(row.filepath, row.id_data)

@@ -15,7 +15,7 @@ from ...core.signals.limits import MIN_SECONDS
 from ..blender.paths import local_path
 from ..blender.single_precision import shortest
 from .drawings import read_drawing
-from .imported import imported_source
+from .imported import stored_item
 
 
 def read_signal(properties: Any, frequency: Automation | None = None, envelope: Automation | None = None) -> Signal:
@@ -37,7 +37,7 @@ def read_signal(properties: Any, frequency: Automation | None = None, envelope: 
                 raise ValueError(iface_("its signal has no end: set a decay time"))
             return Keyed(Automation((0.0, 10.0 * phase), (1.0, -9.0)))
         case "SOUND":
-            kept = imported_source(properties.sound.kept).signal
+            kept = stored_item(properties.sound.kept, "source").get("signal")
             if kept is None:
                 raise ValueError(iface_("its signal is made of a sound, but none is converted: press Convert Sound"))
             return kept.of if properties.one_shot and isinstance(kept, Loop) else kept

@@ -14,7 +14,7 @@ from ...core.scene.values import Pose, Trigger, TriggerKind
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
 from ..blender.time import seconds_of
-from .imported import imported_source
+from .imported import stored_item
 from .problem import Problem
 
 PATH = "haptics.source.trigger"
@@ -28,7 +28,7 @@ def read_triggers(obj: Object, scene: Scene) -> tuple[tuple[Trigger, ...] | None
     if not source.one_shot:
         return None, []
     faults: list[tuple[str, str]] = []
-    triggers = [*imported_source(source.imported).triggers, *_of_property(obj, scene, faults)]
+    triggers = [*(stored_item(source.imported, "source").get("triggers") or ()), *_of_property(obj, scene, faults)]
     if source.trigger_hit:
         triggers.append(Trigger(TriggerKind.HIT))
     if source.trigger_markers:

@@ -10,7 +10,7 @@ from itertools import repeat
 import numpy as np
 
 from ..arrays import FloatArray
-from ..scene.impact_rule import RANGES
+from ..scene.impact_rule import LEAST_PITCH
 from ..scene.rules import ContactSettings
 from ..scene.values import HapticObject, Source, SourceKind, TriggerKind
 from ..signals import Signal
@@ -105,7 +105,7 @@ class OneShots:
         playing: dict[str, tuple[Shot, Source]] = {}
         for source in sources:
             template = source.emitted
-            earliest = start - template.duration / RANGES["pitch"][0] - max(self.late.values(), default=0.0)
+            earliest = start - template.duration / LEAST_PITCH - max(self.late.values(), default=0.0)
             shots = [*known_shots(source, earliest, time), *(shot for shot in self._found if shot.source == source.name)]
             for shot in sorted(shots, key=lambda shot: (shot.onset, -shot.strength)):
                 if shot.onset > time or shot.name in playing:

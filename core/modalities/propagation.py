@@ -13,12 +13,9 @@ from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..graph.haptic_graph import ObjectTable, build_graph
 from ..propagation import objects_on, propagate
-from ..scene.functions import FUNCTIONS, Conduction, Constant, ModulationFunction, function_from_dict
+from ..scene.functions import ALL_FUNCTIONS, Constant, ModulationFunction, function_from_dict
 from ..scene.values import Extent, HapticObject, HapticScene, Listener, Settings, Source
 from .modality import Modality
-
-_FUNCTIONS: Mapping[str, type[ModulationFunction]] = {**FUNCTIONS, "conduction": Conduction}
-"""The functions of all modalities."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +46,7 @@ def propagation_function(modality: Modality, values: Mapping[str, float], form: 
     An object's ``values`` are the parameters that ``form`` does not give. Raises ValueError that names the key.
     """
     name = (form or {}).get("function", modality.default_function)
-    functions = {key: _FUNCTIONS[key] for key in modality.functions}
+    functions = {key: ALL_FUNCTIONS[key] for key in modality.functions}
     function = functions.get(name)
     known = set() if function is None else {key for key in values if key in function.__dataclass_fields__}
     return function_from_dict({"function": name, **{key: values[key] for key in known}, **(form or {})}, functions)

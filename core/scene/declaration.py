@@ -26,11 +26,14 @@ _RANGE = {True: "exclusiveMinimum", False: "minimum"}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declaration:
-    """``label``: the field's name in panels, "" for a field without a property. ``about``: its meaning, as tooltip and in the schema.
-    ``shown``: the value that a new property has, None for the default. ``optional``: None is a value, too. ``required``: files always have
-    it. ``animated``: the property can have keyframes."""
+    """``key``: the field's name in files, "" for its own. ``label``: its name in panels, "" for a field without a property.
+    ``context``: that of the label's translation, if it has another meaning elsewhere. ``about``: its meaning, as tooltip and in the schema. ``shown``: the value of a new property, None for the default. ``optional``: None, or no numbers,
+    is a value, too. ``required``: files always have it. ``animated``: the property can have keyframes.
+    """
 
+    key: str = ""
     label: str = ""
+    context: str = ""
     about: str = ""
     shown: Any = None
     optional: bool = False
@@ -79,6 +82,9 @@ class Numbers(Number):
         numbers = tuple(map(float, value))
         if len(numbers) != self.count or not all(map(math.isfinite, numbers)):
             raise ValueError(f"expected {self.count} finite numbers, got {numbers!r}")
+        if self.high < MOST:  # what is further away than in any file is found and heard as well
+            for value in numbers:
+                Number.checked(self, value)
         return numbers
 
     def schema(self) -> dict[str, Any]:
@@ -206,12 +212,12 @@ def check(item: Any) -> None:
     """Check all declared fields of a new item and convert their values to their types. Raises ValueError that names the field."""
     for key, declaration in _checked(item.__class__):
         value = getattr(item, key)
-        if value is None and declaration.optional:
+        if declaration.optional and (value is None or value == ()):
             continue
         try:
             checked = declaration.checked(value)
         except (TypeError, ValueError) as error:
-            raise ValueError(f"{key}: {error}") from None
+            raise ValueError(f"{declaration.key or key}: {error}") from None
         if checked is not value:
             object.__setattr__(item, key, checked)
 
@@ -228,8 +234,8 @@ def schema_of(cls: type) -> dict[str, Any]:
     known = declared(cls)
     return {
         "type": "object",
-        "properties": {key: _described(item, default_of(cls, key)) for key, item in known.items()},
-        "required": [key for key, item in known.items() if item.required or default_of(cls, key) is MISSING],
+        "properties": {item.key or name: _described(item, default_of(cls, name)) for name, item in known.items()},
+        "required": [item.key or name for name, item in known.items() if item.required or default_of(cls, name) is MISSING],
         "additionalProperties": False,
     }
 
@@ -241,10 +247,13 @@ def _described(declaration: Declaration, default: Any) -> dict[str, Any]:
         sentences += [f'"{value}": {about}' for value, (_, about) in declaration.items.items()]
     if isinstance(declaration, Number) and declaration.unit:
         sentences.append(f"Unit: {declaration.unit}")
-    if isinstance(default, bool | int | float | str | tuple):
+    is_nullable = declaration.optional and default not in (None, ())
+    if is_nullable:
+        sentences.append("null: none, which Blender shows as 0")
+    if isinstance(default, bool | int | float | str | tuple) and default != ():
         sentences.append(f"Default: {_json(default)}")
     found = declaration.schema()
-    if declaration.optional and default is not None:
+    if is_nullable:
         found["type"] = [found["type"], "null"]
     return {"description": ". ".join(sentences) + ".", **found}
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import enum
 import math
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import TYPE_CHECKING
 
 from .. import signals
-from .functions.modulation import require
+from .declaration import check, number, numbers, part, share
 
 if TYPE_CHECKING:
     from ..signals import Signal
@@ -23,12 +23,18 @@ class ImpactTemplates(enum.StrEnum):
     BY_MATERIAL = "by_material"  # that of the two impact materials, the plain one if either is unknown
 
 
+TEMPLATES = {
+    ImpactTemplates.BY_MATERIAL: (
+        "By Material",
+        "By the two materials: metal on stone rings, wood on soil thuds; plain if unknown",
+    ),
+    ImpactTemplates.PLAIN: ("Plain", "A short knock of 150 Hz, the same for all objects"),
+}
 Curve = tuple[float, float]
 """A value that depends on the strength of an impact: at the least and at the full energy."""
-
-RANGES = {"gain": (0.0, 1.0), "pitch": (0.25, 4.0), "decay": (0.01, 1.0), "brightness": (0.0, 1.0)}
-"""Ranges of the curves' values."""
-BENDS = (0.1, 10.0)
+CURVES = ("gain", "pitch", "decay", "brightness")
+"""The fields of a rule that are curves."""
+LEAST_PITCH, MOST_PITCH, LEAST_DECAY = 0.25, 4.0, 0.01
 QUIETEST = 1e-4
 """Least peak of a signal that is played once."""
 _STEPS = 48
@@ -43,20 +49,38 @@ def require_template(key: str, signal: Signal) -> None:
         raise ValueError(f"{key}: the signal of an impact or a trigger must not be silent")
 
 
+LEAST_ENERGY = number(
+    "Least Energy", "Collisions weaker than this, in joules, make no source; 5 J is a light contact", 0.0, soft=(0.0, 100.0), unit="J"
+)
+FULL_ENERGY = number(
+    "Full Energy",
+    "A collision of this energy, in joules, plays the impact signal at full strength",
+    0.0,
+    soft=(0.0, 1000.0),
+    unit="J",
+    above=True,
+)
+REFRACTORY = number(
+    "Refractory",
+    "Time in seconds after an impact in which the same two objects make no further impact",
+    0.0,
+    soft=(0.0, 2.0),
+    unit="s",
+    digits=3,
+)
+
+
 @dataclass(frozen=True, slots=True)
 class ImpactLimits:
     """Conditions of an impact: a new contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1. A
     pair has no second impact within ``refractory`` seconds."""
 
-    least_energy: float = 5.0
-    full_energy: float = 100.0
-    refractory: float = 0.1
+    least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
+    full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
+    refractory: float = field(default=0.1, metadata=REFRACTORY)
 
     def __post_init__(self) -> None:
-        for key in ("least_energy", "refractory"):
-            require(key, getattr(self, key))
-        if not 0 < self.full_energy < math.inf:
-            raise ValueError(f"full_energy: must be finite and > 0, got {self.full_energy!r}")
+        check(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,45 +89,78 @@ class ImpactRule:
     Each of these is weak + (full - weak) s at strength s = min(energy / E_max, 1)^``bend``. ``variation`` in [0, 1]: largest relative
     deviation of single impacts, drawn by ``seed``. ``limits``: None for those of the scene."""
 
-    template: ImpactTemplates | Signal = ImpactTemplates.BY_MATERIAL
-    gain: Curve = (0.0, 1.0)
-    pitch: Curve = (1.0, 1.0)
-    decay: Curve = (1.0, 1.0)
-    brightness: Curve = (1.0, 1.0)
-    bend: float = 1.0
-    variation: float = 0.0
-    seed: int = 0
-    limits: ImpactLimits | None = None
+    template: ImpactTemplates | Signal = field(
+        default=ImpactTemplates.BY_MATERIAL,
+        metadata=part("template", "Signal that impacts play: by_material, plain, or a signal that ends"),
+    )
+    gain: Curve = field(
+        default=(0.0, 1.0), metadata=numbers("Gain", "Amplitude of the weakest collisions, and of those of full energy", 2, 0.0, 1.0)
+    )
+    pitch: Curve = field(
+        default=(1.0, 1.0),
+        metadata=numbers(
+            "Pitch",
+            "How many times as fast the signal plays in the weakest collisions, and in those of full energy",
+            2,
+            LEAST_PITCH,
+            MOST_PITCH,
+            context="Haptics",
+        ),
+    )
+    decay: Curve = field(
+        default=(1.0, 1.0),
+        metadata=numbers(
+            "Decay",
+            "Part of its decay time that the signal has in the weakest collisions, and in those of full energy",
+            2,
+            LEAST_DECAY,
+            1.0,
+        ),
+    )
+    brightness: Curve = field(
+        default=(1.0, 1.0),
+        metadata=numbers("Brightness", "Gain above 100 Hz in the weakest collisions, and in those of full energy", 2, 0.0, 1.0),
+    )
+    bend: float = field(
+        default=1.0,
+        metadata=number(
+            "Bend", "How these values change from weak to full: 1 with the energy, 0.5 with the speed of the impact", 0.1, 10.0
+        ),
+    )
+    variation: float = field(
+        default=0.0,
+        metadata=share("Variation", "Largest relative variation of impacts: higher or lower, shorter and weaker", soft=(0.0, 0.3)),
+    )
+    seed: int = field(default=0, metadata=number("Seed", "Another number gives other variations", 0, 10**9, whole=True))
+    limits: ImpactLimits | None = field(
+        default=None, metadata=part("impact_limits", "Limits of these impacts; default: those of the scene's rules")
+    )
 
     def __post_init__(self) -> None:
-        if not isinstance(self.template, signals.Signal):
-            object.__setattr__(self, "template", ImpactTemplates(self.template))
-        else:
+        if isinstance(self.template, signals.Signal):
             require_template("template", self.template)
-        for key, (low, high) in {**RANGES, "bend": BENDS, "variation": (0.0, 1.0)}.items():
-            values = getattr(self, key) if key in RANGES else (getattr(self, key),)
-            if not all(low <= value <= high for value in values):
-                raise ValueError(f"{key}: must be from {low:g} to {high:g}, got {getattr(self, key)!r}")
+        else:
+            object.__setattr__(self, "template", ImpactTemplates(self.template))
+        check(self)
 
     @property
     def slowest(self) -> float:
         """The least pitch of any impact."""
-        return max(min(self.pitch) * (1.0 - self.variation), RANGES["pitch"][0])
+        return max(min(self.pitch) * (1.0 - self.variation), LEAST_PITCH)
 
     def played(self, template: Signal, energy: float, names: tuple[str, str], onset: float) -> tuple[Signal, float]:
         """The signal and the amplitude of an impact between two objects at ``onset`` [s]; ``energy``: fraction of the full energy, at most
         1."""
         strength = energy**self.bend
-        gain, pitch, decay, brightness = (weak + (full - weak) * strength for weak, full in (getattr(self, key) for key in RANGES))
+        gain, pitch, decay, brightness = (weak + (full - weak) * strength for weak, full in (getattr(self, key) for key in CURVES))
         higher, shorter, weaker = _chances(self.seed, names, onset) if self.variation else (0.5, 0.0, 0.0)
         pitch *= 1.0 + self.variation * (2.0 * higher - 1.0)
         decay *= 1.0 - self.variation * shorter
         amplitude = gain * (1.0 - self.variation * weaker)
         if pitch == decay == brightness == 1.0:
             return template, amplitude
-        low, high = RANGES["pitch"]
-        step = round(_STEPS * math.log2(min(max(pitch, low), high)))
-        return signals.Struck(template, 2.0 ** (step / _STEPS), max(decay, RANGES["decay"][0]), brightness), amplitude
+        step = round(_STEPS * math.log2(min(max(pitch, LEAST_PITCH), MOST_PITCH)))
+        return signals.Struck(template, 2.0 ** (step / _STEPS), max(decay, LEAST_DECAY), brightness), amplitude
 
 
 def _chances(seed: int, names: tuple[str, str], onset: float) -> tuple[float, float, float]:

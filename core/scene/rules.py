@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import enum
-import math
 from dataclasses import dataclass, field
 from functools import lru_cache
 
+from .declaration import check, choice, number, numbers, part, switch
 from .functions import ModulationFunction
-from .functions.modulation import require
-from .impact_rule import ImpactLimits, ImpactRule
+from .impact_rule import FULL_ENERGY, LEAST_ENERGY, REFRACTORY, TEMPLATES, ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
-from .rule_table import RuleTable
+from .rule_table import MOST_ROWS, RuleTable
 from .texture import Texture
 
 # The same ones for every impact.
 _plain_rule = lru_cache(maxsize=8)(ImpactRule)
 _limits = lru_cache(maxsize=64)(ImpactLimits)
+_ROWS = ": of the rows that match a pair, the most specific one applies; default none"
 
 
 class Motion(enum.StrEnum):
@@ -34,43 +34,53 @@ class ImpactEnergy(enum.StrEnum):
     NORMAL = "normal"  # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference
 
 
+ENERGIES = {
+    ImpactEnergy.KINETIC: ("Of Both Motions", "Kinetic energy of both objects: ½ m₁ v₁² + ½ m₂ v₂²"),
+    ImpactEnergy.NORMAL: ("Of the Blow", "Energy of the relative motion along the contact normal: ½ μ v² with the reduced mass μ"),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class ContactSettings:
-    """``tolerance`` [m]: a pair begins to touch at this signed distance, and parts at a distance larger by ``slack`` [m].
+    """Settings of contacts and impacts. A pair begins to touch at the signed distance ``tolerance``, and parts at one larger by ``slack``.
+    ``gravity`` accelerates dynamic bodies if too few frames show their fall. Without a matching row in a table, an impact plays the
+    ``templates`` within `limits`, a contact has gain 1, and nothing sounds that slides or rolls."""
 
-    An impact is a new contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1; ``energy`` says how
-    it is computed. A pair has no second impact within ``refractory`` seconds. ``gravity`` [m/s^2] accelerates dynamic bodies if too few
-    frames show their fall; ``time_scale``: simulated seconds per second of the timeline. ``impacts``: impacts make temporary sources, which
-    play the ``templates``, or the values of the matching row of ``impact_table``. ``transmission_table``: transmission functions of the
-    contacts that are found; gain 1 without a matching row. ``textures``: textures of pairs that slide or roll; none without a matching row.
-    """
-
-    tolerance: float = 0.01
-    slack: float = 0.005
-    energy: ImpactEnergy = ImpactEnergy.KINETIC
-    least_energy: float = 5.0
-    full_energy: float = 100.0
-    refractory: float = 0.1
-    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
-    time_scale: float = 1.0
-    impacts: bool = True
-    templates: ImpactTemplates = ImpactTemplates.PLAIN
-    impact_table: RuleTable[ImpactRule] = field(default_factory=RuleTable)
-    transmission_table: RuleTable[ModulationFunction] = field(default_factory=RuleTable)
-    textures: RuleTable[Texture] = field(default_factory=RuleTable)
+    tolerance: float = field(
+        default=0.01, metadata=number("Contact Tolerance", "Objects closer than this touch", 0.0, soft=(0.0, 0.1), unit="m", digits=4)
+    )
+    slack: float = field(default=0.005, metadata=number("", "Distance beyond the tolerance up to which a contact persists", 0.0, unit="m"))
+    energy: ImpactEnergy = field(
+        default=ImpactEnergy.KINETIC, metadata=choice("Energy", "The energy that a collision is judged by", ENERGIES)
+    )
+    least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
+    full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
+    refractory: float = field(default=0.1, metadata=REFRACTORY)
+    gravity: tuple[float, float, float] = field(
+        default=(0.0, 0.0, -9.81), metadata=numbers("", "Acceleration of dynamic objects that fall", 3, unit="m/s^2")
+    )
+    time_scale: float = field(default=1.0, metadata=number("", "Seconds of simulation in a second of the scene", 0.0, above=True))
+    impacts: bool = field(default=True, metadata=switch("Impacts", "Collisions make temporary sources that play the impact signal once"))
+    templates: ImpactTemplates = field(
+        default=ImpactTemplates.PLAIN, metadata=choice("Signal", "What impacts feel like", TEMPLATES, shown=ImpactTemplates.BY_MATERIAL)
+    )
+    impact_table: RuleTable[ImpactRule] = field(
+        default_factory=RuleTable,
+        metadata=part("impact_rule", f"Rules of impacts between some objects, instead of those above{_ROWS}", MOST_ROWS),
+    )
+    transmission_table: RuleTable[ModulationFunction] = field(
+        default_factory=RuleTable,
+        metadata=part(
+            "transmission_rule", f"Transmission functions of contacts that are found between some objects{_ROWS} (gain 1)", MOST_ROWS
+        ),
+    )
+    textures: RuleTable[Texture] = field(
+        default_factory=RuleTable,
+        metadata=part("texture", f"Textures of objects that slide or roll on each other{_ROWS} (silent)", MOST_ROWS),
+    )
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "energy", ImpactEnergy(self.energy))
-        object.__setattr__(self, "templates", ImpactTemplates(self.templates))
-        for key in ("tolerance", "slack"):
-            require(key, getattr(self, key))
-        if not 0 < self.time_scale < math.inf:
-            raise ValueError(f"time_scale: must be finite and > 0, got {self.time_scale!r}")
-        assert self.limits  # which are checked when they are made
-        gravity = tuple(float(g) for g in self.gravity)
-        if len(gravity) != 3 or not all(math.isfinite(g) for g in gravity):
-            raise ValueError(f"gravity: expected three finite numbers, got {self.gravity!r}")
-        object.__setattr__(self, "gravity", gravity)
+        check(self)
 
     @property
     def limits(self) -> ImpactLimits:

@@ -8,28 +8,17 @@ Noise and Vibration", 2009). The power of the force is chosen.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from .. import signals
+from .declaration import check, number, share
 
 if TYPE_CHECKING:
     from ..signals import Signal
 
 OF_FORCE, OF_SLIDING, OF_ROLLING = 0.5, 0.75, 1.5
 """Powers of force and speed in the amplitude."""
-
-RANGES = {
-    "period": (1e-5, 10.0),
-    "sliding": (0.0, 1.0),
-    "rolling": (0.0, 1.0),
-    "noise": (0.0, 1.0),
-    "bandwidth": (0.05, 4.0),
-    "stick_speed": (0.0, 100.0),
-    "full_force": (1e-3, 1e9),
-    "full_speed": (1e-3, 1e3),
-}
-"""Ranges of a texture's values."""
 
 _ROUNDING = 1e-9
 """Seconds by which a piece ends early, so that nothing of it remains in the following frame."""
@@ -47,19 +36,55 @@ class Texture:
     ``rolling`` (F / full_force)^(1/2) (v / full_speed)^(3/2) where they roll, with F newtons between them; at most sliding or rolling.
     """
 
-    period: float = 0.005
-    sliding: float = 0.5
-    rolling: float = 0.2
-    noise: float = 0.5
-    bandwidth: float = 0.5
-    stick_speed: float = 0.0
-    full_force: float = 100.0
-    full_speed: float = 1.0
+    period: float = field(
+        default=0.005,
+        metadata=number(
+            "Period", "From one ridge or grain of the surface to the next: at 1 m/s, 5 mm give 200 Hz", 1e-5, 10.0, unit="m", digits=4
+        ),
+    )
+    sliding: float = field(default=0.5, metadata=share("Sliding", "Amplitude of sliding at full force and speed"))
+    rolling: float = field(default=0.2, metadata=share("Rolling", "Amplitude of rolling at full force and speed"))
+    noise: float = field(
+        default=0.5, metadata=share("Noise", "Fraction of the power that is noise around the tone; higher for irregular surfaces")
+    )
+    bandwidth: float = field(
+        default=0.5, metadata=number("Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.05, 4.0)
+    )
+    stick_speed: float = field(
+        default=0.0,
+        metadata=number(
+            "Stick Below",
+            "Below this speed the surfaces stick and slip, the slower the more; 0: they do not",
+            0.0,
+            100.0,
+            unit="m/s",
+            digits=3,
+        ),
+    )
+    full_force: float = field(
+        default=100.0,
+        metadata=number(
+            "Full Force",
+            "Force in newtons at which the amplitude reaches its full value; it grows with the square root of the force",
+            1e-3,
+            1e9,
+            soft=(1e-3, 1e4),
+            unit="N",
+        ),
+    )
+    full_speed: float = field(
+        default=1.0,
+        metadata=number(
+            "Full Speed",
+            "Speed at which the amplitude reaches its full value; it grows with the speed to the power 3/4 for sliding, 3/2 for rolling",
+            1e-3,
+            1e3,
+            unit="m/s",
+        ),
+    )
 
     def __post_init__(self) -> None:
-        for key, (low, high) in RANGES.items():
-            if not low <= getattr(self, key) <= high:
-                raise ValueError(f"{key}: must be from {low:g} to {high:g}, got {getattr(self, key)!r}")
+        check(self)
 
     def amplitude(self, speed: float, force: float, rolls: bool) -> float:
         """Amplitude at a speed [m/s] and a force [N]; NaN, an unknown force, counts as the full force."""

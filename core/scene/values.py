@@ -18,9 +18,8 @@ from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
 from .choices import TriggerKind as TriggerKind
-from .declaration import check, choice, extras, name_of, number, numbers, switch, text
+from .declaration import MOST, check, choice, extras, name_of, number, numbers, part, share, switch, text
 from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
-from .functions.modulation import require
 from .impact_rule import require_template
 from .references import require_known, require_unique
 from .rules import ContactSettings, Motion
@@ -62,31 +61,72 @@ def _with(item: _Item, **checked: Any) -> _Item:
     return copy
 
 
+MODES = {
+    Mode.HT: ("Haptic Tracing", "Through touching objects, as their properties say"),
+    Mode.SD: ("Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
+    Mode.MD: ("All by Distance", "Every source directly to every listener, fading with distance alone"),
+    Mode.MN: ("All Alike", "Every source directly to every listener, without fading"),
+}
+STRATEGIES = {
+    Strategy.AUTO: ("Automatic", "The best path for every source, over any number of connections"),
+    Strategy.AS_IN_THE_PAPER: ("As in the Paper", "All paths for persistent sources, the best path for impacts"),
+    Strategy.BEST_PATH: ("Best Path", "Only the path that passes on most"),
+    Strategy.ALL_PATHS: ("All Paths", "The sum of everything that arrives"),
+    Strategy.ENERGY_BALANCE: ("Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles"),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """Settings of propagation. ``max_connections`` None and ``threshold`` 0 lift the limits; ``tolerance`` is the relative error requested
-    of a sum over all paths if its exact value is infeasible (0.01: 1 %). ``localise`` in [0, 1], in mode HT: the gain at all listeners but
-    the nearest to each source is multiplied by 1 - localise; at 1 only the nearest feels it."""
+    """Settings of propagation. The fields' declarations say what they are."""
 
-    mode: Mode = Mode.HT
-    strategy: Strategy = Strategy.AUTO
-    max_connections: int | None = 32
-    threshold: float = 0.001
-    epsilon: float = 0.1
-    tolerance: float = 0.01
-    localise: float = 0.0
+    mode: Mode = field(default=Mode.HT, metadata=choice("Mode", "The rendering", MODES))
+    strategy: Strategy = field(
+        default=Strategy.AUTO, metadata=choice("Strategy", "How the gain from a source to a listener is computed", STRATEGIES)
+    )
+    max_connections: int | None = field(
+        default=32,
+        metadata=number(
+            "Max Connections",
+            "Longest path, in connections through and between objects; 0 sets no limit",
+            0,
+            1_000_000,
+            soft=(0, 128),
+            whole=True,
+            optional=True,
+        ),
+    )
+    threshold: float = field(
+        default=0.001,
+        metadata=share(
+            "Threshold", "A path ends where its gain falls below this part of the source; 0 sets no limit", soft=(0.0, 0.1), digits=4
+        ),
+    )
+    epsilon: float = field(
+        default=0.1,
+        metadata=number(
+            "Epsilon (ε)",
+            "Least attenuation per metre, also of materials that would transmit without loss. The paper's ε",
+            0.0,
+            soft=(0.0, 1.0),
+            unit="1/m",
+            digits=3,
+        ),
+    )
+    tolerance: float = field(
+        default=0.01, metadata=number("", "Relative error requested of a sum over paths whose exact value is infeasible", 0.0)
+    )
+    localise: float = field(
+        default=0.0,
+        metadata=share(
+            "Localise",
+            "Blends from propagation through touching objects (0) to the nearest listener of each source alone (1). "
+            "Some participants of the paper's study preferred to feel a source in one place",
+        ),
+    )
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mode", Mode(self.mode))
-        object.__setattr__(self, "strategy", Strategy(self.strategy))
-        if self.max_connections is not None:
-            if self.max_connections < 0:
-                raise ValueError(f"max_connections: must be 0 or more, or None, got {self.max_connections!r}")
-            object.__setattr__(self, "max_connections", int(self.max_connections))
-        for key in ("threshold", "localise"):
-            _unit_interval(key, getattr(self, key))
-        for key in ("epsilon", "tolerance"):
-            require(key, getattr(self, key))
+        check(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,34 +146,57 @@ class Pose:
         object.__setattr__(self, "rotation", rotation if abs(length - 1) < 1e-12 else tuple(v / length for v in rotation))
 
 
+KAPPA = share(
+    "Kappa (κ)",
+    "A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's transmissibility: as its "
+    "function is published, only (1 - κ) ρ counts",
+    digits=3,
+    shown=0.1,
+)
+RHO = share(
+    "Rho (ρ)",
+    "A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's density coefficient",
+    digits=3,
+    shown=0.9,
+)
+MOTIONS = {
+    Motion.STATIC: ("", "Nothing"),
+    Motion.KINEMATIC: ("", "Animation"),
+    Motion.DYNAMIC: ("", "The simulation"),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class HapticObject:
-    """An object that transmits haptic signals. ``kappa`` and ``rho`` in [0, 1]. Contacts are found from ``shape`` (`core.contacts.shapes`)
-    and ``pose``. ``impact_material``: key of `IMPACT_MATERIALS` for the signal of its impacts, "" if unknown. ``material``: name of its
-    material in the library, for rule tables."""
+    """An object that transmits haptic signals. ``shape``: see `core.contacts.shapes`. ``impact_material``: a key of `IMPACT_MATERIALS`."""
 
-    name: str
-    kappa: float
-    rho: float
-    propagation: ModulationFunction = field(default_factory=HapticTracing)
-    shape: Any = None
-    pose: Pose | None = None
-    mass: float | None = None
-    medium: bool = False
-    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    motion: Motion = Motion.DYNAMIC
-    impact_material: str = ""
-    material: str = ""
+    name: str = field(metadata=name_of("Name, unique among objects"))
+    kappa: float = field(metadata=KAPPA)
+    rho: float = field(metadata=RHO)
+    propagation: ModulationFunction = field(
+        default_factory=HapticTracing, metadata=part("function", "Gain between two points of the object; default haptic_tracing")
+    )
+    shape: Any = field(
+        default=None, metadata=part("body_shape", "Collision shape from which contacts are found; none are found without it")
+    )
+    pose: Pose | None = field(
+        default=None, metadata=part("pose", "Position and rotation in the world; default: at the origin, not rotated")
+    )
+    mass: float | None = field(default=None, metadata=number("", "Mass, for the energy of impacts", 0.0, 1e15, unit="kg", optional=True))
+    medium: bool = field(
+        default=False, metadata=switch("Medium", "A volume such as air or water: it touches everything that it overlaps", context="Haptics")
+    )
+    extras: Mapping[str, Any] = extras()
+    motion: Motion = field(default=Motion.DYNAMIC, metadata=choice("", "What moves the object", MOTIONS))
+    impact_material: str = field(
+        default="", metadata=part("impact_material", "Material of the signal of the object's impacts; empty: unknown")
+    )
+    material: str = field(default="", metadata=text("", "Name of the material that the object is made of, for tables of rules"))
 
     def __post_init__(self) -> None:
-        _name("name", self.name)
-        object.__setattr__(self, "motion", Motion(self.motion))
+        check(self)
         if self.impact_material and self.impact_material not in signals.IMPACT_MATERIALS:
             raise ValueError(f"impact_material: {self.impact_material!r} is not one of {', '.join(signals.IMPACT_MATERIALS)}")
-        _unit_interval("kappa", self.kappa)
-        _unit_interval("rho", self.rho)
-        if self.mass is not None and not 0 <= self.mass < math.inf:
-            raise ValueError(f"mass: must be finite and >= 0 kg, got {self.mass!r}")
 
 
 _IDENTITY = Identity()  # one for all contacts: recordings have hundreds of thousands
@@ -148,15 +211,19 @@ class Contact:
     vector from the first object to the second.
     """
 
-    objects: tuple[str, str]
-    positions: tuple[Vector, Vector]
-    transmission: ModulationFunction = _IDENTITY
-    area: float = 0.0
-    normal: Vector = (0.0, 0.0, 1.0)
-    depth: float = 0.0
-    share: float = 1.0
-    weight: float = 1.0
-    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    objects: tuple[str, str] = field(metadata=part("pair", "Names of the two objects that touch"))
+    positions: tuple[Vector, Vector] = field(metadata=part("positions", "Position of the contact on the first and on the second object"))
+    transmission: ModulationFunction = field(
+        default=_IDENTITY, metadata=part("function", "Gain between the two positions, by their distance; default identity")
+    )
+    area: float = field(default=0.0, metadata=number("", "Area of the patch", 0.0, 1e15, unit="m^2"))
+    normal: Vector = field(default=(0.0, 0.0, 1.0), metadata=numbers("", "Direction from the first object to the second", 3))
+    depth: float = field(default=0.0, metadata=number("", "Penetration", -MOST, unit="m"))
+    share: float = field(default=1.0, metadata=number("", "Fraction of its patch; the shares of a pair's contacts add up to 1", 0.0, 1.0))
+    weight: float = field(
+        default=1.0, metadata=number("", "Factor of the contact's gain; less than 1 if the surfaces are near but do not touch", 0.0, 1.0)
+    )
+    extras: Mapping[str, Any] = extras()
 
     def __post_init__(self) -> None:
         first, second = self.objects
@@ -208,32 +275,60 @@ class Trigger:
                 raise ValueError(f"size: must be 0 or more, got {self.size!r}")
 
 
+SOURCE_KINDS = {
+    SourceKind.PERSISTENT: ("", "It plays on"),
+    SourceKind.TEMPORARY: ("", "It ends with its signal, as those of impacts do"),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Source:
     """Emits a signal. A source of an impact, or of sliding or rolling, also excites ``second_object``, the other side of its contact. A
     source with ``triggers`` plays its signal only once per trigger; None: it plays without triggers."""
 
-    name: str
-    object: str
-    position: Vector = (0.0, 0.0, 0.0)
-    amplitude: float = 1.0
-    kind: SourceKind = SourceKind.PERSISTENT
-    signal: Signal | None = None
-    second_object: str | None = None
-    second_position: Vector | None = None
-    onset: float = 0.0
-    priority: float = 1.0
-    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    triggers: tuple[Trigger, ...] | None = None
+    name: str = field(metadata=name_of("Name, unique among sources"))
+    object: str = field(metadata=name_of("Name of the source's object"))
+    position: Vector = field(default=(0.0, 0.0, 0.0), metadata=numbers("", "Position of the source", 3, unit="m", required=True))
+    amplitude: float = field(default=1.0, metadata=share("Amplitude", "Strength of the emitted signal; can be animated"))
+    kind: SourceKind = field(default=SourceKind.PERSISTENT, metadata=choice("", "How long it lasts", SOURCE_KINDS))
+    signal: Signal | None = field(
+        default=None, metadata=part("signal", "Its signal; default a hum for persistent sources, a knock for temporary ones")
+    )
+    second_object: str | None = field(
+        default=None,
+        metadata=name_of(
+            "The other side of the contact that made the source: by an impact (temporary), or by sliding or rolling (persistent)",
+            optional=True,
+        ),
+    )
+    second_position: Vector | None = field(
+        default=None,
+        metadata=numbers("", "Position of the source on its second object; default that on the first", 3, unit="m", optional=True),
+    )
+    onset: float = field(default=0.0, metadata=number("", "When its signal begins", 0.0, unit="s"))
+    priority: float = field(
+        default=1.0,
+        metadata=number(
+            "Priority",
+            "Weight of this source where a listener mixes by priority; where one ducks, higher ones turn lower ones down",
+            0.0,
+            soft=(0.0, 10.0),
+        ),
+    )
+    extras: Mapping[str, Any] = extras()
+    triggers: tuple[Trigger, ...] | None = field(
+        default=None,
+        metadata=part(
+            "trigger",
+            "Triggers, each of which plays its signal once; without any, the source is always active. The signal lasts a minute at most",
+            1000,
+        ),
+    )
 
     def __post_init__(self) -> None:
-        _name("name", self.name)
-        _name("object", self.object)
-        object.__setattr__(self, "kind", SourceKind(self.kind))
-        object.__setattr__(self, "position", _finite_vector("position", self.position))
-        _unit_interval("amplitude", self.amplitude)
-        if self.second_object is not None:
-            object.__setattr__(self, "second_position", _finite_vector("second_position", self.second_position or self.position))
+        if self.second_object is not None and self.second_position is None:
+            object.__setattr__(self, "second_position", self.position)
+        check(self)
         if self.triggers is not None:
             require_template("signal", self.emitted)
 

@@ -1,11 +1,11 @@
 """What properties repeat of the core, so that registering them does not load it, is what the core has."""
 
-from haptic_tracing.addon.properties import function
 from haptic_tracing.addon.properties.live_output import HapticDeviceProperties
 from haptic_tracing.addon.properties.object import HapticObjectProperties
 from haptic_tracing.core.devices.profiles import EARLIEST
 from haptic_tracing.core.modalities import MODALITIES
-from haptic_tracing.core.scene.functions import FUNCTIONS, function_from_dict
+from haptic_tracing.core.scene.declaration import declared
+from haptic_tracing.core.scene.functions import ALL_FUNCTIONS, FUNCTIONS
 
 
 def test_objects_offer_the_functions_of_vibration_in_the_cores_order():
@@ -16,10 +16,11 @@ def test_objects_offer_the_functions_of_vibration_in_the_cores_order():
 def test_every_function_of_a_modality_has_a_title_and_its_parameters_are_properties():
     for modality in MODALITIES.values():
         for name in modality.functions:
-            assert function.FUNCTIONS[name]
-    for name, parameters in function.PARAMETERS.items():
-        assert set(parameters) <= set(function_from_dict({"function": name}).to_dict())
-        assert all(own in HapticObjectProperties.bl_rna.properties for own in parameters.values())
+            assert ALL_FUNCTIONS[name].label and ALL_FUNCTIONS[name].about
+    for function in FUNCTIONS.values():
+        held = HapticObjectProperties.held.get(function, {})
+        assert held.keys() == declared(function).keys()
+        assert all(name in HapticObjectProperties.bl_rna.properties for name in held.values())
 
 
 def test_a_device_is_brought_forward_by_what_the_core_allows():

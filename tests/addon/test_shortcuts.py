@@ -8,7 +8,7 @@ import bpy
 import haptic_tracing
 import pytest
 from haptic_tracing.addon.panels import object_menus, preferences
-from haptic_tracing.addon.properties.scene import MODE_ITEMS
+from haptic_tracing.core.scene.values import MODES
 
 _spec = importlib.util.spec_from_file_location("recording_layout_of_shortcuts", Path(__file__).parent / "recording_layout.py")
 recording_layout = importlib.util.module_from_spec(_spec)
@@ -63,14 +63,14 @@ def test_they_are_taken_away():
     assert len(own_items()) == 4
 
 
-@pytest.mark.parametrize("mode", [mode for mode, *_ in MODE_ITEMS])
+@pytest.mark.parametrize("mode", list(map(str, MODES)))
 def test_the_mode_menu_offers_every_mode_and_marks_the_current_one(scene, mode):
     scene.haptics.mode = mode
     pie = recording_layout.RecordingLayout()
     object_menus.HAPTIC_MT_mode_pie.draw(SimpleNamespace(layout=pie), bpy.context)
     assert pie.operators == ["haptic.set_mode"] * 4
-    assert pie.labels == [f"{title} ({name})" for name, title, _ in MODE_ITEMS]
-    assert [icon == "RADIOBUT_ON" for icon in pie.operator_icons] == [name == mode for name, *_ in MODE_ITEMS]
+    assert pie.labels == [f"{title} ({name})" for name, (title, _) in MODES.items()]
+    assert [icon == "RADIOBUT_ON" for icon in pie.operator_icons] == [name == mode for name in MODES]
 
 
 def test_preferences_list_them_where_they_can_be_changed(monkeypatch):

@@ -7,18 +7,35 @@ from pathlib import Path
 from typing import Any
 
 from ...scene.declaration import schema_of
-from ...scene.values import Listener
+from ...scene.impact_rule import ImpactLimits, ImpactRule
+from ...scene.library import LibraryMaterial
+from ...scene.rules import ContactSettings
+from ...scene.texture import Texture
+from ...scene.values import Contact, HapticObject, Listener, Settings, Source
 
 SCENE = "haptic-scene-1.1"
 """The name of the schema."""
 
-DEFINED: dict[str, type] = {"listener": Listener}
+DEFINED: dict[str, type] = {
+    "settings": Settings,
+    "rules": ContactSettings,
+    "impact_rule": ImpactRule,
+    "impact_limits": ImpactLimits,
+    "texture": Texture,
+    "object": HapticObject,
+    "contact": Contact,
+    "source": Source,
+    "listener": Listener,
+    "material": LibraryMaterial,
+}
 """The classes of the items by the names of their definitions."""
 
 
 def scene_schema() -> dict[str, Any]:
     """The schema as a JSON document."""
     document: dict[str, Any] = json.loads(Path(__file__).with_name("scene_outline.json").read_text("utf-8"))
+    definitions = document["$defs"]
     for name, cls in DEFINED.items():
-        document["$defs"][name] |= schema_of(cls)
+        outline, item = definitions[name], schema_of(cls)
+        definitions[name] = {**outline, **item, "properties": {**outline.get("properties", {}), **item["properties"]}}
     return document

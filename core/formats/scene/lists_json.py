@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...scene.bands import BAND_COUNT
+from ...scene.library import LibraryMaterial
 from ...scene.references import Place, require_known, require_unique
 from ...scene.values import HapticScene
 from ..io.error import errors_in
@@ -57,23 +57,6 @@ def _actuators(form: Mapping[str, Any], listeners: set[str], place: Place) -> It
     for k, item in enumerate(form.get("actuators", [])):
         require_known(item["listener"], listeners, "listener", (*place, "actuators", k, "listener"))
         yield ActuatorMapping(item["actuator"], item["listener"], item.get("gain", 1.0))
-
-
-@dataclass(frozen=True, slots=True)
-class LibraryMaterial:
-    """A haptic material.
-
-    ``wave_speed`` [m/s] is used if ``use_delay``, ``band_decays`` [1/m] if ``use_bands``; ``conductivity`` in W/(m K).
-    """
-
-    name: str
-    kappa: float
-    rho: float
-    use_delay: bool = False
-    wave_speed: float = 0.0
-    use_bands: bool = False
-    band_decays: tuple[float, ...] = (0.0,) * BAND_COUNT
-    conductivity: float = 1.0
 
 
 def materials_from_dict(document: Mapping[str, Any], file: str | Path) -> tuple[LibraryMaterial, ...]:

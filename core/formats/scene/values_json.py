@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache, partial
 from typing import Any, TypeVar
@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...contacts.shapes import Shape, shape_from_dict
-from ...scene.declaration import default_of
+from ...scene.declaration import declared, default_of
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.references import Place, PlacedError
@@ -120,15 +120,16 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
 
 
 def item_to_dict(item: Any) -> dict[str, Any]:
-    """The JSON object of an item: positions always, other values where they differ from their default."""
+    """The JSON object of an item: required values, and others where they differ from their default."""
     values = ((name, getattr(item, name), default) for name, default in _defaults(item.__class__).items())
-    return {name: json_value(value) for name, value, default in values if value != default or name == "position"}
+    return {name: json_value(value) for name, value, default in values if value != default}
 
 
 @cache
 def _defaults(cls: type) -> Mapping[str, Any]:
-    """The defaults of the fields of a class, `MISSING` for a field without one."""
-    return {entry.name: default_of(cls, entry.name) for entry in fields(cls)}
+    """The defaults of the fields of a class, `MISSING` for a field that is always written."""
+    required = {name for name, declaration in declared(cls).items() if declaration.required}
+    return {entry.name: MISSING if entry.name in required else default_of(cls, entry.name) for entry in fields(cls)}
 
 
 def _does_to_dict(does: ImpactRule | ModulationFunction | Texture) -> dict[str, Any]:

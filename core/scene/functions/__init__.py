@@ -9,4 +9,4 @@ from .contacts import Impedance, NormalForce, Resilient
 from .expression import MIXING_VARIABLES, compile_expression
 from .modulation import Conduction, Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum
 from .physical import Physical, Wave
-from .registry import FUNCTIONS, TRANSMISSIONS, function_from_dict
+from .registry import ALL_FUNCTIONS, FUNCTIONS, TRANSMISSIONS, function_from_dict

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ..bands import BAND_CENTRES
+from ..declaration import number
 from .modulation import ModulationFunction, OnContact, Value
 
 
@@ -18,7 +18,8 @@ class Impedance(ModulationFunction):
     """``2 sqrt(Z1 Z2) / (Z1 + Z2)``: the square root of the transmitted power at the interface of two materials with impedance ``Z =
     density speed``. 1 if either is unknown (`ModulationFunction.impedance`)."""
 
-    name: ClassVar[str] = "impedance"
+    name, label = "impedance", "Impedance"
+    about = "2 √(Z1 Z2) / (Z1 + Z2), Z density times speed, of two physical materials; else everything"
 
     def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         return np.ones(np.shape(distance)) * (contact or {}).get("match", 1.0)
@@ -35,12 +36,38 @@ class Resilient(ModulationFunction):
     stiffness: N/m. load: kg. fall_off: decibels per octave far above the resonance; 12 is the spring's own.
     """
 
-    name: ClassVar[str] = "resilient"
-    positive: ClassVar[tuple[str, ...]] = ("stiffness", "load")
-    stiffness: float = 1e5
-    load: float = 10.0
-    loss_factor: float = 0.2
-    fall_off: float = 12.0
+    name, label = "resilient", "Resilient Layer"
+    about = "Transmissibility of a mass on a spring: everything up to its resonance, less and less above it"
+    stiffness: float = field(
+        default=1e5,
+        metadata=number(
+            "Stiffness",
+            "Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000",
+            0.0,
+            1e15,
+            soft=(1e-3, 1e8),
+            unit="N/m",
+            above=True,
+        ),
+    )
+    load: float = field(
+        default=10.0, metadata=number("Load", "Mass that the layer carries", 0.0, 1e15, soft=(1e-6, 1e4), unit="kg", above=True)
+    )
+    loss_factor: float = field(
+        default=0.2,
+        metadata=number(
+            "Loss Factor",
+            "Damping of the layer: rubber 0.1, foam 0.2; a greater one softens the resonance and passes more far above it",
+            0.0,
+            soft=(0.0, 1.0),
+        ),
+    )
+    fall_off: float = field(
+        default=12.0,
+        metadata=number(
+            "Fall-Off", "Loss per octave far above the resonance, in decibels; 12 for a spring", 0.0, 1e3, soft=(0.0, 48.0), unit="dB"
+        ),
+    )
 
     @property
     def resonance(self) -> float:
@@ -59,7 +86,7 @@ class Resilient(ModulationFunction):
     def band_gains(self) -> tuple[float, ...]:
         """The gain of each band relative to the highest one."""
         bands = np.array([self.transmissibility(centre) for centre in BAND_CENTRES])
-        return tuple((bands / bands.max() * np.array(self.spectrum.band_gains or 1.0)).tolist())
+        return tuple((bands / (bands.max() or 1.0) * np.array(self.spectrum.band_gains or 1.0)).tolist())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,10 +94,16 @@ class NormalForce(ModulationFunction):
     """``(force / reference) ** exponent``, at most 1: an exponent of 1/3 follows the stiffness of smooth round bodies (Hertz), 1 that of
     rough ones (Greenwood and Williamson). reference: newtons. The gain is 1 if the force is unknown."""
 
-    name: ClassVar[str] = "normal_force"
-    positive: ClassVar[tuple[str, ...]] = ("reference",)
-    reference: float = 10.0
-    exponent: float = 1 / 3
+    name, label = "normal_force", "Pressing Force"
+    about = "(F / reference)^exponent, at most 1, with the force that presses resting objects together"
+    reference: float = field(
+        default=10.0,
+        metadata=number("Reference", "Force in newtons from which on everything passes", 0.0, 1e15, soft=(1e-6, 1e4), unit="N", above=True),
+    )
+    exponent: float = field(
+        default=1 / 3,
+        metadata=number("Exponent", "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones", 0.0, 1e3, soft=(0.0, 4.0), digits=3),
+    )
 
     @property
     def uses_force(self) -> bool:

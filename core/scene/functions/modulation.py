@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import Any, ClassVar
 
@@ -17,12 +17,28 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray
 from ..bands import BAND_COUNT
 from ..coefficients import transfer_coefficient
-from .expression import CompiledExpression, compile_expression
+from ..declaration import check, declared, number, numbers, text
+from .expression import MAX_LENGTH, CompiledExpression, compile_expression
 from .interval import Interval
 
 Value = float | FloatArray
 OnContact = Mapping[str, Value] | None
 """Quantities of a contact by the names of the variables of expressions."""
+
+
+BAND_DECAYS = numbers(
+    "Band Attenuation",
+    "Extra attenuation per metre in this band of frequencies; 0 adds none",
+    BAND_COUNT,
+    0.0,
+    soft=(0.0, 5.0),
+    digits=3,
+    optional=True,
+)
+WAVE_SPEED = number(
+    "Wave Speed", "Speed of vibration in this material; 0 passes signals on without delay", 0.0, soft=(0.0, 5000.0), unit="m/s"
+)
+CONDUCTIVITY = number("Conductivity", "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15", 0.01, 500.0, unit="W/(m·K)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,21 +50,15 @@ class Spectrum:
     ``wave_speed``: metres per second; the connection delays by ``d / wave_speed``. 0 means no delay.
     """
 
-    band_gains: tuple[float, ...] = ()
-    band_decays: tuple[float, ...] = ()
-    wave_speed: float = 0.0
+    band_gains: tuple[float, ...] = field(
+        default=(),
+        metadata=numbers("", "Factor per frequency band, applied once per connection; default 1 each", BAND_COUNT, 0.0, 1.0, optional=True),
+    )
+    band_decays: tuple[float, ...] = field(default=(), metadata=BAND_DECAYS)
+    wave_speed: float = field(default=0.0, metadata=WAVE_SPEED)
 
     def __post_init__(self) -> None:
-        for key in ("band_gains", "band_decays"):
-            values = getattr(self, key)
-            if values and len(values) != BAND_COUNT:
-                raise ValueError(f"{key}: expected {BAND_COUNT} values, one per frequency band, got {len(values)}")
-        if any(not 0 <= value <= 1 for value in self.band_gains):
-            raise ValueError("band_gains: every value must lie in [0, 1]")
-        if any(not 0 <= value < math.inf for value in self.band_decays):
-            raise ValueError("band_decays: every value must be finite and >= 0")
-        if not 0 <= self.wave_speed < math.inf:
-            raise ValueError("wave_speed: must be finite and >= 0 m/s (0: no delay)")
+        check(self)
 
     @property
     def is_plain(self) -> bool:
@@ -68,9 +78,9 @@ def require(key: str, value: float) -> None:
 
 
 @cache
-def parameters_of(cls: type[ModulationFunction]) -> Mapping[str, Field[Any]]:
-    """The parameters of a function by their keys in files."""
-    return {entry.metadata.get("key", entry.name): entry for entry in fields(cls) if entry.init and entry.name != "spectrum"}
+def parameters_of(cls: type[ModulationFunction]) -> Mapping[str, str]:
+    """The fields of a function's parameters by their keys in files."""
+    return {declaration.key or name: name for name, declaration in declared(cls).items()}  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,16 +88,14 @@ class ModulationFunction:
     """Base of all modulation functions. Immutable, hashable, compared by content."""
 
     name: ClassVar[str] = ""
-    positive: ClassVar[tuple[str, ...]] = ()
-    """Parameters that must be greater than 0; all are finite and 0 or more."""
+    label: ClassVar[str] = ""
+    """The function's name in menus."""
+    about: ClassVar[str] = ""
+    """What it computes, as the menu says."""
     spectrum: Spectrum = field(default_factory=Spectrum)
 
     def __post_init__(self) -> None:
-        for key, entry in parameters_of(type(self)).items():  # type: ignore[arg-type]
-            if entry.type == "float":
-                require(key, getattr(self, entry.name))
-                if entry.name in self.positive and getattr(self, entry.name) == 0:
-                    raise ValueError(f"{key}: must be greater than 0")
+        check(self)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
         """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of `spreading_law`; None for another form."""
@@ -146,7 +154,7 @@ class ModulationFunction:
 
     def to_dict(self) -> dict[str, Any]:
         """The form of the scene file: ``{"function": name, parameters...}``."""
-        values = {key: getattr(self, entry.name) for key, entry in parameters_of(type(self)).items()}  # type: ignore[arg-type]
+        values = {key: getattr(self, name) for key, name in parameters_of(type(self)).items()}  # type: ignore[arg-type]
         return {"function": self.name, **values, **self.spectrum.to_dict()}
 
 
@@ -154,7 +162,7 @@ class ModulationFunction:
 class Identity(ModulationFunction):
     """Gain 1. The default of inter-connections."""
 
-    name: ClassVar[str] = "identity"
+    name, label, about = "identity", "Identity", "Passes everything on unchanged"
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return 1.0, 0.0
@@ -164,8 +172,8 @@ class Identity(ModulationFunction):
 class Constant(ModulationFunction):
     """The same gain over any distance."""
 
-    name: ClassVar[str] = "constant"
-    gain_value: float = field(default=0.5, metadata={"key": "gain"})
+    name, label, about = "constant", "Constant", "The same gain over any distance"
+    gain_value: float = field(default=0.5, metadata=number("Gain", "The gain over any distance", 0.0, soft=(0.0, 1.0), key="gain"))
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return self.gain_value, 0.0
@@ -175,8 +183,13 @@ class Constant(ModulationFunction):
 class Exponential(ModulationFunction):
     """``exp(-alpha d)``; alpha = 0.2 is the distance-only function of the paper (equation 4)."""
 
-    name: ClassVar[str] = "exponential"
-    alpha: float = 0.2
+    name, label, about = "exponential", "Exponential", "e^(-α d): fades with distance alone"
+    alpha: float = field(
+        default=0.2,
+        metadata=number(
+            "Alpha", "Attenuation per metre; 0.2 is the paper's distance-only function", 0.0, soft=(0.0, 5.0), unit="1/m", digits=3
+        ),
+    )
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return 1.0, self.alpha
@@ -186,7 +199,8 @@ class Exponential(ModulationFunction):
 class HapticTracing(ModulationFunction):
     """``K exp(-max(K, epsilon) d)`` with ``K = (1 - kappa) rho``: the paper's propagation function (equation 2). The default of objects."""
 
-    name: ClassVar[str] = "haptic_tracing"
+    name, label = "haptic_tracing", "Haptic Tracing"
+    about = "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         k = transfer_coefficient(kappa, rho)
@@ -208,12 +222,14 @@ class HapticTracing(ModulationFunction):
 class Linear(ModulationFunction):
     """``max(0, 1 - d / range)``."""
 
-    name: ClassVar[str] = "linear"
-    positive: ClassVar[tuple[str, ...]] = ("range",)
-    range: float = 10.0
+    name, label, about = "linear", "Linear", "1 - d / range: silent from the range on"
+    range: float = field(
+        default=10.0, metadata=number("Range", "Distance from which on nothing is felt", 0.0, soft=(0.001, 100.0), unit="m", above=True)
+    )
 
     def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
-        return np.asarray(np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range))
+        with np.errstate(over="ignore"):  # of a range near 0
+            return np.asarray(np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range))
 
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return max(0.0, 1.0 - max_distance / self.range), 1.0
@@ -227,8 +243,17 @@ class Expression(ModulationFunction):
     ``exp(-d)``.
     """
 
-    name: ClassVar[str] = "expression"
-    expression: str = "x * exp(-0.2 * d)"
+    name, label, about = "expression", "Expression", "Your own formula of x, d, kappa, rho, epsilon"
+    expression: str = field(
+        default="x * exp(-0.2 * d)",
+        metadata=text(
+            "Expression",
+            "Formula of x (the signal), d (metres), kappa, rho, epsilon. "
+            "Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
+            least=1,
+            most=MAX_LENGTH,
+        ),
+    )
     compiled: CompiledExpression = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -268,11 +293,13 @@ class Conduction(ModulationFunction):
     air.
     """
 
-    name: ClassVar[str] = "conduction"
-    positive: ClassVar[tuple[str, ...]] = ("conductivity", "thickness")
-    conductivity: float = 1.0
-    thickness: float = 0.1
-    exchange: float = 10.0
+    name, label = "conduction", "Conduction"
+    about = "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"
+    conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)
+    thickness: float = field(default=0.1, metadata=number("Thickness", "Extent perpendicular to the heat flow", 0.0, unit="m", above=True))
+    exchange: float = field(
+        default=10.0, metadata=number("Heat Loss", "What a face gives off to air: 5 still, 10 a calm room, 25 wind", 0.0, unit="W/(m²·K)")
+    )
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return 1.0, math.sqrt(2.0 * self.exchange / (self.conductivity * self.thickness))

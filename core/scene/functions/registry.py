@@ -6,7 +6,18 @@ from collections.abc import Mapping
 from typing import Any
 
 from .contacts import Impedance, NormalForce, Resilient
-from .modulation import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum, parameters_of
+from .modulation import (
+    Conduction,
+    Constant,
+    Exponential,
+    Expression,
+    HapticTracing,
+    Identity,
+    Linear,
+    ModulationFunction,
+    Spectrum,
+    parameters_of,
+)
 from .physical import Physical
 
 FUNCTIONS: dict[str, type[ModulationFunction]] = {
@@ -15,6 +26,8 @@ FUNCTIONS: dict[str, type[ModulationFunction]] = {
 """Those of objects."""
 TRANSMISSIONS: dict[str, type[ModulationFunction]] = {**FUNCTIONS, **{cls.name: cls for cls in (Impedance, Resilient, NormalForce)}}
 """Those of contacts."""
+ALL_FUNCTIONS: dict[str, type[ModulationFunction]] = {**TRANSMISSIONS, Conduction.name: Conduction}
+"""Those of all modalities."""
 _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 
 
@@ -31,7 +44,7 @@ def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[Mod
     arguments: dict[str, Any] = {}
     for key, value in form.items():
         if key in parameters:
-            arguments[parameters[key].name] = value
+            arguments[parameters[key]] = value
         elif key not in ("function", *_SPECTRUM_KEYS):
             raise ValueError(f"{key}: unknown parameter of function {name!r}")
     spectrum = Spectrum(

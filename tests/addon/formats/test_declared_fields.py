@@ -5,27 +5,52 @@ import json
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.core.scene.declaration import Choice, Number, Switch, Text, declared, default_of, shown
-from haptic_tracing.core.scene.values import Listener
+from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.scene.declaration import Choice, Number, Numbers, Switch, Text, declared, default_of, shown
+from haptic_tracing.core.scene.functions import FUNCTIONS, TRANSMISSIONS
+from haptic_tracing.core.scene.impact_rule import ImpactLimits, ImpactRule
+from haptic_tracing.core.scene.library import LibraryMaterial
+from haptic_tracing.core.scene.rules import ContactSettings
+from haptic_tracing.core.scene.texture import Texture
+from haptic_tracing.core.scene.values import HapticObject, Listener, Settings, Source
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scene_files import exported, imported
 
-FEW = settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-HELD = [(Listener, lambda: bpy.data.objects["seat"].haptics.listener)]
-ITEMS = {Listener: "listeners"}
-
-
-@pytest.fixture
-def plain():
-    """A scene with an item of each kind."""
-    return {
-        "format": "haptic-scene",
-        "version": "1.1",
-        "objects": [{"name": "floor", "kappa": 0.1, "rho": 0.9, "shape": {"type": "box", "size": [2, 2, 0.1]}}],
-        "sources": [{"name": "drill", "object": "floor", "position": [0.5, 0, 0.05]}],
-        "listeners": [{"name": "seat", "object": "floor", "position": [0, 0, 0.05]}],
-    }
+FEW = settings(max_examples=20, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+PLAIN = {
+    "format": "haptic-scene",
+    "version": "1.1",
+    "settings": {},
+    "rules": {
+        "impact_table": [{"limits": {"refractory": 0.2}}],
+        "transmission_table": [{"transmission": {"function": "resilient"}}],
+        "textures": [{"between": [{"material": "steel"}]}],
+    },
+    "objects": [{"name": "floor", "kappa": 0.1, "rho": 0.9, "shape": {"type": "box", "size": [2, 2, 0.1]}}],
+    "sources": [{"name": "drill", "object": "floor", "position": [0.5, 0, 0.05]}],
+    "listeners": [{"name": "seat", "object": "floor", "position": [0, 0, 0.05]}],
+    "materials": [{"name": "steel", "kappa": 0.1, "rho": 0.9}],
+}
+PLACES = {
+    Settings: (("settings",), lambda: bpy.context.scene.haptics),
+    ContactSettings: (("rules",), lambda: bpy.context.scene.haptics),
+    ImpactRule: (("rules", "impact_table", 0), lambda: bpy.context.scene.haptics.impact_table.items[0]),
+    ImpactLimits: (("rules", "impact_table", 0, "limits"), lambda: bpy.context.scene.haptics.impact_table.items[0]),
+    Texture: (("rules", "textures", 0), lambda: bpy.context.scene.haptics.textures.items[0]),
+    HapticObject: (("objects", 0), lambda: bpy.data.objects["floor"].haptics),
+    Source: (("sources", 0), lambda: bpy.data.objects["drill"].haptics.source),
+    Listener: (("listeners", 0), lambda: bpy.data.objects["seat"].haptics.listener),
+    LibraryMaterial: (("materials", 0), lambda: bpy.context.scene.haptics.materials.items["steel"]),
+    **{cls: (("objects", 0, "propagation"), lambda: bpy.data.objects["floor"].haptics) for cls in FUNCTIONS.values()},
+    **{
+        cls: (("rules", "transmission_table", 0, "transmission"), lambda: bpy.context.scene.haptics.transmission_table.items[0])
+        for name, cls in TRANSMISSIONS.items()
+        if name not in FUNCTIONS
+    },
+}
+"""By class, where an item of it is in a file, and the properties that hold it."""
+DECLARED = [cls for cls in PLACES if shown(cls)]
 
 
 def there_and_back(document, folder):
@@ -35,20 +60,27 @@ def there_and_back(document, folder):
     return json.loads(exported(folder / "b.json"))
 
 
-@pytest.mark.parametrize(("cls", "group"), HELD, ids=lambda part: getattr(part, "__name__", ""))
-def test_properties_have_the_range_the_words_and_the_choices_of_their_fields(plain, tmp_path, cls, group):
-    there_and_back(plain, tmp_path)
-    owner = group()
+def at(document, place):
+    for key in place:
+        document = document[key]
+    return document
+
+
+@pytest.mark.parametrize("cls", DECLARED, ids=lambda cls: cls.__name__)
+def test_properties_have_the_range_the_words_and_the_choices_of_their_fields(tmp_path, cls):
+    there_and_back(PLAIN, tmp_path)
+    owner = PLACES[cls][1]()
     assert owner.held[cls].keys() == shown(cls).keys()
     for key, name in owner.held[cls].items():
         found, field = owner.bl_rna.properties[name], declared(cls)[key]
-        assert found.description == field.about and found.name.startswith(field.label)
+        assert found.description == field.about and found.name.startswith(field.label.removesuffix(")"))
         match field:
             case Number():
-                assert found.hard_max == np.float32(field.high)
+                most = np.float32(field.high)
+                assert found.hard_max == most if not field.whole else found.hard_max == field.high
                 assert found.hard_min == np.float32(field.low) or (field.above and 0 < found.hard_min < 1e-30)
                 if field.soft:
-                    assert (found.soft_min, found.soft_max) == tuple(map(np.float32, field.soft))
+                    assert found.soft_max == np.float32(field.soft[1])
             case Choice():
                 assert [item.name for item in found.enum_items] == [label for label, _ in field.items.values()]
 
@@ -56,57 +88,64 @@ def test_properties_have_the_range_the_words_and_the_choices_of_their_fields(pla
 def values_of(field, default):
     """Values of a field as files may have them: its limits, and numbers with all digits."""
     match field:
+        case Numbers():
+            return st.lists(
+                st.sampled_from([field.low, field.high]) | st.floats(field.low, min(field.high, 10)),
+                min_size=field.count,
+                max_size=field.count,
+            )
         case Number(whole=True):
             return st.sampled_from([int(field.low), int(field.high)]) | st.integers(int(field.low), int(field.high))
         case Number():
-            low = float(np.nextafter(field.low, field.high)) if field.above else field.low
-            return (
-                st.sampled_from([low, field.high])
-                | st.floats(low, field.high, exclude_min=field.above)
-                | st.floats(low, min(field.high, 10))
-            )
+            low = 1e-30 if field.above else field.low  # whose reciprocal is a number
+            return st.sampled_from([low, field.high]) | st.floats(low, field.high) | st.floats(low, min(field.high, 10))
         case Switch():
             return st.booleans()
         case Choice():
             return st.sampled_from(list(map(str, field.items)))
         case Text():
             return st.just(default)
-    return None
+    raise AssertionError(field)
 
 
 @st.composite
 def items(draw, cls):
-    drawn = {key: values_of(field, default_of(cls, key)) for key, field in shown(cls).items()}
-    item = {key: draw(values) for key, values in drawn.items()}
+    """The declared values of an item as a file has them."""
+    item = {field.key or key: draw(values_of(field, default_of(cls, key))) for key, field in shown(cls).items()}
     if item.get("mixing") == "custom":
         item["mixing_expression"] = "0.5 * sum"
     return item
 
 
-def without_defaults(cls, item):
-    return {
-        key: value for key, value in item.items() if value != default_of(cls, key) and json.loads(json.dumps(default_of(cls, key))) != value
-    }
+def written_form(value):
+    return json.loads(json.dumps(value))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cls", ITEMS, ids=lambda cls: cls.__name__)
-def test_what_is_untouched_comes_back_as_written(plain, tmp_path_factory, cls):
-    folder = tmp_path_factory.mktemp(cls.__name__)
+@pytest.mark.parametrize("cls", DECLARED, ids=lambda cls: cls.__name__)
+def test_what_is_untouched_comes_back_as_written(tmp_path_factory, cls):
+    folder, place = tmp_path_factory.mktemp(cls.__name__), PLACES[cls][0]
 
     @FEW
     @given(item=items(cls))
     def check(item):
-        plain[ITEMS[cls]][0] = {**dict(list(plain[ITEMS[cls]][0].items())[:3]), **item}
-        (found,) = there_and_back(plain, folder)[ITEMS[cls]]
-        assert {key: found[key] for key in item if key in found} == without_defaults(cls, item)
+        document = written_form(PLAIN)
+        form = at(document, place[:-1])
+        form[place[-1]] = {**(form[place[-1]] if place[-1] in form or isinstance(place[-1], int) else {}), **item}
+        if place[-1] in ("propagation", "transmission"):
+            form[place[-1]]["function"] = cls.name
+        found = at(there_and_back(document, folder), place)
+        defaults = {field.key or key: default_of(cls, key) for key, field in shown(cls).items()}
+        assert {key: found[key] if key in found else written_form(defaults[key]) for key in item} == item
+        core = read_export(folder / "a.json").scene
+        assert core.listeners == read_export(folder / "b.json").scene.listeners
 
     check()
 
 
-def test_a_listener_with_more_digits_than_blender_has_is_imported_and_plays(plain, tmp_path, traced):
-    plain["listeners"][0]["ducking"] = 12.345678912
-    written = there_and_back(plain, tmp_path)
-    assert written["listeners"][0]["ducking"] == 12.345678912
+def test_a_listener_with_more_digits_than_blender_has_is_imported_and_plays(tmp_path, traced):
+    document = written_form(PLAIN)
+    document["listeners"][0]["ducking"] = 12.345678912
+    assert there_and_back(document, tmp_path)["listeners"][0]["ducking"] == 12.345678912
     (listener,) = traced().listeners
     assert listener.ducking == 12.345678912 and traced().amplitudes.max() > 0

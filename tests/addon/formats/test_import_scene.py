@@ -377,14 +377,18 @@ def test_an_import_that_fails_on_the_way_leaves_nothing(tmp_path, monkeypatch):
     assert not bpy.data.objects and not bpy.data.collections
 
 
-def test_a_number_too_small_for_blender_is_a_loss(tmp_path, capfd):
-    """The property then has its least value."""
+def test_a_number_too_small_for_blender_counts_until_its_property_is_edited(tmp_path, capfd):
     tiny = {"function": "linear", "range": 1e-300}
-    document = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, "rho": 1, "propagation": tiny}]}
-    (tmp_path / "a.json").write_text(json.dumps(document))
+    shape = {"type": "box", "size": [1, 1, 1]}
+    form = {"name": "a", "kappa": 0, "rho": 1, "propagation": tiny, "shape": shape}
+    (tmp_path / "a.json").write_text(json.dumps({"format": "haptic-scene", "version": "1.0", "objects": [form]}))
     assert bpy.ops.import_scene.haptic_scene(filepath=str(tmp_path / "a.json")) == {"FINISHED"}
-    assert "function 'linear' as the file has it: a" in capfd.readouterr().out
-    assert bpy.data.objects["a"].haptics.range == pytest.approx(0.001)
+    assert "as the file has it" not in capfd.readouterr().out
+    haptics = bpy.data.objects["a"].haptics
+    assert 0 < haptics.range < 1e-30
+    assert json.loads(exported(tmp_path / "b.json"))["objects"][0]["propagation"] == tiny
+    haptics.range = 2.5
+    assert json.loads(exported(tmp_path / "c.json"))["objects"][0]["propagation"] == {"function": "linear", "range": 2.5}
 
 
 def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(add_box, traced):
@@ -399,7 +403,7 @@ def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(add_box, traced)
         "{",
         "[]",
         '{"shape": 3}',
-        '{"pose": {}}',
+        '{"pose": {"position": [0]}}',
         '{"shape": {"type": "box", "size": [1e999, 1, 1]}}',
         f'{{"numbers": {{"kappa": {huge}}}}}',
         f'{{"mass": {huge}}}',

@@ -7,7 +7,7 @@ import pytest
 from haptic_tracing.addon.authoring import materials
 from haptic_tracing.addon.properties.materials import add_material
 from haptic_tracing.core.formats.haptic_scene import read_export
-from haptic_tracing.core.formats.scene.lists_json import LibraryMaterial
+from haptic_tracing.core.scene.library import LibraryMaterial
 from scene_files import exported, imported
 
 

@@ -114,7 +114,7 @@ def read_message(content: bytes, folder: Path) -> bool:
 
 STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = {
     "object": (
-        imported.imported_object,
+        partial(imported.stored_item, name="object"),
         (
             {"mass": 1.5, "numbers": {"kappa": 0.1}, "extras": {"a": [1]}, "emitters": {"thermal": [0, 0, 1]}},
             {
@@ -124,10 +124,20 @@ STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = 
             {"function": {"function": "expression", "expression": "exp(-d)"}},
         ),
     ),
-    "source": (imported.imported_source, ({"signal": {"signal": "sine", "frequency": 60}, "onset": 0.5, "position": [0, 0, 0]},)),
+    "source": (
+        partial(imported.stored_item, name="source"),
+        ({"signal": {"signal": "sine", "frequency": 60}, "onset": 0.5, "position": [0, 0, 0]},),
+    ),
     "listener": (partial(imported.stored_item, name="listener"), ({"position": [0, 1, 2], "numbers": {"gain": 0.1}},)),
-    "scene": (imported.imported_scene, ({"tolerance": 1e-3, "numbers": {"epsilon": 0.1}},)),
-    "device": (imported.imported_device, ({"profile": "dualsense", "extras": {}},)),
+    "scene": (
+        partial(imported.stored_item, name="settings"),
+        ({"tolerance": 1e-3, "numbers": {"epsilon": 0.1}}, {"settings": {"epsilon": 0.1}}),
+    ),
+    "rule": (
+        partial(imported.stored_item, name="impact_rule"),
+        ({"signal": {"signal": "noise"}, "numbers": {"bend": 2, "least_energy": 3}},),
+    ),
+    "device": (partial(imported.stored, kind="device"), ({"profile": "dualsense", "extras": {}},)),
     "contacts": (
         imported.file_contacts,
         (

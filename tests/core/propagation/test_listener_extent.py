@@ -245,5 +245,5 @@ def test_modes_choose_listeners_by_their_middles():
 
 
 def test_an_extent_that_is_none_of_these_is_refused():
-    with pytest.raises(ValueError, match="Extent"):
+    with pytest.raises(ValueError, match="extent: must be one of none, strongest, mean_power"):
         Listener("l", "o", extent="wide")

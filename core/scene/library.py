@@ -1,0 +1,27 @@
+"""The materials of a scene's library."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .bands import BAND_COUNT
+from .declaration import check, name_of, switch
+from .functions.modulation import BAND_DECAYS, CONDUCTIVITY, WAVE_SPEED
+from .values import KAPPA, RHO
+
+
+@dataclass(frozen=True, slots=True)
+class LibraryMaterial:
+    """A haptic material. Objects refer to it in ``material`` and have a copy of its values."""
+
+    name: str = field(metadata=name_of("Name, unique among materials"))
+    kappa: float = field(metadata=KAPPA)
+    rho: float = field(metadata=RHO)
+    use_delay: bool = field(default=False, metadata=switch("Delay", "Delay signals by this material's wave speed; makes tracing slower"))
+    wave_speed: float = field(default=0.0, metadata=WAVE_SPEED)
+    use_bands: bool = field(default=False, metadata=switch("Frequency Bands", "Attenuate each frequency band by its own value per metre"))
+    band_decays: tuple[float, ...] = field(default=(0.0,) * BAND_COUNT, metadata=BAND_DECAYS)
+    conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)
+
+    def __post_init__(self) -> None:
+        check(self)
