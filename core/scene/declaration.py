@@ -26,9 +26,12 @@ _RANGE = {True: "exclusiveMinimum", False: "minimum"}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declaration:
-    """``key``: the field's name in files, "" for its own. ``label``: its name in panels, "" for a field without a property.
-    ``context``: that of the label's translation, if it has another meaning elsewhere. ``about``: its meaning, as tooltip and in the schema. ``shown``: the value of a new property, None for the default. ``optional``: None, or no numbers,
-    is a value, too. ``required``: files always have it. ``animated``: the property can have keyframes.
+    """What all kinds of fields have.
+
+    ``key``: the field's name in files, "" for its own. ``label``: its name in panels, "" for a field without a property; ``context``: that
+    of the label's translation, if it has another meaning elsewhere. ``about``: its meaning, as tooltip and in the schema. ``shown``: the
+    value of a new property, None for the default. ``optional``: None, or no numbers, is a value, too. ``required``: files always have it.
+    ``animated``: the property can have keyframes.
     """
 
     key: str = ""
