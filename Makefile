@@ -1,9 +1,8 @@
 # make demo, make test: everything else that is needed is made first. `make help` lists the rest.
 
 PYTHON := .venv/bin/python
-WORKERS := $(shell nproc 2>/dev/null || sysctl -n hw.logicalcpu 2>/dev/null || echo 2)
-# Files of tests are run side by side, each in one process.
-SIDE_BY_SIDE := -n $(WORKERS) --dist loadfile
+# Files of tests are run side by side, each in one process, on as many processors as there are. A process takes up to 1.5 GB.
+SIDE_BY_SIDE := -n logical --maxprocesses 8 --dist loadfile
 MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
