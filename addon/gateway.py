@@ -25,7 +25,7 @@ _LENT = {
     "addon.properties": "actuators",
     "addon.scene_reader": "functions imported settings triggers",
     "addon.session": "session",
-    "addon.view": "comparison explanation gain_plot graph_mesh lane levels meter_layout meter_pictures meters overlay "
+    "addon.view": "air_contacts comparison explanation gain_plot graph_mesh lane levels meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture watched",
     "core": "signals",
     "core.design": "recordings wishes",

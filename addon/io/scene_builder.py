@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from bpy.types import Collection, Object
 
+from ...core.contacts.shape_surface import surface
 from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of, without_rubbing
@@ -39,7 +40,6 @@ from .property_writer import (
     write_source,
     write_tables,
 )
-from .shape_mesh import surface
 
 SMALLEST = 0.1
 """Least extent of an object without a shape in the file [m]."""

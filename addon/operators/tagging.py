@@ -25,7 +25,7 @@ def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     """Make objects haptic, with guessed materials where they were not haptic before. Returns how many materials were guessed."""
     new = [obj for obj in objects if not obj.haptics.enabled]
     for obj in progress(new):
-        obj.haptics.enabled = True
+        obj.haptics.enabled, obj.haptics.surface = True, "SEEN"
     return materials.apply_guesses(scene, [obj for obj in new if not obj.haptics.material.name]) if guess else 0
 
 
@@ -124,6 +124,30 @@ class HAPTIC_OT_add_listener(OnSelected, Operator):
             raise ValueError(linked_message(nowhere) or message.format(", ".join(obj.name for obj in nowhere[:5])))
         if not own:
             raise ValueError(linked_message(chosen))
+
+
+class HAPTIC_OT_use_real_surface(Edit, Operator):
+    """Let the surface that is seen touch others, instead of the convex hull around it"""
+
+    bl_label = "Use Real Surface"
+
+    all: switch("All Objects", "All haptic objects of the scene without a rigid body, not only the active one")
+
+    def apply(self, context: Context) -> None:
+        chosen = context.scene.objects if self.all else [context.object]
+        hulled = [obj for obj in chosen if obj is not None and obj.haptics.surface == "CONVEX_HULL" and obj.rigid_body is None]
+        for obj in progress(editable(obj for obj in hulled if obj.haptics.enabled)):
+            obj.haptics.surface = "SEEN"
+
+
+class HAPTIC_OT_use_mesh(OnActive, Operator):
+    """Let the rigid body collide by its mesh instead of its convex hull. Active bodies take more time to simulate"""
+
+    bl_label = "Use Mesh"
+
+    def apply(self, context: Context) -> None:
+        if context.object.rigid_body is not None:
+            context.object.rigid_body.collision_shape = "MESH"
 
 
 class HAPTIC_OT_clear(OnSelected, Operator):

@@ -11,6 +11,7 @@ from bpy.types import Context, Scene, UILayout
 
 from ..scene_reader import roles
 from ..session import sessions
+from ..view import air_contacts
 from .texts import draw_sentence, source_title
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ class Hint:
 
 def draw_hint(layout: UILayout, context: Context) -> None:
     """Draw the next step with large buttons."""
+    _draw_air(layout, context.scene)
     hint = next_step(context.scene, context.screen is not None and context.screen.is_animation_playing)
     if hint is None:
         return
@@ -36,6 +38,17 @@ def draw_hint(layout: UILayout, context: Context) -> None:
     column.scale_y = 1.3
     for operator, icon in hint.operators:
         column.operator(operator, icon=icon)
+
+
+def _draw_air(layout: UILayout, scene: Scene) -> None:
+    """Offer the surfaces of objects whose convex hulls touch others through air."""
+    if sessions.shown(scene) is None:
+        return
+    count = air_contacts.contacts_in_air(scene)
+    if count > 0:
+        box = layout.box()
+        draw_sentence(box, iface_("{} contacts are air: convex hulls touch where the surfaces are apart").format(count), "INFO")
+        box.operator("haptic.use_real_surface", text="Use Real Surface of All", icon="MESH_DATA").all = True
 
 
 def next_step(scene: Scene, is_playing: bool) -> Hint | None:

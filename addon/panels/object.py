@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, Panel, Scene, UILayout
 
@@ -15,6 +16,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ..blender.polling import is_editable
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
+from ..session import sessions
 from ..view import gain_plot, panel_picture
 from .drawing import ClosedPanel, HapticsPanel, draw_pair, draw_properties, poll_object, warn
 from .formula import draw_parameters
@@ -72,8 +74,30 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         draw_parameters(layout, haptics, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
         draw_wave_speed(layout, haptics, material)
         layout.prop(haptics, "medium")
+        _draw_surface(layout, context, obj)
         for lines in advice(context, obj):
             warn(layout, *lines)
+
+
+def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
+    """Draw what of an object touches others, and how far its convex hull is from its surface."""
+    haptics, body = obj.haptics, obj.rigid_body
+    if body is None and not haptics.medium:
+        layout.prop(haptics, "surface")
+        if haptics.surface in ("SEEN", "SOLID"):
+            layout.prop(haptics, "sunk_in")
+    traced = sessions.shown(context.scene)
+    hull = None if traced is None or traced.reading is None else traced.reading.hulls.get(obj.name_full)
+    is_hull = haptics.surface == "CONVEX_HULL" if body is None else body.collision_shape == "CONVEX_HULL"
+    if hull is None or haptics.medium or not is_hull or hull.deviation <= context.scene.haptics.contact_tolerance / 10:
+        return
+    unit = context.scene.unit_settings.system
+    length = bpy.utils.units.to_string(unit, "LENGTH", hull.deviation, precision=2)
+    warn(layout, "Its convex hull touches,", iface_("up to {} beside its surface").format(length))
+    if body is None:
+        layout.operator("haptic.use_real_surface", icon="MESH_DATA")
+    else:
+        layout.operator("haptic.use_mesh", icon="MESH_DATA")
 
 
 def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:

@@ -11,7 +11,7 @@ from . import bake, live_output, materials, modalities
 from .callbacks import Stored, changed, updating
 from .declared import holding
 from .function import VIBRATION_FUNCTIONS, FunctionParameters, function_property
-from .kinds import switch
+from .kinds import choice, number, switch
 from .listener import HapticListenerProperties
 from .source import HapticSourceProperties
 
@@ -25,6 +25,24 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
 
     enabled: switch("Haptic Object", "Vibration passes through this object")
     function: function_property(VIBRATION_FUNCTIONS, "haptic_tracing")
+    surface: choice(
+        "Surface",
+        "What of the object touches others, if it is no rigid body",
+        (
+            ("CONVEX_HULL", "Convex Hull", "A skin around all vertices, which closes holes and hollows"),
+            ("SEEN", "As Seen", "The surface: a solid if it is closed, otherwise a shell"),
+            ("SOLID", "Solid", "A closed surface: what crosses it touches, and what is inside down to Sunk In"),
+            ("SHELL", "Shell", "A thin skin: what is inside, such as a lamp in a room, touches only where it is close to it"),
+        ),
+    )
+    sunk_in: number(
+        "Sunk In",
+        "Depth inside a solid down to which things touch it, at most half the size of the thing: a fingertip in a sofa",
+        0.05,
+        (0.001, 0.5),
+        unit="LENGTH",
+        precision=3,
+    )
     source: PointerProperty(type=HapticSourceProperties)
     listener: PointerProperty(type=HapticListenerProperties)
     material: PointerProperty(type=materials.HapticObjectMaterial)

@@ -5,28 +5,42 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Depsgraph, Object
+from bpy.types import Depsgraph, Object, Scene
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.bullet_shapes import DEFAULT_MARGIN, convex_hull_shape, mesh_shape, shape_from_bounding_box
-from ...core.contacts.shapes import Compound, ConvexHull, Shape
+from ...core.contacts.shapes import MAX_TRIANGLES, Compound
+from ...core.contacts.surface_shape import Surface, SurfaceShape, hull_deviation, surface_shape
 from ...core.scene.values import Pose
 from ..blender.arrays import read_array
+from ..blender.single_precision import shortest
+
+_MOST_KEPT = 20_000
+"""Triangles up to which the shape of a mesh is kept."""
 
 LARGEST = 1e7
 """Largest extent of an object from its origin [m]; beyond it contacts are not accurate to a metre."""
 
 
-def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Shape:
+def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
+    """What the shape of ``obj`` depends on beside its geometry and scale."""
+    body = obj.rigid_body
+    if body is None:
+        return obj.haptics.surface, obj.haptics.sunk_in, scene.haptics.contact_tolerance
+    return body.collision_shape, body.mesh_source, body.use_margin, body.collision_margin
+
+
+def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
     """The shape of ``obj`` with its world scale (3,), negative where mirrored, in the object's rotated frame.
 
-    A rigid body's own shape, otherwise the convex hull of the evaluated mesh. Raises ValueError if there is none, or if it extends further
-    than `LARGEST`.
+    A rigid body's own shape, otherwise what the object's *Surface* says of the evaluated mesh. Raises ValueError if there is none, or if it
+    extends further than `LARGEST`.
     """
     if np.any(np.abs(scale) < 1e-9):
         raise ValueError(iface_("its scale is 0: give it an extent in every direction"))
@@ -36,42 +50,67 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sha
     size, mirror = np.abs(scale), np.sign(scale)
     body = obj.rigid_body
     if body is None:
-        return ConvexHull(vertices_of(obj, depsgraph, "FINAL") * scale)
+        vertices, triangles = _triangles(obj, depsgraph, "FINAL")
+        outwards = triangles if mirror.prod() > 0 else triangles[:, ::-1]
+        surface, sunk_in = Surface(obj.haptics.surface.lower()), shortest(obj.haptics.sunk_in)
+        tolerance = depsgraph.scene.haptics.contact_tolerance / 10
+        if surface is not Surface.CONVEX_HULL:
+            _check_number(triangles)
+        if len(triangles) > _MOST_KEPT:
+            found = surface_shape(vertices * scale, outwards, surface, tolerance, sunk_in)
+        else:
+            found = _surface_shape((vertices * scale).tobytes(), outwards.tobytes(), surface, tolerance, sunk_in)
+        return replace(found, seen=None) if obj.haptics.is_property_set("surface") else found  # a hull that was chosen
+    return _shape_of_body(obj, body, depsgraph, corners, size, mirror)
+
+
+def _shape_of_body(obj: Object, body: Any, depsgraph: Depsgraph, corners: FloatArray, size: FloatArray, mirror: FloatArray) -> SurfaceShape:
     margin, use_margin = body.collision_margin, body.use_margin
     match body.collision_shape:
         case "CONVEX_HULL":
-            vertices = vertices_of(obj, depsgraph, body.mesh_source) * mirror
-            return _hull(vertices.tobytes(), tuple(size.tolist()), margin, use_margin)
+            vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
+            return _hull((vertices * mirror).tobytes(), triangles.tobytes(), tuple(size.tolist()), margin, use_margin)
         case "MESH":
             vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
-            return mesh_shape(vertices * mirror, triangles, size.tolist(), margin if use_margin else DEFAULT_MARGIN)
+            if len(triangles) == 0:
+                raise ValueError(iface_("its mesh has no faces"))
+            _check_number(triangles)
+            return SurfaceShape(mesh_shape(vertices * mirror, triangles, size.tolist(), margin if use_margin else DEFAULT_MARGIN))
         case "COMPOUND":
-            return _compound(obj, depsgraph, size)
+            return SurfaceShape(_compound(obj, depsgraph, size))
         case kind:
             if not corners.any():
                 raise ValueError(iface_("its mesh has no vertices"))
-            return shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size.tolist(), margin, use_margin)
+            return SurfaceShape(shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size.tolist(), margin, use_margin))
 
 
 def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
     """Checksum of the geometry that the shape of ``obj`` is built from; never equal to another for compounds."""
     body = obj.rigid_body
-    kind, source = ("CONVEX_HULL", "FINAL") if body is None else (body.collision_shape, body.mesh_source)
+    kind, source = ("MESH", "FINAL") if body is None else (body.collision_shape, body.mesh_source)
     match kind:
         case "COMPOUND":
             return object()
-        case "CONVEX_HULL":
-            return zlib.crc32(vertices_of(obj, depsgraph, source).tobytes())
-        case "MESH":
+        case "CONVEX_HULL" | "MESH":
             return tuple(zlib.crc32(part.tobytes()) for part in _triangles(obj, depsgraph, source))
         case _:
             return zlib.crc32(_bounding_box(obj, depsgraph).tobytes())
 
 
 @lru_cache(maxsize=1024)
-def _hull(vertices: bytes, size: tuple[float, ...], margin: float, use_margin: bool) -> Shape:
-    """The hull of a mesh, shared by its objects, because shrinking it by the margin takes milliseconds. ``vertices``: (n, 3) as bytes."""
-    return convex_hull_shape(np.frombuffer(vertices).reshape(-1, 3), size, margin, use_margin)
+def _hull(vertices: bytes, triangles: bytes, size: tuple[float, ...], margin: float, use_margin: bool) -> SurfaceShape:
+    """The hull of a mesh, shared by its objects, because shrinking it by the margin takes milliseconds. ``vertices``: (n, 3) as bytes,
+    ``triangles`` (t, 3) too."""
+    points = np.frombuffer(vertices).reshape(-1, 3)
+    shape = convex_hull_shape(points, size, margin, use_margin)
+    return SurfaceShape(shape, hull_deviation(points * size, np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)))
+
+
+@lru_cache(maxsize=256)
+def _surface_shape(vertices: bytes, triangles: bytes, surface: Surface, tolerance: float, sunk_in: float) -> SurfaceShape:
+    """`surface_shape` of a mesh, kept by its content: undo and duplicates read it again."""
+    points, corners = np.frombuffer(vertices).reshape(-1, 3), np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)
+    return surface_shape(points, corners, surface, tolerance, sunk_in)
 
 
 def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
@@ -85,7 +124,7 @@ def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
         child_scale = np.array(child.matrix_world.to_scale(), dtype=np.float64)
         position = np.array(location, dtype=np.float64) * scale
         pose = Pose(tuple(position.tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
-        children.append((collision_shape(child, depsgraph, child_scale), pose))
+        children.append((collision_shape(child, depsgraph, child_scale).shape, pose))
     if not children:
         raise ValueError(iface_("its shape is Compound Parent, but none of its children is a rigid body"))
     return Compound(tuple(children))
@@ -117,10 +156,15 @@ def vertices_of(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
 def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArray, IntArray]:
     with _surface(obj, depsgraph, source) as mesh:
         mesh.calc_loop_triangles()
-        if len(mesh.loop_triangles) == 0:
-            raise ValueError(iface_("its mesh has no faces"))
         triangles = read_array(mesh.loop_triangles, "vertices", 3, np.int32)
         return read_array(mesh.vertices, "co", 3).astype(np.float64), triangles.astype(np.int64)
+
+
+def _check_number(triangles: IntArray) -> None:
+    """Raises ValueError where there are too many triangles to collide."""
+    if len(triangles) > MAX_TRIANGLES:
+        words = iface_("its surface has {:,} triangles, more than {:,}: choose Convex Hull, or add a Decimate modifier")
+        raise ValueError(words.format(len(triangles), MAX_TRIANGLES))
 
 
 def _bounding_box(obj: Object, depsgraph: Depsgraph) -> FloatArray:

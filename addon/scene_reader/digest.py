@@ -60,6 +60,8 @@ _NOT_FELT = frozenset({
     *("live_output", "materials", "gltf", "modalities", "kept_impacts", "felt", "sound"),
 })  # fmt: skip
 """Properties that change nothing of what is baked: of the view, of output, of other modalities, and those whose values objects copy."""
+_ADDED = {"surface", "sunk_in"}
+"""Properties that the digests of earlier versions lack: left out where they have their default."""
 _NOT_EFFECTIVE = ("open_", "show_", "select", "is_active", "active", "use_pin", "strip_time")
 """Beginnings of the names of properties of modifiers, constraints and strips that have no effect."""
 _PLAIN_TYPES = {"BOOLEAN", "INT", "FLOAT", "STRING", "ENUM"}
@@ -200,6 +202,8 @@ def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[st
         if key in _NOT_FELT or path in animated:
             continue
         value = getattr(group, key)
+        if key in _ADDED and value == definition.default:
+            continue
         if definition.type == "COLLECTION":
             value = [("", _values(item, animated, f"{path}[{number}].")) for number, item in enumerate(value)]
         elif isinstance(value, PropertyGroup):

@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ...core.contacts.settings import Body, ContactSettings
+from ...core.contacts.surface_shape import SurfaceShape
 from ...core.scene.rule_table import RuleTable
 from ...core.scene.values import Listener, Settings, Source, TriggerKind
 from ..blender import compatibility
 from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
 from .animated_curves import AnimatedCurves
-from .collision_shapes import collision_shape, mesh_checksum
+from .collision_shapes import collision_shape, mesh_checksum, shape_settings
 from .imported import near, stored_item
 from .imported_contacts import ImportedContacts
 from .objects import read_listener, read_object, read_source
@@ -45,7 +46,9 @@ class SceneReader:
     def __init__(self) -> None:
         self._session_ids: NDArray[np.int32] | None = None
         self._tagged: dict[int, Tagged] = {}  # by row
-        self._shapes: dict[int, tuple[Any, Any, Any]] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
+        self._shapes: dict[
+            int, tuple[Any, Any, SurfaceShape]
+        ] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
         self._values: tuple[Any, ...] | None = None  # what the settings were read from
         self._settings, self._contact_settings = Settings(), ContactSettings()
         self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
@@ -113,6 +116,7 @@ class SceneReader:
             contact_settings=self._contact_settings,
             problems=(*self._problems, *lists.problems),
             settled=self._settled,
+            hulls=lists.hulls,
             authored=self._imported.authored(lists.homes, self._settled, self._contact_settings),
         )
 
@@ -197,13 +201,13 @@ class SceneReader:
         haptics = obj.haptics
         name = obj.name_full
         problems: list[Problem] = []
-        haptic_object = body = home = source = listener = None
+        haptic_object = body = surface = home = source = listener = None
         scale = self._scale(row, scale)
         if haptics.enabled:
             try:
-                shape = self._shape(obj, depsgraph, scale)
+                surface = self._shape(obj, depsgraph, scale)
                 haptic_object = read_object(obj)
-                body = Body(name, shape, haptic_object.mass, haptic_object.motion, haptics.medium, haptic_object.material)
+                body = Body(name, surface.shape, haptic_object.mass, haptic_object.motion, haptics.medium, haptic_object.material)
                 home = stored_item(haptics.imported, "object").get("pose") if _is_as_imported(obj, scale) else None
             except ValueError as error:
                 problems.append(Problem(name, str(error)))
@@ -227,7 +231,7 @@ class SceneReader:
                 rule = ("signal", 0) if role == "source" else None
                 problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula"), rule))
         animated = compatibility.animated_paths(obj)
-        return Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, home, source, listener, tuple(problems))
+        return Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, surface, home, source, listener, tuple(problems))
 
     def _is_animated_now(self, row: int, paths: tuple[str, ...] | None) -> bool:
         """Whether animation has changed any property of the object since the last call."""
@@ -244,14 +248,12 @@ class SceneReader:
         known = np.array(self._tagged[row].scale) if row in self._tagged else scale
         return known if np.all(np.abs(scale - known) <= 1e-5 * np.abs(known)) else scale
 
-    def _shape(self, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Any:
-        body = obj.rigid_body
-        settings = () if body is None else (body.collision_shape, body.mesh_source, body.use_margin, body.collision_margin)
+    def _shape(self, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
         if _is_as_imported(obj, scale):
             imported = stored_item(obj.haptics.imported, "object").get("shape")
             if imported is not None:
-                return imported
-        key, session_id = (tuple(scale.tolist()), settings), obj.session_uid
+                return SurfaceShape(imported)
+        key, session_id = (tuple(scale.tolist()), shape_settings(obj, depsgraph.scene)), obj.session_uid
         known = self._shapes.pop(session_id, None)  # none is left of a mesh that has no shape any more
         if known is None or known[0] != key or (session_id in self._doubtful and known[1] != mesh_checksum(obj, depsgraph)):
             known = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
@@ -293,7 +295,7 @@ def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
 
 def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
     """False if an author has replaced the imported shape or pose of an object."""
-    return obj.rigid_body is None and all(abs(side - 1) < 2e-5 for side in scale.tolist())
+    return obj.rigid_body is None and not obj.haptics.is_property_set("surface") and all(abs(side - 1) < 2e-5 for side in scale.tolist())
 
 
 def _without_carrier(obj: Object, role: str) -> Problem:

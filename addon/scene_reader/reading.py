@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from mathutils import Matrix
 
 from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.settings import Body, ContactSettings
+from ...core.contacts.surface_shape import SurfaceShape
 from ...core.scene.values import HapticObject, Listener, Pose, Settings, Source
 from .problem import Problem
 
@@ -16,7 +18,8 @@ from .problem import Problem
 @dataclass(frozen=True, slots=True)
 class Reading:
     """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the bodies' shapes. ``settled``: the names
-    of those that have not moved since their import; ``authored``: the imported contacts, None without any."""
+    of those that have not moved since their import; ``authored``: the imported contacts, None without any; ``hulls``: the shapes of those
+    objects, by name, from whose surface the convex hull deviates."""
 
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
@@ -28,6 +31,7 @@ class Reading:
     problems: tuple[Problem, ...]
     settled: frozenset[str] = frozenset()
     authored: AuthoredContacts | None = None
+    hulls: Mapping[str, SurfaceShape] = field(default_factory=dict)
 
     def posed_objects(self) -> tuple[HapticObject, ...]:
         """The objects with the shape and pose that they have in this frame."""

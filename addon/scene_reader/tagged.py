@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.settings import Body
+from ...core.contacts.surface_shape import SurfaceShape
 from ...core.contacts.tracker import STILL
 from ...core.scene.values import HapticObject, Listener, Pose, Source
 from .imported_contacts import Homes
@@ -23,6 +25,7 @@ class Tagged:
     scale: tuple[float, float, float]
     object: HapticObject | None
     body: Body | None
+    surface: SurfaceShape | None
     home: Pose | None  # where a file put the body, as it is since
     source: Source | None
     listener: Listener | None
@@ -43,6 +46,7 @@ class TaggedLists:
     of_places: IntArray
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
+    hulls: Mapping[str, SurfaceShape]
     places: tuple[Source | Listener, ...]
     homes: Homes
     problems: tuple[Problem, ...]
@@ -70,6 +74,7 @@ class TaggedLists:
             of_places=np.array([row for row, _ in places], dtype=np.int64),
             objects=objects,
             bodies=alone,
+            hulls={t.object.name: t.surface for t in tagged if t.object is not None and t.surface is not None and t.surface.deviation > 0},
             places=tuple(item for _, item in places),
             homes=before.homes if before is not None and homed else Homes.of(names, poses),
             problems=tuple(dict.fromkeys(problem for t in tagged for problem in t.problems)),

@@ -22,7 +22,7 @@ from ..blender.time import seconds_of
 from ..changes.events import file_changed
 from ..session import sessions
 from ..session.derived import Derived
-from . import meters, shader
+from . import meters, shader, touching_shape
 from .annotations import LegendSide, placed_annotations
 from .hud import Rectangle
 from .layout import free_rectangle, is_main_view, pixels_per_point, redo_panels
@@ -163,6 +163,7 @@ def draw_view() -> None:
         drawing = drawing_of(scene)
         if drawing is None:
             return
+        touching_shape.draw(context, pixels_per_point(context))
         draw_graph(
             drawing,
             view.window_matrix,
@@ -205,6 +206,7 @@ def _legend_side(context: Context) -> LegendSide:
 def forget() -> None:
     """Free everything cached between redraws."""
     _drawings.clear()
+    touching_shape.forget()
     ATLAS.free()
 
 

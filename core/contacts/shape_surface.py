@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.arrays import FloatArray
-from ...core.contacts.hull import convex_hull
-from ...core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
+from ..arrays import FloatArray, IntArray
+from .hull import convex_hull
+from .shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
 
 Surface = tuple[FloatArray, list[tuple[int, ...]]]
 """Points (n, 3), and faces as indices of points."""
@@ -38,6 +38,13 @@ def surface(shape: Shape) -> Surface:
         case Compound(children=children):
             return _joined([(*surface(child), pose_matrix(pose)) for child, pose in children])
     raise ValueError(f"There is no surface for a {shape.type}")
+
+
+def edges(shape: Shape) -> tuple[FloatArray, IntArray]:
+    """The points (n, 3) of a shape's surface, and its edges (m, 2), each once."""
+    points, faces = surface(shape)
+    sides = np.array([pair for face in faces for pair in zip(face, (*face[1:], face[0]), strict=True)], dtype=np.int64).reshape(-1, 2)
+    return points, np.unique(np.sort(sides, axis=1), axis=0)
 
 
 def _arc(radius: float, centre: float, start: float, end: float) -> list[tuple[float, float]]:

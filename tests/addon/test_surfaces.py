@@ -1,0 +1,176 @@
+"""What is seen is what touches: concave objects by their surface, objects of earlier files by their hull until that is changed."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import bpy
+import pytest
+from haptic_tracing.addon.session import session, sessions
+from haptic_tracing.addon.view import air_contacts
+
+
+def make(*objects: Any) -> None:
+    """Press *Make Haptic* with these objects selected."""
+    bpy.context.view_layer.update()
+    for obj in bpy.context.scene.objects:
+        obj.select_set(obj in objects)
+    bpy.context.view_layer.objects.active = objects[0]
+    bpy.ops.haptic.make_objects()
+
+
+def contacts() -> dict[frozenset[str], float]:
+    """Touching pairs and their signed distances, in a trace of everything."""
+    bpy.context.view_layer.update()
+    result = session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    pairs = (frozenset(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist())
+    return dict(zip(pairs, result.contacts.distance.tolist(), strict=True))
+
+
+def shape_of(name: str) -> Any:
+    return next(body.shape for body in sessions.shown(bpy.context.scene).reading.bodies if body.name == name)
+
+
+@pytest.fixture
+def ring(scene, add_box):
+    """A torus around z, 0.2 m thick, with a hand in its hole and a block under it; none haptic yet."""
+    bpy.ops.mesh.primitive_torus_add(major_radius=0.5, minor_radius=0.1)
+    torus = bpy.context.object
+    torus.name = "ring"
+    hand = add_box("hand", (0, 0, 0), (0.2, 0.2, 0.2), haptic=False)
+    block = add_box("block", (0.5, 0, -0.2), (0.2, 0.2, 0.2), haptic=False)
+    return torus, hand, block
+
+
+def test_a_hand_in_the_hole_of_a_ring_is_not_touched(ring):
+    make(*ring)
+    assert set(contacts()) == {frozenset(("ring", "block"))}
+    assert shape_of("ring").type == "mesh" and shape_of("ring").sunk_in == pytest.approx(0.05)
+    assert shape_of("hand").type == "convex_hull"  # which is its surface
+    ring[1].location.x = 0.31  # its corners inside the ring, whose inner side is at radius 0.4
+    assert contacts()[frozenset(("ring", "hand"))] == pytest.approx(0.4 - math.hypot(0.41, 0.1), abs=2e-3)
+
+
+def test_objects_of_earlier_files_keep_their_hull_until_asked(ring):
+    """Their property isn't set. The hint counts the contacts that are air, and its button removes them, in one step of undo."""
+    for obj in ring:
+        obj.haptics.enabled = True
+    ring[0].haptics.source.enabled = ring[1].haptics.listener.enabled = True
+    assert set(contacts()) == {frozenset(("ring", "block")), frozenset(("ring", "hand"))}
+    reading = sessions.shown(bpy.context.scene).reading
+    assert 0.09 < reading.hulls["ring"].deviation < 0.11  # the inner sides are under the flat top of the hull
+    assert air_contacts._count(sessions.shown(bpy.context.scene)) == 1
+    bpy.ops.haptic.use_real_surface(all=True)
+    assert {obj.haptics.surface for obj in ring} == {"SEEN"}
+    assert set(contacts()) == {frozenset(("ring", "block"))}
+    assert air_contacts._count(sessions.shown(bpy.context.scene)) == 0
+
+
+def test_a_hull_that_was_chosen_is_kept_without_a_hint(ring):
+    make(*ring)
+    ring[0].haptics.surface = "CONVEX_HULL"
+    assert frozenset(("ring", "hand")) in contacts()
+    assert air_contacts._count(sessions.shown(bpy.context.scene)) == 0
+
+
+def test_a_lamp_in_the_air_of_a_room_is_silent(add_box):
+    """Whichever way the room's faces look; what stands on its floor or is sunk into its ceiling touches."""
+    room = add_box("room", (0, 0, 0), (6, 4, 3), haptic=False)
+    lamp, table = add_box("lamp", (0, 0, 1), (0.3, 0.3, 0.2), haptic=False), add_box("table", (2, 1, -1.1), (1, 1, 0.8), haptic=False)
+    make(room, lamp, table)
+    assert set(contacts()) == {frozenset(("room", "table"))}
+    room.data.flip_normals()
+    room.data.update()
+    assert set(contacts()) == {frozenset(("room", "table"))}
+    assert shape_of("room").sunk_in == 0
+    room.data.flip_normals()
+    lamp.location.z = 1.5 - 0.1 - 0.03  # 3 cm beneath the ceiling
+    assert contacts()[frozenset(("room", "lamp"))] == pytest.approx(0.03 - 0.05, abs=1e-6)
+    room.haptics.sunk_in = 0.01
+    assert frozenset(("room", "lamp")) not in contacts()
+
+
+def test_the_classes_of_surfaces(scene, add_box):
+    """Open surfaces are shells, also where only a seam is open; closed ones solids, also where vertices at a seam are double."""
+    bpy.ops.mesh.primitive_monkey_add(size=1.0)
+    monkey = bpy.context.object
+    bpy.ops.mesh.primitive_torus_add(location=(3, 0, 0))
+    split = bpy.context.object
+    split.modifiers.new("seams", "EDGE_SPLIT").split_angle = 0.0
+    bpy.ops.mesh.primitive_uv_sphere_add(location=(6, 0, 0), radius=0.3)
+    sphere = bpy.context.object
+    bpy.ops.mesh.primitive_grid_add(location=(9, 0, 0))
+    grid = bpy.context.object
+    mirrored = split.copy()
+    scene.collection.objects.link(mirrored)
+    mirrored.location.y, mirrored.scale = 5, (-1, 1, 1)
+    make(monkey, split, sphere, grid, mirrored)
+    contacts()
+    assert (shape_of(monkey.name).type, shape_of(monkey.name).sunk_in) == ("mesh", 0.0)
+    for solid in (split, mirrored):
+        assert shape_of(solid.name).sunk_in == pytest.approx(0.05)
+    assert shape_of(sphere.name).type == shape_of(grid.name).type == "convex_hull"
+    monkey.haptics.surface, split.haptics.surface = "SOLID", "SHELL"
+    contacts()
+    assert shape_of(monkey.name).sunk_in == pytest.approx(0.05) and shape_of(split.name).sunk_in == 0
+
+
+def test_a_mesh_that_changes_class_opens_and_closes_no_contact(add_box):
+    """A dent grows in a convex block between two others: hull, then solid."""
+    below, above = (
+        add_box("below", (0, 0, -0.15), (1, 1, 0.1), haptic=False),
+        add_box("above", (0.3, 0, 0.155), (0.2, 0.2, 0.1), haptic=False),
+    )
+    bpy.ops.mesh.primitive_cube_add(size=0.2)
+    block = bpy.context.object
+    block.scale.x = 4
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=2)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    block.shape_key_add(name="Basis")
+    dented = block.shape_key_add(name="dent")
+    for point in dented.data:
+        if abs(point.co.x) < 0.05 and point.co.z > 0.09:
+            point.co.z -= 0.02
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        dented.value = value
+        dented.keyframe_insert("value", frame=frame)
+    make(block, below, above)
+    kinds, touching = set(), set()
+    for frame in range(1, 12):
+        bpy.context.scene.frame_set(frame)
+        touching.add(frozenset(contacts()))
+        kinds.add(shape_of(block.name).type)
+    assert kinds == {"convex_hull", "mesh"}
+    assert len(touching) == 1 and len(next(iter(touching))) == 2
+
+
+def test_a_rigid_body_has_blenders_shape_and_the_panel_offers_its_mesh(ring):
+    make(*ring)
+    torus = ring[0]
+    with bpy.context.temp_override(object=torus, active_object=torus, selected_objects=[torus]):
+        bpy.ops.rigidbody.object_add(type="PASSIVE")
+    torus.rigid_body.collision_shape = "CONVEX_HULL"
+    assert frozenset(("ring", "hand")) in contacts()
+    assert sessions.shown(bpy.context.scene).reading.hulls["ring"].deviation > 0.05
+    bpy.context.view_layer.objects.active = torus
+    bpy.ops.haptic.use_mesh()
+    assert torus.rigid_body.collision_shape == "MESH"
+    assert frozenset(("ring", "hand")) not in contacts()
+
+
+def test_skin_that_is_too_fine_names_its_cure(add_box, monkeypatch):
+    from haptic_tracing.addon.scene_reader import collision_shapes
+
+    monkeypatch.setattr(collision_shapes, "MAX_TRIANGLES", 100)
+    bpy.ops.mesh.primitive_torus_add()
+    torus, box = bpy.context.object, add_box("box", (5, 0, 0), (1, 1, 1))
+    make(torus)
+    box.haptics.source.enabled = True
+    contacts()
+    (problem,) = session.problems_of(bpy.context.scene)
+    assert problem.object == torus.name and "Convex Hull" in problem.message and "Decimate" in problem.message
+    torus.haptics.surface = "CONVEX_HULL"
+    contacts()
+    assert session.problems_of(bpy.context.scene) == ()
