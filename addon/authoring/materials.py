@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import bpy
 from bpy.types import Context, Object, Scene
 
 from ...core.scene.materials import MATERIALS, Material, guess
@@ -14,6 +15,7 @@ from ..blender.progress import progress
 from ..properties import materials
 from ..properties.declared import write_values
 from ..properties.materials import SHARED, HapticMaterial, add_material, values_of
+from .sizes import sizes_of
 
 
 def spread_all_around(haptics: Any, radius: float) -> None:
@@ -56,15 +58,17 @@ def preset_of(obj: Object) -> Material | None:
 
 
 def make_physical(objects: Iterable[Object], in_a_building: bool) -> int:
-    """Give objects made of a preset the measured physical function. Returns their number."""
-    known = 0
+    """Give objects made of a preset the measured physical function; half-spaces stay such. Returns their number."""
+    known, depsgraph = 0, bpy.context.evaluated_depsgraph_get()
     for obj in objects:
         material = preset_of(obj)
         if material is None:
             continue
         known += 1
+        is_half_space = (obj.haptics.function, obj.haptics.wave) == ("physical", "surface")
         obj.haptics.function = "physical"
-        write_values(obj.haptics, physical(material.name, tuple(obj.dimensions), in_a_building, part_in(obj.name)))
+        form = physical(material.name, sizes_of(obj, depsgraph), in_a_building, part_in(obj.name), is_half_space)
+        write_values(obj.haptics, form)
     return known
 
 

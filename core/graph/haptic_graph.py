@@ -22,6 +22,7 @@ from ..contacts.contact_set import ContactSet
 from ..contacts.forces import contact_forces
 from ..scene.bands import BAND_COUNT
 from ..scene.functions import ModulationFunction
+from ..scene.functions.spreading import Spreading
 from ..scene.rules import Motion
 from ..scene.spectra import leading_band
 from ..scene.values import Extent, HapticObject, HapticScene, Listener, Source, SourceKind, Vector
@@ -50,13 +51,13 @@ class NoGain(ValueError):
 class ObjectTable:
     """The propagation functions of all objects as arrays, in the order of their sorted names.
 
-    The gain of an object over d metres is ``factor * exp(-decay * d) * (1 + min(d, extent) / reference) ** -exponent``. The cost
-    ``-log(gain)`` is therefore a constant plus a metric, a concave function of distance that is 0 at distance 0.
+    The gain of an object over d metres is ``factor * exp(-decay * d)``, times that of its `Spreading`. The cost ``-log(gain)`` is therefore
+    a constant plus a metric, a concave function of distance that is 0 at distance 0.
 
     Attributes:
         factor, decay: (n,); NaN for the objects in ``special``.
         loss: (n,) ``-log(factor)``, accurate also for a factor close to 1.
-        spreading: (3, n) exponent, reference and extent [m]; None if all exponents are 0.
+        spreading: lengths (n,); None if no object has any.
         special: numbers of the objects whose function has another form.
         band_gains: (n, bands), or None if no object uses them.
         band_decays: (n, bands) [1/m], or None.
@@ -69,7 +70,7 @@ class ObjectTable:
     factor: FloatArray
     decay: FloatArray
     loss: FloatArray
-    spreading: FloatArray | None
+    spreading: Spreading | None
     special: frozenset[int]
     epsilon: float
     band_gains: FloatArray | None
@@ -100,7 +101,7 @@ class ObjectTable:
         ordered = tuple(sorted(objects, key=lambda o: o.name))
         pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in ordered]
         forms = np.array([(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64).reshape(-1, 2)
-        spreading = np.array([o.propagation.spreading_law() for o in ordered], dtype=np.float64).reshape(-1, 3).T
+        laws = [o.propagation.spreading_law() for o in ordered]
         bands, decays, slowness = _spectrum_arrays(
             [o.propagation for o in ordered], [o.propagation.band_decays(o.kappa, o.rho) for o in ordered]
         )
@@ -112,7 +113,7 @@ class ObjectTable:
             loss=np.array(
                 [math.nan if p is None else o.propagation.loss(o.kappa, o.rho, epsilon) for o, p in zip(ordered, pairs, strict=True)]
             ),
-            spreading=spreading if spreading[0].any() else None,
+            spreading=Spreading(*np.array(laws).T.copy()) if any(law.over for law in laws) else None,
             special=frozenset(i for i, pair in enumerate(pairs) if pair is None),
             epsilon=epsilon,
             band_gains=bands,
@@ -131,11 +132,8 @@ class ObjectTable:
         if not np.all((distance >= 0) & (distance < math.inf)):
             raise ValueError("distance: must be finite and at least 0 m")
         if index not in self.special:
-            constant = self.factor[index] * np.exp(-self.decay[index] * distance)
-            if self.spreading is None or self.spreading[0, index] == 0:
-                return np.asarray(constant)
-            exponent, reference, extent = self.spreading[:, index].tolist()
-            return np.asarray(constant * (1 + np.minimum(distance, extent) / reference) ** -exponent)
+            gains = self.factor[index] * np.exp(-self.decay[index] * distance)
+            return np.asarray(gains if self.spreading is None else gains * np.exp(-self.spreading.of(index).cost(distance)))
         haptic_object = self.objects[index]
         try:
             return haptic_object.propagation.gain(distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
@@ -146,8 +144,7 @@ class ObjectTable:
         """Gains (n,) of objects ``index`` (n,) over ``distance`` (n,). Raises as `gain` does."""
         gains = self.factor[index] * np.exp(-self.decay[index] * distance)
         if self.spreading is not None:
-            exponent, reference, extent = self.spreading[:, index]
-            gains *= (1 + np.minimum(distance, extent) / reference) ** -exponent
+            gains *= np.exp(-self.spreading.of(index).cost(distance))
         for number in self._special_among(index):
             chosen = np.flatnonzero(index == number)
             gains[chosen] = self.gain(number, distance[chosen])
@@ -157,8 +154,7 @@ class ObjectTable:
         """``-log`` of `gains` in two terms (n,), the constant one and that of the distance."""
         constant, varying = self.loss[index], self.decay[index] * distance
         if self.spreading is not None:
-            exponent, reference, extent = self.spreading[:, index]
-            varying += exponent * np.log1p(np.minimum(distance, extent) / reference)
+            varying += self.spreading.of(index).cost(distance)
         for number in self._special_among(index):
             chosen = np.flatnonzero(index == number)
             with np.errstate(divide="ignore"):

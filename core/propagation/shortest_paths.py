@@ -30,6 +30,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, ranges
 from ..graph.haptic_graph import HapticGraph
+from ..scene.functions.spreading import cost_over
 from .connections import intra_costs
 
 BATCH = 1 << 15
@@ -113,7 +114,7 @@ class _Relaxation:
         self.special = np.isin(index, list(graph.table.special)) if graph.table.special else None
         self.node_loss = np.concatenate([np.maximum(0.0, table.loss)[index] for table in self.tables])
         self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
-        self.spreading = None if graph.table.spreading is None else [values[index] for values in graph.table.spreading]
+        self.spreading = None if graph.table.spreading is None else graph.table.spreading.of(index)
         # Per node: cost of its inter-connection; contact -1 takes the appended infinity.
         self.crossing = np.concatenate([np.maximum(0.0, np.append(one.transmission_loss, math.inf))[graph.contact] for one in views])
         self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
@@ -218,8 +219,7 @@ def _relax(
     distance = work.distances(begin, other)
     candidate = base[which] + work.node_decay[work.at(row, node)][which] * distance
     if work.spreading is not None:
-        exponent, reference, extent = (values[begin] for values in work.spreading)
-        candidate += exponent * np.log1p(np.minimum(distance, extent) / reference)
+        candidate += work.spreading.of(begin).cost(distance)
     if work.special is not None:
         chosen = work.special[begin].nonzero()[0]
         candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
@@ -271,7 +271,7 @@ class _Elements:
         self.objects, self.partner, self.start = _items(graph.node_object), _items(graph.partner), _items(graph.start)
         self.crossing = _items(work.crossing[view * work.count : (view + 1) * work.count])
         self.loss, self.decay = _items(np.maximum(0.0, table.loss)), _items(table.decay)
-        self.spreading = None if graph.table.spreading is None else graph.table.spreading.T.tolist()
+        self.spreading = None if graph.table.spreading is None else np.array(graph.table.spreading).T.tolist()
         self.points: dict[int, list[float]] = {}
         self.arrays = graph.table.special
         if graph.reach is not None:
@@ -321,7 +321,8 @@ def _dijkstra(work: _Relaxation, elements: _Elements, row: int, queue: list[tupl
             here = points[node]
             found = [(k, base + rate * distance(here, points[k])) for k in range(first, last) if arrives[k] > base]
             if elements.spreading is not None:
-                found = _with_spreading(elements.spreading[index], found, here, points)
+                law = elements.spreading[index]
+                found = [(k, value + cost_over(law, distance(here, points[k]))) for k, value in found] if law[-1] else found
         nearer = False
         for other, value in found:
             if value < arrives[other] and value <= limit and other != node:
@@ -336,13 +337,3 @@ def _dijkstra(work: _Relaxation, elements: _Elements, row: int, queue: list[tupl
                     nearer = True
         if nearer:  # stop where no target can get cheaper
             limit = min(limit, max(arrives[k] for k in sought))
-
-
-def _with_spreading(
-    law: Sequence[float], found: list[tuple[int, float]], here: Sequence[float], points: dict[int, list[float]]
-) -> list[tuple[int, float]]:
-    """Costs of connections from a place to nodes, with those of spreading added."""
-    exponent, reference, extent = law
-    if exponent == 0:
-        return found
-    return [(k, value + exponent * math.log1p(min(math.dist(here, points[k]), extent) / reference)) for k, value in found]

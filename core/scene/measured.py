@@ -65,44 +65,50 @@ SKIN = 0.005
 _LONGEST_PART = 1.0
 """Length [m] above which flesh that is not named after a part is a whole body."""
 
-_THIN = 0.25
-"""Ratio of an extent to the next greater one below which a body is a plate or a rod."""
+SHEET = 0.01
+"""Thickness [m] of a sheet modelled as one surface."""
 
 
-def wave_in(name: str, size: tuple[float, float, float]) -> tuple[Wave, float]:
-    """The wave type in a body of a material with bounding box ``size`` [m], and its thickness [m]."""
-    small, middle, large = sorted(size)
-    if name == "flesh":
-        return (Wave.LIMB if small > SKIN else Wave.SURFACE), small
-    if DAMPING[name].ground and small < middle:
-        return Wave.SURFACE, small
-    if small < _THIN * middle:
-        return Wave.PLATE, small
-    return (Wave.ROD if middle < _THIN * large else Wave.SOLID), small
+def wall_of(size: tuple[float, float, float], volume: float, area: float) -> float:
+    """The thickness [m] of the wall of a closed body with the sizes of its bounding box, the greatest first, from its volume [m³] and the
+    area of its surface, inside and outside [m²].
+
+    It is 2 volume / area of a thin wall. A solid box has ``area / (2 volume) = 1/a + 1/b + 1/c``, and solid cylinders and balls have the
+    same: without the terms of the other two sizes, c is left.
+    """
+    large, middle, small = size
+    if min(volume, middle) <= 0:
+        return small
+    rest = area / (2 * volume) - 1 / large - 1 / middle
+    return min(small, 1 / rest) if rest > 0 else small
 
 
-def physical(name: str, size: tuple[float, float, float], in_a_building: bool = False, part: str = "") -> Physical:
-    """The propagation function of a body of a material of the library, from its bounding box ``size`` [m].
+def physical(
+    name: str, size: tuple[float, float, float], in_a_building: bool = False, part: str = "", is_half_space: bool = False
+) -> Physical:
+    """The propagation function of a body of a material of the library, from its three sizes [m] in any order: those of its bounding box,
+    the least of them that of the wall if the body is hollow.
 
     ``in_a_building``: the body is a wall or floor in place, whose edges and joints add attenuation. ``part``: the body part, without its
-    side, if it is of flesh.
+    side, if it is of flesh. ``is_half_space``: waves travel along its surface without end, as in the materials of the ground.
     """
     damping, material = DAMPING[name], MATERIALS[name]
-    wave, thickness = wave_in(name, size)
+    small, middle, large = sorted(size)
     function = Physical(
-        wave=wave,
+        wave=Wave.BOUNDED,
         loss_factor=damping.loss_factor,
         phase_speed=damping.speed,
         density=material.density,
-        thickness=max(thickness, 1e-4),
+        thickness=max(small, 1e-4),
         absorption=IN_A_BUILDING if in_a_building else 0.0,
         material_k=material.k,
-        extent=max(max(size), 1e-3),
+        extent=max(middle, 1e-3),
     )
-    if name == "flesh" and wave is Wave.SURFACE:
-        return replace(function, reference_distance=SKIN)
-    part = part or ("body" if max(size) > _LONGEST_PART else "")
-    if wave is Wave.LIMB and part in LIMBS:
-        resonance, speed = LIMBS[part]
-        return replace(function, resonance=resonance, phase_speed=speed)
-    return function
+    if name == "flesh":
+        function = replace(function, extent=max(large, 1e-3))
+        if small <= SKIN:
+            return replace(function, wave=Wave.SURFACE, reference_distance=SKIN)
+        part = part or ("body" if large > _LONGEST_PART else "")
+        resonance, speed = LIMBS.get(part, (function.resonance, function.phase_speed))
+        return replace(function, wave=Wave.LIMB, resonance=resonance, phase_speed=speed)
+    return replace(function, wave=Wave.SURFACE, extent=0.0) if damping.ground or is_half_space else function

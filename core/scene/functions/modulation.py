@@ -20,6 +20,7 @@ from ..coefficients import transfer_coefficient
 from ..declaration import check, declared, number, numbers, text
 from .expression import MAX_LENGTH, CompiledExpression, compile_expression
 from .interval import Interval
+from .spreading import NO_SPREADING, Spreading
 
 Value = float | FloatArray
 OnContact = Mapping[str, Value] | None
@@ -101,10 +102,9 @@ class ModulationFunction:
         """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of `spreading_law`; None for another form."""
         return None
 
-    def spreading_law(self) -> tuple[float, float, float]:
-        """``(exponent, reference, extent)`` of a factor ``(1 + min(d, extent) / reference) ** -exponent`` of the gain in addition to
-        `log_linear`."""
-        return 0.0, 1.0, math.inf
+    def spreading_law(self) -> Spreading:
+        """The geometric spreading, a factor of the gain in addition to `log_linear`."""
+        return NO_SPREADING
 
     def loss(self, kappa: float, rho: float, epsilon: float) -> float:
         """``-log(factor)`` of `log_linear`, infinite for factor 0; accurate also for factors close to 1."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +14,7 @@ from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
 from ..declaration import choice, number
 from .modulation import ModulationFunction, OnContact, Value
+from .spreading import NO_SPREADING, Spreading
 
 _FELT = 0.06
 """Nepers (0.5 dB) by which the loss of any band must differ from the lowest one's over `_FAR` metres; below this, bands are left out."""
@@ -30,15 +30,16 @@ class Wave(enum.StrEnum):
     SURFACE = "surface"  # waves along the ground (1/2)
     SOLID = "solid"  # through a volume (1)
     LIMB = "limb"  # along a limb, which moves as a whole at low frequencies (0)
+    BOUNDED = "bounded"  # through a body until the wave fills it (1, then 1/2, then 0)
 
 
-SPREADING: Mapping[Wave, float] = {Wave.ROD: 0.0, Wave.PLATE: 0.5, Wave.SURFACE: 0.5, Wave.SOLID: 1.0, Wave.LIMB: 0.0}
 WAVES = {
     Wave.ROD: ("Rod", "Along a rod, a string or a small body: no spreading"),
     Wave.PLATE: ("Plate", "Bending waves in a plate of a thickness, which spread over its surface"),
-    Wave.SURFACE: ("Ground", "Waves along the surface of the ground"),
+    Wave.SURFACE: ("Half-Space", "Waves along the surface of something without end, as of the ground, whatever its thickness"),
     Wave.SOLID: ("Solid", "Through a volume, in all directions"),
     Wave.LIMB: ("Limb", "Along a part of a body, which moves as a whole up to its resonance"),
+    Wave.BOUNDED: ("Bounded Body", "Spreads from the source until it fills the body's thickness and width, and no further"),
 }
 
 
@@ -46,19 +47,25 @@ WAVES = {
 class Physical(ModulationFunction):
     """``(1 + min(d, extent) / r0)^-g exp(-alpha(f) d)``: geometric spreading up to the extent of the body, and damping.
 
-    The exponent g follows from the wave type. For non-dispersive waves ``alpha = pi f loss_factor / phase_speed``; for bending waves
-    ``alpha = pi f loss_factor / (2 c_B)`` with ``c_B = sqrt(1.8 phase_speed thickness f)`` (Cremer, Heckl and Petersson, *Structure-Borne
-    Sound*, for a Poisson ratio of 0.3). Along a limb ``alpha = pi (f - resonance) loss_factor / phase_speed``, 0 below its ``resonance``
-    [Hz], up to which the limb moves as a whole. ``absorption`` [1/m] is added at every frequency; it represents edges and joints of a
-    building.
+    The exponent g follows from the wave type. In a bounded body, whose least size is ``thickness`` and next one ``extent``, a wave spreads
+    through the volume from r0 until it fills the thickness, then over the surface until it fills the width, and no further:
+    ``(1 + min(d, A) / r0)^-1 (1 + (min(d, A + B) - min(d, A)) / q)^-1/2`` with ``A = max(thickness - r0, 0)``, ``q = max(r0, thickness)``
+    and ``B = max(extent - q, 0)``. In every case ``-log`` is 0 at 0, concave and non-decreasing in d.
+
+    For non-dispersive waves ``alpha = pi f loss_factor / phase_speed``; for bending waves ``alpha = pi f loss_factor / (2 c_B)`` with
+    ``c_B = sqrt(1.8 phase_speed thickness f)`` (Cremer, Heckl and Petersson, *Structure-Borne Sound*, for a Poisson ratio of 0.3). Bounded
+    bodies bend too, and their waves are at most as fast as ``phase_speed``. Along a limb
+    ``alpha = pi (f - resonance) loss_factor / phase_speed``, 0 below its ``resonance`` [Hz], up to which the limb moves as a whole.
+    ``absorption`` [1/m] is added at every frequency; it represents edges and joints of a building.
 
     kappa and rho scale all damping by ``ln K / ln K0`` with ``K = (1 - kappa) rho``: at the material's own ``K0 = material_k`` the factor
     is 1, at K = 1 there is no damping, at K = 0 the gain is 0. The plain gain is that of the lowest frequency band, which is the highest;
     the other bands follow the formula, unless none of them differs by half a decibel over ten metres.
 
-    Lengths in metres: ``thickness`` of the plate, ``reference_distance`` r0 (the radius of the driven area), ``extent`` of the body (0:
-    infinite). ``phase_speed`` in m/s, of extensional, surface or shear waves; it causes no delay (`Spectrum.wave_speed` does). ``density``
-    in kg/m^3 and phase speed determine the impedance for transmission functions of contacts.
+    Lengths in metres: ``thickness`` of a plate or bounded body, ``reference_distance`` r0 (the radius of the driven area), ``extent``: the
+    width of a bounded body, else the length of the body (0: infinite). ``phase_speed`` in m/s, of extensional, surface or shear waves; it
+    causes no delay (`Spectrum.wave_speed` does). ``density`` in kg/m^3 and phase speed determine the impedance for transmission functions
+    of contacts.
     """
 
     name, label = "physical", "Physical"
@@ -96,7 +103,10 @@ class Physical(ModulationFunction):
         ),
     )
     thickness: float = field(
-        default=0.1, metadata=number("Thickness", "Thickness of the plate", 0.0, soft=(1e-4, 1.0), unit="m", digits=4, above=True)
+        default=0.1,
+        metadata=number(
+            "Thickness", "Thickness of the plate, or of the wall of a hollow body", 0.0, soft=(1e-4, 100.0), unit="m", digits=4, above=True
+        ),
     )
     absorption: float = field(
         default=0.0,
@@ -134,7 +144,11 @@ class Physical(ModulationFunction):
     extent: float = field(
         default=0.0,
         metadata=number(
-            "Extent", "Distance over which vibration spreads in the body, its own length; 0: without end", 0.0, soft=(0.0, 100.0), unit="m"
+            "Extent",
+            "Distance over which vibration spreads in the body: the width of a bounded one, else its length; 0: without end",
+            0.0,
+            soft=(0.0, 100.0),
+            unit="m",
         ),
     )
     resonance: float = field(
@@ -151,8 +165,9 @@ class Physical(ModulationFunction):
     def material_damping(self, frequency: float) -> float:
         """Attenuation alpha [1/m] at ``frequency`` [Hz] of the material itself, at ``K = material_k``."""
         speed = self.phase_speed
-        if self.wave is Wave.PLATE:
-            speed = 2 * math.sqrt(1.8 * self.phase_speed * self.thickness * frequency)
+        if self.wave in (Wave.PLATE, Wave.BOUNDED):
+            bending = 2 * math.sqrt(1.8 * self.phase_speed * self.thickness * frequency)
+            speed = bending if self.wave is Wave.PLATE else min(bending, speed)
         waves = max(frequency - self.resonance, 0.0) if self.wave is Wave.LIMB else frequency
         return math.pi * waves * self.loss_factor / speed + self.absorption
 
@@ -168,9 +183,8 @@ class Physical(ModulationFunction):
         return self.density * self.phase_speed
 
     def spreading(self, distance: FloatArray) -> FloatArray:
-        """``(1 + min(d, extent) / r0)^-g``."""
-        limited = np.minimum(distance, self.extent) if self.extent > 0 else distance
-        return np.asarray((1.0 + limited / self.reference_distance) ** -SPREADING[self.wave])
+        """The gain by spreading alone."""
+        return np.exp(-self.spreading_law().cost(distance))
 
     def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         away = np.asarray(distance, dtype=np.float64)
@@ -181,8 +195,17 @@ class Physical(ModulationFunction):
         decay = float(self.damping(BAND_CENTRES[0], kappa, rho))
         return (1.0, decay) if decay < math.inf else None
 
-    def spreading_law(self) -> tuple[float, float, float]:
-        return SPREADING[self.wave], self.reference_distance, self.extent or math.inf
+    def spreading_law(self) -> Spreading:
+        start, end = self.reference_distance, self.extent or math.inf
+        match self.wave:
+            case Wave.BOUNDED:
+                fills, width = max(self.thickness - start, 0.0), max(start, self.thickness)
+                return Spreading(start, fills, width, fills + max(end - width, 0.0))
+            case Wave.SOLID:
+                return Spreading(start, end, start, end)
+            case Wave.PLATE | Wave.SURFACE:
+                return Spreading(start, 0.0, start, end)
+        return NO_SPREADING
 
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return float(self.gain(np.array(max_distance), kappa, rho, epsilon)), 1.0

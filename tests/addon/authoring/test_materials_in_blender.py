@@ -227,7 +227,7 @@ def test_every_part_of_a_material_is_shared(boxes, materials):
 
 
 def test_physical_materials_follow_from_preset_and_size(add_box, traced):
-    """A beam of steel and one of rubber, source and listener 4 m apart on each: gains by the closed form of a rod."""
+    """A beam of steel and one of rubber, source and listener 4 m apart on each: gains by the closed form of a bending rod."""
     for name, preset, y in (("Beam", "steel", 0), ("Hose", "rubber", 5)):
         box = add_box(name, (0, y, 0), (6, 0.1, 0.1))
         _select(box)
@@ -243,10 +243,11 @@ def test_physical_materials_follow_from_preset_and_size(add_box, traced):
     names = [source.name for source in result.sources], [listener.name for listener in result.listeners]
     # A new source emits 60 Hz. Steel loses less than half a decibel over ten metres, and therefore passes all bands like the lowest one.
     for name, preset, centres in (("Beam", "steel", BAND_CENTRES[:1] * 6), ("Hose", "rubber", BAND_CENTRES)):
-        damping, size = DAMPING[preset], bpy.data.objects[name].dimensions
-        assert bpy.data.objects[name].haptics.wave == "rod"
-        assert bpy.data.objects[name].haptics.extent == pytest.approx(max(size))
-        alpha = np.pi * np.array(centres) * damping.loss_factor / damping.speed
+        damping, haptics = DAMPING[preset], bpy.data.objects[name].haptics
+        assert haptics.wave == "bounded"
+        assert (haptics.extent, haptics.plate_thickness) == pytest.approx((0.1, 0.1))
+        bending = 2 * np.sqrt(1.8 * damping.speed * 0.1 * np.array(centres))
+        alpha = np.pi * np.array(centres) * damping.loss_factor / np.minimum(bending, damping.speed)
         gain = result.amplitudes[names[0].index(f"{name} source"), names[1].index(f"{name} listener")]
         assert gain == pytest.approx(bank_response(60.0, SAMPLE_RATE) @ np.exp(-4 * alpha), rel=1e-5)
 

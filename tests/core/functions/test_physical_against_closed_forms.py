@@ -9,7 +9,8 @@ from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.functions import Physical, Wave, function_from_dict
-from haptic_tracing.core.scene.measured import physical
+from haptic_tracing.core.scene.materials import MATERIALS
+from haptic_tracing.core.scene.measured import DAMPING, physical
 from haptic_tracing.core.scene.skeleton import part_in
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener, Settings, Source
 from hypothesis import given, settings
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 
 K0 = (0.3, 0.8)  # kappa and rho of the material itself
 MATERIAL_K = (1 - 0.3) * 0.8
+OWN = {name: (material.kappa, material.rho) for name, material in MATERIALS.items()}
 
 
 def gain(function, distance, kappa=K0[0], rho=K0[1]):
@@ -49,6 +51,43 @@ def test_damping_of_bending_waves(frequency):
 def test_spreading_in_decibels_per_doubling_of_distance(wave, per_doubling):
     function = Physical(wave=wave, loss_factor=0.0, material_k=MATERIAL_K, reference_distance=0.001)
     assert 20 * math.log10(gain(function, 10.0) / gain(function, 20.0)) == pytest.approx(per_doubling, abs=0.01)
+
+
+SIZES = st.floats(1e-4, 50)
+
+
+@settings(max_examples=300, deadline=None)
+@given(SIZES, SIZES, st.floats(0.01, 3), st.lists(st.floats(0, 100), min_size=3, max_size=3))
+def test_a_wave_spreads_until_it_fills_the_body(one, other, radius, distances):
+    """By the formula of the documentation; its cost is 0 at 0, non-decreasing and concave, hence a metric."""
+    c, b = sorted((one, other))
+    function = Physical(wave=Wave.BOUNDED, loss_factor=0.0, material_k=MATERIAL_K, thickness=c, extent=b, reference_distance=radius)
+    through, width = max(c - radius, 0.0), max(radius, c)
+    over = max(b - width, 0.0)
+
+    def cost(d: float) -> float:
+        return -math.log(gain(function, d))
+
+    for d in distances:
+        volume = min(d, through)
+        expected = (1 + volume / radius) ** -1 * (1 + (min(d, through + over) - volume) / width) ** -0.5
+        assert gain(function, d) == pytest.approx(expected, rel=1e-12)
+    near, middle, far = sorted(distances)
+    assert cost(0.0) == 0.0
+    assert cost(near) <= cost(middle) + 1e-12 <= cost(far) + 2e-12
+    if far > near:
+        part = (middle - near) / (far - near)
+        assert cost(middle) >= (1 - part) * cost(near) + part * cost(far) - 1e-9
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.sampled_from(sorted(set(DAMPING) - {"flesh"})), st.tuples(SIZES, SIZES, SIZES), st.integers(0, 2), st.floats(0.1, 30))
+def test_a_hundredth_of_a_size_moves_no_level_by_a_tenth_of_a_decibel(name, size, which, distance):
+    """But for what lies 20 dB and more down by damping alone, which is proportional to the root of a thickness."""
+    changed = tuple(length * 1.01 if number == which else length for number, length in enumerate(size))
+    levels = [20 * math.log10(max(gain(physical(name, one), distance, *OWN[name]), 1e-300)) for one in (size, changed)]
+    damped = 8.686 * physical(name, size).material_damping(BAND_CENTRES[0]) * distance
+    assert abs(levels[0] - levels[1]) < max(0.1, 0.0051 * damped)
 
 
 def test_spreading_ends_at_the_extent_of_the_body():

@@ -6,16 +6,15 @@ from dataclasses import replace
 import pytest
 from haptic_tracing.core.scene.functions import Wave
 from haptic_tracing.core.scene.materials import MATERIALS
-from haptic_tracing.core.scene.measured import DAMPING, physical, wave_in
+from haptic_tracing.core.scene.measured import DAMPING, physical
 
 PLATE, ROD, BLOCK = (4.0, 3.0, 0.02), (0.05, 0.05, 5.0), (1.0, 1.0, 1.0)
 
 
-def loss(loss_factor, speed, frequency, size):
-    """Of a wave in a body of like geometry, 1/m."""
-    if size is PLATE:
-        return math.pi * frequency * loss_factor / (2 * math.sqrt(1.8 * speed * 0.02 * frequency))
-    return math.pi * frequency * loss_factor / speed
+def loss(loss_factor, speed, frequency, size, ground):
+    """Of a wave in a body of like geometry, 1/m: bending waves are slower where the body is thin; waves along the ground don't bend."""
+    bending = 2 * math.sqrt(1.8 * speed * min(size) * frequency)
+    return math.pi * frequency * loss_factor / (speed if ground else min(speed, bending))
 
 
 def test_every_material_has_numbers_within_their_ranges():
@@ -30,13 +29,11 @@ def test_every_material_has_numbers_within_their_ranges():
 def test_order_of_losses_is_that_of_measurement_wherever_ranges_do_not_overlap(frequency, size):
     ranges, model = {}, {}
     for name, damping in DAMPING.items():
-        ends = [loss(eta, speed, frequency, size) for eta in damping.loss_range for speed in damping.speed_range]
+        ends = [loss(eta, speed, frequency, size, damping.ground) for eta in damping.loss_range for speed in damping.speed_range]
         ranges[name] = min(ends), max(ends)
         function = physical(name, size)
         if function.wave is Wave.LIMB:  # the ranges are of waves; a limb moves as a whole besides
-            function = replace(function, wave=Wave.PLATE if size is PLATE else Wave.ROD, thickness=0.02)
-        if size is PLATE and damping.ground:
-            continue  # waves along the ground
+            function = replace(function, wave=Wave.BOUNDED)
         model[name] = float(function.damping(frequency, MATERIALS[name].kappa, MATERIALS[name].rho))
         assert ranges[name][0] <= model[name] <= ranges[name][1]
     compared = [(a, b) for a in model for b in model if ranges[a][1] < ranges[b][0]]
@@ -61,8 +58,18 @@ def test_walls_in_place_lose_one_to_three_decibels_per_metre():
             assert 1 <= per_metre <= 3
 
 
-def test_the_wave_follows_from_the_shape():
-    assert wave_in("concrete", (6, 4, 0.2)) == (Wave.PLATE, 0.2)
-    assert wave_in("steel", (0.1, 0.1, 5)) == (Wave.ROD, 0.1)
-    assert wave_in("stone", (1, 1, 1)) == (Wave.SOLID, 1)
-    assert wave_in("soil", (50, 50, 1)) == (Wave.SURFACE, 1)
+def test_the_wave_follows_from_material_and_sizes():
+    for name, size in (("concrete", (6, 4, 0.2)), ("steel", (0.1, 0.1, 5)), ("stone", (1, 1, 1))):
+        function = physical(name, size)
+        assert (function.wave, function.thickness, function.extent) == (Wave.BOUNDED, *sorted(size)[:2])
+    for name, size, is_half_space in (("soil", (50, 50, 1), False), ("soil", (1, 1, 1), False), ("concrete", (90, 90, 0.1), True)):
+        assert physical(name, size, is_half_space=is_half_space).wave is Wave.SURFACE
+
+
+@pytest.mark.parametrize("distance", [0.3, 3.0, 30.0])
+def test_the_ground_is_the_same_whatever_its_thickness(distance):
+    """From 0.1 to 20 m."""
+    for name, is_half_space in (("soil", False), ("gravel", False), ("concrete", True)):
+        own = MATERIALS[name].kappa, MATERIALS[name].rho, 0.1
+        gains = {float(physical(name, (40, 40, h), is_half_space=is_half_space).gain(distance, *own)) for h in (0.1, 1.0, 5.0, 20.0, 60.0)}
+        assert len(gains) == 1

@@ -1,0 +1,106 @@
+"""Sizes of bodies as waves meet them: walls of solid, hollow and open meshes against closed forms, and what Physical Materials makes of
+them."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import pytest
+from haptic_tracing.addon.authoring import materials as library
+from haptic_tracing.addon.authoring.sizes import sizes_of
+from haptic_tracing.core.scene.materials import MATERIALS
+
+
+@pytest.fixture
+def sizes(scene):
+    """The sizes of the active object, of its evaluated mesh."""
+
+    def of_active():
+        return sizes_of(bpy.context.view_layer.objects.active, bpy.context.evaluated_depsgraph_get())
+
+    return of_active
+
+
+@pytest.fixture
+def pipe(scene):
+    """A tube of 3 m, 0.5 m across, as one surface."""
+    bpy.ops.mesh.primitive_cylinder_add(vertices=128, radius=0.25, depth=3, end_fill_type="NOTHING")
+    return bpy.context.object
+
+
+def thicken(obj: bpy.types.Object, wall: float) -> None:
+    """Give a surface a wall, to the inside."""
+    modifier = obj.modifiers.new("wall", "SOLIDIFY")
+    modifier.thickness, modifier.offset, modifier.use_even_offset = wall, -1.0, True
+    bpy.context.view_layer.update()
+
+
+@pytest.mark.parametrize("size", [(1, 1, 1), (4, 0.1, 0.1), (3, 2, 0.01), (0.2, 5, 2)])
+def test_a_solid_box_has_the_sizes_of_its_box(sizes, add_box, size):
+    bpy.context.view_layer.objects.active = add_box("box", (0, 0, 0), size)
+    assert sizes() == pytest.approx(sorted(size, reverse=True), rel=1e-5)
+
+
+def test_solid_cylinders_and_balls_are_as_thick_as_they_are_wide(sizes, scene):
+    bpy.ops.mesh.primitive_cylinder_add(vertices=128, radius=0.2, depth=3)
+    assert sizes() == pytest.approx((3, 0.4, 0.4), rel=0.01)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64, radius=0.5)
+    assert sizes() == pytest.approx((1, 1, 1), rel=0.01)
+
+
+@pytest.mark.parametrize("wall", [0.002, 0.01, 0.03])
+def test_a_pipe_is_as_thin_as_its_wall(sizes, pipe, wall):
+    thicken(pipe, wall)
+    assert sizes() == pytest.approx((3, 0.5, wall), rel=0.1)
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.5])
+def test_a_room_is_as_thin_as_its_walls(sizes, add_box, scale):
+    room = add_box("room", (0, 0, 0), (4, 5, 3))
+    bpy.context.view_layer.objects.active = room
+    bpy.ops.object.select_all(action="DESELECT")
+    room.select_set(True)
+    bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
+    thicken(room, 0.2)
+    room.scale = (scale, scale, scale)
+    bpy.context.view_layer.update()
+    assert sizes() == pytest.approx((5 * scale, 4 * scale, 0.2 * scale), rel=0.15)
+
+
+def test_a_sheet_modelled_as_one_surface_is_a_centimetre_thick_at_most(sizes, pipe):
+    assert sizes() == pytest.approx((3, 0.5, 0.01), rel=0.01)
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    assert sizes() == pytest.approx((2, 2, 0.01))
+
+
+def made_physical(scene, obj: bpy.types.Object, material: str) -> None:
+    obj.haptics.enabled = True
+    library.apply([obj], library.preset_in(scene, MATERIALS[material]))
+    assert bpy.ops.haptic.physical_materials() == {"FINISHED"}
+
+
+def test_physical_materials_take_the_wall_of_a_hollow_body(scene, pipe):
+    thicken(pipe, 0.005)
+    made_physical(scene, pipe, "steel")
+    assert pipe.haptics.wave == "bounded"
+    assert pipe.haptics.extent == pytest.approx(0.5, rel=0.01)
+    assert pipe.haptics.plate_thickness == pytest.approx(0.005, rel=0.1)
+
+
+def test_the_ground_and_half_spaces_are_the_same_whatever_their_thickness(scene, add_box, add_empty, traced):
+    """A slab of 40 m, from 0.1 to 20 m thick: of soil, and of concrete that is marked as a half-space."""
+    slab = add_box("slab", (0, 0, -0.5), (40, 40, 1))
+    for x, role in ((0.0, "source"), (7.0, "listener")):
+        getattr(add_empty(role, (x / 40, 0, 0), slab).haptics, role).enabled = True
+    found = {"soil": set(), "concrete": set()}
+    for name, levels in found.items():
+        made_physical(scene, slab, name)
+        slab.haptics.wave = "surface"  # what soil has already
+        for thickness in (0.1, 1.0, 20.0):
+            slab.scale.z, slab.location.z = thickness, -thickness / 2
+            bpy.context.view_layer.update()
+            bpy.ops.haptic.physical_materials()
+            assert slab.haptics.wave == "surface"
+            levels.add(round(20 * math.log10(traced().amplitudes[0, 0]), 3))
+    assert all(len(levels) == 1 for levels in found.values()), found
