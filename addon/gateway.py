@@ -28,7 +28,7 @@ _LENT = {
     "addon.view": "air_contacts comparison explanation gain_plot graph_mesh lane levels meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture watched",
     "core": "signals",
-    "core.design": "recordings wishes",
+    "core.design": "felt recordings wishes",
     "core.devices": "connection mapping profiles",
     "core.formats": "haptic_scene registry",
     "core.render": "limiter mixing",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 from bpy.props import FloatProperty, StringProperty
@@ -47,7 +47,7 @@ class HAPTIC_OT_make_felt(Edit, Operator):
     )
     use_frequency: switch("Frequency", "If that is not enough, change the frequency of that source to one that is felt better", True)
     use_material: switch("Materials", "If that is not enough, change the materials on the path to those that pass on more", True)
-    plans: tuple[felt.Plan, ...] = ()
+    plans = cast("tuple[felt.Plan, ...]", ())  # no annotation, which Blender would evaluate at registration
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         try:
@@ -113,12 +113,8 @@ class HAPTIC_OT_make_felt(Edit, Operator):
         return tuple(plans)
 
 
-_NAMES = {
-    felt.Kind.GAIN: "Gain",
-    felt.Kind.AMPLITUDE: "Amplitude",
-    felt.Kind.FREQUENCY: "Frequency (Hz)",
-    felt.Kind.MATERIAL: "K = (1 - κ) ρ",
-}
+_NAMES = {"gain": "Gain", "amplitude": "Amplitude", "frequency": "Frequency (Hz)", "material": "K = (1 - κ) ρ"}
+"""Names of the changes by the values of `felt.Kind`."""
 
 
 def _draw_row(layout: UILayout, name: str, before: str, after: str) -> None:

@@ -1,12 +1,35 @@
 """A field of a scene value is declared once: its property, its schema, its check, its reading and writing follow."""
 
 import json
+from dataclasses import dataclass, field, replace
 
 import bpy
+import jsonschema
 import numpy as np
 import pytest
+from haptic_tracing.addon.io.property_writer import stored_text
+from haptic_tracing.addon.panels.drawing import draw_held
+from haptic_tracing.addon.properties.callbacks import Stored, updating
+from haptic_tracing.addon.properties.declared import holding, read_values, write_values
+from haptic_tracing.addon.scene_reader import digest
+from haptic_tracing.addon.scene_reader.imported import stored_item
 from haptic_tracing.core.formats.haptic_scene import read_export
-from haptic_tracing.core.scene.declaration import Choice, Number, Numbers, Switch, Text, declared, default_of, shown
+from haptic_tracing.core.formats.io import scene_schema, schema
+from haptic_tracing.core.formats.io.error import FormatError
+from haptic_tracing.core.formats.io.schema import load_schema
+from haptic_tracing.core.formats.scene.values_json import item_to_dict, read_value
+from haptic_tracing.core.scene.declaration import (
+    Choice,
+    Number,
+    Numbers,
+    Switch,
+    Text,
+    choice,
+    declared,
+    default_of,
+    number,
+    shown,
+)
 from haptic_tracing.core.scene.functions import FUNCTIONS, TRANSMISSIONS
 from haptic_tracing.core.scene.impact_rule import ImpactLimits, ImpactRule
 from haptic_tracing.core.scene.library import LibraryMaterial
@@ -15,6 +38,7 @@ from haptic_tracing.core.scene.texture import Texture
 from haptic_tracing.core.scene.values import HapticObject, Listener, Settings, Source
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from program import run
 from scene_files import exported, imported
 
 FEW = settings(max_examples=20, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
@@ -149,3 +173,66 @@ def test_a_listener_with_more_digits_than_blender_has_is_imported_and_plays(tmp_
     assert there_and_back(document, tmp_path)["listeners"][0]["ducking"] == 12.345678912
     (listener,) = traced().listeners
     assert listener.ducking == 12.345678912 and traced().amplitudes.max() > 0
+
+
+def test_large_numbers_are_the_same_in_a_file_on_the_command_line_and_in_blender(tmp_path, traced):
+    document = written_form(PLAIN)
+    burst = {"signal": {"signal": "decaying_sine", "frequency": 100, "decay": 0.1}, "onset": 2e6}
+    document["sources"] = [{**document["sources"][0], "priority": 1e7}, {**document["sources"][0], "name": "late", **burst}]
+    document["listeners"][0] |= {"gain": 1e7, "mixing": "weighted"}
+    jsonschema.Draft202012Validator(load_schema("haptic-scene-1.1")).validate(document)
+    written = there_and_back(document, tmp_path)
+    assert written["sources"][0]["priority"] == written["listeners"][0]["gain"] == 1e7 and written["sources"][1]["onset"] == 2e6
+    assert traced().gains[0, 0] > 0 and traced().listeners[0].gain == 1e7
+    bpy.data.objects["drill"].haptics.source.priority = 1e9
+    assert traced().gains[0, 0] > 0 and traced().sources[0].priority == 1e9
+    done = run("export", tmp_path / "a.json", "--to", "wav", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "a.wav").is_file()
+
+
+@dataclass(frozen=True, slots=True)
+class _Listener(Listener):
+    """A listener with two fields more than this version has."""
+
+    stiffness: float = field(default=0.5, metadata=number("Skin", "How stiff the skin is", 0.0, 10.0, soft=(0.0, 2.0), unit="N/m"))
+    side: str = field(default="left", metadata=choice("Side", "Where it is", {"left": ("Left", "At home"), "right": ("Right", "Away")}))
+
+
+@pytest.fixture
+def group():
+    """A property group that holds such a listener, as an object's property."""
+    cls = updating()(holding(_Listener)(type("HapticListenerOfTest", (Stored, bpy.types.PropertyGroup), {})))
+    bpy.utils.register_class(cls)
+    bpy.types.Object.listener_of_test = bpy.props.PointerProperty(type=cls)
+    yield bpy.data.objects.new("test", None).listener_of_test
+    del bpy.types.Object.listener_of_test
+    bpy.utils.unregister_class(cls)
+
+
+def test_a_new_field_arrives_everywhere(monkeypatch, group, recording_layout):
+    monkeypatch.setitem(scene_schema.DEFINED, "listener", _Listener)
+    schema._validator.cache_clear()
+    document = {**written_form(PLAIN), "listeners": [{"name": "seat", "object": "floor", "position": [0, 0, 0], "stiffness": 1.23456789}]}
+    schema.validate(document, "haptic-scene-1.1", "a.json")
+    found = load_schema("haptic-scene-1.1")["$defs"]["listener"]["properties"]
+    assert (found["stiffness"]["minimum"], found["stiffness"]["maximum"]) == (0.0, 10.0) and found["side"]["enum"] == ["left", "right"]
+    assert found["stiffness"]["description"] == "How stiff the skin is. Unit: N/m. Default: 0.5."
+    with pytest.raises(FormatError, match="/listeners/0/stiffness: must be at most 10, got 11"):
+        schema.validate({**document, "listeners": [{**document["listeners"][0], "stiffness": 11}]}, "haptic-scene-1.1", "a.json")
+    item = read_value(_Listener, document["listeners"][0], ("listeners", 0))
+    assert item.stiffness == 1.23456789 and item_to_dict(item) == document["listeners"][0]
+    with pytest.raises(ValueError, match=r"stiffness: must be from 0 to 10 N/m, got 10\.5"):
+        replace(item, stiffness=10.5)
+    assert group.bl_rna.properties["stiffness"].name == "Skin (N/m)" and group.side == "left"
+    before = digest._values(group, (), "")
+    assert write_values(group, item) == []
+    assert digest._values(group, (), "") != before
+    group.imported = stored_text(item)
+    assert read_values(_Listener, group, stored_item(group.imported, "listener"))["stiffness"] == 1.23456789
+    group.stiffness = 2.0
+    assert read_values(_Listener, group, stored_item(group.imported, "listener"))["stiffness"] == 2.0
+    layout = recording_layout()
+    draw_held(layout, group, _Listener)
+    assert layout.properties == list(shown(_Listener)) and {"stiffness", "side"} <= set(layout.properties)
+    schema._validator.cache_clear()
