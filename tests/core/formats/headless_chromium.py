@@ -1,4 +1,4 @@
-"""A page in Chromium without a window, driven by DevTools messages over a pipe. It reaches no network."""
+"""A page in Chromium without a window, driven by DevTools messages over a pipe. It reaches no network but this machine."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Page:
         command += [
             f"--window-size={size[0]},{size[1]}",
             "--autoplay-policy=no-user-gesture-required",
-            "--host-resolver-rules=MAP * ~NOTFOUND",
+            "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
         ]
         self._process = subprocess.Popen(command, pass_fds=(read, write), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for end in (*ends, read, write):
