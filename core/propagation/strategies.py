@@ -17,10 +17,9 @@ from ..scene.values import Settings
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error, most_connections
 from .connections import LARGEST, ROUNDING, amplifying, bounded_exp, joined, lanes_of, path_delay
 from .energy_balance import energy_gains
-from .exact import PathLimits, ThresholdCosts, threshold_costs
+from .exact import PathLimits, ThresholdCosts, bounded_sums, path_gain, threshold_costs
 from .mean_power import over_volumes
 from .modes import direct_gains, localised, nearest_listener
-from .path_sums import bounded_sums, path_gain
 from .result import Propagation
 from .strongest_paths import delay_taps
 from .walk_radius import WalkOperator, WalkRadius

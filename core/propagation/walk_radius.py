@@ -220,29 +220,14 @@ class WalkOperator:
             vector = np.where(larger, applied, vector)
         return vector, math.inf
 
-    def totals(
-        self, roots: Sequence[int], listeners: Sequence[int], left_out: tuple[IntArray, FloatArray] | None = None
-    ) -> FloatArray | None:
-        """Upper bounds (l,) on the sum over all walks from the nodes ``roots`` to each of the nodes ``listeners``.
-
-        Walks that begin like the walks of ``left_out`` (their last entries as nodes of the graph, and their gains) don't count. None where
-        nothing bounds the sum.
-        """
+    def totals(self, roots: Sequence[int], listeners: Sequence[int]) -> FloatArray | None:
+        """Upper bounds (l,) on the sum over all walks from the nodes ``roots`` to each of the nodes ``listeners``, None where nothing
+        bounds it."""
         (_, entry, gain), ends = self._steps(roots), self._steps(listeners)
-        contracted = self._contracted()
         first = np.zeros(len(self._entry))
         np.add.at(first, self._other_side[entry], gain * self._crossing[entry])
-        sums = self._series(first, ends, len(listeners), contracted)
-        if sums is None:
-            return None
-        total, rest = sums
-        if left_out is not None:
-            begun = np.zeros(len(self._entry))
-            number = self._number[left_out[0]]
-            np.add.at(begun, number[number >= 0], left_out[1][number >= 0])  # a root is no entry
-            known = self._series(begun, ends, len(listeners), contracted)
-            total = total if known is None else np.maximum(total - known[0], 0.0)
-        return self._direct(roots, listeners) + total + rest
+        sums = self._series(first, ends, len(listeners), self._contracted())
+        return None if sums is None else self._direct(roots, listeners) + sums[0] + sums[1]
 
     def _steps(self, nodes: Sequence[int]) -> tuple[IntArray, IntArray, FloatArray]:
         """The intra-connections between ``nodes`` and the contact nodes of their objects: number of the node, entry, gain."""
@@ -278,6 +263,8 @@ class WalkOperator:
         for _ in range(TERMS):
             total += arriving(term)
             term = (self._crossing * self._inside(term))[self._other_side]
+            if not np.isfinite(term).all():
+                return None
             if not term.any():
                 return total, np.zeros(listeners)
             if ratio < 1:

@@ -13,10 +13,11 @@ from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.best_path import crossings_of
 from haptic_tracing.core.propagation.connections import LARGEST
-from haptic_tracing.core.propagation.exact import PathLimits, simpath, sum_over_paths
-from haptic_tracing.core.propagation.exact.path_search import Limits, PathSearch
-from haptic_tracing.core.propagation.exact.search_graph import build_search_graph
-from haptic_tracing.core.propagation.exact.walk_bounds import WalkBounds
+from haptic_tracing.core.propagation.exact import PathLimits, sum_over_paths
+from haptic_tracing.core.propagation.exact.contact_order import contacts_on_paths
+from haptic_tracing.core.propagation.exact.frontier import Frontier
+from haptic_tracing.core.propagation.exact.path_search import PathSearch
+from haptic_tracing.core.propagation.exact.step_graph import build_step_graph
 from haptic_tracing.core.scene.functions import Constant, Expression, Identity
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import example, given, settings
@@ -37,7 +38,7 @@ def true_sums(graph, max_connections=None, threshold=0.0) -> list[float]:
 def assert_interval(graph, limits: PathLimits, true: list[float]) -> None:
     """The sum within the limits lies in the interval that is found for it."""
     found = sum_over_paths(graph, graph.sources[0].nodes, graph.listener_nodes.tolist(), limits)
-    for gain, error, expected in zip(found.gain[:, 0], found.error, true, strict=True):
+    for gain, error, expected in zip(found.gain[:, 0], found.missing, true, strict=True):
         assert gain <= expected * (1 + 1e-12)
         assert expected <= (gain + error) * (1 + 1e-9)
 
@@ -88,11 +89,10 @@ def test_search_with_and_without_merging(seed, merge, crossings):
     graph = graph_of_scene(connected_scene(seed, METRIC[:3], extra=4, listeners=3))
     entries = np.flatnonzero(graph.partner >= 0)
     roots, listeners = list(graph.sources[0].nodes), graph.listener_nodes.tolist()
-    search_graph = build_search_graph(graph, entries, roots, listeners)
-    limits = Limits(crossings, 0.0, np.full(len(search_graph.nodes), math.inf), 0.0, np.zeros(len(listeners)), 10**6, 10**7)
-    found = PathSearch(search_graph, np.ones((len(roots), 1)), limits, WalkBounds(search_graph, crossings), merge).run()
+    search = PathSearch(build_step_graph(graph, entries, roots, listeners), crossings)
+    found = search.run(PathLimits(crossings, 0.0, 0.0, 10**7), np.zeros(len(listeners)), merge)
     true = true_sums(graph, None if crossings == math.inf else 9)
-    assert found.sums.sum(axis=0)[:, 0].tolist() == pytest.approx(true, rel=1e-12)
+    assert found.gain[:, 0].tolist() == pytest.approx(true, rel=1e-12)
     assert found.missing.tolist() == [0.0] * len(listeners)
 
 
@@ -116,7 +116,7 @@ def test_sum_that_grows_without_bound_is_reported():
     assert limited.limited[0, 0]
     assert {Cause.SUM_SET_BY_THRESHOLD, Cause.SUM_BUDGET} <= {warning.cause for warning in limited.warnings}
     found = sum_over_paths(graph, graph.sources[0].nodes, graph.listener_nodes.tolist(), PathLimits(15, 1e-3, 0.01, 20_000))
-    assert 0 < found.error[0] < LARGEST
+    assert 0 < found.missing[0] < LARGEST
 
 
 def test_amplifying_scene_ends():
@@ -190,34 +190,20 @@ def test_limited_connections_stay_exact_where_paths_are_countless():
     assert result.limited[0, 0]
     assert result.error_bound[0, 0] == math.inf
     assert {warning.cause for warning in result.warnings} == {Cause.SUM_SET_BY_CONNECTIONS}
-    assert sum_over_paths(graph, graph.sources[0].nodes, graph.listener_nodes.tolist(), PathLimits(3, 0.0, 0.0, 10**6)).error[0] == 0
+    assert sum_over_paths(graph, graph.sources[0].nodes, graph.listener_nodes.tolist(), PathLimits(3, 0.0, 0.0, 10**6)).missing[0] == 0
+
+
+def frontier(graph) -> Frontier:
+    roots, listeners = graph.sources[0].nodes, graph.listener_nodes.tolist()
+    return Frontier(graph, contacts_on_paths(graph, roots, listeners), roots, listeners, math.inf)
 
 
 def test_frontier_gives_up_at_once():
-    scene = dense(12, Constant(gain_value=0.1))
-    graph = graph_of_scene(scene)
-    patches = [
-        [(int(graph.node_object[a]), a, int(graph.node_object[graph.partner[a]]), int(graph.partner[a]))]
-        for a in range(graph.node_count)
-        if a < graph.partner[a]
-    ]
-    edges = [(p[0][0], p[0][2]) for p in patches]
-    order, expected = simpath.order_patches(edges, dict.fromkeys(range(12), ORIGIN), 0)
-    assert sorted(order) == list(range(len(edges)))
-    assert expected == sorted(expected)
-    crossings = simpath.plan([patches[k] for k in order], (0, int(graph.sources[0].nodes[0])))
-    one = np.ones((1, 1))
-    weights = [
-        simpath.Weights(
-            np.ones((len(c.waiting[0]) + 1, len(c.waiting[1]) + 1, 1)),
-            (np.ones((len(c.waiting[0]) + 1, 1)), np.ones((len(c.waiting[1]) + 1, 1))),
-            (None, None),
-        )
-        for c in crossings
-    ]
-    running = simpath.SumOverPaths(crossings, weights, one, np.zeros((1, 1)), False, expected)
-    assert running.run(1000) is None
-    assert running.work < 2000
+    running = frontier(graph_of_scene(dense(12, Constant(gain_value=0.1))))
+    assert running.width > 2000
+    running.width = 0.0  # had the order promised more than it keeps
+    assert running.sum(1000) is None
+    assert running.work < 4 * 1000  # it ends with the contact at which that was passed
 
 
 def test_same_result_every_time():
@@ -231,19 +217,6 @@ def test_same_result_every_time():
 def test_frontier_paused_again_and_again():
     """However small its steps, the sum is the same to the last bit."""
     graph = graph_of_scene(dense(6, Constant(gain_value=0.9)))
-    whole = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0, tolerance=0.0), 10**9)
-    begun: list[simpath.SumOverPaths] = []
-    run = simpath.SumOverPaths.run
-
-    def in_steps(self: simpath.SumOverPaths, allowed: float):
-        begun.append(self)
-        for part in np.linspace(0, allowed, 50):
-            if (total := run(self, part)) is not None:
-                return total
-        return None
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(simpath.SumOverPaths, "run", in_steps)
-        paused = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0, tolerance=0.0), 10**9)
-    assert begun
-    assert paused.gain.tolist() == whole.gain.tolist()
+    whole, paused = frontier(graph).sum(1e9), frontier(graph)
+    sums = [paused.sum(part) for part in np.linspace(0, paused.width + 10**6, 200)]
+    assert sums[0] is None and sums[-1].tolist() == whole.tolist()

@@ -13,8 +13,7 @@ import pytest
 from energy_reference import energy_gain
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.propagation.exact.search_graph import build_search_graph
-from haptic_tracing.core.propagation.exact.walk_bounds import walk_sums
+from haptic_tracing.core.propagation.exact.step_graph import build_step_graph, walk_sums
 from haptic_tracing.core.scene.functions import Constant, Exponential
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
 from hypothesis import given, settings
@@ -154,28 +153,27 @@ def test_walks(seed):
     """The bound of all walks is none too small, and not larger than rounding and its own remainder make it."""
     graph = graph_of_scene(connected_scene(seed, (Exponential(alpha=0.4), Constant(gain_value=0.3), Constant(gain_value=0.1)), extra=3))
     entries = np.flatnonzero(graph.partner >= 0)
-    search_graph = build_search_graph(graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist())
-    count = len(search_graph.nodes)
+    paths = build_step_graph(graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist())
+    count = len(paths.nodes)
     with mpmath.workdps(40):
         step = mpmath.zeros(count, count)
-        ends = mpmath.zeros(count, search_graph.listeners)
-        for rows, matrix in ((search_graph.steps, step), (search_graph.ends, ends)):
+        ends = mpmath.zeros(count, paths.listeners)
+        for rows, matrix in ((paths.steps, step), (paths.ends, ends)):
             for entry in range(count):
-                for place in range(int(rows.start[entry]), int(rows.start[entry + 1])):
-                    matrix[entry, int(rows.to[place])] += mpmath.mpf(float(rows.weight[place, 0]))
-        few = walk_sums(search_graph, 5)
+                for place in range(int(rows.start[entry]), int(rows.start[entry] + rows.size[entry])):
+                    matrix[entry, int(rows.to[place])] += mpmath.mpf(float(rows.gain[place, 0]))
         term = total = ends
         for k in range(1, 6):
             term = step * term
             total = total + term
-            got = few[min(k, len(few) - 1)]
-            assert all(close(got[i, j], total[i, j]) for i in range(count) for j in range(search_graph.listeners))
+            got = walk_sums(paths, k)
+            assert all(close(got[i, j], total[i, j]) for i in range(count) for j in range(paths.listeners))
         largest = np.abs(np.linalg.eigvals(np.array(step.tolist(), dtype=np.float64).reshape(count, count))).max(initial=0.0)
-        bound = walk_sums(search_graph, 1000)[-1]
+        bound = walk_sums(paths, 1000)
         if largest < 0.9:
             exact = (mpmath.eye(count) - step) ** -1 * ends
             for i in range(count):
-                for j in range(search_graph.listeners):
+                for j in range(paths.listeners):
                     assert exact[i, j] * (1 - mpmath.mpf(1e-12)) <= bound[i, j]
                     assert math.isfinite(bound[i, j])
         else:

@@ -6,12 +6,10 @@ from __future__ import annotations
 import math
 from functools import cache
 
-import numpy as np
 import pytest
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate, shortest_paths
-from haptic_tracing.core.propagation.exact import path_search
 from haptic_tracing.core.scene.values import HapticScene, Settings, Strategy
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -66,24 +64,3 @@ def test_shortest_paths(way):
         for name, value in WAYS[way].items():
             patch.setattr(shortest_paths, name, value)
         check()
-
-
-@pytest.mark.slow
-@settings(max_examples=60, deadline=None, derandomize=True)
-@given(SEEDS, LIMITS)
-def test_crossed_patches_numbered_by_graph_and_by_search(seed, limits):
-    """The same bits whichever way the crossed patches are numbered, the same sums in another order with steps ranked by their promise."""
-    graph = graph_of_scene(connected_scene(seed, (*METRIC, *OTHER), listeners=3, refined=True))
-    results = []
-    for ways in ({}, {"NUMBERED": 0}, {"FEW": 0}, {"FEW": 0, "NUMBERED": 0}, {"FEW": 0, "BINS": 1}):
-        with pytest.MonkeyPatch.context() as patch:
-            for name, value in ways.items():
-                patch.setattr(path_search, name, value)
-            chosen = Settings(strategy=Strategy.ALL_PATHS, max_connections=limits[0], threshold=limits[1])
-            results.append(propagate(graph, chosen))
-    for one, other in ((0, 1), (2, 3), (2, 4)):
-        assert results[one].gain.tobytes() == results[other].gain.tobytes()
-    for result in results[1:]:
-        assert np.allclose(result.gain, results[0].gain, rtol=1e-13, atol=0)
-        assert np.array_equal(result.paths, results[0].paths)
-        assert np.allclose(result.error_bound, results[0].error_bound, rtol=1e-9, atol=1e-12)
