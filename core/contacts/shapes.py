@@ -202,12 +202,14 @@ class _PointShape(Shape):
 @dataclass(frozen=True, slots=True, eq=False)
 class ConvexHull(_PointShape):
     """The convex hull of ``points`` (n, 3) in metres, which may lie in one plane or on one line, but not all in one place. ``rounding`` is
-    the radius of its edges within that hull (Bullet's embedded margin); where it is thinner than that, it stays sharp."""
+    the radius of its edges within that hull (Bullet's embedded margin); where it is thinner than that, it stays sharp. With ``sunk_in`` it
+    stands for a closed surface, inside which bodies touch it down to that depth [m], as for a `Mesh`."""
 
     type: ClassVar[str] = "convex_hull"
     points: FloatArray
     margin: float = 0.0
     rounding: float = 0.0
+    sunk_in: float | None = None
 
     def __post_init__(self) -> None:
         points = points_array("points", self.points)
@@ -215,6 +217,8 @@ class ConvexHull(_PointShape):
             raise ValueError("points: they all lie in one place")
         object.__setattr__(self, "points", points)
         Shape.__post_init__(self)
+        if self.sunk_in is not None:
+            object.__setattr__(self, "sunk_in", _length("sunk_in", self.sunk_in))
 
     def core_bounds(self) -> FloatArray:
         return np.array([self.points.min(axis=0), self.points.max(axis=0)])

@@ -14,9 +14,6 @@ from .shapes import ConvexHull, Mesh, Shape
 SUNK_IN = 0.05
 """Metres beneath the surface of a solid down to which what lies inside touches it."""
 
-_ROOM = 1.0
-"""Smallest extent [m] from which on a convex body may be a room to what is inside: its triangles count, not its hull."""
-
 _SAME_PLACE = 1e-6
 """Part of a mesh's extent up to which two vertices are one: seams have two at a place."""
 
@@ -64,8 +61,8 @@ def surface_shape(points: FloatArray, triangles: IntArray, surface: Surface, tol
     closed = surface is not Surface.SHELL and is_closed(points, triangles)
     solid = surface is Surface.SOLID or (closed and volume > 0)
     flat = surface is Surface.SEEN and not closed and _covers(hull, corners)
-    if convex and ((solid and closed and np.ptp(points, axis=0).min() < _ROOM) or flat):
-        return SurfaceShape(hulled, deviation)
+    if convex and ((solid and closed) or flat):
+        return SurfaceShape(hulled if flat else ConvexHull(points, sunk_in=sunk_in), deviation)
     outwards = triangles[:, ::-1] if solid and volume < 0 else triangles
     return SurfaceShape(Mesh(points, outwards, sunk_in=sunk_in if solid else 0.0), deviation)
 

@@ -43,7 +43,8 @@ class Core:
     """One primitive. ``matrix`` (4, 4): from core to body. By `Size`: ``half`` (3, 3), of a box its half extents, of a round core (radius,
     radius, half height), of a segment (0, 0, half length); and the ``radius`` (3,) by which it is grown. ``outline`` (3,) half extents of
     its flat faces. ``is_box``: authored as a box. ``hull``: of a HULL, moved inwards by its rounding; ``sharp_hull``: before that, with the
-    full extent of its flat faces. ``mesh_radius_to_points``: the radius of a mesh against spheres."""
+    full extent of its flat faces. ``mesh_radius_to_points``: the radius of a mesh against spheres. ``sunk_in``: how far
+    beneath its surface bodies touch it [m]."""
 
     kind: Kind
     matrix: FloatArray
@@ -55,6 +56,7 @@ class Core:
     sharp_hull: Hull | None = None
     mesh: Mesh | None = None
     mesh_radius_to_points: float = 0.0
+    sunk_in: float = np.inf
 
     def bounds(self) -> FloatArray:
         """(2, 3) lowest and highest corner of the core in its own frame."""
@@ -98,13 +100,14 @@ def _core(part: Part, solid: bool) -> Core:
             return _simple(Kind.CYLINDER, part, (radius, radius, height / 2), limited)
         case Cone(radius=radius, height=height):
             return _simple(Kind.CONE, part, (radius, radius, height / 2))
-        case ConvexHull(points=points, rounding=rounding):
-            return _hull(part, points, rounding)
+        case ConvexHull(points=points, rounding=rounding, sunk_in=sunk_in):
+            core = _hull(part, points, rounding)
+            return core if sunk_in is None else replace(core, sunk_in=sunk_in)
         case Mesh() as mesh:
             if solid:
                 return _hull(part, mesh.points[np.unique(mesh.triangles)], 0.0)
             to_points = part.radius if mesh.sphere_margin is None else part.radius - mesh.margin + mesh.sphere_margin
-            return replace(_simple(Kind.MESH, part, (0, 0, 0)), mesh=mesh, mesh_radius_to_points=to_points)
+            return replace(_simple(Kind.MESH, part, (0, 0, 0)), mesh=mesh, mesh_radius_to_points=to_points, sunk_in=mesh.sunk_in)
     raise TypeError(f"no core for {part.shape!r}")
 
 

@@ -15,6 +15,7 @@ from .core_distances import CoreDistances, exact
 from .core_pairs import BEYOND, CorePairing, CorePairs, bounded
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind
+from .hollow_hulls import HollowHulls
 from .separating_axes import AxisSeparation
 from .surface_pairs import SurfacePairs
 from .surfaces import Surfaces
@@ -40,6 +41,7 @@ class NarrowPhase:
         self._pairing = CorePairing(table, surfaces)
         self._distances = CoreDistances(table, self._pairing, bodies)
         self._patches = CorePatches(table, self._pairing)
+        self._hollow = HollowHulls(shapes, table, bodies, surfaces)
         self._surfaces = SurfacePairs(table, self._pairing, surfaces, bodies, self._patches)
 
     @property
@@ -49,6 +51,11 @@ class NarrowPhase:
 
     def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
         """Distances and patches of ``pairs`` (p, 2). Distances up to ``limit`` (p,) metres are exact; beyond, they are lower bounds."""
+        found = self._query(pairs, rotation, offset, limit)
+        self._hollow.limit(pairs, rotation, offset, found)
+        return found
+
+    def _query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is None:
             return self._general(pairs, rotation, offset, limit)

@@ -31,11 +31,11 @@ class Surface:
         import fcl
 
         if core.mesh is not None:
-            points, triangles, depth = core.mesh.points, core.mesh.triangles, core.mesh.sunk_in
+            points, triangles, depth = core.mesh.points, core.mesh.triangles, core.sunk_in
         else:
             assert core.hull is not None
             points, triangles = core.hull.points, core.hull.triangles
-            depth = 0.0 if np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3 else np.inf
+            depth = 0.0 if np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3 else core.sunk_in
         geometry = fcl.BVHModel()
         geometry.beginModel(len(points), len(triangles))
         geometry.addSubModel(points, triangles)

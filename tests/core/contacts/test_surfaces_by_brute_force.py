@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.narrow.frames import relative_pose
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
-from haptic_tracing.core.contacts.shapes import ConvexHull, Mesh
+from haptic_tracing.core.contacts.shapes import Box, ConvexHull, Cylinder, Mesh, Sphere
 
 _spec = importlib.util.spec_from_file_location("triangle_reference", Path(__file__).parents[2] / "references" / "triangle_reference.py")
 reference = importlib.util.module_from_spec(_spec)
@@ -155,17 +155,35 @@ def test_patches_are_continuous(parts):
         assert np.abs(np.diff(areas)).max() < 0.05 * areas.max(), name
 
 
-def test_what_is_inside_touches_down_to_a_depth():
-    """A fingertip in a sofa touches it, a lamp in the air of a room does not, nor what lies deep in the ground."""
-    large, small = reference.box((2.0, 2.0, 2.0), 3), reference.box((0.04, 0.04, 0.04))
-    room, tip = Mesh(*large, sunk_in=SUNK_IN), Mesh(*small, sunk_in=SUNK_IN)
+SMALL = {
+    "mesh": Mesh(*reference.box((0.04, 0.04, 0.04)), sunk_in=SUNK_IN),
+    "hull": ConvexHull(reference.box((0.04, 0.04, 0.04))[0]),
+    "box": Box((0.04, 0.04, 0.04)),
+    "sphere": Sphere(0.02),
+    "cylinder": Cylinder(0.02, 0.04),
+}
+
+
+@pytest.mark.parametrize("room", ["mesh", "hull"])
+@pytest.mark.parametrize("small", SMALL)
+@pytest.mark.parametrize("swapped", [False, True])
+def test_what_is_inside_touches_down_to_a_depth(room, small, swapped):
+    """A fingertip in a sofa touches it, a lamp in the air of a room does not, nor what lies deep in the ground; whatever its shape."""
+    large = reference.box((2.0, 2.0, 2.0), 3)
+    room = Mesh(*large, sunk_in=SUNK_IN) if room == "mesh" else ConvexHull(large[0], sunk_in=SUNK_IN)
+    turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
     for beneath, touches in ((0.001, True), (0.015, True), (0.031, True), (0.033, False), (0.5, False)):
-        distance, normal, centre, _ = query(room, tip, np.eye(4), pose((0.3, 0.2, 1 - beneath - 0.02)))
+        placed = [(room, pose((0, 0, 0), turn)), (SMALL[small], pose((0.3, 0.2, 1 - beneath - 0.02)))]
+        (first, a), (second, b) = placed[::-1] if swapped else placed
+        distance, normal, centre, _ = query(first, second, a, b)
         assert (distance <= TOLERANCE) == touches
         if touches:
             assert distance == pytest.approx(beneath - 0.02, abs=1e-6)
-            np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-6)
-            np.testing.assert_allclose(centre[:2], [0.3, 0.2], atol=0.021)
-    shell = Mesh(*large)
+            np.testing.assert_allclose(normal, [0, 0, -1 if swapped else 1], atol=1e-6)
+            np.testing.assert_allclose(centre, [0.3, 0.2, 1 - beneath / 2], atol=0.021)
+
+
+def test_what_is_inside_a_shell_touches_where_it_is_close():
+    shell, tip = Mesh(*reference.box((2.0, 2.0, 2.0), 3)), SMALL["mesh"]
     assert query(shell, tip, np.eye(4), pose((0.3, 0.2, 1 - 0.015 - 0.02)))[0] > TOLERANCE
     assert query(shell, tip, np.eye(4), pose((0.3, 0.2, 1 - 0.005 - 0.02)))[0] == pytest.approx(0.005, abs=1e-7)

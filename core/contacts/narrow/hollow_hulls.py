@@ -1,0 +1,107 @@
+"""Bodies deep in convex hulls that stand for closed surfaces: such a hull is a wall as thick as bodies may sink in, not a solid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...arrays import FloatArray, IntArray
+from ..hull import convex_hull
+from ..shapes import ConvexHull, Shape
+from .body_patches import PairPatches
+from .convex import ConvexDistances
+from .cores import CoreTable, Kind, Size
+from .manifold import PATCH_GAP
+from .surfaces import Surfaces
+
+
+class HollowHulls:
+    """Limits the depth of contacts of the ``shapes`` that are such hulls, and drops what is deeper inside."""
+
+    def __init__(self, shapes: Sequence[Shape], table: CoreTable, bodies: ConvexDistances, surfaces: Surfaces) -> None:
+        self._shapes = shapes
+        self._table = table
+        self._bodies = bodies
+        self._surfaces = surfaces
+        self._faces: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self._depth = np.array([np.inf if not isinstance(s, ConvexHull) or s.sunk_in is None else s.sunk_in for s in shapes])
+        self._size = np.array([np.ptp(s.local_bounds(), axis=0).min() for s in shapes])
+
+    def limit(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, found: PairPatches) -> None:
+        """Correct the patches ``found`` of ``pairs`` (p, 2), placed as in `NarrowPhase`, in place."""
+        depth = self._depth[pairs].min(axis=1)
+        most = np.minimum(depth, self._size[pairs].min(axis=1) / 2)
+        for k in np.flatnonzero(np.isfinite(depth) & (found.distance < -most)).tolist():
+            found.distance[k] = -most[k]
+            turn, place = rotation[..., k], offset[:, k]
+            for outer, inner, way, shift, sign in (
+                (*pairs[k].tolist(), turn, place, 1.0),
+                (*pairs[k, ::-1].tolist(), turn.T, -turn.T @ place, -1.0),
+            ):
+                if np.isinf(self._depth[outer]):
+                    continue
+                normals, offsets = self._planes(outer)
+                gaps = offsets - self._reaches(inner, normals @ way) - normals @ shift
+                nearest = int(gaps.argmin())
+                if gaps[nearest] > 0:
+                    normal = normals[nearest]
+                    centre = way @ self._end(inner, normal @ way) + shift + normal * (gaps[nearest] / 2)
+                    found.distance[k] = gaps[nearest] - most[k]
+                    found.normal[:, k] = sign * (normal if sign > 0 else turn @ normal)
+                    found.centre[:, k] = centre if sign > 0 else turn @ centre + place
+                    found.area[k] = 0.0
+
+    def _planes(self, body: int) -> tuple[FloatArray, FloatArray]:
+        """Outward unit normals (f, 3) and offsets (f,) of the faces of such a hull."""
+        made = self._faces.get(body)
+        if made is None:
+            shape = self._shapes[body]
+            assert isinstance(shape, ConvexHull)
+            normals, offsets = convex_hull(shape.points).planes()
+            made = self._faces[body] = normals, offsets + shape.margin
+        return made
+
+    def _cores(self, body: int) -> range:
+        return range(int(self._table.start[body]), int(self._table.start[body + 1]))
+
+    def _reaches(self, body: int, directions: FloatArray) -> FloatArray:
+        """How far a body extends along unit ``directions`` (m, 3) in its own space, (m,)."""
+        reach = np.full(len(directions), -np.inf)
+        for core in self._cores(body):
+            own = directions @ self._table.rotation[..., core]
+            farthest = self._points(core, own) if self._table.kind[core] == Kind.MESH else None
+            far = self._bodies.core(core, Size.USUAL).support(own) if farthest is None else farthest
+            np.maximum(reach, far + directions @ self._table.offset[:, core] + self._table.radius[Size.USUAL, core], out=reach)
+        return reach
+
+    def _points(self, core: int, directions: FloatArray) -> FloatArray:
+        corners = self._surfaces[core].index.corners.reshape(-1, 3)
+        return np.asarray((corners @ directions.T).max(axis=0))
+
+    def _end(self, body: int, direction: FloatArray) -> FloatArray:
+        """The middle of what of a body is farthest along a unit direction: of its corners, those that are hardly less far count less."""
+        places, heights = [], []
+        for core in self._cores(body):
+            turn, place, radius = self._table.rotation[..., core], self._table.offset[:, core], self._table.radius[Size.USUAL, core]
+            own = turn.T @ direction
+            corners = self._corners(core, own)
+            at = corners @ turn.T + place + radius * direction
+            places.append(at)
+            heights.append(at @ direction)
+        every, height = np.concatenate(places), np.concatenate(heights)
+        weight = np.clip(1.0 - (height.max() - height) / PATCH_GAP, 0.0, None) ** 2
+        return np.asarray(weight @ every / weight.sum())
+
+    def _corners(self, core: int, direction: FloatArray) -> FloatArray:
+        """The corners of a core, or its farthest point where it has none."""
+        item = self._table.cores[core]
+        if item.kind is Kind.MESH:
+            return np.unique(self._surfaces[core].index.corners.reshape(-1, 3), axis=0)
+        if item.kind is Kind.HULL:
+            assert item.hull is not None
+            return item.hull.points
+        if item.kind is Kind.BOX:
+            signs = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+            return np.asarray(signs * item.half[Size.USUAL])
+        return np.asarray(self._bodies.core(core, Size.USUAL).farthest(direction[None]))
