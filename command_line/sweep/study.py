@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -11,13 +12,16 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from ...core.formats.io.error import FormatError, errors_in
+from ...core.formats.io.schema import validate
+from ...core.formats.io.strict_json import parse_json, read_bytes
 from ...core.scene.materials import MATERIALS
+from ...core.scene.references import PlacedError
 from ...core.scene.values import Mode
 from ..part_file import checksum_of
 
 MOST_VARIANTS = 100_000
 _MAX_BYTES = 2**20
-_KEYS = frozenset({"scenes", "frames", "modes", "seeds", "settings", "materials", "random"})
 
 Value = bool | int | float | str
 
@@ -82,71 +86,61 @@ class Study:
 
 
 def read_study(path: Path) -> Study:
-    """Read a study. Raises ValueError that names the key, and OSError."""
-    if path.stat().st_size > _MAX_BYTES:
-        raise ValueError(f"{path}: larger than {_MAX_BYTES} bytes")
+    """Read a study. Raises FormatError, and OSError."""
     try:
-        form = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise ValueError(f"{path}: not TOML: {error}") from None
-    try:
-        study = _study(form, path.parent)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    return study
+        form = tomllib.loads(read_bytes(path, _MAX_BYTES).decode(), parse_float=_finite)
+        document = parse_json(json.dumps(form, default=str).encode(), path)
+    except FormatError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise FormatError(path, "/", f"not TOML: {error}") from None
+    validate(document, "sweep", path)
+    with errors_in(path):
+        return _study(document, path.parent)
+
+
+def _finite(text: str) -> float:
+    if not math.isfinite(value := float(text)):
+        raise ValueError(f"{text} is no number of a setting")
+    return value
 
 
 def _study(form: Mapping[str, Any], folder: Path) -> Study:
-    unknown = sorted(form.keys() - _KEYS)
-    if unknown:
-        raise ValueError(f"{unknown[0]}: unknown; known are {', '.join(sorted(_KEYS))}")
-    scenes = tuple((folder / name).resolve() for name in _listed(form, "scenes", str))
-    if not scenes:
-        raise ValueError("scenes: name at least one .blend file")
-    for scene in scenes:
+    """A study from its validated document. Raises PlacedError."""
+    scenes = tuple(dict.fromkeys((folder / name).resolve() for name in form["scenes"]))
+    for number, scene in enumerate(scenes):
         if not scene.is_file():
-            raise ValueError(f"scenes: there is no file {scene}")
-    frames = tuple(_listed(form, "frames", int))
-    if frames and not (len(frames) == 2 and 1 <= frames[0] < frames[1] <= 1_048_574):
-        raise ValueError("frames: must be [FIRST, LAST] with 1 <= FIRST < LAST")
-    modes = tuple(_listed(form, "modes", str))
-    for mode in modes:
+            raise PlacedError(("scenes", number), f"there is no file {scene}")
+    frames = tuple(map(int, form.get("frames", ())))
+    if frames and frames[0] >= frames[1]:
+        raise PlacedError(("frames",), "must be [FIRST, LAST] with 1 <= FIRST < LAST")
+    for number, mode in enumerate(form.get("modes", ())):
         if mode not in list(Mode):
-            raise ValueError(f"modes: must be some of {', '.join(Mode)}, not {mode}")
-    settings, materials, random = (_table(form, name) for name in ("settings", "materials", "random"))
-    for name, values in materials.items():
+            raise PlacedError(("modes", number), f"must be one of {', '.join(Mode)}, not {mode}")
+    for name, values in form.get("materials", {}).items():
         for material in values:
             if material not in MATERIALS:
-                raise ValueError(f"materials: {name}: must be some of {', '.join(MATERIALS)}, not {material}")
-    for path, ends in random.items():
-        if not (len(ends) == 2 and all(type(end) in (int, float) for end in ends) and ends[0] <= ends[1]):
-            raise ValueError(f"random: {path}: must be [LEAST, GREATEST]")
-        if path in settings:
-            raise ValueError(f"random: {path}: is among the settings as well")
-    seeds = tuple(_listed(form, "seeds", int))
+                raise PlacedError(("materials", name), f"must be some of {', '.join(MATERIALS)}, not {material}")
+    random = form.get("random", {})
+    for path, (least, greatest) in random.items():
+        if least > greatest:
+            raise PlacedError(("random", path), "must be [LEAST, GREATEST]")
+        if path in form.get("settings", {}):
+            raise PlacedError(("random", path), "is among the settings as well")
+    seeds = tuple(dict.fromkeys(map(int, form.get("seeds", ()))))
     if random and not seeds:
-        raise ValueError("seeds: [random] draws one value for each seed: list some")
+        raise PlacedError(("seeds",), "[random] draws one value for each seed: list some")
+    modes = tuple(dict.fromkeys(form.get("modes", ())))
+    settings, materials = ({key: _distinct(values) for key, values in form.get(name, {}).items()} for name in ("settings", "materials"))
     study = Study(scenes, (frames[0], frames[1]) if frames else None, modes, seeds, settings, materials, random)
     if study.count > MOST_VARIANTS:
-        raise ValueError(f"{study.count} variants are more than {MOST_VARIANTS}")
+        raise PlacedError((), f"{study.count} variants are more than {MOST_VARIANTS}")
     return study
 
 
-def _listed(form: Mapping[str, Any], name: str, kind: type) -> list[Any]:
-    values = form.get(name, [])
-    if not isinstance(values, list) or any(type(value) is not kind for value in values):
-        raise ValueError(f"{name}: must be a list of {'texts' if kind is str else 'whole numbers'}")
-    return list(dict.fromkeys(values))
-
-
-def _table(form: Mapping[str, Any], name: str) -> dict[str, list[Any]]:
-    table = form.get(name, {})
-    if not isinstance(table, dict):
-        raise ValueError(f"{name}: must be a table of lists")
-    for key, values in table.items():
-        if not isinstance(values, list) or not values or any(type(value) not in (bool, int, float, str) for value in values):
-            raise ValueError(f"{name}: {key}: must be a list of values")
-    return {key: list(dict.fromkeys(values)) if name != "random" else values for key, values in table.items()}
+def _distinct(values: Sequence[Any]) -> list[Any]:
+    """The values without repetitions; true is not 1."""
+    return list({(type(value), value): value for value in values}.values())
 
 
 def _drawn(seed: int, path: str, least: float, greatest: float) -> float:

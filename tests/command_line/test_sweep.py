@@ -24,6 +24,7 @@ distributed = pytest.importorskip("distributed", reason="haptic-tracing[sweep] i
 from haptic_tracing.command_line import sweep
 from haptic_tracing.command_line.sweep import checking, plot, scheduling, table, wishes
 from haptic_tracing.command_line.sweep.study import Study, Variant, read_study
+from haptic_tracing.core.formats.io.error import FormatError
 
 
 def write_results(path, milliseconds, listeners):
@@ -115,23 +116,30 @@ def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(sce
     ("text", "said"),
     [
         ("scenes = [", "not TOML"),
-        ("scenes = []", "scenes: name at least one .blend file"),
+        ("scenes = []", "/scenes: must have at least 1 items"),
         ("scenes = ['gone.blend']", "there is no file"),
-        ("scenes = ['bench.blend']\nsetings = {}", "setings: unknown; known are"),
+        ("scenes = ['bench.blend']\nsetings = {}", "/setings: unknown key; known are"),
         ("scenes = ['bench.blend']\nframes = [9, 2]", "frames: must be"),
-        ("scenes = ['bench.blend']\nmodes = ['XX']", "modes: must be some of HT"),
-        ("scenes = ['bench.blend']\nseeds = ['a']", "seeds: must be a list of whole numbers"),
+        ("scenes = ['bench.blend']\nmodes = ['XX']", "/modes/0: must be one of HT"),
+        ("scenes = ['bench.blend']\nseeds = ['a']", '/seeds/0: must be an integer, got "a"'),
         ("scenes = ['bench.blend']\n[materials]\nBench = ['cheese']", "Bench: must be some of .*, not cheese"),
         ("scenes = ['bench.blend']\n[random]\n'scene.haptics.threshold' = [0, 1]", r"seeds: \[random\] draws one value for each seed"),
-        ("scenes = ['bench.blend']\n[settings]\na = 3", "settings: a: must be a list of values"),
+        ("scenes = ['bench.blend']\n[settings]\na = 3", "/settings/a: must be an array, got 3"),
+        (f"scenes = ['bench.blend']\nseeds = [{2**63}]", r"study.toml: /seeds/0: must be at most"),
+        (f"scenes = ['bench.blend']\n[settings]\na = [{2**63}]", r"study.toml: /settings/a/0: must be at most"),
+        ("scenes = ['bench.blend']\n[settings]\na = [nan]", "not TOML: nan is no number"),
+        ("scenes = ['bench.blend']\nseeds = [1979-05-27]", '/seeds/0: must be an integer, got "1979-05-27"'),
+        (f"scenes = ['bench.blend']\nseeds = {'[' * 300}{']' * 300}", "nested deeper than 100 levels|nested too deeply|not TOML"),
+        (f"scenes = ['bench.blend']\n{'k' * 5000} = 1", "study.toml: /kkk"),
         (f"scenes = ['bench.blend']\nseeds = {list(range(100_001))}\n", "100001 variants are more than 100000"),
     ],
 )
 def test_studies_that_cannot_be_read(tmp_path, text, said):
     (tmp_path / "bench.blend").touch()
     (tmp_path / "study.toml").write_text(text)
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(FormatError, match=said) as caught:
         read_study(tmp_path / "study.toml")
+    assert str(caught.value).startswith(f"{tmp_path / 'study.toml'}: ") and len(str(caught.value)) < 700
 
 
 def study_of(**more):
