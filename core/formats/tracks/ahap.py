@@ -12,7 +12,7 @@ reference gives 0 to 1 as their range, its headers say that they act exponential
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from ...scene.references import Place, PlacedError
 from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
 from ...signals.keys import needed_keys
 from ..io.atomic import write_text
+from ..io.budget import Budget
 from ..io.error import FormatError, errors_in
 from ..io.json_text import compact, json_points
 from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
@@ -160,13 +161,13 @@ def read(path: Path) -> VibrationFile:
     if not isinstance(pattern, list):
         raise FormatError(path, "/Pattern" if isinstance(document, dict) else "/", "must be an array" if document else "is required")
     with errors_in(path):
-        carriers = carriers_of(pattern, losses)
+        carriers = carriers_of(pattern, losses, Budget(path, is_json=True).take)
     end = max((carrier.end for carrier in carriers), default=0.0)
     return VibrationFile((Channel(path.stem, end, carriers),), tuple(losses))
 
 
-def carriers_of(pattern: list[Any], losses: dict[str, None]) -> tuple[Carrier, ...]:
-    """The oscillations of a pattern; ignored entries are added to ``losses``."""
+def carriers_of(pattern: list[Any], losses: dict[str, None], take: Callable[[float], None] = lambda size: None) -> tuple[Carrier, ...]:
+    """The oscillations of a pattern; ignored entries are added to ``losses``. take: is told the bytes of each oscillation."""
     controls = {name: _control(pattern, name, default) for name, default in zip(_CONTROLS, (1.0, 0.0), strict=True)}
     carriers = []
     for place, kind, body in _entries(pattern):
@@ -186,6 +187,7 @@ def carriers_of(pattern: list[Any], losses: dict[str, None]) -> tuple[Carrier, .
         envelope = _envelope(values, duration) if event == "HapticContinuous" else (np.array([0.0, EMPHASIS_SECONDS]), np.ones(2))
         if envelope[0][-1] > 0 and start >= 0:
             carriers.append(_carrier(start, values, envelope, controls))
+            take(carriers[-1].size)
         else:
             losses["events without a duration are not read"] = None
     return tuple(carriers)
@@ -265,12 +267,22 @@ def _control(pattern: list[Any], name: str, default: float) -> Keys:
 
 
 def _carrier(start: float, values: Mapping[str, float], envelope: Keys, controls: Mapping[str, Keys]) -> Carrier:
-    times, shares = _refined(_product(envelope, _within(controls["HapticIntensityControl"], start, envelope[0][-1])))
-    amplitudes = np.clip(values.get("HapticIntensity", 1.0) * shares, 0.0, 1.0) ** 2
-    key_times, offsets = _refined(_within(controls["HapticSharpnessControl"], start, envelope[0][-1]))
-    sharpness = np.clip(values.get("HapticSharpness", 0.5) + offsets, 0.0, 1.0)
+    times, shares = _product(envelope, _within(controls["HapticIntensityControl"], start, envelope[0][-1]))
+    times, intensities = _refined(_limited(times, values.get("HapticIntensity", 1.0) * shares))
+    key_times, offsets = _within(controls["HapticSharpnessControl"], start, envelope[0][-1])
+    key_times, sharpness = _refined(_limited(key_times, values.get("HapticSharpness", 0.5) + offsets))
     frequencies = LOWEST + (HIGHEST - LOWEST) * sharpness**2
-    return Carrier(start, start + float(envelope[0][-1]), 0.0, times, amplitudes, key_times, frequencies)
+    return Carrier(start, start + float(envelope[0][-1]), 0.0, times, intensities**2, key_times, frequencies)
+
+
+def _limited(times: FloatArray, values: FloatArray) -> Keys:
+    """The curve within 0 to 1, with keys where it reaches these limits."""
+    for limit in (0.0, 1.0):
+        crossed = np.flatnonzero(((values[:-1] - limit) * (values[1:] - limit) < 0) & (times[:-1] < times[1:]))
+        share = (limit - values[crossed]) / (values[crossed + 1] - values[crossed])
+        times = np.insert(times, crossed + 1, times[crossed] + share * (times[crossed + 1] - times[crossed]))
+        values = np.insert(values, crossed + 1, limit)
+    return times, np.clip(values, 0.0, 1.0)
 
 
 def _within(keys: Keys, start: float, length: float) -> Keys:

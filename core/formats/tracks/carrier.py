@@ -23,6 +23,9 @@ _OSCILLATORS: dict[str, tuple[Oscillator, float]] = {
 """Waves by name, with the cycles to add so that each begins at 0 (a square at its edge) and rises."""
 
 
+_OBJECT_BYTES = 800
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Carrier:
     """``a(t) sin(phase + 2π ∫ f dt)``, or another wave of that phase, from ``start`` to ``end`` (seconds), silent elsewhere.
@@ -40,6 +43,11 @@ class Carrier:
     frequency_times: FloatArray
     frequencies: FloatArray
     wave: str = "sine"
+
+    @property
+    def size(self) -> int:
+        """Bytes in memory."""
+        return 16 * (len(self.amplitudes) + len(self.frequencies)) + _OBJECT_BYTES
 
     def sampled(self, times: FloatArray, rate: float) -> FloatArray:
         """The values at evenly spaced ``times`` (seconds, at least one), all within the carrier."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...scene.body import BODY_PARTS
 from ...signals import Automation
+from ..io.budget import Budget
 from ..io.error import FormatError
 from ..io.schema import validate
 from ..io.strict_json import read_json
@@ -21,6 +23,7 @@ from .transients import transient_carrier
 from .vibration_file import Channel, VibrationFile
 from .wavelet import WaveletBand
 
+_KEY_BYTES = 32
 _PIECES = 16
 """Linear pieces of a cubic curve between two keys: an error below 0.3 % of the step between them."""
 LONGEST = 1e5
@@ -36,12 +39,13 @@ def read(path: Path) -> VibrationFile:
     document = read_json(path)
     validate(document, "hjif", path)
     losses: dict[str, None] = {}
+    budget = Budget(path, is_json=True)
     channels = []
     for p, perception in enumerate(document["perceptions"]):
         library = {effect["id"]: effect for effect in perception["effect_library"] if "id" in effect}
         unit = 10.0 ** perception.get("perception_unit_exponent", 0)
         for c, form in enumerate(perception["channels"]):
-            reader = _ChannelReader(path, document["timescale"], library, losses)
+            reader = _ChannelReader(path, document["timescale"], library, losses, budget)
             channels.append(reader.channel(form, unit, f"/perceptions/{p}/channels/{c}"))
     return VibrationFile(tuple(channels), tuple(losses))
 
@@ -53,8 +57,8 @@ def _body_part(channel: Mapping[str, Any]) -> str:
 
 
 class _ChannelReader:
-    def __init__(self, path: Path, timescale: int, library: Mapping[int, Any], losses: dict[str, None]) -> None:
-        self.path, self.tick, self.library, self.losses = path, 1 / timescale, library, losses
+    def __init__(self, path: Path, timescale: int, library: Mapping[int, Any], losses: dict[str, None], budget: Budget) -> None:
+        self.path, self.tick, self.library, self.losses, self.budget = path, 1 / timescale, library, losses, budget
 
     def channel(self, form: Mapping[str, Any], unit: float, place: str) -> Channel:
         gain = form["gain"] * unit
@@ -65,11 +69,13 @@ class _ChannelReader:
             if band["band_type"] == "WaveletWave":
                 wavelets.append(self._wavelet_band(band, list(effects), gain, f"{place}/bands/{b}"))
             else:
-                carriers += [carrier for effect in effects for carrier in self._carriers(band, effect, gain)]
+                for carrier in (carrier for effect in effects for carrier in self._carriers(band, effect, gain)):
+                    self.budget.take(carrier.size, place)
+                    carriers.append(carrier)
         end = max([carrier.end for carrier in carriers] + [band.end for band in wavelets], default=0.0)
         rate = form.get("frequency_sampling", 0)
         duration = max(end, min(form.get("sample_count", 0) / rate, LONGEST)) if rate else end
-        samples, rate = WaveletBand.summed(wavelets) if wavelets else (None, 0.0)
+        samples, rate = WaveletBand.summed(wavelets, partial(self.budget.take, pointer=place)) if wavelets else (None, 0.0)
         return Channel(form["description"], duration, tuple(carriers), samples, rate, _body_part(form))
 
     def _effects(self, band: Mapping[str, Any], place: str) -> Iterator[Mapping[str, Any]]:
@@ -80,6 +86,7 @@ class _ChannelReader:
                 if form["id"] not in self.library:
                     raise FormatError(self.path, f"{place}/effects/{e}/id", f"the effect library has no effect {form['id']}")
                 effect = {**self.library[form["id"]], "position": form["position"]}
+                self.budget.take(_KEY_BYTES * len(effect.get("keyframes", ())), place)
             if effect["effect_type"] == "Basis":
                 yield effect
             else:
@@ -97,7 +104,10 @@ class _ChannelReader:
     def _wavelet_band(self, band: Mapping[str, Any], effects: Sequence[Mapping[str, Any]], gain: float, place: str) -> WaveletBand:
         try:
             blocks = [(effect["position"] * self.tick, effect.get("wavelet_stream", "")) for effect in effects]
-            return WaveletBand.decoded(blocks, band.get("block_length", 0) * self.tick, band["upper_frequency_limit"], gain)
+            seconds, take = band.get("block_length", 0) * self.tick, partial(self.budget.take, pointer=place)
+            return WaveletBand.decoded(blocks, seconds, band["upper_frequency_limit"], gain, take)
+        except FormatError:
+            raise
         except ValueError as error:
             raise FormatError(self.path, place, str(error)) from None
 

@@ -7,14 +7,15 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import FloatArray, IntArray
 from ...scene.bhaptics import DEVICES, region
 from ...scene.body import BODY_PARTS
 from ..io.atomic import write_text
+from ..io.budget import Budget
 from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.file_names import file_stems
@@ -42,6 +43,7 @@ LONGEST = 3_600_000
 MOST_STEPS = 5_000_000
 """Steps of all effects."""
 
+_AT_ONCE = 4096
 LONGEST_NUMBER = 32
 """Characters of a number that is written as text."""
 
@@ -167,20 +169,25 @@ def read(path: Path) -> VibrationFile:
     length = max((effect["startTime"] + effect["offsetTime"] for effect in effects), default=0)
     if length > LONGEST:
         raise FormatError(path, "/project/tracks", f"longer than {LONGEST // 1000} seconds")
-    strengths: dict[str, FloatArray] = {}
-    steps = 0
-    for effect in effects:
-        for position, mode in effect["modes"].items():
-            if position not in _LAYOUTS:
-                losses[f"the position {position} is not known"] = None
-                continue
-            table = strengths.setdefault(position, np.zeros((len(_LAYOUTS[position]), max(math.floor(length / INTERVAL) + 1, 0))))
-            player = _Player(table, _LAYOUTS[position], effect["startTime"], effect["offsetTime"])
-            player.play(mode)
-            steps += player.steps
-            if steps > MOST_STEPS:
-                raise FormatError(path, "/project/tracks", "too many effects at once")
-    return VibrationFile(tuple(_channels(strengths, length / 1000)), tuple(losses))
+    budget, steps = Budget(path, is_json=True), 0
+    channels: list[Channel] = []
+    for position in dict.fromkeys(position for effect in effects for position in effect["modes"]):
+        if position not in _LAYOUTS:
+            losses[f"the position {position} is not known"] = None
+            continue
+        strengths = np.zeros((len(_LAYOUTS[position]), max(math.floor(length / INTERVAL) + 1, 0)))
+        for effect in effects:
+            if position in effect["modes"]:
+                player = _Player(strengths, _LAYOUTS[position], effect["startTime"], effect["offsetTime"])
+                player.play(effect["modes"][position])
+                steps += player.steps
+                if steps > MOST_STEPS:
+                    raise FormatError(path, "/project/tracks", "too many effects at once")
+        for channel in _channels(position, strengths, length / 1000):
+            budget.take(sum(carrier.size for carrier in channel.carriers), "/project/tracks")
+            channels.append(channel)
+    order = {part.name: number for number, part in enumerate(BODY_PARTS)}
+    return VibrationFile(tuple(sorted(channels, key=lambda channel: order[channel.name])), tuple(losses))
 
 
 def _convert_numbers(document: Any) -> None:
@@ -219,25 +226,25 @@ class _Player:
             self._play_connected(mode["dotMode"]["feedback"])
         else:
             for feedback in mode["dotMode"]["feedback"]:
-                start, end = feedback["startTime"], feedback["endTime"]
-                here = (self._times >= start) & (self._times < end)
-                share = (self._times[here] - start) / max(end - start, 1e-9)
-                self._add(here, np.outer(self._dots(feedback), _FADES[feedback["playbackType"]](share)))
+                dots, fade = self._dots(feedback), _FADES[feedback["playbackType"]]
+                for here, share in self._between(feedback["startTime"], feedback["endTime"], side="left"):
+                    self._add(here, np.outer(dots, fade(share)))
 
     def _dots(self, feedback: Mapping[str, Any]) -> FloatArray:
         """The strength of each motor in an interval; a motor that is named several times has the sum."""
         strengths = np.zeros(len(self._places))
         for point in feedback["pointList"]:
             if point["index"] < len(strengths):
-                strengths[point["index"]] += point["intensity"]
+                strengths[int(point["index"])] += point["intensity"]
         return strengths
 
     def _play_connected(self, feedback: Sequence[Mapping[str, Any]]) -> None:
         """Dots that blend: the strength of a motor is linear between the beginnings of the intervals, whose fades do not count."""
         intervals = sorted(feedback, key=lambda interval: interval["startTime"])
         for one, other in pairwise(intervals):
-            here, share = self._between(one["startTime"], other["startTime"])
-            self._add(here, np.outer(self._dots(one), 1 - share) + np.outer(self._dots(other), share))
+            before, after = self._dots(one), self._dots(other)
+            for here, share in self._between(one["startTime"], other["startTime"]):
+                self._add(here, np.outer(before, 1 - share) + np.outer(after, share))
 
     def _play_path(self, feedback: Mapping[str, Any]) -> None:
         """A point that moves between motors. A fade applies between every two points of the path; a single point stays for the whole
@@ -246,16 +253,19 @@ class _Player:
         if len(points) == 1:
             points = [points[0] | {"time": 0.0}, points[0] | {"time": self._length}]
         for one, other in pairwise(points):
-            here, share = self._between(one["time"], other["time"])
-            x, y, strength = (one[key] + share * (other[key] - one[key]) for key in ("x", "y", "intensity"))
-            self._add(here, _weights(self._places, x, y) * strength * _FADES[feedback["playbackType"]](share))
+            for here, share in self._between(one["time"], other["time"]):
+                x, y, strength = (one[key] + share * (other[key] - one[key]) for key in ("x", "y", "intensity"))
+                self._add(here, _weights(self._places, x, y) * strength * _FADES[feedback["playbackType"]](share))
 
-    def _between(self, start: float, end: float) -> tuple[BoolArray, FloatArray]:
-        """Which steps begin from ``start`` to ``end``, both included, and the part of that time that has passed in them."""
-        here = (self._times >= start) & (self._times <= end)
-        return here, (self._times[here] - start) / max(end - start, 1e-9)
+    def _between(self, start: float, end: float, side: Literal["left", "right"] = "right") -> Iterator[tuple[slice, FloatArray]]:
+        """The steps that begin from ``start`` to ``end``, included where ``side`` is right, and the part of that time that has passed in
+        them; a few thousand at a time."""
+        first, last = np.searchsorted(self._times, start), np.searchsorted(self._times, end, side)
+        for begin in range(first, last, _AT_ONCE):
+            here = slice(begin, min(begin + _AT_ONCE, last))
+            yield here, (self._times[here] - start) / max(end - start, 1e-9)
 
-    def _add(self, here: BoolArray, strengths: FloatArray) -> None:
+    def _add(self, here: slice, strengths: FloatArray) -> None:
         self._played[:, here] += strengths
         self.steps += strengths.shape[1]
 
@@ -278,12 +288,12 @@ def _weights(places: Sequence[tuple[float, float]], x: FloatArray, y: FloatArray
     return np.asarray(np.maximum(coordinates, 0.0) ** SPREAD)
 
 
-def _channels(strengths: Mapping[str, FloatArray], duration: float) -> Iterator[Channel]:
+def _channels(position: str, table: FloatArray, duration: float) -> Iterator[Channel]:
+    """The vibrations of the body parts at a position, from the strengths of its motors (motors, steps)."""
     for part in BODY_PARTS:
-        if part.bhaptics is None or part.bhaptics not in strengths or part.name == "head":  # the ears cover the motors of the head
+        if part.bhaptics != position or part.name == "head":  # the ears cover the motors of the head
             continue
-        table = strengths[part.bhaptics]
-        levels = np.clip(table[region(part, _LAYOUTS[part.bhaptics])].max(axis=0, initial=0.0), 0.0, 1.0)
+        levels = np.clip(table[region(part, _LAYOUTS[position])].max(axis=0, initial=0.0), 0.0, 1.0)
         if levels.any():
             changed = np.flatnonzero(np.diff(levels)) + 1
             times = np.repeat(changed * (INTERVAL / 1000), 2)

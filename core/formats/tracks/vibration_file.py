@@ -12,6 +12,7 @@ from ...arrays import FloatArray
 from ...signals import Sampled, Signal, Sum
 from ...signals.interpolation import resample
 from ...signals.limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS
+from ...signals.sampled import MAX_SAMPLES
 from .carrier import Carrier, rendered
 
 SAMPLED_RATE = 4000
@@ -69,6 +70,8 @@ class Channel:
         if self.samples is None and 0 < len(self.carriers) <= MOST_CARRIERS:
             parts = [carrier.to_signal() for carrier in self.carriers]
             return parts[0] if len(parts) == 1 else Sum(tuple(parts))
+        if self.duration * (self.sample_rate or SAMPLED_RATE) > MAX_SAMPLES:
+            raise ValueError(f"{self.name}: {self.duration:.6g} seconds are too long")
         samples = self.at_rate(self.sample_rate or SAMPLED_RATE)
         if not samples.any():
             raise ValueError(f"{self.name}: there is no vibration in it")

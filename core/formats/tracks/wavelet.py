@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,10 +19,6 @@ from ...signals.interpolation import resample
 
 SMALLEST, LARGEST = 8, 2**14
 """Samples of a block, a power of two."""
-MOST_BITS = 2**24
-"""Coded bits of a band."""
-MOST_SAMPLES = 2**25
-"""Samples of a band."""
 
 _SYNTHESIS_LOW = np.array(
     [
@@ -54,17 +50,19 @@ class WaveletBand:
         return len(self.samples) / self.rate
 
     @classmethod
-    def decoded(cls, blocks: Sequence[tuple[float, str]], seconds: float, rate: int, gain: float) -> WaveletBand:
-        """Decode a band of blocks (time in seconds, bits in base64) of ``seconds`` each at ``rate`` hertz. Raises ValueError."""
+    def decoded(
+        cls, blocks: Sequence[tuple[float, str]], seconds: float, rate: int, gain: float, take: Callable[[float], None]
+    ) -> WaveletBand:
+        """Decode a band of blocks (time in seconds, bits in base64) of ``seconds`` each at ``rate`` hertz. Raises ValueError.
+
+        take: is told the bytes of the samples before they are there.
+        """
         size = round(seconds * rate)
         if not SMALLEST <= size <= LARGEST or size & (size - 1):
             raise ValueError(f"a wavelet block must have a power of 2 from {SMALLEST} to {LARGEST} samples, not {seconds * rate:g}")
         streams = [(round(time * rate), _bits(text)) for time, text in blocks]
-        if sum(len(bits) for _, bits in streams) > MOST_BITS:
-            raise ValueError(f"more than {MOST_BITS} bits of wavelets")
         count = max((first for first, _ in streams), default=-size) + size
-        if count > MOST_SAMPLES:
-            raise ValueError(f"wavelets over {count / rate:.6g} seconds")
+        take(8 * count)
         samples = np.zeros(count)
         for first, bits in streams:
             if len(bits):
@@ -72,10 +70,11 @@ class WaveletBand:
         return cls(samples, float(rate))
 
     @staticmethod
-    def summed(bands: Iterable[WaveletBand]) -> tuple[FloatArray, float]:
-        """The sum of bands and its sample rate, the highest of theirs."""
-        bands = list(bands)
+    def summed(bands: Sequence[WaveletBand], take: Callable[[float], None]) -> tuple[FloatArray, float]:
+        """The sum of bands and its sample rate, the highest of theirs. take: is told the bytes of it before it is there."""
         rate = max(band.rate for band in bands)
+        for band in bands:
+            take(16 * band.end * rate)
         parts = [resample(band.samples, band.rate, rate) for band in bands]
         result = np.zeros(max(map(len, parts)))
         for part in parts:
@@ -140,7 +139,7 @@ def _coefficients(read: Callable[[int], int], planes: int, size: int) -> IntArra
     """The wavelet coefficients (size,) by set partitioning, from bit plane ``planes`` down to 0."""
     values = [0] * size
     single = list(range(8))
-    sets = [(root, False) for root in range(4, 8)]
+    sets = [(root, False) for root in range(4, 8) if 2 * root < size]
     found: list[int] = []
 
     def begins(index: int, context: int, step: int) -> bool:
