@@ -71,12 +71,14 @@ def draw_properties(layout: UILayout, owner: Any, *names: str) -> None:
     draw_each(layout.column(align=True), owner, *names)
 
 
-def draw_held(layout: UILayout, owner: Any, cls: type, **own: Callable[[UILayout], None]) -> None:
-    """Draw the properties that ``owner`` has of the fields of ``cls``, in the order of the fields; some by functions of their ``own``."""
+def draw_held(layout: UILayout, owner: Any, cls: type, **own: Callable[[UILayout], None] | None) -> None:
+    """Draw the properties that ``owner`` has of the fields of ``cls``, in the order of the fields: some by functions of their ``own``, and
+    not those with None, which stand elsewhere."""
     for key, name in owner.held[cls].items():
-        if key in own:
-            own[key](layout)
-        else:
+        draw = own.get(key)
+        if draw is not None:
+            draw(layout)
+        elif key not in own:
             layout.prop(owner, name)
 
 

@@ -9,12 +9,16 @@ from bpy.types import Context, Menu, Panel, UILayout, UIList
 
 from ...core.scene.bands import BAND_CENTRES
 from ...core.scene.coefficients import transfer_coefficient
+from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender import job
 from ..view import levels, watched
-from .drawing import ClosedPanel, draw_each, draw_pair, settings_layout
+from .drawing import ClosedPanel, draw_each, draw_held, draw_pair, settings_layout
 from .texts import draw_sentence, fitted
 from .thumbnails import cell
+
+_WITH_OBJECTS = ("kappa", "rho", "use_delay", "wave_speed", "use_bands", "band_decays", "conductivity")
+"""Values of a material that the panels of its objects show."""
 
 
 class HAPTIC_UL_materials(UIList):
@@ -64,6 +68,7 @@ class HAPTIC_PT_materials(ClosedPanel, Panel):
             item = materials.items[materials.active]
             properties = layout.operator("haptic.apply_material", text="Apply", icon="CHECKMARK")
             properties.name, properties.target = item.name, materials.target
+            draw_held(layout, item, LibraryMaterial, **dict.fromkeys(_WITH_OBJECTS))
         else:
             layout.label(text="Add materials with +", icon="INFO")
         measured = layout.column(align=True)

@@ -13,12 +13,13 @@ from bpy.types import Context, Object, Panel, Scene, UILayout
 
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
+from ...core.scene.values import HapticObject
 from ..blender.polling import is_editable
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..session import sessions
 from ..view import gain_plot, panel_picture
-from .drawing import ClosedPanel, HapticsPanel, draw_pair, draw_properties, poll_object, warn
+from .drawing import ClosedPanel, HapticsPanel, draw_held, draw_pair, draw_properties, poll_object, warn
 from .formula import draw_parameters
 from .texts import draw_sentence
 
@@ -73,7 +74,7 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
         layout.prop(haptics, "function")
         draw_parameters(layout, haptics, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
         draw_wave_speed(layout, haptics, material)
-        layout.prop(haptics, "medium")
+        draw_held(layout, haptics, HapticObject, kappa=None, rho=None)
         _draw_surface(layout, context, obj)
         for lines in advice(context, obj):
             warn(layout, *lines)

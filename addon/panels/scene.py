@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Any
+
 from bpy.types import Context, Panel, UILayout
 
+from ...core.scene.impact_rule import CURVES, ImpactLimits, ImpactRule
+from ...core.scene.rules import ContactSettings
+from ...core.scene.texture import Texture
+from ...core.scene.values import Settings
 from ..blender.documentation import page_url
+from ..properties.scene import HapticSceneProperties
 from ..scene_reader import roles
 from ..session import sessions
 from .answer import draw_answer, draw_progress
-from .drawing import ClosedPanel, HapticsPanel, draw_problems, draw_properties, settings_layout
+from .drawing import ClosedPanel, HapticsPanel, draw_held, draw_problems, draw_properties, settings_layout
 from .formula import draw_parameters
 from .hints import draw_hint
 from .rules import draw_table
@@ -57,14 +65,19 @@ class HAPTIC_PT_propagation(ClosedPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
         haptics = context.scene.haptics
-        layout.prop(haptics, "mode")
-        row = layout.row()
-        row.active = haptics.mode == "HT"
-        row.prop(haptics, "localise", slider=True)
-        layout.prop(haptics, "strategy")
-        if haptics.strategy == "as_in_the_paper":
-            layout.operator("haptic.set_bodies", text="Bodies as in the Paper").function = "haptic_tracing"
-        draw_properties(layout, haptics, "threshold", "max_connections", "epsilon")
+        draw_held(layout, haptics, Settings, strategy=partial(_draw_strategy, haptics), localise=partial(_draw_localise, haptics))
+
+
+def _draw_strategy(haptics: HapticSceneProperties, layout: UILayout) -> None:
+    layout.prop(haptics, "strategy")
+    if haptics.strategy == "as_in_the_paper":
+        layout.operator("haptic.set_bodies", text="Bodies as in the Paper").function = "haptic_tracing"
+
+
+def _draw_localise(haptics: HapticSceneProperties, layout: UILayout) -> None:
+    row = layout.row()
+    row.active = haptics.mode == "HT"
+    row.prop(haptics, "localise", slider=True)
 
 
 class HAPTIC_PT_impacts(ClosedPanel, Panel):
@@ -78,8 +91,7 @@ class HAPTIC_PT_impacts(ClosedPanel, Panel):
         layout = settings_layout(self)
         haptics = context.scene.haptics
         layout.active = haptics.impacts
-        layout.prop(haptics, "impact_signal")
-        draw_properties(layout, haptics, "minimum_energy", "maximum_energy", "impact_energy", "refractory_time")
+        draw_held(layout, haptics, ContactSettings, impacts=None, tolerance=None)
 
 
 class HAPTIC_PT_impact_table(ClosedPanel, Panel):
@@ -100,16 +112,20 @@ class HAPTIC_PT_impact_table(ClosedPanel, Panel):
             layout.prop(rule, "drawing")
         layout.prop(rule, "use_limits")
         if rule.use_limits:
-            draw_properties(layout, rule, "least_energy", "full_energy", "refractory")
-        for curve in ("gain", "pitch", "decay", "brightness"):
-            column = layout.column(align=True)
-            column.prop(rule, curve, index=0)
-            column.prop(rule, curve, index=1, text="at Full Energy")
-        column = layout.column(align=True)
-        column.prop(rule, "bend")
-        column.prop(rule, "variation", slider=True)
-        if rule.variation:
-            column.prop(rule, "seed")
+            draw_held(layout.column(align=True), rule, ImpactLimits)
+        curves = {curve: partial(_draw_curve, rule, curve) for curve in CURVES}
+        draw_held(layout, rule, ImpactRule, seed=partial(_draw_seed, rule), **curves)
+
+
+def _draw_curve(rule: Any, curve: str, layout: UILayout) -> None:
+    column = layout.column(align=True)
+    column.prop(rule, curve, index=0)
+    column.prop(rule, curve, index=1, text="at Full Energy")
+
+
+def _draw_seed(rule: Any, layout: UILayout) -> None:
+    if rule.variation:
+        layout.prop(rule, "seed")
 
 
 class HAPTIC_PT_textures(ClosedPanel, Panel):
@@ -123,9 +139,7 @@ class HAPTIC_PT_textures(ClosedPanel, Panel):
         rule = draw_table(layout, context, "textures")
         if rule is None:
             return
-        layout.prop(rule, "period")
-        for names in (("sliding", "rolling"), ("noise", "bandwidth"), ("stick_speed", "full_speed", "full_force")):
-            draw_properties(layout, rule, *names)
+        draw_held(layout.column(align=True), rule, Texture)
 
 
 class HAPTIC_PT_contacts(ClosedPanel, Panel):

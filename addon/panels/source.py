@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from bpy.types import Context, Object, Panel, Scene, UILayout
 
+from ...core.scene.values import Source
 from ..io import drawings, signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
-from .drawing import HapticsPanel, draw_carrier, draw_each, draw_properties, poll_object
+from .drawing import HapticsPanel, draw_carrier, draw_each, draw_held, draw_properties, poll_object
 from .object import draw_wave_speed, library_owner
 from .texts import draw_sentence
 from .thumbnails import cell
@@ -105,7 +106,9 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
             layout.prop(source, "frequency")
         _draw_faults(layout, context.scene, context.object, "signal")
         layout.operator("haptic.import_signal", icon="IMPORT")
-        draw_each(layout, source, "decay", "priority", "muted")
+        layout.prop(source, "decay")
+        draw_held(layout, source, Source, amplitude=None)
+        layout.prop(source, "muted")
         draw_carrier(layout, context.object, "Shakes")
         layout.prop(source, "one_shot")
         if source.one_shot:

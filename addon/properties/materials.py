@@ -14,6 +14,7 @@ from bpy.props import CollectionProperty, FloatProperty, FloatVectorProperty, In
 from bpy.types import Context, Object, PropertyGroup, Scene
 
 from ...core.scene.bands import BAND_COUNT
+from ...core.scene.declaration import shown
 from ...core.scene.functions import Spectrum
 from ...core.scene.library import LibraryMaterial
 from ..blender.progress import progress
@@ -27,21 +28,15 @@ TARGET_ITEMS = (
     ("COLLECTION", "Collection", "All objects of the active object's collection", "OUTLINER_COLLECTION", 2),
 )
 
-SHARED = ("kappa", "rho", "wave_speed", "use_bands", "band_decays", "conductivity")
+SHARED = tuple(name for name in shown(LibraryMaterial) if name != "use_delay")
 """The values that materials of the library and their objects have."""
 
 
 def holders(obj: Object) -> dict[str, Any]:
     """The property group that holds each shared value of an object."""
     haptics = obj.haptics
-    return {
-        "kappa": haptics,
-        "rho": haptics,
-        "wave_speed": haptics,
-        "use_bands": haptics.material,
-        "band_decays": haptics.material,
-        "conductivity": haptics.modalities.thermal,
-    }
+    groups = haptics, haptics.material, haptics.modalities.thermal
+    return {name: group for group in groups for name in SHARED if name in group.bl_rna.properties}
 
 
 def values_of(item: HapticMaterial) -> dict[str, Any]:

@@ -50,20 +50,20 @@ class ContactSettings:
         default=0.01, metadata=number("Contact Tolerance", "Objects closer than this touch", 0.0, soft=(0.0, 0.1), unit="m", digits=4)
     )
     slack: float = field(default=0.005, metadata=number("", "Distance beyond the tolerance up to which a contact persists", 0.0, unit="m"))
-    energy: ImpactEnergy = field(
-        default=ImpactEnergy.KINETIC, metadata=choice("Energy", "The energy that a collision is judged by", ENERGIES)
+    impacts: bool = field(default=True, metadata=switch("Impacts", "Collisions make temporary sources that play the impact signal once"))
+    templates: ImpactTemplates = field(
+        default=ImpactTemplates.PLAIN, metadata=choice("Signal", "What impacts feel like", TEMPLATES, shown=ImpactTemplates.BY_MATERIAL)
     )
     least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
     full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
+    energy: ImpactEnergy = field(
+        default=ImpactEnergy.KINETIC, metadata=choice("Energy", "The energy that a collision is judged by", ENERGIES)
+    )
     refractory: float = field(default=0.1, metadata=REFRACTORY)
     gravity: tuple[float, float, float] = field(
         default=(0.0, 0.0, -9.81), metadata=numbers("", "Acceleration of dynamic objects that fall", 3, unit="m/s^2")
     )
     time_scale: float = field(default=1.0, metadata=number("", "Seconds of simulation in a second of the scene", 0.0, above=True))
-    impacts: bool = field(default=True, metadata=switch("Impacts", "Collisions make temporary sources that play the impact signal once"))
-    templates: ImpactTemplates = field(
-        default=ImpactTemplates.PLAIN, metadata=choice("Signal", "What impacts feel like", TEMPLATES, shown=ImpactTemplates.BY_MATERIAL)
-    )
     impact_table: RuleTable[ImpactRule] = field(
         default_factory=RuleTable,
         metadata=part("impact_rule", f"Rules of impacts between some objects, instead of those above{_ROWS}", MOST_ROWS),

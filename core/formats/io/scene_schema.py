@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...scene.declaration import schema_of
+from ...scene.functions import TRANSMISSIONS, Spectrum
 from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.library import LibraryMaterial
 from ...scene.rules import ContactSettings
@@ -31,6 +32,27 @@ DEFINED: dict[str, type] = {
 """The classes of the items by the names of their definitions."""
 
 
+def function_schema() -> dict[str, Any]:
+    """The definition of modulation functions: each has its own parameters, and all have those of the spectrum."""
+    properties: dict[str, Any] = {}
+    owners: dict[str, list[str]] = {}
+    for name, cls in TRANSMISSIONS.items():
+        for key, item in schema_of(cls)["properties"].items():
+            properties.setdefault(key, item)
+            owners.setdefault(key, []).append(name)
+    about = " ".join(f'"{name}": {cls.about}.' for name, cls in TRANSMISSIONS.items())
+    choice = {"description": f"The kind. {about}", "enum": list(TRANSMISSIONS)}
+    return {
+        "type": "object",
+        "properties": {"function": choice, **properties, **schema_of(Spectrum)["properties"]},
+        "required": ["function"],
+        "additionalProperties": False,
+        "allOf": [
+            {"if": {"properties": {"function": {"enum": names}}}, "else": {"properties": {key: False}}} for key, names in owners.items()
+        ],
+    }
+
+
 def scene_schema() -> dict[str, Any]:
     """The schema as a JSON document."""
     document: dict[str, Any] = json.loads(Path(__file__).with_name("scene_outline.json").read_text("utf-8"))
@@ -38,4 +60,5 @@ def scene_schema() -> dict[str, Any]:
     for name, cls in DEFINED.items():
         outline, item = definitions[name], schema_of(cls)
         definitions[name] = {**outline, **item, "properties": {**outline.get("properties", {}), **item["properties"]}}
+    definitions["function"] |= function_schema()
     return document
