@@ -1,4 +1,4 @@
-"""Writes the schema of haptic scenes, and from it docs/schema.md: every property with its values and what it means.
+"""Writes the schema of haptic scenes, from it docs/schema.md (every property with its values and what it means), and the table of formats.
 
 python docs/write_schema_page.py      (part of `make docs`)
 """
@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from haptic_tracing.core.formats.io.catalogue import FORMATS
 from haptic_tracing.core.formats.io.scene_schema import scene_schema
 
 HERE = Path(__file__).resolve().parent
@@ -34,6 +35,17 @@ def page() -> str:
         if "properties" in definition:
             parts += _section(name, definition, schema["$defs"], f"`{name}`")
     return "\n".join(parts)
+
+
+def formats(text: str) -> str:
+    """The page of formats with a table of the catalogue's."""
+    head = "| name | written | read | carries |\n|---|---|---|---|\n"
+    before, after = text.split(head)
+    rows = (
+        f"| `{form.name}` | {', '.join(f'`{name}`' for name in form.files.split())} | {'yes' if form.is_read else ''} | {form.carries} |\n"
+        for form in FORMATS.values()
+    )
+    return before + head + "".join(rows) + "\n" + after.split("\n\n", 1)[1]
 
 
 def _section(name: str, definition: dict[str, Any], defined: dict[str, Any], title: str) -> Iterator[str]:
@@ -98,3 +110,5 @@ def _cell(text: str) -> str:
 if __name__ == "__main__":
     (HERE / NAME).write_text(document(), "utf-8")
     (HERE / "schema.md").write_text(page(), "utf-8")
+    page_of_formats = HERE / "formats.md"
+    page_of_formats.write_text(formats(page_of_formats.read_text("utf-8")), "utf-8")

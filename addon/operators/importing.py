@@ -54,7 +54,7 @@ class HAPTIC_OT_import_scene(_FromFile, Operator):
 
 
 class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
-    """Let the active object emit the vibration in a file (.hjif, .haptic, .ahap, .haps, .tact, .wav); it is kept with this file"""
+    """Let the active object emit the vibration in a file; it is kept with this file"""
 
     bl_label = "Import Haptic Signal"
 

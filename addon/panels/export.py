@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, FileHandler, Menu, Panel
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Context, FileHandler, Menu, Panel, UILayout
 
+from ...core.formats.io.catalogue import FORMATS, READERS
 from ..blender import job
 from .drawing import ClosedPanel
 
@@ -43,7 +45,7 @@ class HAPTIC_FH_tracks(FileHandler):
     bl_label = "Haptic Tracks"
     bl_import_operator = "haptic.import_signal"
     bl_export_operator = "export_scene.haptic_tracks"
-    bl_file_extensions = ".hjif;.haptic;.ahap;.haps;.tact;.wav"
+    bl_file_extensions = ";".join(READERS)
 
     @classmethod
     def poll_drop(cls, context: Context) -> bool:
@@ -57,10 +59,16 @@ def _in_viewport(context: Context) -> bool:
 def draw_export(self: Menu, context: Context) -> None:
     """Entries of File > Export."""
     self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
-    self.layout.operator("export_scene.haptic_tracks", text="Haptic Tracks (.hjif/.wav/.haptic/.ahap/...)")
+    endings = "/".join(form.suffix for form in FORMATS.values() if form.name != "scene")
+    _draw_entry(self.layout, "export_scene.haptic_tracks", iface_("Haptic Tracks"), endings)
 
 
 def draw_import(self: Menu, context: Context) -> None:
     """Entries of File > Import."""
     self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
-    self.layout.operator("haptic.import_signal", text="Haptic Signal for the Active Object (.hjif/.wav/.haptic/.ahap/.haps/.tact)")
+    _draw_entry(self.layout, "haptic.import_signal", iface_("Haptic Signal for the Active Object"), "/".join(READERS))
+
+
+def _draw_entry(layout: UILayout, operator: str, title: str, endings: str) -> None:
+    """Draw an entry of a menu of files."""
+    layout.operator(operator, text=f"{title} ({endings})", translate=False)

@@ -57,7 +57,7 @@ class HapticImpactRule(RuleScope, Stored, PropertyGroup):
         "What impacts feel like",
         (
             *items_of(TEMPLATES),
-            ("FILE", "File", "The first vibration in a file: .wav, .hjif, .haptic, .ahap, .haps or .tact"),
+            ("FILE", "File", "The first vibration in a file"),
             ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
             ("DRAWN", "Drawn", "A signal that was drawn for a source, once"),
         ),

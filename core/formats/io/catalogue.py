@@ -72,12 +72,16 @@ def complete(options: Sequence[Option], chosen: Mapping[str, Value]) -> dict[str
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """``label``: its name in menus. ``suffix``: of its files. ``module``: the module in `core.formats` that writes and reads it."""
+    """``label``: its name in menus. ``suffix``: of its files. ``module``: the module in `core.formats` that writes and, if it ``is_read``,
+    reads it. ``files``: patterns of the names of its files. ``carries``: what they hold."""
 
     name: str
     label: str
     suffix: str
     module: str
+    files: str
+    carries: str
+    is_read: bool = False
     options: tuple[Option, ...] = ()
 
 
@@ -92,9 +96,9 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
 """The formats by name."""
 
 READERS: Mapping[str, str] = MappingProxyType(
-    {".wav": "wav", ".hjif": "hjif", ".haptic": "haptic", ".ahap": "ahap", ".haps": "wyvrn", ".tact": "tact"}
+    {form.suffix: form.name for form in FORMATS.values() if form.is_read and form.name != "scene"}
 )
-"""The format of each file suffix that can be imported."""
+"""The format of each suffix of files from which a vibration can be read."""
 
 
 def named(name: str) -> Format:

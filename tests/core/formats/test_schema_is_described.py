@@ -71,9 +71,11 @@ def test_every_schema_has_an_address(path):
     assert json.loads(path.read_text("utf-8"))["$id"] == f"https://haptic-tracing.org/schemas/{path.name}"
 
 
-def test_the_published_schema_and_its_page_are_those_of_the_declarations():
+def test_the_published_schema_its_page_and_the_table_of_formats_are_those_of_the_core():
     spec = importlib.util.spec_from_file_location("write_schema_page", ROOT / "docs" / "write_schema_page.py")
     writer = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(writer)
     assert (ROOT / "docs" / "schema.md").read_text("utf-8") == writer.page(), "run python docs/write_schema_page.py"
+    formats = (ROOT / "docs" / "formats.md").read_text("utf-8")
+    assert formats == writer.formats(formats), "run python docs/write_schema_page.py"
     assert (ROOT / "docs" / writer.NAME).read_text("utf-8") == writer.document(), "run python docs/write_schema_page.py"
