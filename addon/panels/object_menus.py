@@ -69,7 +69,7 @@ class HAPTIC_MT_more(Menu):
             self.layout.operator(name)
 
 
-_SAMPLE = 7.0  # lines high: large enough to tell scenes apart
+_SAMPLE = 6.0  # lines high: large enough to tell scenes apart
 
 
 class HAPTIC_MT_add(Menu):
@@ -92,7 +92,7 @@ class HAPTIC_MT_samples(Menu):
     bl_label = "Sample Scenes"
 
     def draw(self, context: Context) -> None:
-        flow = self.layout.column_flow(columns=4)
+        flow = self.layout.column_flow(columns=3)
         for sample in SAMPLES.values():
             cell(flow, f"sample-{sample.name}", scale=_SAMPLE).operator("haptic.add_sample", text=sample.title).sample = sample.name
 
