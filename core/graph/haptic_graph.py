@@ -57,7 +57,7 @@ class ObjectTable:
     Attributes:
         factor, decay: (n,); NaN for the objects in ``special``.
         loss: (n,) ``-log(factor)``, accurate also for a factor close to 1.
-        spreading: lengths (n,); None if no object has any.
+        spreading: the laws (n,); None if no object has any.
         special: numbers of the objects whose function has another form.
         band_gains: (n, bands), or None if no object uses them.
         band_decays: (n, bands) [1/m], or None.
@@ -101,7 +101,6 @@ class ObjectTable:
         ordered = tuple(sorted(objects, key=lambda o: o.name))
         pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in ordered]
         forms = np.array([(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64).reshape(-1, 2)
-        laws = [o.propagation.spreading_law() for o in ordered]
         bands, decays, slowness = _spectrum_arrays(
             [o.propagation for o in ordered], [o.propagation.band_decays(o.kappa, o.rho) for o in ordered]
         )
@@ -113,7 +112,7 @@ class ObjectTable:
             loss=np.array(
                 [math.nan if p is None else o.propagation.loss(o.kappa, o.rho, epsilon) for o, p in zip(ordered, pairs, strict=True)]
             ),
-            spreading=Spreading(*np.array(laws).T.copy()) if any(law.over for law in laws) else None,
+            spreading=Spreading.of([o.propagation.spreading_law() for o in ordered]),
             special=frozenset(i for i, pair in enumerate(pairs) if pair is None),
             epsilon=epsilon,
             band_gains=bands,
@@ -133,7 +132,7 @@ class ObjectTable:
             raise ValueError("distance: must be finite and at least 0 m")
         if index not in self.special:
             gains = self.factor[index] * np.exp(-self.decay[index] * distance)
-            return np.asarray(gains if self.spreading is None else gains * np.exp(-self.spreading.of(index).cost(distance)))
+            return np.asarray(gains if self.spreading is None else gains * np.exp(-self.spreading.at(index).cost(distance)))
         haptic_object = self.objects[index]
         try:
             return haptic_object.propagation.gain(distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
@@ -144,7 +143,7 @@ class ObjectTable:
         """Gains (n,) of objects ``index`` (n,) over ``distance`` (n,). Raises as `gain` does."""
         gains = self.factor[index] * np.exp(-self.decay[index] * distance)
         if self.spreading is not None:
-            gains *= np.exp(-self.spreading.of(index).cost(distance))
+            gains *= np.exp(-self.spreading.at(index).cost(distance))
         for number in self._special_among(index):
             chosen = np.flatnonzero(index == number)
             gains[chosen] = self.gain(number, distance[chosen])
@@ -154,7 +153,7 @@ class ObjectTable:
         """``-log`` of `gains` in two terms (n,), the constant one and that of the distance."""
         constant, varying = self.loss[index], self.decay[index] * distance
         if self.spreading is not None:
-            varying += self.spreading.of(index).cost(distance)
+            varying += self.spreading.at(index).cost(distance)
         for number in self._special_among(index):
             chosen = np.flatnonzero(index == number)
             with np.errstate(divide="ignore"):

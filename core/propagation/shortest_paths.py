@@ -30,7 +30,6 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, ranges
 from ..graph.haptic_graph import HapticGraph
-from ..scene.functions.spreading import cost_over
 from .connections import intra_costs
 
 BATCH = 1 << 15
@@ -114,7 +113,7 @@ class _Relaxation:
         self.special = np.isin(index, list(graph.table.special)) if graph.table.special else None
         self.node_loss = np.concatenate([np.maximum(0.0, table.loss)[index] for table in self.tables])
         self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
-        self.spreading = None if graph.table.spreading is None else graph.table.spreading.of(index)
+        self.spreading = None if graph.table.spreading is None else graph.table.spreading.at(index)
         # Per node: cost of its inter-connection; contact -1 takes the appended infinity.
         self.crossing = np.concatenate([np.maximum(0.0, np.append(one.transmission_loss, math.inf))[graph.contact] for one in views])
         self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
@@ -219,7 +218,7 @@ def _relax(
     distance = work.distances(begin, other)
     candidate = base[which] + work.node_decay[work.at(row, node)][which] * distance
     if work.spreading is not None:
-        candidate += work.spreading.of(begin).cost(distance)
+        candidate += work.spreading.at(begin).cost(distance)
     if work.special is not None:
         chosen = work.special[begin].nonzero()[0]
         candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
@@ -271,7 +270,7 @@ class _Elements:
         self.objects, self.partner, self.start = _items(graph.node_object), _items(graph.partner), _items(graph.start)
         self.crossing = _items(work.crossing[view * work.count : (view + 1) * work.count])
         self.loss, self.decay = _items(np.maximum(0.0, table.loss)), _items(table.decay)
-        self.spreading = None if graph.table.spreading is None else np.array(graph.table.spreading).T.tolist()
+        self.laws = None if table.spreading is None else [item.propagation.spreading_law() for item in table.objects]
         self.points: dict[int, list[float]] = {}
         self.arrays = graph.table.special
         if graph.reach is not None:
@@ -320,9 +319,9 @@ def _dijkstra(work: _Relaxation, elements: _Elements, row: int, queue: list[tupl
                 points.update(enumerate(graph.node_position[whole].tolist(), whole.start))
             here = points[node]
             found = [(k, base + rate * distance(here, points[k])) for k in range(first, last) if arrives[k] > base]
-            if elements.spreading is not None:
-                law = elements.spreading[index]
-                found = [(k, value + cost_over(law, distance(here, points[k]))) for k, value in found] if law[-1] else found
+            if elements.laws is not None:
+                law = elements.laws[index].cost
+                found = [(k, value + law(distance(here, points[k]))) for k, value in found]
         nearer = False
         for other, value in found:
             if value < arrives[other] and value <= limit and other != node:

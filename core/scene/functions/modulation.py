@@ -20,7 +20,7 @@ from ..coefficients import transfer_coefficient
 from ..declaration import check, declared, number, numbers, text
 from .expression import MAX_LENGTH, CompiledExpression, compile_expression
 from .interval import Interval
-from .spreading import NO_SPREADING, Spreading
+from .spreading import NO_SPREADING, Law
 
 Value = float | FloatArray
 OnContact = Mapping[str, Value] | None
@@ -102,7 +102,7 @@ class ModulationFunction:
         """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of `spreading_law`; None for another form."""
         return None
 
-    def spreading_law(self) -> Spreading:
+    def spreading_law(self) -> Law:
         """The geometric spreading, a factor of the gain in addition to `log_linear`."""
         return NO_SPREADING
 

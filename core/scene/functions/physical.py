@@ -14,7 +14,7 @@ from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
 from ..declaration import choice, number
 from .modulation import ModulationFunction, OnContact, Value
-from .spreading import NO_SPREADING, Spreading
+from .spreading import NO_SPREADING, Law, Spreading
 
 _FELT = 0.06
 """Nepers (0.5 dB) by which the loss of any band must differ from the lowest one's over `_FAR` metres; below this, bands are left out."""
@@ -184,7 +184,8 @@ class Physical(ModulationFunction):
 
     def spreading(self, distance: FloatArray) -> FloatArray:
         """The gain by spreading alone."""
-        return np.exp(-self.spreading_law().cost(distance))
+        law = Spreading.of([self.spreading_law()])
+        return np.ones(np.shape(distance)) if law is None else np.exp(-law.at(0).cost(distance))
 
     def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
         away = np.asarray(distance, dtype=np.float64)
@@ -195,16 +196,19 @@ class Physical(ModulationFunction):
         decay = float(self.damping(BAND_CENTRES[0], kappa, rho))
         return (1.0, decay) if decay < math.inf else None
 
-    def spreading_law(self) -> Spreading:
+    def spreading_law(self) -> Law:
         start, end = self.reference_distance, self.extent or math.inf
         match self.wave:
             case Wave.BOUNDED:
-                fills, width = max(self.thickness - start, 0.0), max(start, self.thickness)
-                return Spreading(start, fills, width, fills + max(end - width, 0.0))
+                width = max(start, self.thickness)
+                over = max(end - start, 0.0)  # where it fills thickness and width
+                if self.thickness > start:
+                    return Law(1.0, start, self.thickness - start, width, max(over, self.thickness - start))
+                return Law(0.5, start, over, width, over)
             case Wave.SOLID:
-                return Spreading(start, end, start, end)
+                return Law(1.0, start, end, start, end)
             case Wave.PLATE | Wave.SURFACE:
-                return Spreading(start, 0.0, start, end)
+                return Law(0.5, start, end, start, end)
         return NO_SPREADING
 
     def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
