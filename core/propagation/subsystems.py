@@ -17,8 +17,12 @@ import numpy as np
 from ..arrays import FloatArray, IntArray, added_by, runs
 from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances
 
-REGIONS = 128
-"""Most regions of one object, about: the lattice of a larger one is coarser."""
+REGIONS, MOST_REGIONS = 128, 1024
+"""Most regions of one object, about, where most of its contacts are, and where all of them are: the lattice of a larger one is coarser."""
+
+TAILS = 0.05, 0.15
+"""Between these fractions of the contacts' strengths along an axis lie those that tell where most contacts begin and end. The few beyond
+don't count: a body far away changes no lattice."""
 
 FARTHEST = 2.0**40
 """Most lattice points from the middle: contacts beyond belong to the last one."""
@@ -94,7 +98,7 @@ def _attached(
     middle = graph.frames.centre[used]
     unknown = np.flatnonzero(np.isnan(middle[:, 0]))
     if len(unknown):
-        middle[unknown] = _centroids(position, strength, slot, count)[unknown]
+        middle[unknown] = np.mean(_ends(position, strength, slot, count), axis=0)[unknown]
     relative = np.minimum(np.maximum(position - middle[slot], -HIGHEST), HIGHEST)
     farthest = np.maximum.reduceat(distances(relative, np.zeros(3)), begin)
     spacing = damping_lengths(graph.table, used, np.minimum(2 * farthest, HIGHEST))
@@ -107,7 +111,7 @@ def _attached(
     axes, off = graph.frames.axes[used[slot[chosen]]], relative[chosen]
     local = axes[:, 0] * off[:, :1] + axes[:, 1] * off[:, 1:2] + axes[:, 2] * off[:, 2:]
     contacts = np.asarray(np.bincount(slot, weights=strength, minlength=count), dtype=np.float64)
-    contact, cell, weight = _lattice(local, spacing, slot[chosen], contacts)
+    contact, cell, weight = _lattice(local, strength[chosen], spacing, slot[chosen], contacts)
     contact = chosen[contact]
     cells, region = _numbered(np.column_stack([slot[contact], cell]))
     of_slot = np.concatenate([np.flatnonzero(~divided), cells])
@@ -130,9 +134,29 @@ def _centroids(position: FloatArray, strength: FloatArray, slot: IntArray, count
     return (added_by(slot, weight * position.T, count) / total).T.copy()
 
 
-def _lattice(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+def _ends(place: FloatArray, strength: FloatArray, slot: IntArray, count: int) -> FloatArray:
+    """Where along each axis the contacts at ``place`` (n, 3) of each object begin and end but for few of them (2, count, 3): means between
+    `TAILS` of their strengths, continuous in places and strengths."""
+    weight = np.maximum(strength, np.finfo(np.float64).tiny)
+    weight /= np.bincount(slot, weights=weight, minlength=count)[slot]
+    begin, size = runs(slot)
+    objects_before = np.arange(len(begin)).repeat(size)  # each adds 1 to the sum
+    ends = np.zeros((2, count, 3))
+    for axis, along in enumerate(place.T):
+        order = np.lexsort((along, slot))
+        part = weight[order]
+        above = part.cumsum() - objects_before
+        for end, (low, high) in zip(ends, (TAILS, (1 - TAILS[1], 1 - TAILS[0])), strict=True):
+            within = np.maximum(np.minimum(above, high) - np.maximum(above - part, low), 0.0)
+            end[:, axis] = np.bincount(slot, weights=within * along[order], minlength=count) / (high - low)
+    return ends
+
+
+def _lattice(
+    local: FloatArray, strength: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray]:
     """The lattice points around places ``local`` (n, 3) on objects ``slot`` (n,): number of the place, sorted, point (3,), weight > 0."""
-    step = _coarsened(local, spacing, slot, contacts)[slot, None]
+    step = _coarsened(local, strength, spacing, slot, contacts)[slot, None]
     along = np.sign(local) * np.minimum(np.maximum(np.abs(local) / step - 0.5, 0.0), FARTHEST)
     base = np.floor(along)
     x, y, z = np.stack([1.0 - (along - base), along - base], axis=-1).transpose(1, 0, 2)
@@ -142,26 +166,36 @@ def _lattice(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: F
     return place, base[place].astype(np.int64) + CORNERS[corner], weight[near]
 
 
-def _coarsened(local: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> FloatArray:
-    """Spacings (m,) so large that no object has many more than `REGIONS` regions; ``contacts`` (m,): the sum of strengths of each.
+def _coarsened(local: FloatArray, strength: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> FloatArray:
+    """Spacings (m,) so large that no object has many more than `REGIONS` regions where most of its contacts are, nor than `MOST_REGIONS`;
+    ``contacts`` (m,): the sum of strengths of each.
 
     Regions are no more than the lattice points within the extents of the contacts, nor than eight for each contact. The harmonic mean of
     the two is a continuous estimate.
     """
-    begin, _ = runs(slot)
-    extent = np.zeros((len(spacing), 3))
-    extent[slot[begin]] = np.maximum.reduceat(local, begin) - np.minimum.reduceat(local, begin)
-    result = spacing.copy()
     around = 8 * contacts
-    most = np.divide(REGIONS * around, around - REGIONS, out=np.full(len(around), math.inf), where=around > REGIONS)
-    for number in np.flatnonzero((1.0 + extent / np.maximum(spacing, 1e-300)[:, None]).prod(axis=1) > most).tolist():
-        fine, coarse = math.log(max(float(spacing[number]), 1e-300)), math.log(float(extent[number].max())) + 1.0
-        for _ in range(60):
-            middle = (fine + coarse) / 2
-            many = float((1.0 + extent[number] / math.exp(middle)).prod()) > most[number]
-            fine, coarse = (middle, coarse) if many else (fine, middle)
-        result[number] = math.exp(coarse)
-    return result
+    many = (around > REGIONS)[slot]
+    if not many.any():
+        return spacing
+    local, slot = local[many], slot[many]
+    begin, _ = runs(slot)
+    whole = np.zeros((len(spacing), 3))
+    whole[slot[begin]] = np.maximum.reduceat(local, begin) - np.minimum.reduceat(local, begin)
+    first, last = _ends(local, strength[many], slot, len(spacing))
+    for extent, regions in (((last - first) / (1 - sum(TAILS)), REGIONS), (whole, MOST_REGIONS)):
+        most = np.divide(regions * around, around - regions, out=np.full(len(around), math.inf), where=around > regions)
+        for number in np.flatnonzero((1.0 + extent / np.maximum(spacing, 1e-300)[:, None]).prod(axis=1) > most).tolist():
+            spacing[number] = _coarse_enough(extent[number], float(spacing[number]), float(most[number]))
+    return spacing
+
+
+def _coarse_enough(extent: FloatArray, spacing: float, most: float) -> float:
+    """The spacing at which a lattice has so many points within an ``extent`` (3,), by bisection from a finer one."""
+    fine, coarse = math.log(max(spacing, 1e-300)), math.log(float(extent.max())) + 1.0
+    for _ in range(60):
+        middle = (fine + coarse) / 2
+        fine, coarse = (middle, coarse) if float((1.0 + extent / math.exp(middle)).prod()) > most else (fine, middle)
+    return math.exp(coarse)
 
 
 def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:

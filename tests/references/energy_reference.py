@@ -12,6 +12,16 @@ from haptic_tracing.core.graph.haptic_graph import HapticGraph
 Place = tuple[float, float, float]
 
 
+def _mean_between(contacts: list[dict], axis: int, low: float, high: float) -> float:
+    """Mean place along an axis of the part of the contacts, in order along it, between two fractions of their strengths."""
+    total, before, mean = sum(c["strength"] for c in contacts), 0.0, 0.0
+    for contact in sorted(contacts, key=lambda c: c["place"][axis]):
+        after = before + contact["strength"] / total
+        mean += max(min(after, high) - max(before, low), 0.0) * contact["place"][axis] / (high - low)
+        before = after
+    return mean
+
+
 class Balance:
     """Subsystems and equations of a graph. ``regions``: (object, lattice point) of each subsystem."""
 
@@ -68,8 +78,7 @@ class Balance:
     def _attach(self, index: int, contacts: list[dict]) -> None:
         middle, axes = self.graph.frames.centre[index], self.graph.frames.axes[index]
         if np.isnan(middle[0]):
-            total = sum(c["strength"] for c in contacts)
-            middle = np.array([sum(c["strength"] * c["place"][k] for c in contacts) / total for k in range(3)])
+            middle = np.array([(_mean_between(contacts, k, 0.05, 0.15) + _mean_between(contacts, k, 0.85, 0.95)) / 2 for k in range(3)])
         farthest = max(math.dist(c["place"], middle) for c in contacts)
         length = self.length(index, 2 * farthest)
         for contact in contacts:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from haptic_tracing.benchmarks.families import pile
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import Identity
@@ -49,6 +51,35 @@ def test_piles(strategy, seed):
     check_cut_offs(scene, strategy)
     check_steady(scene, strategy, seed)
     check_local(scene, strategy, "ground", (-14.0, 12.0, 0.0))
+
+
+@pytest.mark.slow
+@both
+@pytest.mark.parametrize("has_shape", [True, False])
+@pytest.mark.parametrize("count", [100, 1000])
+def test_a_body_far_away_on_the_same_ground_changes_no_level(strategy, has_shape, count):
+    """One body more, 27 to 200 m from the middle of a pile, which is 6 to 19 m wide: under 0.5 dB."""
+    family = pile(count)
+    objects, names = family.table.objects, family.table.names
+    contacts = family.contacts.to_contacts(names)
+
+    def gains(far: float | None) -> np.ndarray:
+        place = (far or 0.0, 0.0, 0.0)
+        more = (replace(objects[-1], name="object far"),), (Contact((names[0], "object far"), (place, place)),)
+        added = more if far else ((), ())
+        graph = graph_of_scene(HapticScene((*objects, *added[0]), (*contacts, *added[1]), family.sources, family.listeners))
+        if has_shape:
+            centre = graph.frames.centre.copy()
+            centre[0] = 9.0, 9.0, -1.0
+            graph = replace(graph, frames=replace(graph.frames, centre=centre))
+        return propagate(graph, Settings(strategy=strategy)).gain
+
+    alone = gains(None)
+    for far in (27.0, 60.0, 200.0):
+        with_it = gains(far)
+        felt = (alone > 1e-3) | (with_it > 1e-3)
+        assert felt.any()
+        assert np.abs(20 * np.log10(alone[felt] / with_it[felt])).max() < 0.5
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)
