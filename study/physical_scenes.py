@@ -1,5 +1,5 @@
 """The ten listeners of three samples with the paper's function, with measured materials, and with these and contacts by impedance; and
-the twelve of a new body, on objects with the paper's function, with the paper's body and with the measured one.
+the twelve of a new body, measured and felt all over.
 
 ``python -m haptic_tracing.study.physical_scenes`` prints the tables of `docs/functions.md`.
 """
@@ -38,8 +38,8 @@ SHAKERS = {
     "parts sit on what shakes": (0, -0.13, 0.3005),
 }
 """Where the shaker touches the body; else it stands on the floor, a metre away."""
-FUNCTIONS = {"haptic_tracing": "paper", "physical": "measured"}
-"""Of what bodies are made of, and what the table calls them."""
+WAYS_OF_BODIES = {"MEASURED": "measured", "FELT_ALL_OVER": "felt all over"}
+"""The choices of bodies, and what the table calls them."""
 PITCHES = (30, 80, 150, 250)
 """Frequencies [Hz] of the shaker of full amplitude."""
 
@@ -75,8 +75,8 @@ def make(scene: Scene, way: str) -> None:
 
 
 def body_levels(case: str) -> np.ndarray:
-    """Decibels above the threshold of feeling (2, f, 12) at the twelve listeners of a new body at each of `PITCHES`, as in the paper
-    and measured; what it touches keeps the paper's function. The shaker stands a metre away on the floor, or is touched."""
+    """Decibels above the threshold of feeling (2, f, 12) at the twelve listeners of a new body at each of `PITCHES`, by `WAYS_OF_BODIES`.
+    The shaker stands a metre away on the floor, or is touched."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene, posture = bpy.context.scene, BODIES[case]
     _block("Concrete Floor", (6, 6, 0.2), (0, 0, -0.1))
@@ -88,9 +88,10 @@ def body_levels(case: str) -> np.ndarray:
         build_avatar(scene, posture, listening=DEFAULT_LISTENERS)
     shaker = _block("Steel Shaker", (0.24, 0.24, 0.3) if "sit" in case else (0.08, 0.12, 0.3), SHAKERS.get(case, (1, 0, 0.149)))
     bpy.ops.haptic.add_source(signal="SINE")
+    bpy.ops.haptic.set_model()
     found = []
-    for function in FUNCTIONS:
-        bpy.ops.haptic.set_bodies(function=function)
+    for body in WAYS_OF_BODIES:
+        bpy.ops.haptic.set_bodies(body=body)
         for pitch in PITCHES:
             shaker.haptics.source.frequency = pitch
             scene.frame_set(scene.frame_current + 1)
@@ -98,7 +99,7 @@ def body_levels(case: str) -> np.ndarray:
             result = session.result_of(scene)
             assert result is not None
             found.append(sensation_level(still_samples(result, 1.0), result.sample_rate))
-    return np.array(found).reshape(len(FUNCTIONS), len(PITCHES), -1)
+    return np.array(found).reshape(len(WAYS_OF_BODIES), len(PITCHES), -1)
 
 
 def _block(name: str, size: tuple[float, float, float], place: tuple[float, float, float]) -> Object:
@@ -114,7 +115,7 @@ def _block(name: str, size: tuple[float, float, float], place: tuple[float, floa
 
 def body_rows() -> list[str]:
     """The table of new bodies: how many of twelve feel it at each of `PITCHES`, and the strongest there."""
-    head = " | ".join(f"{way}, {pitch} Hz" for way in FUNCTIONS.values() for pitch in PITCHES)
+    head = " | ".join(f"{way}, {pitch} Hz" for way in WAYS_OF_BODIES.values() for pitch in PITCHES)
     rows = [f"| a new body | {head} |", f"|---|{'---|' * 2 * len(PITCHES)}"]
     for case in BODIES:
         cells = (f"{(level > 0).sum()} ({level.max():+.0f} dB)" for level in body_levels(case).reshape(2 * len(PITCHES), -1))

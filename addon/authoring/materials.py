@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import bpy
-from bpy.types import Context, Object, Scene
+from bpy.types import Context, Depsgraph, Object, Scene
 
+from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS, Material, guess
-from ...core.scene.measured import physical
+from ...core.scene.measured import DAMPING, FLESH_CONTACT, felt_all_over, physical
 from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
 from ..properties import materials
 from ..properties.declared import write_values
 from ..properties.materials import SHARED, HapticMaterial, add_material, values_of
 from .sizes import sizes_of
+
+_FLESH = MATERIALS["flesh"]
 
 
 def spread_all_around(haptics: Any, radius: float) -> None:
@@ -37,12 +40,36 @@ def preset_in(scene: Scene, material: Material) -> HapticMaterial:
 
 
 def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
-    """Assign a material to objects: they take its values, now and when it changes."""
+    """Assign a material to objects: they take its values, now and when it changes; physical ones also the damping of a preset."""
     name, values = item.name, values_of(item)
     for obj in progress(objects):
         materials.write_values(obj, values)
         if obj.haptics.material.name != name:
+            known = preset_of(obj)
+            if known is not None and (known is _FLESH or DAMPING[known.name].ground) and obj.haptics.function == "physical":
+                obj.haptics.wave = "bounded"  # or the next material would stay a half-space
             obj.haptics.material.name = name
+    make_physical(obj for obj in objects if obj.haptics.function == "physical")
+
+
+def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None:
+    """Make objects haptic, each of a preset or, with None, of the material that it has; unknown ones damp like plastic. Their function is
+    physical, unless one was chosen or the scene is as in the paper."""
+    is_physical = scene.haptics.strategy != "as_in_the_paper"
+    if is_physical and _FLESH in made_of.values() and _FLESH.title not in scene.haptics.materials.items:
+        _soften_flesh(scene)
+    for obj, material in progress(list(made_of.items())):
+        obj.haptics.enabled = True
+        if material is not None:
+            apply([obj], preset_in(scene, material))
+    if is_physical:
+        new = [obj for obj in made_of if not obj.haptics.is_property_set("function")]
+        make_physical(new)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        for obj in new:
+            if preset_of(obj) is None:
+                _damp(obj, MATERIALS["plastic"], depsgraph)
+                obj.haptics.material_k = transfer_coefficient(obj.haptics.kappa, obj.haptics.rho)
 
 
 def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
@@ -57,29 +84,66 @@ def preset_of(obj: Object) -> Material | None:
     return next((material for material in MATERIALS.values() if material.title == title), None)
 
 
-def make_physical(objects: Iterable[Object], in_a_building: bool) -> int:
+def make_physical(objects: Iterable[Object], in_a_building: bool = False) -> int:
     """Give objects made of a preset the measured physical function; half-spaces stay such. Returns their number."""
     known, depsgraph = 0, bpy.context.evaluated_depsgraph_get()
     for obj in objects:
         material = preset_of(obj)
-        if material is None:
-            continue
-        known += 1
-        is_half_space = (obj.haptics.function, obj.haptics.wave) == ("physical", "surface")
-        obj.haptics.function = "physical"
-        form = physical(material.name, sizes_of(obj, depsgraph), in_a_building, part_in(obj.name), is_half_space)
-        write_values(obj.haptics, form)
+        if material is not None:
+            known += 1
+            _damp(obj, material, depsgraph, in_a_building)
     return known
 
 
-def set_bodies(objects: Iterable[Object], function: str) -> int:
-    """Set the function of those of ``objects`` that are made of flesh: measured ("physical") or the paper's ("haptic_tracing"). Returns
-    their number."""
-    bodies = [obj for obj in objects if preset_of(obj) is MATERIALS["flesh"]]
-    if function == "physical":
-        return make_physical(bodies, False)
+def _damp(obj: Object, material: Material, depsgraph: Depsgraph, in_a_building: bool = False) -> None:
+    """Give an object the measured damping of a material."""
+    haptics = obj.haptics
+    is_half_space = (haptics.function, haptics.wave) == ("physical", "surface")
+    haptics.function = "physical"
+    sizes = sizes_of(obj, depsgraph)
+    write_values(haptics, physical(material.name, sizes, in_a_building, part_in(obj.name), is_half_space))
+
+
+def use_physical(scene: Scene, objects: Iterable[Object], in_a_building: bool) -> int:
+    """Give objects made of presets the measured functions, and a scene the loss at contacts of flesh. Returns the number of objects."""
+    _harden_flesh(scene)
+    _soften_flesh(scene)
+    return make_physical(objects, in_a_building)
+
+
+def use_paper(scene: Scene, objects: Iterable[Object]) -> int:
+    """Give objects made of presets the paper's function, and let contacts of flesh pass on everything. Returns the number of objects."""
+    _harden_flesh(scene)
+    made = [obj for obj in objects if preset_of(obj) is not None]
+    for obj in made:
+        obj.haptics.function = "haptic_tracing"
+    return len(made)
+
+
+def _soften_flesh(scene: Scene) -> None:
+    """Add the rules for contacts of flesh: with anything the loss in skin and cloth, with flesh none."""
+    for kind, name, function in (("ANY", "", "constant"), ("MATERIAL", _FLESH.title, "identity")):
+        row = scene.haptics.transmission_table.items.add()
+        row.first_kind, row.first, row.second_kind, row.second = "MATERIAL", _FLESH.title, kind, name
+        row.function, row.constant = function, FLESH_CONTACT
+
+
+def _harden_flesh(scene: Scene) -> None:
+    """Remove the rules for contacts of flesh with anything or flesh."""
+    rows = scene.haptics.transmission_table.items
+    for index in reversed(range(len(rows))):
+        row = rows[index]
+        if (row.first_kind, row.first) == ("MATERIAL", _FLESH.title) and (row.second_kind == "ANY" or row.second == _FLESH.title):
+            rows.remove(index)
+
+
+def set_bodies(objects: Iterable[Object], body: str) -> int:
+    """Let those of ``objects`` that are made of flesh damp as measured, or be felt all over. Returns their number."""
+    bodies, depsgraph = [obj for obj in objects if preset_of(obj) is _FLESH], bpy.context.evaluated_depsgraph_get()
     for obj in bodies:
-        obj.haptics.function = function
+        _damp(obj, _FLESH, depsgraph)
+        if body == "FELT_ALL_OVER":
+            write_values(obj.haptics, felt_all_over(sizes_of(obj, depsgraph)))
     return len(bodies)
 
 

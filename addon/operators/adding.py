@@ -47,13 +47,12 @@ class HAPTIC_OT_add_source_object(Edit, Operator):
             obj.empty_display_type, obj.empty_display_size = "SPHERE", 0.1
         else:
             obj = bpy.data.objects.new(title, _cylinder(title))
-            obj.haptics.enabled = True
         _link(context, obj)
         if carrier is not None:
             obj.parent = carrier
             obj.matrix_parent_inverse = carrier.matrix_world.inverted_safe()
         else:
-            materials.apply([obj], materials.preset_in(context.scene, MATERIALS["steel"]))
+            materials.make_haptic(context.scene, {obj: MATERIALS["steel"]})
         obj.matrix_basis = place
         make_source(obj, self.kind)
         obj.haptics.source.frequency = frequency
@@ -101,7 +100,7 @@ class HAPTIC_OT_make_one_shot(OnActive, Operator):
             source.trigger = 1.0
             context.object.keyframe_insert(triggers.PATH)
         carrier = haptic_carrier(context.object)
-        if carrier is not None and carrier.haptics.medium and carrier.haptics.function != "physical":
+        if carrier is not None and carrier.haptics.medium and (carrier.haptics.function != "physical" or carrier.haptics.loss_factor > 0):
             _spread_as_front(context.scene, carrier, 1.5 if self.kind == "EXPLOSION" else 0.3)
 
 
@@ -147,8 +146,8 @@ class HAPTIC_OT_add_medium(Edit, Operator):
         obj.location = (low + high) / 2
         obj.display_type = "BOUNDS"
         obj.hide_render = True
-        obj.haptics.enabled = obj.haptics.medium = True
-        materials.apply([obj], materials.preset_in(context.scene, material))
+        obj.haptics.medium = True
+        materials.make_haptic(context.scene, {obj: material})
 
 
 class HAPTIC_OT_add_sample(Edit, Operator):

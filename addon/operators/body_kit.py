@@ -11,6 +11,7 @@ from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
 from ..scene_reader.roles import haptic_carrier
+from .materials import BODY_ITEMS
 
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
 
@@ -31,6 +32,8 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         ),
     )
 
+    body: EnumProperty(name="Body", description="How a new body damps vibration", items=BODY_ITEMS)
+
     def apply(self, context: Context) -> None:
         context.view_layer.update()
         active = context.object
@@ -48,7 +51,7 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         except ValueError as error:
             raise ValueError(f"{active.name}: {error}") from None
         if haptic_carrier(active) in (None, active):
-            _make_body(context, active, is_new)
+            self._make_body(context, active, is_new)
 
     def _on_armature(self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]) -> None:
         if not is_editable(armature):
@@ -62,28 +65,26 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         if body is None:
             self.report({"WARNING"}, "This armature moves no mesh: choose its body in the panel Haptic Object, else nothing is felt")
         else:
-            _make_body(context, body, is_new)
+            self._make_body(context, body, is_new)
             armature.haptics.body = body
         if missing:
             names = ", ".join(part.name.replace("_", " ") for part in missing)
             self.report({"WARNING"}, _rpt("The armature has no bones for these parts, which got no listener: {}").format(names))
+
+    def _make_body(self, context: Context, body: Object, is_new: bool) -> None:
+        """Make a mesh haptic, of flesh unless its name tells another material. The flesh of a body that ``is_new``, which had no listeners
+        yet, damps as chosen, except in a scene as in the paper."""
+        if not body.haptics.enabled:
+            materials.make_haptic(context.scene, {body: materials.guessed(body) or MATERIALS["flesh"]})
+        is_chosen = self.body != "MEASURED" or body.haptics.function == "haptic_tracing"
+        if is_new and is_chosen and is_editable(body) and context.scene.haptics.strategy != "as_in_the_paper":
+            materials.set_bodies([body], self.body)
 
 
 def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:
     """The wanted parts that have no listener yet."""
     known = body_kit.listeners_on(body)
     return [part for part in wanted if part.name not in known]
-
-
-def _make_body(context: Context, body: Object, is_new: bool) -> None:
-    """Make a mesh haptic, of flesh unless its name tells another material. The flesh of a body that ``is_new``, which had no listeners yet,
-    gets the measured function, except in a scene as in the paper."""
-    if not body.haptics.enabled:
-        body.haptics.enabled = True
-        materials.apply([body], materials.preset_in(context.scene, materials.guessed(body) or MATERIALS["flesh"]))
-    is_paper = body.haptics.function == "haptic_tracing"
-    if is_new and is_paper and is_editable(body) and context.scene.haptics.strategy != "as_in_the_paper":
-        materials.set_bodies([body], "physical")
 
 
 class HAPTIC_OT_mirror_listeners(OnSelected, Operator):

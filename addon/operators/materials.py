@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bpy.app.translations import pgettext_rpt as _rpt
+from bpy.app.translations import pgettext_tip
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
@@ -15,6 +16,15 @@ from ..properties.kinds import choice, switch, text
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
 
 PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
+
+MODEL_ITEMS = (
+    ("PHYSICAL", "Physical", "Measured spreading and damping, 6 dB less at contacts of flesh, and the best path"),
+    ("PAPER", "As in the Paper", "The paper's function of κ and ρ, contacts that pass on everything, and all paths of persistent sources"),
+)
+BODY_ITEMS = (
+    ("MEASURED", "Measured", "Each part damps as measured above its resonance: a floor is felt at the feet"),
+    ("FELT_ALL_OVER", "Felt All Over", "A design choice, not measured: 5 dB less per metre, so that the whole body feels what it touches"),
+)
 
 
 def _poll_material(cls: type[Operator], context: Context) -> bool:
@@ -69,19 +79,31 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
         return {"FINISHED"} if known else {"CANCELLED"}
 
 
-class HAPTIC_OT_physical_materials(Edit, Operator):
-    """Give all haptic objects with a preset material the spreading and damping of measured materials, by their size"""
+class HAPTIC_OT_set_model(Edit, Operator):
+    """Choose between measured materials and the paper's model for the whole scene: functions of all objects made of presets, contacts of
+    flesh, and the strategy; objects made later follow"""
 
-    bl_label = "Physical Materials"
+    bl_label = "Model"
 
+    model: choice("Model", "What the scene is computed by", MODEL_ITEMS)
     in_a_building: switch("In a Building", "Walls and floors in place, whose joints and edges take 2 dB per metre")
 
-    def apply(self, context: Context) -> set[str]:
-        objects = [obj for obj in editable(context.scene.objects) if obj.haptics.enabled]
-        known = library.make_physical(objects, self.in_a_building)
+    @classmethod
+    def description(cls, context: Context, properties: Any) -> str:
+        return pgettext_tip(next(about for name, _, about in MODEL_ITEMS if name == properties.model))
+
+    def apply(self, context: Context) -> None:
+        scene = context.scene
+        objects = [obj for obj in editable(scene.objects) if obj.haptics.enabled]
+        if self.model == "PAPER":
+            scene.haptics.strategy = "as_in_the_paper"
+            known = library.use_paper(scene, objects)
+        else:
+            if scene.haptics.strategy == "as_in_the_paper":
+                scene.haptics.strategy = "auto"
+            known = library.use_physical(scene, objects, self.in_a_building)
         message = _rpt("{} of {} haptic objects are made of a preset")
         self.report({"INFO"}, message.format(known, len(objects)))
-        return {"FINISHED"} if known else {"CANCELLED"}
 
 
 class HAPTIC_OT_set_bodies(Edit, Operator):
@@ -89,17 +111,14 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
 
     bl_label = "Bodies"
 
-    function: choice(
-        "Bodies",
-        "How objects of flesh damp vibration",
-        (
-            ("physical", "Measured", "Damping grows with frequency above the resonance of each part: the default of new bodies"),
-            ("haptic_tracing", "As in the Paper", "The same damping at all frequencies, by κ and ρ"),
-        ),
-    )
+    body: choice("Bodies", "How objects of flesh damp vibration", BODY_ITEMS)
+
+    @classmethod
+    def description(cls, context: Context, properties: Any) -> str:
+        return pgettext_tip(next(about for name, _, about in BODY_ITEMS if name == properties.body))
 
     def apply(self, context: Context) -> None:
-        if not library.set_bodies((obj for obj in editable(context.scene.objects) if obj.haptics.enabled), self.function):
+        if not library.set_bodies((obj for obj in editable(context.scene.objects) if obj.haptics.enabled), self.body):
             raise ValueError(_rpt("No haptic object is made of flesh: select a body and press Add Body Listeners"))
 
 

@@ -24,9 +24,11 @@ _rpt = bpy.app.translations.pgettext_rpt
 def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     """Make objects haptic, with guessed materials where they were not haptic before. Returns how many materials were guessed."""
     new = [obj for obj in objects if not obj.haptics.enabled]
-    for obj in progress(new):
-        obj.haptics.enabled, obj.haptics.surface = True, "SEEN"
-    return materials.apply_guesses(scene, [obj for obj in new if not obj.haptics.material.name]) if guess else 0
+    guesses = {obj: materials.guessed(obj) if guess and not obj.haptics.material.name else None for obj in new}
+    materials.make_haptic(scene, guesses)
+    for obj in new:
+        obj.haptics.surface = "SEEN"
+    return sum(material is not None for material in guesses.values())
 
 
 class HAPTIC_OT_make_objects(OnSelected, Operator):

@@ -71,12 +71,20 @@ class HAPTIC_PT_materials(ClosedPanel, Panel):
             draw_held(layout, item, LibraryMaterial, **dict.fromkeys(_WITH_OBJECTS))
         else:
             layout.label(text="Add materials with +", icon="INFO")
-        measured = layout.column(align=True)
-        measured.operator("haptic.physical_materials", icon="PHYSICS")
-        bodies = measured.split(factor=0.22, align=True)
+        column = layout.column(align=True)
+        draw_models(column)
+        bodies = column.split(factor=0.22, align=True)
         bodies.label(text="Bodies")
-        bodies.operator("haptic.set_bodies", text="Measured").function = "physical"
-        bodies.operator("haptic.set_bodies", text="As in the Paper").function = "haptic_tracing"
+        bodies.operator("haptic.set_bodies", text="Measured").body = "MEASURED"
+        bodies.operator("haptic.set_bodies", text="Felt All Over").body = "FELT_ALL_OVER"
+
+
+def draw_models(layout: UILayout) -> None:
+    """Draw the choice between measured materials and the paper's model."""
+    row = layout.split(factor=0.22, align=True)
+    row.label(text="Model")
+    row.operator("haptic.set_model", text="Physical").model = "PHYSICAL"
+    row.operator("haptic.set_model", text="As in the Paper").model = "PAPER"
 
 
 class HAPTIC_PT_wishes(ClosedPanel, Panel):

@@ -19,6 +19,7 @@ from .answer import draw_answer, draw_progress
 from .drawing import ClosedPanel, HapticsPanel, draw_held, draw_problems, draw_properties, settings_layout
 from .formula import draw_parameters
 from .hints import draw_hint
+from .materials import draw_models
 from .rules import draw_table
 
 
@@ -70,8 +71,7 @@ class HAPTIC_PT_propagation(ClosedPanel, Panel):
 
 def _draw_strategy(haptics: HapticSceneProperties, layout: UILayout) -> None:
     layout.prop(haptics, "strategy")
-    if haptics.strategy == "as_in_the_paper":
-        layout.operator("haptic.set_bodies", text="Bodies as in the Paper").function = "haptic_tracing"
+    draw_models(layout)
 
 
 def _draw_localise(haptics: HapticSceneProperties, layout: UILayout) -> None:

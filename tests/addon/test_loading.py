@@ -8,9 +8,8 @@ import sys
 import pytest
 from haptic_tracing.addon import gateway
 
-# Modules of the core that are data, beside `core.scene`, from whose declarations Blender's properties are made.
+# Modules of the core that are data, or that scenes' properties are made of.
 LEAVES = {
-    "arrays",
     "design",
     "devices",
     "diagnosis",
@@ -23,6 +22,13 @@ LEAVES = {
     "modalities.thermal",
     "modalities.vibrotactile",
     "render",
+    "scene",
+    "scene.bands",
+    "scene.body",
+    "scene.choices",
+    "scene.coefficients",
+    "scene.materials",
+    "scene.references",
 }
 
 PROGRAM = """
@@ -84,8 +90,7 @@ def loaded(tmp_path_factory):
 
 
 def of_the_core(modules):
-    """The modules of the core among these, without the values of scenes."""
-    return {name.removeprefix("core.") for name in modules if name.startswith("core.") and not name.startswith("core.scene")}
+    return {name.removeprefix("core.") for name in modules if name.startswith("core.")}
 
 
 @pytest.mark.slow

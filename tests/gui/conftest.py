@@ -20,10 +20,7 @@ REAL_BLENDER = os.environ.get("REAL_BLENDER")
 SIZE = (1600, 1000)
 SECONDS = 300
 
-collect_ignore = [
-    *([] if BLENDER or REAL_BLENDER else ["test_in_blenders_window.py"]),
-    *([] if os.environ.get("GODOT") else ["test_in_godot.py"]),
-]
+collect_ignore_glob = [] if BLENDER or REAL_BLENDER else ["test_*.py"]
 
 
 def commands() -> tuple[list[str], list[str]]:

@@ -12,7 +12,7 @@ from haptic_tracing.core.render.renderer import SAMPLE_RATE
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.functions import Constant, HapticTracing, Physical, Spectrum, Wave
 from haptic_tracing.core.scene.materials import MATERIALS
-from haptic_tracing.core.scene.measured import DAMPING
+from haptic_tracing.core.scene.measured import DAMPING, physical
 
 
 def _select(*objects):
@@ -238,7 +238,7 @@ def test_physical_materials_follow_from_preset_and_size(add_box, traced):
             empty.parent, empty.location = box, (x / 6, 0, 0)  # the beam is scaled by 6
             getattr(empty.haptics, role).enabled = True
             empty.haptics.listener.extent = "none"
-    assert bpy.ops.haptic.physical_materials() == {"FINISHED"}
+    assert bpy.ops.haptic.set_model() == {"FINISHED"}
     result = traced()
     names = [source.name for source in result.sources], [listener.name for listener in result.listeners]
     # A new source emits 60 Hz. Steel loses less than half a decibel over ten metres, and therefore passes all bands like the lowest one.
@@ -263,5 +263,79 @@ def test_physical_flesh_has_the_resonance_of_the_part_that_it_is_named_after(add
         box = add_box(name, (0, 0, 0), size)
         _select(box)
         bpy.ops.haptic.apply_material(preset="flesh")
-        bpy.ops.haptic.physical_materials()
+        bpy.ops.haptic.set_model()
         assert (box.haptics.wave, box.haptics.resonance) == (wave, resonance)
+
+
+SIZES = {"Oak Beam": (4.0, 0.2, 0.2), "Concrete Floor": (6.0, 5.0, 0.2), "Soil": (9.0, 9.0, 1.0), "Thing": (0.3, 0.2, 0.1)}
+PRESETS = {"Oak Beam": "hardwood", "Concrete Floor": "concrete", "Soil": "soil", "Thing": "plastic"}
+
+
+def _selected_boxes(add_box, sizes):
+    boxes = {name: add_box(name, (10 * k, 0, 0), size, haptic=False) for k, (name, size) in enumerate(sizes.items())}
+    bpy.context.view_layer.update()
+    for box in boxes.values():
+        box.select_set(True)
+    return boxes
+
+
+@pytest.mark.parametrize("guess", [True, False])
+def test_what_is_made_haptic_is_physical(add_box, guess):
+    """A thing of unknown material damps like plastic at its own K."""
+    boxes = _selected_boxes(add_box, SIZES)
+    bpy.ops.haptic.make_objects(guess=guess)
+    for name, box in boxes.items():
+        material = MATERIALS[PRESETS[name] if guess else "plastic"]
+        is_known = guess and name != "Thing"
+        haptics, expected = box.haptics, physical(material.name, SIZES[name])
+        assert (haptics.function, haptics.wave) == ("physical", expected.wave)
+        assert haptics.material.name == (material.title if is_known else "")
+        assert (haptics.loss_factor, haptics.extent) == pytest.approx((expected.loss_factor, expected.extent), rel=1e-6)
+        assert haptics.material_k == pytest.approx((1 - haptics.kappa) * haptics.rho)
+    assert not bpy.context.scene.haptics.transmission_table.items
+
+
+def test_a_scene_as_in_the_paper_makes_what_the_paper_has(add_box, scene):
+    bpy.ops.haptic.set_model(model="PAPER")
+    boxes = _selected_boxes(add_box, {**SIZES, "Human": (0.5, 0.3, 1.8)})
+    bpy.ops.haptic.make_objects()
+    assert {box.haptics.function for box in boxes.values()} == {"haptic_tracing"}
+    assert scene.haptics.strategy == "as_in_the_paper" and not scene.haptics.transmission_table.items
+
+
+def test_another_material_brings_its_damping(add_box):
+    """Soil is a half-space, what is made of something else is not; a function that was chosen stays."""
+    (box,) = _selected_boxes(add_box, {"Soil": (9.0, 9.0, 1.0)}).values()
+    bpy.ops.haptic.make_objects()
+    assert box.haptics.wave == "surface"
+    bpy.ops.haptic.apply_material(preset="steel")
+    assert (box.haptics.wave, box.haptics.loss_factor) == ("bounded", pytest.approx(DAMPING["steel"].loss_factor))
+    box.haptics.function = "constant"
+    bpy.ops.haptic.apply_material(preset="rubber")
+    assert box.haptics.function == "constant"
+
+
+def test_flesh_on_steel_passes_on_half_and_flesh_on_flesh_everything(add_box, add_empty, traced):
+    """A thigh on a steel plate, and a hand on the thigh; limbs move as wholes, and a thin, small plate passes on all."""
+    for name, z, height in (("Steel Plate", 0, 0.1), ("Human Thigh", 0.15, 0.2), ("Human Hand", 0.3, 0.1)):
+        add_box(name, (0, 0, z), (0.2, 0.2, height), haptic=False).select_set(True)
+    bpy.context.view_layer.update()
+    bpy.ops.haptic.make_objects()
+    for name in ("Human Thigh", "Human Hand"):
+        box = bpy.data.objects[name]
+        assert box.haptics.material.name == "Flesh"
+        box.haptics.resonance = 2000.0
+        add_empty(f"{name} listener", (0, 0, 0), box).haptics.listener.enabled = True
+    add_empty("source", (0, 0, 0), bpy.data.objects["Steel Plate"]).haptics.source.enabled = True
+    assert 20 * np.log10(traced().gains[0]) == pytest.approx([-6.02, -6.02], abs=0.02)
+
+
+def test_old_bodies_and_their_contacts_keep_their_levels(add_box, scene):
+    """A scene of an earlier version, with flesh in its library, gets no rule by what is made in it later."""
+    (old,) = _selected_boxes(add_box, {"Old Human": (0.5, 0.3, 1.8)}).values()
+    old.haptics.enabled = True
+    bpy.ops.haptic.apply_material(preset="flesh")
+    _selected_boxes(add_box, {"New Human": (0.5, 0.3, 1.8)})
+    bpy.ops.haptic.make_objects()
+    assert (old.haptics.function, bpy.data.objects["New Human"].haptics.function) == ("haptic_tracing", "physical")
+    assert not scene.haptics.transmission_table.items

@@ -1,4 +1,4 @@
-"""Sizes of bodies as waves meet them: walls of solid, hollow and open meshes against closed forms, and what Physical Materials makes of
+"""Sizes of bodies as waves meet them: walls of solid, hollow and open meshes against closed forms, and what *Model* makes of
 them."""
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def test_a_sheet_modelled_as_one_surface_is_a_centimetre_thick_at_most(sizes, pi
 def made_physical(scene, obj: bpy.types.Object, material: str) -> None:
     obj.haptics.enabled = True
     library.apply([obj], library.preset_in(scene, MATERIALS[material]))
-    assert bpy.ops.haptic.physical_materials() == {"FINISHED"}
+    assert bpy.ops.haptic.set_model() == {"FINISHED"}
 
 
 def test_physical_materials_take_the_wall_of_a_hollow_body(scene, pipe):
@@ -100,7 +100,7 @@ def test_the_ground_and_half_spaces_are_the_same_whatever_their_thickness(scene,
         for thickness in (0.1, 1.0, 20.0):
             slab.scale.z, slab.location.z = thickness, -thickness / 2
             bpy.context.view_layer.update()
-            bpy.ops.haptic.physical_materials()
+            bpy.ops.haptic.set_model()
             assert slab.haptics.wave == "surface"
             levels.add(round(20 * math.log10(traced().amplitudes[0, 0]), 3))
     assert all(len(levels) == 1 for levels in found.values()), found

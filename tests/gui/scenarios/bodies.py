@@ -1,11 +1,11 @@
-"""A new body on a floor that shakes: measured, as in the paper by a click, and back; one step of undo each. Its feet are on the map."""
+"""A new body on a floor that shakes: measured, felt all over by a click, and back; one step of undo each. Its feet are on the map."""
 
 import bpy
 
 
 def steps(window):
     bpy.context.preferences.view.ui_scale = 0.8
-    scene, body = bpy.context.scene, bpy.context.scene.objects["Cube"]
+    body = bpy.context.scene.objects["Cube"]
     body.name, body.dimensions = "Human", (0.5, 0.3, 1.75)
     body.location.z = 0.874
     bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, -0.1))
@@ -16,27 +16,25 @@ def steps(window):
     floor.haptics.source.frequency = 80
     bpy.context.view_layer.objects.active = body
     bpy.ops.haptic.add_default_listeners()
-    scene.haptics.strategy = "as_in_the_paper"
     window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_propagation", "HAPTIC_PT_materials", "HAPTIC_PT_result")
     yield from window.show_sidebar()
     bpy.ops.ed.undo_push(message="Body")
-    window.seen["a new body is measured"] = function() == "physical"
+    window.seen["a new body is measured"] = not feels_all_over()
     yield 1.0
     yield from window.screenshot("bodies")
-    yield from window.click_button("haptic.set_bodies")  # the topmost, below the strategy
-    window.seen["as in the paper"] = function() == "haptic_tracing"
+    bpy.ops.haptic.set_bodies(body="FELT_ALL_OVER")
+    bpy.ops.ed.undo_push(message="Bodies")
+    window.seen["felt all over"] = feels_all_over()
     yield from window.undo()
-    window.seen["undone"] = function() == "physical"
+    window.seen["undone"] = not feels_all_over()
     yield from window.redo()
-    window.seen["redone"] = function() == "haptic_tracing"
-    bpy.context.scene.haptics.strategy = "auto"
-    yield 1.0
+    window.seen["redone"] = feels_all_over()
     yield from window.click_button("haptic.set_bodies")  # the left one of two
-    window.seen["measured"] = function() == "physical"
+    window.seen["measured"] = not feels_all_over()
     yield from window.screenshot("measured")
     yield from window.scroll_sidebar(40)
     yield from window.screenshot("map")
 
 
-def function() -> str:
-    return bpy.context.scene.objects["Human"].haptics.function
+def feels_all_over() -> bool:
+    return bpy.context.scene.objects["Human"].haptics.absorption > 0
