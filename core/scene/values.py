@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import signals
@@ -380,6 +380,7 @@ class Listener:
     body_part: str = field(
         default="", metadata=choice("Body Part", "The place on the body that this listener stands for", PARTS, open=True)
     )
+    _: KW_ONLY
     extent: Extent = field(
         default=Extent.NONE,
         metadata=choice(

@@ -225,8 +225,9 @@ def scenes(draw):
     )  # fmt: skip
     listeners = tuple(
         Listener(
-            name, draw(st.sampled_from(called)), draw(places), draw(st.sampled_from(["", "hand.L", "tail"])), draw(lengths), draw(numbers),
-            draw(st.sampled_from(["cumulative", "weighted", "strongest", "power"])), draw(st.sampled_from([1.0, 0.5])), extras=draw(extras),
+            name, draw(st.sampled_from(called)), draw(places), draw(st.sampled_from(["", "hand.L", "tail"])), radius=draw(lengths),
+            gain=draw(numbers), mixing=draw(st.sampled_from(["cumulative", "weighted", "strongest", "power"])),
+            s_max=draw(st.sampled_from([1.0, 0.5])), extras=draw(extras),
         )
         for name in draw(st.lists(names, max_size=3, unique=True))
     )  # fmt: skip
