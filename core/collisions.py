@@ -13,23 +13,21 @@ import numpy as np
 from .arrays import FloatArray, IntArray
 from .contacts.authored import AuthoredContacts
 from .contacts.contact_set import ContactSet
-from .contacts.gain_bound import GainBound
 from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources, Templates
 from .contacts.impacts import Impact
 from .contacts.one_shots import OneShots, Shot
 from .contacts.rubbing import Rubbing
 from .contacts.settings import Body, ContactSettings
-from .contacts.tracker import ContactTracker, FrameContacts
+from .contacts.tracker import ContactTracker, Ends, FrameContacts
 from .contacts.transmissions import TransmissionRules
-from .graph.gain_bounds import object_bounds, signal_gain_bound
 from .graph.haptic_graph import ObjectTable
 from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
-from .scene.choices import Strategy
+from .scene.choices import Mode, Strategy
 from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
-from .scene.values import HapticObject, Listener, Settings, Source, TriggerKind, Vector
+from .scene.values import HapticObject, Listener, Settings, Source, TriggerKind
 
 EXACT_FRAMES = 32
 """Frames whose number is a multiple of this are `Frame.exact`: later frames can be traced from there with bit-identical results."""
@@ -92,7 +90,7 @@ class Collisions:
 class CollisionDetector:
     """Detects the collisions of consecutive frames.
 
-    ``lazy``: contacts are detected only where a signal of at least the threshold can arrive; gains and impacts are unaffected.
+    ``lazy``: contacts are detected only in heaps of bodies that hold a listener and a sound; gains and impacts are unaffected.
 
     Impacts need two consecutive frames. They are stored for at most `MOST_FRAMES` frames: a frame with ``recall``, reached by a jump or
     detected again after an edit, has the same impacts and the same sliding and rolling as before, so that modes, gains, materials and
@@ -117,7 +115,6 @@ class CollisionDetector:
         self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()  # bodies, and the same without materials
         self._known: tuple[ContactSettings | None, ContactSettings] = None, settings  # the settings, and `_tracked` made of them
         self._last: Frame | None = None
-        self._bound: tuple[tuple[object, ...], GainBound] | None = None  # its inputs, and the bound
 
     @property
     def _tracked(self) -> ContactSettings:
@@ -220,9 +217,9 @@ class CollisionDetector:
         hits = any(trigger.on is TriggerKind.HIT for source in frame.sources for trigger in source.triggers or ())
         # All contacts are needed where forces (each depends on all others), triggers or textures use contacts without a signal.
         lazy = self.lazy and frame.authored is None and not rules.uses_force and not hits and not self.settings.textures.rows
-        reach = self._reach(frame, frame.transforms) if lazy else None
+        ends = self._ends(frame) if lazy else None
         searched = frame.struck is None and (self.settings.impacts or hits)
-        found = tracker.update(frame.time, frame.transforms, reach, frame.continuous, searched, frame.exact)
+        found = tracker.update(frame.time, frame.transforms, ends, frame.continuous, searched, frame.exact)
         contacts = self._numbered(found, frame.authored, rules)
         broad = found.statistics.broad_seconds
         struck = found.impacts if frame.struck is None else frame.struck
@@ -352,23 +349,16 @@ class CollisionDetector:
         self._found, self._authored = found, authored
         return self._contacts
 
-    def _reach(self, frame: Frame, transforms: FloatArray) -> GainBound:
-        """Return the bound on where signals of the sources can arrive, the same object while it is unchanged."""
-        row = self._numbering.row
-        starts: list[tuple[int, Vector]] = []
-        for source in frame.sources:
-            for name, position in ((source.object, source.position), (source.second_object, source.second_position)):
-                if source.amplitude > 0 and name in row and position is not None:
-                    starts.append((row[name], position))
-        bodies, positions = self._sources.places(transforms)
-        functions = self._transmissions(self._numbering.table).functions
-        key = starts, bodies.tobytes(), positions.tobytes(), self._numbering, functions, frame.settings, self.settings.impacts
-        if self._bound is None or self._bound[0] != key:
-            bodies = np.concatenate([np.array([body for body, _ in starts], dtype=np.int64), bodies])
-            positions = np.concatenate([np.array([position for _, position in starts], dtype=np.float64).reshape(-1, 3), positions])
-            bounds = self._numbering.gain_bounds(frame.settings)
-            self._bound = key, signal_gain_bound(bounds, bodies, positions, frame.settings, functions, self.settings.impacts)
-        return self._bound[1]
+    def _ends(self, frame: Frame) -> Ends:
+        """Return the bodies with listeners and those with active sources; without propagation through contacts, none."""
+        row, heard, sounding = self._numbering.row, *np.zeros((2, len(frame.bodies)), dtype=np.bool_)
+        if frame.settings.mode in (Mode.HT, Mode.SD):
+            names = [name for source in frame.sources if source.amplitude > 0 for name in (source.object, source.second_object)]
+            heard[[row[listener.object] for listener in frame.listeners if listener.object in row]] = True
+            sounding[[row[name] for name in names if name in row]] = True
+            sounding[self._sources.bodies] = True
+            sounding[[body for impact in frame.struck or () for body in impact.objects]] = True
+        return Ends(heard, sounding)
 
 
 class _Numbering:
@@ -383,7 +373,6 @@ class _Numbering:
         self.row = {body.name: number for number, body in enumerate(bodies)}
         index = table.index()
         self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
-        self._bounds: tuple[Settings, tuple[FloatArray, FloatArray]] | None = None
 
     def frames(self, transforms: FloatArray) -> ObjectFrames:
         """Return the frames of reference of the objects for rigid ``transforms`` (n, 4, 4) of the bodies."""
@@ -393,13 +382,6 @@ class _Numbering:
     def middles(self) -> FloatArray:
         """The centres (n, 3) of the bodies' local bounding boxes."""
         return local_centres([body.shape for body in self.bodies])
-
-    def gain_bounds(self, settings: Settings) -> tuple[FloatArray, FloatArray]:
-        """Return factor and decay (n,) of each body such that its gain over d metres is at most ``factor * exp(-decay * d)``."""
-        if self._bounds is None or self._bounds[0] != settings:
-            factor, decay = object_bounds(self.table, settings)
-            self._bounds = settings, (factor[self.objects], decay[self.objects])
-        return self._bounds[1]
 
 
 def _places(frame: Frame) -> dict[str, FloatArray]:

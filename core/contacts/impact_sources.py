@@ -131,16 +131,16 @@ class ImpactSources:
             local = (_to_body(transforms[first], impact.positions[0]), _to_body(transforms[second], impact.positions[1]))
             self._sounding.append(Sounding.of(impact, (names[first], names[second]), local).playing(templates))
 
-    def places(self, transforms: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Return the bodies (2k,) of the k sources and the world positions (2k, 3) of the sources on them."""
-        bodies = np.array([sounding.impact.objects for sounding in self._sounding], dtype=np.int64).ravel()
-        local = np.array([place for sounding in self._sounding for place in sounding.local]).reshape(-1, 3)
-        placed = transforms[bodies]
-        return bodies, (placed[:, :3, :3] * local[:, None]).sum(axis=2) + placed[:, :3, 3]
+    @property
+    def bodies(self) -> IntArray:
+        """The bodies (2k,) of the k sources."""
+        return np.array([sounding.impact.objects for sounding in self._sounding], dtype=np.int64).ravel()
 
     def sources(self, transforms: FloatArray) -> tuple[Source, ...]:
         """Return the sources, each at its place on both bodies."""
-        places = self.places(transforms)[1].reshape(-1, 2, 3).tolist()
+        local = np.array([place for sounding in self._sounding for place in sounding.local]).reshape(-1, 3)
+        placed = transforms[self.bodies]
+        places = ((placed[:, :3, :3] * local[:, None]).sum(axis=2) + placed[:, :3, 3]).reshape(-1, 2, 3).tolist()
         return tuple(sounding.source.moved(*place) for sounding, place in zip(self._sounding, places, strict=True))
 
 

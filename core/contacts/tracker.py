@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from time import perf_counter
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, connected
 from ..message import Cause, Message
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
-from .gain_bound import GainBound
 from .impacts import Hits, Impact, confirmed, impact_energies, landings
 from .motion import MotionHistory, Paths
 from .narrow.body_patches import PairPatches
@@ -65,6 +64,14 @@ class ContactStatistics:
     queries: int = 0
     avoided: int = 0
     broad_seconds: float = field(default=0.0, compare=False)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ends:
+    """Bodies (n,) with a listener (``heard``), and with a source that sounds (``sounding``)."""
+
+    heard: BoolArray
+    sounding: BoolArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,7 +183,8 @@ class ContactTracker:
         self._begun = 0.0
         self._last: FrameContacts | None = None
         self._reported = np.zeros((3, 0), dtype=np.int64)
-        self._last_wanted: BoolArray | GainBound | None = None
+        self._last_ends: Ends | None = None
+        self._heap = np.arange(count)
 
     def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
         """The state that later frames depend on, except their own poses: motion, contacts, and impacts within the refractory time."""
@@ -207,7 +215,7 @@ class ContactTracker:
         self,
         time: float,
         transforms: FloatArray,
-        wanted: BoolArray | GainBound | None = None,
+        ends: Ends | None = None,
         continuous: bool = True,
         impacts: bool = True,
         exact: bool = False,
@@ -215,8 +223,9 @@ class ContactTracker:
         """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in the shapes.
 
         Args:
-            wanted: only contacts of these bodies (n,), or only those that signals can reach; None: all. Impacts are found all the same. A
-                pair that was not examined in the last frame gets no slack.
+            ends: only contacts through which a signal may pass, of bodies that are joined by pairs with overlapping bounds to a listener,
+                and to a source or an impact; None: all. Impacts are found all the same. A pair that was not examined in the last frame
+                gets no slack.
             continuous: False where this step does not follow the last one; history is then dropped.
             impacts: False where none are looked for. What touches meanwhile makes an impact only once it has parted.
             exact: contacts are computed again for all bodies that have moved, even if only by rounding.
@@ -236,21 +245,21 @@ class ContactTracker:
             self._same = 0.0
             self._rest[:] = self._flat
             self._pairs.version[:] = -1
-        elif self._last is not None and len(moved) == 0 and _same(wanted, self._last_wanted):
+        elif self._last is not None and len(moved) == 0 and _same(ends, self._last_ends):
             return self._unchanged(warnings)
         paths, able = self._near_pairs(moved, impacts)
         lively = self._lively() if impacts else np.zeros(len(self.bodies), dtype=np.bool_)
         if not impacts:
             self._history.disturb(~lively)
-        elif wanted is not None:
+        elif ends is not None:
             pairs = self._pairs
             late = (~pairs.looked & (lively[pairs.larger] | lively[pairs.smaller])).nonzero()[0]
             if self._catch_up(late):
                 paths, able = self._near_pairs(moved, impacts)
-        result = self._contacts(wanted, paths, lively, able, warnings)
+        result = self._contacts(ends, paths, lively, able, warnings)
         if not impacts:
             self._pairs.struck |= self._pairs.touching
-        self._last, self._last_wanted = result, wanted
+        self._last, self._last_ends = result, ends
         return result
 
     def _by_size(self, key: IntArray) -> tuple[IntArray, IntArray]:
@@ -331,9 +340,11 @@ class ContactTracker:
         gain = float(np.linalg.norm(self.settings.gravity)) * self.settings.time_scale**2 * self._history.step * _SOON
         energy = self._energies(self._history.speeds() + gain)
         moving = self._history.moving()
-        if not np.any(moving & (energy >= self._least / 2)):
-            return np.zeros(len(moving), dtype=np.bool_)
-        return np.asarray(moving & (self._mass > 0))
+        return np.asarray(moving & (self._mass > 0) & np.any(moving & (energy >= self._least / 2)))
+
+    def _in_heaps(self, bodies: BoolArray) -> BoolArray:
+        """Which bodies (n,) are in a heap with one of these (n,): joined to it by near pairs."""
+        return np.isin(self._heap, self._heap[bodies])
 
     def _catch_up(self, rows: IntArray) -> bool:
         """Find which pairs ``rows``, not examined in the last frame, touched then. Returns whether any did."""
@@ -404,10 +415,11 @@ class ContactTracker:
             near = np.sort(np.concatenate([self._near[~(escaped[self._near_larger] | escaped[self._near_smaller])], near]))
         if not np.array_equal(near, self._near):
             self._near = near
+            self._heap = connected(self._numbers(near), len(self.bodies))
             self._near_larger, self._near_smaller = self._by_size(near)
 
     def _contacts(
-        self, wanted: BoolArray | GainBound | None, paths: Paths | None, lively: BoolArray, able: IntArray, warnings: tuple[Message, ...]
+        self, ends: Ends | None, paths: Paths | None, lively: BoolArray, able: IntArray, warnings: tuple[Message, ...]
     ) -> FrameContacts:
         first_frame = self._last is None
         old = self._pairs
@@ -417,9 +429,9 @@ class ContactTracker:
         pairs = self._pairs = old.carried_to(key, self._near_larger[met], self._near_smaller[met])
         broad = perf_counter() - self._begun
         fresh = pairs.known & (pairs.version[0] == self._version[pairs.larger]) & (pairs.version[1] == self._version[pairs.smaller])
-        asked = self._asked(wanted, fresh)
+        asked = self._asked(ends, lively, able)
         looked = asked | fresh
-        if wanted is not None:
+        if ends is not None:
             looked |= lively[pairs.larger] | lively[pairs.smaller]
         if len(able):
             striking = np.zeros(len(met), dtype=np.bool_)
@@ -435,14 +447,6 @@ class ContactTracker:
         if paths is not None and len(able):
             hits = self._hits_of_frame(paths, hits, able, free, before, examined, last)
         impacts = self._impacts(hits, paths)
-        if impacts and isinstance(wanted, GainBound) and wanted.from_impacts and not asked[~fresh | pairs.touching].all():
-            asked |= self._asked(_from_impacts(wanted, impacts), fresh)
-            rows = (asked & ~looked).nonzero()[0]
-            self._catch_up(rows[~pairs.looked[rows]])
-            before[rows] = pairs.touching[rows]
-            last[_DISTANCE, rows] = pairs.values[_DISTANCE, rows]
-            self._look(rows, before)
-            looked |= asked
         pairs.touching &= looked
         pairs.looked = looked
         self._settle(before, last[_DISTANCE], impacts, first_frame)
@@ -505,22 +509,14 @@ class ContactTracker:
         self._reported = state
         return self._contact_set(rows)
 
-    def _asked(self, wanted: BoolArray | GainBound | None, fresh: BoolArray) -> BoolArray:
-        """Which candidate pairs the caller asked for."""
+    def _asked(self, ends: Ends | None, lively: BoolArray, able: IntArray) -> BoolArray:
+        """Which candidate pairs the caller asked for: those of heaps with a listener in which something sounds, or may after an impact."""
         pairs = self._pairs
-        if wanted is None:
+        if ends is None:
             return np.ones(len(pairs.key), dtype=np.bool_)
-        if not isinstance(wanted, GainBound):
-            return np.asarray(wanted[pairs.larger] | wanted[pairs.smaller])
-        asked = np.zeros(len(pairs.key), dtype=np.bool_)
-        possible = (~fresh | pairs.touching).nonzero()[0]
-        a, b = pairs.larger[possible], pairs.smaller[possible]
-        # A contact node lies on its own body, and so up to the tolerance outside the other.
-        around = self.settings.tolerance + self.settings.slack
-        low = np.maximum(self._low.take(a, axis=1), self._low.take(b, axis=1)) - around
-        high = np.minimum(self._high.take(a, axis=1), self._high.take(b, axis=1)) + around
-        asked[possible] = wanted.wanted(a, b, low, high)
-        return asked
+        sounding = ends.sounding | lively
+        sounding[self._near_larger[able]] = True
+        return np.asarray((self._in_heaps(ends.heard) & self._in_heaps(sounding))[pairs.larger])
 
     def _look(self, rows: IntArray, before: BoolArray, meetings: Meetings | None = None) -> Hits:
         """Update pairs ``rows``, by a query where they have moved relative to each other. Returns the hits at ``meetings``: one query for
@@ -703,13 +699,6 @@ class ContactTracker:
         self._history.disturb(disturbed)
 
 
-def _from_impacts(bound: GainBound, impacts: Sequence[Impact]) -> GainBound:
-    """The bound for signals that start at ``impacts``, on both sides of the contact, with strength 1."""
-    positions = np.array([impact.positions for impact in impacts], dtype=np.float64).reshape(-1, 3)
-    bodies = np.array([impact.objects for impact in impacts], dtype=np.int64).reshape(-1)
-    return replace(bound, bodies=bodies, positions=positions, strengths=np.ones(len(bodies)))
-
-
 def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
     """World positions (3, k) of points (3, k) of bodies in ``pose`` (12, k)."""
     return turned(pose[:9].reshape(3, 3, -1), points) + pose[9:]
@@ -728,10 +717,8 @@ def _among(keys: IntArray, ordered: IntArray) -> BoolArray:
     return np.asarray(ordered.take(np.searchsorted(ordered, keys), mode="clip") == keys)
 
 
-def _same(a: BoolArray | GainBound | None, b: BoolArray | GainBound | None) -> bool:
-    """Whether the same contacts are wanted."""
-    if a is b:
-        return True
-    if isinstance(a, GainBound) and isinstance(b, GainBound):
-        return all(np.array_equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(GainBound))
-    return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and np.array_equal(a, b)
+def _same(a: Ends | None, b: Ends | None) -> bool:
+    """Whether the same contacts are asked for."""
+    if a is None or b is None:
+        return a is b
+    return np.array_equal(a.heard, b.heard) and np.array_equal(a.sounding, b.sounding)
