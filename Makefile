@@ -8,7 +8,7 @@ MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak stability lint format test-matrix $(MATRIX:%=test-%) test-gui docs validate package wheels bench samples clean
+.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak stability lint format test-matrix $(MATRIX:%=test-%) test-gui test-godot docs validate package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
@@ -24,6 +24,7 @@ help:
 	@echo "make lint         linters and types; make format mends what can be mended by itself"
 	@echo "make test-matrix  the suite on bpy $(MATRIX)"
 	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
+	@echo "make test-godot GODOT=path/to/godot     the add-on for Godot in Godot itself"
 	@echo "make package      the extension, one zip per platform in dist/"
 	@echo "make bench        measurements, printed as tables"
 	@echo "make validate     the model beside published measurements: docs/validation.md"
@@ -74,6 +75,10 @@ $(MATRIX:%=test-%): test-%: packages-for-test .venv-%/complete wheels
 test-gui: .venv/complete wheels
 	@[ -n "$(BLENDER)$(REAL_BLENDER)" ] || { echo "haptic-tracing: say which Blender: make test-gui BLENDER=path/to/blender" >&2; exit 1; }
 	BLENDER="$(BLENDER)" REAL_BLENDER="$(REAL_BLENDER)" $(PYTHON) -m pytest tests/gui
+
+test-godot: .venv/complete
+	@[ -n "$(GODOT)" ] || { echo "haptic-tracing: say which Godot: make test-godot GODOT=path/to/godot" >&2; exit 1; }
+	GODOT="$(GODOT)" $(PYTHON) -m pytest tests/gui/test_in_godot.py
 
 package: .venv/complete wheels
 	$(PYTHON) packaging/build.py

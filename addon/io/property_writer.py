@@ -8,8 +8,9 @@ from typing import Any
 from bpy.types import Object
 
 from ...core.formats.scene.values_json import item_to_dict
+from ...core.modalities import Modality
 from ...core.modalities.propagation import ModalityScene
-from ...core.scene.functions import ModulationFunction
+from ...core.scene.functions import ALL_FUNCTIONS, ModulationFunction, function_from_dict
 from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
 from ...core.scene.rules import ContactSettings
 from ...core.scene.texture import Texture
@@ -18,20 +19,7 @@ from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
 from ..blender.single_precision import shortest
 from ..properties.declared import identifier, write_values
 from ..properties.drawing import HERTZ
-from ..properties.function import parameters_of
 from ..scene_reader.imported import text_of
-
-
-def write_numbers(owner: Any, **values: float) -> dict[str, float]:
-    """Set properties. Returns the numbers that differ from them by rounding to single precision, for `scene_reader.modalities`."""
-    for name, value in values.items():
-        setattr(owner, name, value)
-    return {name: value for name, value in values.items() if shortest(value) != value and takes(owner, name, value)}
-
-
-def takes(owner: Any, name: str, value: float) -> bool:
-    """Whether a property that was set to ``value`` has it, up to single precision: it may be out of the property's range."""
-    return shortest(getattr(owner, name)) == shortest(value)
 
 
 def write_body(haptics: Any, item: HapticObject) -> None:
@@ -47,22 +35,25 @@ def write_body(haptics: Any, item: HapticObject) -> None:
             write_values(haptics.material, function.spectrum)
 
 
-def write_modality(obj: Object, part: ModalityScene, name: str) -> tuple[dict[str, float], list[str]]:
-    """Set an object's properties to those of the object ``name`` for a modality. Returns the exact numbers, and sentences about losses."""
-    group = getattr(obj.haptics.modalities, part.modality.name)
-    numbers = write_numbers(group, **{**part.modality.defaults(), **part.values.get(name, {})})
-    losses = []
-    form = part.forms.get(name, {"function": part.modality.default_function})
+def write_modality(obj: Object, part: ModalityScene, name: str) -> dict[str, float]:
+    """Set an object's properties to those of the object ``name`` for a modality. Returns their numbers by property, to be stored."""
+    modality, form = part.modality, part.forms.get(name, {"function": part.modality.default_function})
+    group = getattr(obj.haptics.modalities, modality.name)
+    items = [modality.values(**part.values.get(name, {}))]
     group.function = form["function"]
-    for key, own in parameters_of(group).items():
-        match form.get(key):
-            case str(text):
-                setattr(group, own, text)
-            case float(number) | int(number):
-                numbers |= write_numbers(group, **{own: number})
-                if not takes(group, own, number):
-                    losses.append(f"{key} {number:g} of {part.modality.title}")
-    return {f"{part.modality.name}.{key}": value for key, value in numbers.items()}, losses
+    if group.function != modality.default_function:
+        items.append(function_from_dict(form, ALL_FUNCTIONS))
+    return numbers_of(modality, group, *items)
+
+
+def numbers_of(modality: Modality, group: Any, *items: Any) -> dict[str, float]:
+    """Set the properties of a modality's ``group`` to ``items``. Returns their numbers as ``modality.property``."""
+    found: dict[str, float] = {}
+    for item in items:
+        write_values(group, item)
+        values = {name: getattr(item, key) for key, name in group.held.get(type(item), {}).items()}
+        found |= {f"{modality.name}.{name}": value for name, value in values.items() if isinstance(value, float | int)}
+    return found
 
 
 def write_source(source: Any, item: Source, placed: bool = True) -> None:

@@ -32,11 +32,11 @@ from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
 from .materials import take_materials
 from .property_writer import (
+    numbers_of,
     stored_text,
     write_body,
     write_listener,
     write_modality,
-    write_numbers,
     write_source,
     write_tables,
 )
@@ -132,10 +132,7 @@ class _Builder:
             write_body(haptics, item)
             numbers: dict[str, float] = {}
             for modality in SHOWN:
-                exact, losses = write_modality(obj, parts.get(modality.name, ModalityScene(modality)), item.name)
-                numbers |= exact
-                for loss in losses:
-                    self.lose(loss, item.name)
+                numbers |= write_modality(obj, parts.get(modality.name, ModalityScene(modality)), item.name)
             haptics.imported = stored_text(
                 replace(item, shape=None if guessed else shape, pose=pose, material=""), motion=item.motion.value, numbers=numbers
             )
@@ -170,7 +167,7 @@ class _Builder:
                 obj = self._holder(emitter, name)
                 group = getattr(obj.haptics.modalities, name)
                 group.is_source = True
-                numbers = {f"{name}.{key}": value for key, value in write_numbers(group, source_value=emitter.value).items()}
+                numbers = numbers_of(part.modality, group, part.modality.source(emitter.value))
                 obj.haptics.imported = text_with(obj.haptics.imported, {name: emitter.position}, numbers)
 
     def add_devices(self) -> None:

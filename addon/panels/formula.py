@@ -10,8 +10,8 @@ from bpy.types import UILayout
 
 from ...core.scene import functions
 from ..blender.text import wrapped
-from ..properties.function import parameters_of
 from ..translations.sentences import sentence
+from .drawing import draw_held
 from .texts import font_size, ui_scale
 
 
@@ -29,8 +29,7 @@ def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsi
         row.prop(group, "expression", text="")
         draw_finding(layout, group.expression, _checked(group.expression, kappa, rho, epsilon, on_contact))
         return
-    for parameter in parameters_of(group).values():
-        layout.prop(group, parameter)
+    draw_held(layout, group, functions.ALL_FUNCTIONS[group.function])
 
 
 def draw_finding(layout: UILayout, source: str, finding: functions.Finding | None) -> functions.Finding | None:

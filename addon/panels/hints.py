@@ -47,7 +47,7 @@ def _draw_air(layout: UILayout, scene: Scene) -> None:
     count = air_contacts.contacts_in_air(scene)
     if count > 0:
         box = layout.box()
-        draw_sentence(box, iface_("{} contacts are air: convex hulls touch where the surfaces are apart").format(count), "INFO")
+        draw_sentence(box, iface_("Contacts through air: {}. Convex hulls touch where surfaces are apart").format(count), "INFO")
         box.operator("haptic.use_real_surface", text="Use Real Surface of All", icon="MESH_DATA").all = True
 
 

@@ -9,7 +9,7 @@ from bpy.types import Context, Panel, UILayout
 from ...core.modalities import Modality
 from ..properties.modalities import SHOWN
 from ..session import sessions
-from .drawing import ClosedPanel, draw_carrier, draw_properties
+from .drawing import ClosedPanel, draw_carrier
 from .formula import draw_parameters
 
 if TYPE_CHECKING:
@@ -66,8 +66,6 @@ def _object_panel(modality: Modality) -> type[Panel]:
         group = getattr(obj.haptics.modalities, modality.name)
         if obj.haptics.enabled:
             layout.prop(group, "function")
-            if group.function == modality.default_function:
-                draw_properties(layout, group, *(quantity.name for quantity in modality.object_values))
             draw_parameters(layout, group, 0.0, 1.0, context.scene.haptics.epsilon)
         layout.prop(group, "is_source")
         if group.is_source:

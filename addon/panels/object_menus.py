@@ -69,6 +69,9 @@ class HAPTIC_MT_more(Menu):
             self.layout.operator(name)
 
 
+_SAMPLE = 6.0  # lines high: large enough to tell scenes apart
+
+
 class HAPTIC_MT_add(Menu):
     bl_label = "Haptic"
 
@@ -91,7 +94,7 @@ class HAPTIC_MT_samples(Menu):
     def draw(self, context: Context) -> None:
         flow = self.layout.column_flow(columns=3)
         for sample in SAMPLES.values():
-            cell(flow, f"sample-{sample.name}").operator("haptic.add_sample", text=sample.title).sample = sample.name
+            cell(flow, f"sample-{sample.name}", scale=_SAMPLE).operator("haptic.add_sample", text=sample.title).sample = sample.name
 
 
 class HAPTIC_MT_mode_pie(Menu):

@@ -18,8 +18,9 @@ _SCALE = 3.0  # lines high
 _loaded: list[Any] = []
 
 
-def cell(flow: UILayout, name: str, pixels: Sequence[float] = ()) -> UILayout:
-    """A column in a flow of columns that begins with the picture ``name`` ("material-steel"): a file, or a square of ``pixels`` (RGBA)."""
+def cell(flow: UILayout, name: str, pixels: Sequence[float] = (), scale: float = _SCALE) -> UILayout:
+    """A column in a flow of columns that begins with the picture ``name`` ("material-steel"), ``scale`` lines high: a file, or a square of
+    ``pixels`` (RGBA)."""
     if not _loaded:
         _loaded.append(previews.new())
     picture = _loaded[0].get(name)
@@ -30,7 +31,7 @@ def cell(flow: UILayout, name: str, pixels: Sequence[float] = ()) -> UILayout:
     picture = picture or _loaded[0].load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
     tuple(picture.image_size)  # loads it now, because a menu is not redrawn after asynchronous loading
     column = flow.column(align=True)
-    column.template_icon(icon_value=picture.icon_id, scale=_SCALE)
+    column.template_icon(icon_value=picture.icon_id, scale=scale)
     return column
 
 

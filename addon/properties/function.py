@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from bpy.props import EnumProperty
 
-from ...core.scene.declaration import declared
 from ...core.scene.functions import (
     ALL_FUNCTIONS,
     FUNCTIONS,
@@ -30,12 +27,6 @@ def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
     """The choice of one of the functions ``names``."""
     items = items_of({name: (ALL_FUNCTIONS[name].label, ALL_FUNCTIONS[name].about) for name in names})
     return choice("Function", "How the signal fades on its way through", items, default=default)
-
-
-def parameters_of(group: Any) -> dict[str, str]:
-    """The properties of the parameters of a group's function, by their keys in files."""
-    cls: type = ALL_FUNCTIONS[group.function]
-    return {declared(cls)[key].key or key: name for key, name in group.held.get(cls, {}).items()}
 
 
 @holding(Expression)

@@ -4,29 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import FloatProperty, PointerProperty
+from bpy.props import PointerProperty
 from bpy.types import PropertyGroup
 
-from ...core.modalities import MODALITIES, Modality, Quantity
+from ...core.modalities import MODALITIES, Modality
+from ...core.scene.declaration import shown
 from .callbacks import changed, updating
+from .declared import holding
 from .function import FunctionParameters, function_property
 from .kinds import switch
 
 SHOWN: tuple[Modality, ...] = tuple(modality for modality in MODALITIES.values() if not modality.sampled)
 """The modalities other than vibration, which has its own properties and panels."""
-
-
-def _property(quantity: Quantity) -> Any:
-    """The property of a quantity."""
-    unit = "" if quantity.unit in ("", "m") else quantity.unit
-    return FloatProperty(
-        name=f"{quantity.title} ({unit})" if unit else quantity.title,
-        description=f"{quantity.description}, in {unit}" if unit else quantity.description,
-        default=quantity.default,
-        min=quantity.low,
-        max=quantity.high,
-        unit="LENGTH" if quantity.unit == "m" else "NONE",
-    )
 
 
 def _group(name: str, annotations: dict[str, Any], words: str, *mixins: type) -> type[PropertyGroup]:
@@ -37,13 +26,11 @@ def _object_group(modality: Modality) -> type[PropertyGroup]:
     """The properties of an object, and of a source, for a modality."""
     annotations = {
         "function": function_property(tuple(modality.functions), modality.default_function),
-        **{quantity.name: _property(quantity) for quantity in modality.object_values},
         "is_source": switch("Source", "This object emits it"),
-        "source_value": _property(modality.source_value),
     }
-
-    name = f"Haptic{modality.name.title()}Object"
-    return updating()(_group(name, annotations, modality.description, FunctionParameters))
+    group = _group(f"Haptic{modality.name.title()}Object", annotations, modality.description, FunctionParameters)
+    named: dict[str, Any] = dict.fromkeys(shown(modality.source), "source_value")
+    return updating()(holding(modality.source, **named)(holding(modality.values)(group)))
 
 
 def _scene_group(modality: Modality) -> type[PropertyGroup]:

@@ -9,9 +9,10 @@ from bpy.types import Object, Scene
 
 from ...core.modalities import Modality
 from ...core.modalities.propagation import Emitter, ModalityScene
+from ...core.scene.declaration import declared
+from ...core.scene.functions import ALL_FUNCTIONS
 from ...core.scene.values import HapticObject, Vector
-from ..blender.single_precision import authored, shortest
-from ..properties.function import parameters_of
+from ..properties.declared import read_values
 from ..properties.modalities import SHOWN
 from .imported import near, stored_modalities
 from .roles import haptic_carrier
@@ -39,11 +40,12 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
         kept, homes = stored_modalities(obj.haptics.imported)
         numbers = {name.removeprefix(prefix): value for name, value in kept.items() if name.startswith(prefix)}
         if obj.name_full in names:
-            own = {quantity.name: _exact(group, quantity.name, numbers) for quantity in modality.object_values}
+            own = _values(modality.values, group, numbers)
             values[obj.name_full] = {key: value for key, value in own.items() if value != modality.defaults()[key]}
             if group.function != modality.default_function:
-                parameters = parameters_of(group).items()
-                forms[obj.name_full] = {"function": group.function} | {key: _exact(group, name, numbers) for key, name in parameters}
+                cls: type = ALL_FUNCTIONS[group.function]
+                parameters = {declared(cls)[key].key or key: value for key, value in _values(cls, group, numbers).items()}
+                forms[obj.name_full] = {"function": group.function, **parameters}
         emitter = _emitter(modality, obj, homes.get(modality.name), numbers, names)
         if emitter is not None:
             emitters.append(emitter)
@@ -56,11 +58,10 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
     )
 
 
-def _exact(group: Any, name: str, numbers: Mapping[str, float]) -> Any:
-    """The value of a property: the number in ``numbers`` that it holds with fewer digits, or its own."""
-    value = authored(getattr(group, name))
-    number = numbers.get(name)
-    return number if number is not None and shortest(number) == value else value
+def _values(cls: type, group: Any, numbers: Mapping[str, float]) -> dict[str, Any]:
+    """The values of the fields of ``cls``; ``numbers``: those of a file by property."""
+    known = {key: numbers[name] for key, name in group.held.get(cls, {}).items() if name in numbers}
+    return read_values(cls, group, known)
 
 
 def _emitter(modality: Modality, obj: Object, home: Vector | None, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
@@ -71,4 +72,4 @@ def _emitter(modality: Modality, obj: Object, home: Vector | None, numbers: Mapp
         return None
     position = tuple(obj.matrix_world.translation)
     position = home if home is not None and near(home, position) else position
-    return Emitter(obj.name_full, carrier.name_full, position, _exact(group, "source_value", numbers))
+    return Emitter(obj.name_full, carrier.name_full, position, *_values(modality.source, group, numbers).values())

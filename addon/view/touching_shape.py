@@ -12,8 +12,8 @@ from ...core.contacts.shapes import Mesh, Shape
 from ..session import sessions
 from .screen import Recent
 
-_COLOUR = (0.2, 0.9, 1.0, 0.7)
-_WIDTH = 1.4  # points
+_COLOUR = (0.2, 0.9, 1.0, 0.4)
+_WIDTH = 1.0  # points
 _MOST_TRIANGLES = 50_000  # of a mesh whose edges are drawn
 
 _batches = Recent(4)  # by the id of the shape, which the value keeps alive

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, added_by
 from .hull import convex_hull
 from .shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Shape, Sphere, pose_matrix
 
@@ -13,6 +13,9 @@ Surface = tuple[FloatArray, list[tuple[int, ...]]]
 
 SEGMENTS = 24
 RINGS = 6
+
+_BENT = 0.99999
+"""Length of the mean of the unit normals of two faces below which there is an edge between them."""
 
 
 def surface(shape: Shape) -> Surface:
@@ -41,10 +44,16 @@ def surface(shape: Shape) -> Surface:
 
 
 def edges(shape: Shape) -> tuple[FloatArray, IntArray]:
-    """The points (n, 3) of a shape's surface, and its edges (m, 2), each once."""
+    """The points (n, 3) of a shape's surface, and its edges (m, 2), each once, without those within a flat face."""
     points, faces = surface(shape)
     sides = np.array([pair for face in faces for pair in zip(face, (*face[1:], face[0]), strict=True)], dtype=np.int64).reshape(-1, 2)
-    return points, np.unique(np.sort(sides, axis=1), axis=0)
+    a, b, c = (points[[face[k] for face in faces]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    each = normal.repeat([len(face) for face in faces], axis=0)
+    unique, number, count = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
+    common = added_by(number.reshape(-1), each.T, len(unique)) / count
+    return points, unique[(count < 2) | (np.linalg.norm(common, axis=0) < _BENT)]
 
 
 def _arc(radius: float, centre: float, start: float, end: float) -> list[tuple[float, float]]:

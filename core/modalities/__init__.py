@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from .modality import Modality, Quantity
+from .modality import Modality
 from .thermal import THERMAL
 from .vibrotactile import VIBROTACTILE
 
 MODALITIES: Mapping[str, Modality] = MappingProxyType({modality.name: modality for modality in (VIBROTACTILE, THERMAL)})
 """The modalities by name."""
 
-__all__ = ["MODALITIES", "THERMAL", "VIBROTACTILE", "Modality", "Quantity"]
+__all__ = ["MODALITIES", "THERMAL", "VIBROTACTILE", "Modality"]

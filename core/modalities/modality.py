@@ -6,37 +6,26 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..scene.choices import Strategy
-
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """A number that an author sets. ``name`` in code and files, ``title`` in panels; ``low`` <= value <= ``high``."""
-
-    name: str
-    title: str
-    description: str
-    unit: str
-    default: float
-    low: float
-    high: float
+from ..scene.declaration import Number, Numbers, default_of, shown
 
 
 @dataclass(frozen=True, slots=True)
 class Modality:
     """One kind of sensation: vibrotactile, thermal, ...
 
-    functions: names of the objects' functions, the default first. object_values: quantities of an object, named like the parameters of its
-    functions and the fields of `core.scene.materials.Material`; ``source_value``: quantity of a source. ``sampled``: a signal has samples
-    (vibration), otherwise one value per frame (temperature). ``strategy`` computes the gains. ``transmission``: gain of a contact from the
-    values of the object that the signal enters. ``sensations``: ascending pairs of the least value at a listener and the sensation.
+    functions: names of the objects' functions, the default first. values: a class that declares the numbers of an object, named like the
+    parameters of its functions and the fields of `core.scene.materials.Material`; ``source``: one whose first number is that of a source.
+    ``sampled``: a signal has samples (vibration), otherwise one value per frame (temperature). ``strategy`` computes the gains.
+    ``transmission``: gain of a contact from the values of the object that the signal enters. ``sensations``: ascending pairs of the least
+    value at a listener and the sensation.
     """
 
     name: str
     title: str
     description: str
     functions: tuple[str, ...]
-    object_values: tuple[Quantity, ...]
-    source_value: Quantity
+    values: type
+    source: type
     sampled: bool
     strategy: Strategy
     sensations: tuple[tuple[float, str], ...]
@@ -47,9 +36,19 @@ class Modality:
         """The name of the function that objects have unless their author chooses another."""
         return self.functions[0]
 
+    @property
+    def quantities(self) -> dict[str, Number]:
+        """The declared numbers of objects."""
+        return {key: item for key, item in shown(self.values).items() if isinstance(item, Number) and not isinstance(item, Numbers)}
+
+    @property
+    def source_value(self) -> Number:
+        """The declared number of a source."""
+        return next(item for item in shown(self.source).values() if isinstance(item, Number))
+
     def defaults(self) -> dict[str, float]:
         """The default values of objects."""
-        return {quantity.name: quantity.default for quantity in self.object_values}
+        return {key: default_of(self.values, key) if item.shown is None else item.shown for key, item in self.quantities.items()}
 
     def sensation(self, value: float) -> str:
         """The sensation of a value at a listener; "" below the first."""

@@ -10,9 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from ..scene.choices import Strategy
-from .modality import Modality, Quantity
+from ..scene.declaration import check, number
+from ..scene.functions import Conduction
+from .modality import Modality
 
 JOINT = 500.0
 """Conductance of a dry joint between two bodies in contact, W/(m^2 K); that of rough solids is between 100 and 10,000."""
@@ -24,17 +27,25 @@ def joint_gain(values: Mapping[str, float]) -> float:
     return JOINT / (JOINT + drawn)
 
 
+@dataclass(frozen=True, slots=True)
+class Warmth:
+    """The strength of a source of warmth."""
+
+    value: float = field(
+        default=60.0, metadata=number("Temperature", "How much warmer than the room the source is, in K", -100.0, 1000.0, unit="K")
+    )
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
 THERMAL = Modality(
     name="thermal",
     title="Warmth",
     description="Heat that is conducted through touching objects, in the steady state",
     functions=("conduction", "exponential", "linear", "constant", "expression"),
-    object_values=(
-        Quantity("conductivity", "Conductivity", "How well heat is conducted: steel 50, stone 2.8, wood 0.15", "W/(m·K)", 1.0, 0.01, 500.0),
-        Quantity("thickness", "Thickness", "Extent perpendicular to the heat flow", "m", 0.1, 0.001, 10.0),
-        Quantity("exchange", "Heat Loss", "What a face gives off to air: 5 still, 10 a calm room, 25 wind", "W/(m²·K)", 10.0, 0.1, 200.0),
-    ),
-    source_value=Quantity("temperature", "Temperature", "How much warmer than the room the source is", "K", 60.0, -100.0, 1000.0),
+    values=Conduction,
+    source=Warmth,
     sampled=False,
     strategy=Strategy.BEST_PATH,
     # Skin is at about 33 °C: in a room of 21 °C an object feels warm from 12 K above the room on; from 45 °C on it hurts.

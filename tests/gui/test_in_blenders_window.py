@@ -45,6 +45,11 @@ def test_sound_to_vibration(play):
     assert all(seen.values()), seen
 
 
+def test_surfaces(play):
+    seen = played_through(play(SCENARIOS / "surfaces.py"))
+    assert all(seen.values()), seen
+
+
 def test_authoring(play):
     seen = played_through(play(SCENARIOS / "authoring.py"))
     assert all(seen.values()), seen

@@ -7,8 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ...modalities import MODALITIES, Modality, Quantity
+from ...modalities import MODALITIES, Modality
 from ...modalities.propagation import Emitter, ModalityScene, propagation_function
+from ...scene.declaration import Number
 from ...scene.references import Place, PlacedError, require_known
 from ...scene.values import HapticScene
 from ..io.error import errors_in
@@ -25,7 +26,7 @@ def modalities_to_dict(scenes: Iterable[ModalityScene]) -> dict[str, Any]:
 def _form(scene: ModalityScene) -> dict[str, Any]:
     form: dict[str, Any] = {} if scene.enabled else {"enabled": False}
     names = sorted({*scene.values, *scene.forms})
-    order = [quantity.name for quantity in scene.modality.object_values]
+    order = scene.modality.quantities
     form["objects"] = [
         {
             "object": name,
@@ -93,13 +94,15 @@ def _function(modality: Modality, form: Mapping[str, Any], place: Place) -> Mapp
 
 
 def _check_values(modality: Modality, values: Mapping[str, float], place: Place) -> None:
-    known = {quantity.name: quantity for quantity in modality.object_values}
+    known = modality.quantities
     for key, value in values.items():
         if key not in known:
             raise PlacedError((*place, key), f"unknown key; known are {', '.join(known)}")
         _check_quantity(known[key], value, (*place, key))
 
 
-def _check_quantity(quantity: Quantity, value: float, place: Place) -> None:
-    if not quantity.low <= value <= quantity.high:
-        raise PlacedError(place, f"must lie between {quantity.low:g} and {quantity.high:g} {quantity.unit}")
+def _check_quantity(quantity: Number, value: float, place: Place) -> None:
+    try:
+        quantity.checked(value)
+    except ValueError as error:
+        raise PlacedError(place, str(error)) from None

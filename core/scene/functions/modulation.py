@@ -296,9 +296,12 @@ class Conduction(ModulationFunction):
     name, label = "conduction", "Conduction"
     about = "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"
     conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)
-    thickness: float = field(default=0.1, metadata=number("Thickness", "Extent perpendicular to the heat flow", 0.0, unit="m", above=True))
+    thickness: float = field(default=0.1, metadata=number("Thickness", "Extent perpendicular to the heat flow", 0.001, 10.0, unit="m"))
     exchange: float = field(
-        default=10.0, metadata=number("Heat Loss", "What a face gives off to air: 5 still, 10 a calm room, 25 wind", 0.0, unit="W/(m²·K)")
+        default=10.0,
+        metadata=number(
+            "Heat Loss", "What a face gives off to air: 5 still, 10 a calm room, 25 wind, in W/(m²·K)", 0.1, 200.0, unit="W/(m²·K)"
+        ),
     )
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:

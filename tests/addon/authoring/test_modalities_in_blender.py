@@ -68,9 +68,10 @@ def test_contacts_that_only_warmth_needs_are_found_while_previewing(fireplace, s
 @pytest.mark.parametrize("modality", [m for m in MODALITIES.values() if not m.sampled], ids=lambda m: m.name)
 def test_properties_are_those_of_the_data(modality, add_box):
     group = getattr(add_box("box", (0, 0, 0), (1, 1, 1)).haptics.modalities, modality.name)
-    for quantity in modality.object_values:
-        found = group.bl_rna.properties[quantity.name]
-        assert (found.default, found.hard_min, found.hard_max) == pytest.approx((quantity.default, quantity.low, quantity.high))
+    for name, quantity in modality.quantities.items():
+        found = group.bl_rna.properties[name]
+        expected = (modality.defaults()[name], quantity.low, quantity.high)
+        assert (found.default, found.hard_min, found.hard_max) == pytest.approx(expected)
     assert [item.identifier for item in group.bl_rna.properties["function"].enum_items] == list(modality.functions)
     assert group.function == modality.default_function
     assert THERMAL in MODALITIES.values()

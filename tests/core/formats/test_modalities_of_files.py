@@ -43,7 +43,7 @@ warmth = st.builds(
     st.just(THERMAL),
     st.dictionaries(
         st.sampled_from(NAMES),
-        st.fixed_dictionaries({}, optional={item.name: quantity(item) for item in THERMAL.object_values}).filter(bool),
+        st.fixed_dictionaries({}, optional={name: quantity(item) for name, item in THERMAL.quantities.items()}).filter(bool),
     ),
     st.dictionaries(st.sampled_from(NAMES), functions),
     st.dictionaries(st.text(min_size=1, max_size=9), st.tuples(st.sampled_from(NAMES), quantity(THERMAL.source_value)), max_size=3).map(
@@ -102,7 +102,7 @@ FIRE = {"name": "fire", "object": "hearth", "position": [0, 0, 0], "value": 60}
         (
             {"thermal": {"objects": [{"object": "rug", "values": {"thickness": 0}}]}},
             "/modalities/thermal/objects/0/values/thickness",
-            "must lie between 0.001 and 10 m",
+            "must be from 0.001 to 10 m",
         ),
         (
             {"thermal": {"objects": [{"object": "rug", "propagation": {"function": "haptic_tracing"}}]}},
@@ -121,7 +121,7 @@ FIRE = {"name": "fire", "object": "hearth", "position": [0, 0, 0], "value": 60}
         ),
         ({"thermal": {"sources": [{**FIRE, "object": "moon"}]}}, "/modalities/thermal/sources/0/object", "there is no object 'moon'"),
         ({"thermal": {"sources": [FIRE, FIRE]}}, "/modalities/thermal/sources/1/name", "there is a source 'fire' already"),
-        ({"thermal": {"sources": [{**FIRE, "value": 5000}]}}, "/modalities/thermal/sources/0/value", "must lie between -100 and 1000 K"),
+        ({"thermal": {"sources": [{**FIRE, "value": 5000}]}}, "/modalities/thermal/sources/0/value", "must be from -100 to 1000 K"),
         ({"thermal": {"sources": [{"name": "fire", "object": "hearth", "position": [0, 0, 0]}]}}, "/modalities/thermal/sources/0/value",
          "is required"),
     ],

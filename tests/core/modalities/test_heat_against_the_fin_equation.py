@@ -112,8 +112,8 @@ def test_sensations_rise_with_the_value():
 def test_modalities_are_consistent_data(modality):
     assert modality.default_function in modality.functions
     assert set(modality.functions) <= {*FUNCTIONS, "conduction"}
-    for quantity in (*modality.object_values, modality.source_value):
-        assert quantity.low <= quantity.default <= quantity.high
+    for name, quantity in modality.quantities.items():
+        assert quantity.low <= modality.defaults()[name] <= quantity.high
     assert list(modality.sensations) == sorted(modality.sensations)
     assert 0 <= modality.transmission(modality.defaults()) <= 1
 
@@ -122,7 +122,7 @@ def test_a_third_modality_is_one_value():
     """The example of the documentation, as it stands there."""
     text = (Path(haptic_tracing.__file__).parent / "docs" / "functions.md").read_text(encoding="utf-8")
     source = text.split("```python\n")[1].split("```")[0]
-    names = {"__name__": "haptic_tracing.core.modalities.wind", "__package__": "haptic_tracing.core.modalities"}
+    names = {"__name__": "haptic_tracing.core.modalities", "__package__": "haptic_tracing.core.modalities"}
     exec(compile(source, "functions.md", "exec"), names)
     wind = names["WIND"]
     contact = Contact(("hall", "room"), ((2, 0, 0), (2, 0, 0)))
