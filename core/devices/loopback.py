@@ -7,6 +7,7 @@ package websockets.
 from __future__ import annotations
 
 import json
+import logging
 import socket
 import threading
 from collections.abc import Callable, Iterator, Mapping
@@ -28,6 +29,7 @@ LARGEST_MESSAGE = 65_536
 """Largest message in bytes; a longer one closes the connection."""
 _LOOPBACK = "127.0.0.1"
 _CONNECT_WITHIN, _CLOSE_WITHIN = 0.5, 0.2
+_NO_LOG = logging.Logger("haptic players", logging.CRITICAL + 1)  # errors are told by the panel
 _LONGEST_TALK = 100  # messages that are read while an answer is waited for, or between two that are sent
 
 
@@ -70,7 +72,7 @@ class Connection:
         self._lock = threading.Lock()
         self._closing = threading.Event()
         self._pinging: threading.Thread | None = None
-        self._errors = (exceptions.WebSocketException, OSError, ValueError, EOFError)
+        self._errors = (exceptions.WebSocketException, OSError, ValueError, EOFError, LookupError)
         self._resources = ExitStack()
         try:
             self._raw = self._resources.enter_context(socket.create_connection((_LOOPBACK, place.port or 80), _CONNECT_WITHIN))
@@ -85,6 +87,7 @@ class Connection:
                     close_timeout=_CLOSE_WITHIN,
                     ping_interval=None,
                     max_size=LARGEST_MESSAGE,
+                    logger=_NO_LOG,
                 )
                 self._socket = self._resources.enter_context(connecting)
         except self._errors as error:

@@ -313,6 +313,62 @@ def test_a_malformed_answer_is_one_message(server, answer):
         intiface(made_up.url)
 
 
+ACCEPTED = b"HTTP/1.1 101 S\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        b"\xff\x00garbage\r\n\r\n",
+        b"HTTP/1.1 302 F\r\nLocation: http://127.0.0.1:1/\r\nLocation: http://127.0.0.1:2/\r\n\r\n",
+        b"HTTP/1.1 200 OK\r\nContent-Length: -1\r\n\r\n",
+        b"HTTP/1.1 101 S\r\nno colon\r\n\r\n",
+        b"HTTP/1.1 101 " + b"a" * 100_000 + b"\r\n\r\n",
+        ACCEPTED + b"Sec-WebSocket-Accept: x\r\n\r\n",
+        ACCEPTED + b"Sec-WebSocket-Accept: x\r\nSec-WebSocket-Accept: y\r\n\r\n",
+        ACCEPTED + b'Sec-WebSocket-Extensions: permessage-deflate; a="\r\n\r\n',
+    ],
+)
+def test_a_handshake_that_is_none_is_one_message_and_prints_nothing(said, capfd):
+    made_up = RawServer(said)
+    with pytest.raises(DeviceError, match=r"^no player answers at [^\n]*$"):
+        intiface(made_up.url)
+    made_up.close()
+    assert capfd.readouterr() == ("", "")
+
+
+class Nonsense(Server):
+    """A player that accepts, and says something else than frames of WebSocket."""
+
+    def __init__(self, said, port=0):
+        self.nonsense = said
+        super().__init__(port=port)
+
+    def talk(self, connection):
+        self.connections.append(connection)
+        connection.socket.sendall(self.nonsense)
+        time.sleep(0.1)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        b"\xff" * 5,
+        b"\x81\x02\xff\xfe",
+        b"\x81\x83abcdxyz",
+        b"\x88\x02\x00\x01",
+        b"\x89\x7e\xff\xff",
+        b"\x81\x7f" + (2**62).to_bytes(8, "big"),
+        b"\x01\x01a\x01\x01b",
+    ],
+)
+def test_frames_that_are_none_are_one_message_and_print_nothing(server, said, capfd):
+    made_up = server(kind=Nonsense, said=said)
+    with pytest.raises(DeviceError, match=r"^Intiface[^\n]*$"):
+        intiface(made_up.url)
+    assert "Traceback" not in "".join(capfd.readouterr())
+
+
 class Telling(Server):
     """Intiface that answers each question with the next of the given texts."""
 
