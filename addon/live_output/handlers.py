@@ -26,9 +26,11 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class _State:
-    """``started``: the scene (its session id) and the time [s] at which playback began, None while it does not play."""
+    """``started``: the scene (its session id) and the time [s] at which playback began, None while it does not play. ``restored``: the
+    scene and the frame to which Blender returns after a render, until the next frame."""
 
     started: tuple[int, float] | None = None
+    restored: tuple[int, int] | None = None
 
 
 _state = _State()
@@ -59,6 +61,10 @@ def frame_comes(scene: Scene) -> None:
 def frame_changed(scene: Scene, recorded: bool) -> None:
     """Play the frame that is being traced on the outputs when its trace is complete; silence if it cannot be traced, or if tracing is off.
     ``recorded``: the frame comes from a baked track."""
+    restored, _state.restored = _state.restored, None
+    if restored == (scene.session_uid, scene.frame_current) and not player.is_playing():
+        player.rest()
+        return
     try:
         begun = session.of(scene).begun if scene.haptics.tracing else None
         if begun is not None and player.went_ahead(scene.session_uid, scene.frame_current):
@@ -101,6 +107,12 @@ def rest(*_: Any) -> None:
     """An event other than a frame: silence until the next frame."""
     if _is_used():
         player.rest()
+
+
+@persistent
+def render_ends(scene: Scene, *_: Any) -> None:
+    """After a render: Blender changes to the frame from before, which nobody has moved to."""
+    _state.restored = scene.session_uid, scene.frame_current
 
 
 @persistent
@@ -164,6 +176,8 @@ _HANDLERS = Handlers(
     redo_post=choose_again,
     load_post=choose_again,
     render_pre=rest,
+    render_complete=render_ends,
+    render_cancel=render_ends,
     exit_pre=stop_everything,
 )
 

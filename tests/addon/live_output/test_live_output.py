@@ -1,6 +1,7 @@
 """The whole add-on with made-up devices: what is felt, when everything stops, and faults that stay where they are."""
 
 import threading
+import time
 
 import bpy
 import haptic_tracing
@@ -42,6 +43,31 @@ def test_undo_redo_and_rendering_are_silence(sounds, event):
         if "live_output" in handler.__module__:
             handler(bpy.context.scene)
     assert until(lambda: silent(sounds))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("animation", [True, False])
+def test_the_frame_that_blender_returns_to_after_a_render_is_not_felt(plug, connect, felt, animation, tmp_path):
+    """Unlike one that somebody moves to afterwards."""
+    handlers.animation_playback_post()
+    felt.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    felt.collection.objects.link(felt.camera)
+    bpy.context.view_layer.update()
+    pad = plug()
+    connect()
+    assert until(lambda: pad.written)
+    render = felt.render
+    render.engine, render.resolution_x, render.resolution_y, render.filepath = "CYCLES", 8, 8, str(tmp_path / "x")
+    felt.cycles.samples, felt.frame_start, felt.frame_end = 1, 1, 2
+    felt.frame_set(40)
+    assert until(lambda: sounding(pad) and pad.written[-1] in (ZERO, RELEASE))
+    pad.written.clear()
+    bpy.ops.render.render(animation=animation)
+    assert felt.frame_current == 40
+    time.sleep(0.3)
+    assert not sounding(pad)
+    felt.frame_set(7)
+    assert until(lambda: sounding(pad))
 
 
 def test_another_file_lets_go_of_the_device(sounds):
