@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -43,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(f"{args.source}: {error}") from None
     written = registry.write(name, export, folder, chosen_options(args.options, [name])[name], may_replace)
     lost = tuple(f"{args.source.name}: {loss}" for loss in reading.losses)
-    print_written({name: registry.Written(written.files, (*lost, *written.losses))})
+    print_written({name: replace(written, losses=(*lost, *written.losses))})
     return 0
 
 

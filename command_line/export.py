@@ -7,9 +7,8 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 from ..core.contacts.scene_contacts import contacts_of_scene
 from ..core.formats import registry
@@ -67,7 +66,7 @@ def may_replace(written: registry.Written) -> bool:
 
 
 def _with_picture(name: str, export: Export, written: registry.Written, folder: Path) -> registry.Written:
-    path = write_picture(name, export.need_tracks(), written.files, folder, file_stem(export.name))
+    path = write_picture(name, export.need_tracks(), written, folder, file_stem(export.name))
     return written if path is None else replace(written, files=(*written.files, path))
 
 
@@ -108,10 +107,12 @@ def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str,
     return chosen
 
 
-def print_written(written: dict[str, Any]) -> None:
-    """Print one JSON object with the files and their losses."""
+def print_written(written: Mapping[str, registry.Written]) -> None:
+    """Print one JSON object with the files, their losses, and what each listener loses."""
     files = [str(path) for result in written.values() for path in result.files]
-    print(json.dumps({"files": files, "losses": {name: result.losses for name, result in written.items()}}, ensure_ascii=False, indent=1))
+    losses = {name: result.losses for name, result in written.items()}
+    listeners = {name: [asdict(item) for item in result.fidelity.listeners] for name, result in written.items() if result.fidelity}
+    print(json.dumps({"files": files, "losses": losses, "listeners": listeners}, ensure_ascii=False, indent=1))
 
 
 def _rendered(export: Export, seconds: float, sample_rate: int) -> Tracks:

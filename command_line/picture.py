@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from ..core.arrays import FloatArray
 from ..core.formats import registry
 from ..core.formats.io.catalogue import READERS
+from ..core.formats.tracks.comparison import ListenerFidelity
 from ..core.formats.tracks.listener_tracks import Tracks
 
 COLUMNS = 1500
@@ -26,9 +27,9 @@ def check_matplotlib() -> None:
         raise ValueError("--picture: matplotlib is not installed (pip install 'haptic-tracing[report]')")
 
 
-def write_picture(name: str, tracks: Tracks, files: Sequence[Path], folder: Path, stem: str) -> Path | None:
+def write_picture(name: str, tracks: Tracks, written: registry.Written, folder: Path, stem: str) -> Path | None:
     """Write ``<stem>.<name>.png``; None for a format that cannot be decoded, or not by listener."""
-    readable = [path for path in files if READERS.get(path.suffix) == name and ".transients." not in path.name]
+    readable = [path for path in written.files if READERS.get(path.suffix) == name and ".transients." not in path.name]
     channels = [channel for path in readable for channel in registry.read(path).channels]
     if not channels or len(channels) != len(tracks.listeners):
         return None
@@ -40,11 +41,14 @@ def write_picture(name: str, tracks: Tracks, files: Sequence[Path], folder: Path
         decoded[: len(found)] = found
         pairs.append((tracks.listeners[number].name, original, decoded))
     path = folder / f"{stem}.{name}.png"
-    _draw(pairs, tracks.sample_rate, f"{stem}, {registry.FORMATS[name].label}", path)
+    losses = {} if written.fidelity is None else {listener.name: listener for listener in written.fidelity.listeners}
+    _draw(pairs, losses, tracks.sample_rate, f"{stem}, {registry.FORMATS[name].label}", path)
     return path
 
 
-def _draw(pairs: Sequence[tuple[str, FloatArray, FloatArray]], rate: int, title: str, path: Path) -> None:
+def _draw(
+    pairs: Sequence[tuple[str, FloatArray, FloatArray]], losses: Mapping[str, ListenerFidelity], rate: int, title: str, path: Path
+) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -56,6 +60,8 @@ def _draw(pairs: Sequence[tuple[str, FloatArray, FloatArray]], rate: int, title:
         _wave(row[0], original, rate, "original", "C0")
         _wave(row[0], decoded, rate, "decoded", "C1")
         row[0].set_ylabel(name, parse_math=False)
+        if name in losses:
+            _mark(row[0], losses[name])
         for samples, label in ((original, "original"), (decoded, "decoded")):
             row[1].plot(*_spectrum(samples, rate), label=label, linewidth=0.9)
         row[1].set_xlim(0, min(SHOWN_HERTZ, rate / 2))
@@ -67,6 +73,16 @@ def _draw(pairs: Sequence[tuple[str, FloatArray, FloatArray]], rate: int, title:
         axis.set_xlabel(unit)
     axes[0][0].legend(loc="upper right")
     figure.savefig(path, format="png", metadata={"Software": None})
+
+
+def _mark(axis: Any, found: ListenerFidelity) -> None:
+    """The change of level, and lines at the onsets that are missing or invented."""
+    axis.text(0.01, 0.97, f"{found.level:+z.1f} dB", transform=axis.transAxes, va="top", fontweight="bold")
+    for times, label, colour in ((found.missing, "missing onset", "C3"), (found.invented, "invented onset", "C4")):
+        for number, time in enumerate(times):
+            axis.axvline(time, color=colour, linestyle="--", linewidth=1.2, label=None if number else label)
+    if found.missing or found.invented:
+        axis.legend(loc="upper right")
 
 
 def _wave(axis: Any, samples: FloatArray, rate: int, label: str, colour: str) -> None:

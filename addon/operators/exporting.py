@@ -19,7 +19,7 @@ from ..blender import job
 from ..blender.polling import Action
 from ..blender.single_precision import shortest
 from ..blender.text import wrapped
-from ..io import capture, frame_scene
+from ..io import capture, frame_scene, last_export
 from ..properties.kinds import choice, switch, text
 
 if TYPE_CHECKING:
@@ -237,6 +237,8 @@ def track_writer(name: str, folder: Path, options: dict[str, Any]) -> Callable[[
             return running.ask((question, *registry.sentences(poor.fidelity)))
 
         done = registry.write(name, export, folder, options, consent, running.progress)
+        if done.files:
+            last_export.written = done
         return written(done.files, done.losses) if done.files else [({"WARNING"}, _rpt("Nothing was replaced"))]
 
     return write

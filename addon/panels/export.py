@@ -7,7 +7,13 @@ from bpy.types import Context, FileHandler, Menu, Panel, UILayout
 
 from ...core.formats.io.catalogue import FORMATS, READERS
 from ..blender import job
+from ..io import last_export
 from .drawing import ClosedPanel
+
+MOST_SHOWN = 12
+"""Listeners, or onsets of a listener, that are shown."""
+POOR = 3.0
+"""Change of level (dB) from which a listener is marked."""
 
 
 class HAPTIC_PT_export(ClosedPanel, Panel):
@@ -24,6 +30,27 @@ class HAPTIC_PT_export(ClosedPanel, Panel):
         column = layout.column(align=True)
         column.operator("import_scene.haptic_scene", text="Haptic Scene", icon="IMPORT")
         column.operator("haptic.import_signal", icon="IMPORT")
+        _draw_losses(layout)
+
+
+def _draw_losses(layout: UILayout) -> None:
+    """Draw what each listener loses in the files of the last export, those who lose most first."""
+    done = last_export.written
+    if done is None or done.fidelity is None:
+        return
+    column = layout.box().column(align=True)
+    column.label(text=iface_("Lost in {}").format(done.files[0].name), translate=False)
+    for listener in done.fidelity.listeners[:MOST_SHOWN]:
+        row = column.row()
+        row.alert = abs(listener.level) > POOR or bool(listener.missing or listener.invented)
+        row.label(text=listener.name, translate=False)
+        row.label(text=f"{listener.level:+z.1f} dB", translate=False)
+        for text, times in ((iface_("Missing onsets: {}"), listener.missing), (iface_("Invented onsets: {}"), listener.invented)):
+            if times:
+                shown = ", ".join(f"{time:.2f} s" for time in times[:MOST_SHOWN])
+                column.label(text=text.format(shown), icon="ERROR", translate=False)
+    if len(done.fidelity.listeners) > MOST_SHOWN:
+        column.label(text=iface_("and {} more").format(len(done.fidelity.listeners) - MOST_SHOWN), translate=False)
 
 
 class HAPTIC_FH_scene(FileHandler):

@@ -139,3 +139,22 @@ def test_signal_library_shows_every_signal(add_box):
     names = [path.stem for path in signal_library.files()]
     assert [label for label in drawn.labels if label in names] == names
     assert drawn.operators.count("haptic.hear_signal") == len(names) >= 14
+
+
+def test_the_export_panel_shows_what_each_listener_loses(tmp_path):
+    """A player without actuators at the leg."""
+    import numpy as np
+    from haptic_tracing.addon.operators.exporting import track_writer
+    from haptic_tracing.core.formats.export import Export
+    from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
+
+    blow = np.zeros(8000)
+    blow[4000:4400] = np.sin(2 * np.pi * 100 * np.arange(400) / 8000)
+    listeners = tuple(ListenerTrack(f"on {part}", part, np.array([[0.5, 1.0]])) for part in ("hand.L", "upper_leg.L"))
+    export = Export("blow", tracks=Tracks(listeners, 8000, np.array([0.9 * blow, 0.1 * blow])))
+    track_writer("tact", tmp_path, {})(export, SimpleNamespace(progress=None))
+    labels = _draw(_panel("HAPTIC_PT_export")).labels
+    place = labels.index("on upper_leg.L")
+    assert "Lost in blow" in labels[place - 1]
+    assert labels[place + 1] == "-120.0 dB" and labels[place + 2] == "Missing onsets: 0.50 s"
+    assert labels[place + 3] == "on hand.L"

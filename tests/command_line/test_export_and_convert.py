@@ -81,6 +81,10 @@ def test_export_to_all_formats(capsys, scene_file, tmp_path):
     printed = json.loads(out)
     files = [tmp_path / name for name in printed["files"]]
     assert all(path.is_file() for path in files) and set(printed["losses"]) == set(registry.FORMATS)
+    for name, listeners in printed["listeners"].items():
+        assert {entry["name"] for entry in listeners} == {"seat", "back"}, name
+        assert all(set(entry) == {"name", "lost", "level", "missing", "invented"} for entry in listeners)
+    assert set(printed["listeners"]) == set(registry.FORMATS) - {"scene"}
     endings = ".json .wav .ohm .hjif .haps .config .haptic .acf .ahap .tact .hla .csv .npz .html"
     assert {path.suffix for path in files} == set(endings.split())
     channels = registry.read(tmp_path / "out" / "bench.wav").channels

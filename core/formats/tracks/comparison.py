@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -29,6 +29,13 @@ LONGEST_ENVELOPE = 1000
 
 LOWEST_RATE = 2500
 """Least sample rate of the decoded signal (hertz)."""
+
+STEADY = 1.5
+"""Frequency (hertz) below which a signal is a steady push, which nobody feels and no actuator plays: it counts in no level."""
+MISSED = 0.25
+"""An onset is missing if the rise of the envelope is less than this share of the original's (-12 dB)."""
+MOST_NAMED = 12
+"""Listeners, or onsets of a listener, that a sentence names."""
 
 LOST_LIMIT = 0.25
 """Share of the power that may be lost before replacing a file needs consent."""
@@ -62,14 +69,30 @@ class Measures:
 
 
 @dataclass(frozen=True, slots=True)
+class ListenerFidelity:
+    """The measured losses of one listener.
+
+    lost: share of its power that is not reproduced, None unless waves are kept. level: change of its level (dB). missing, invented: times
+    (seconds) of onsets that are not played, and of onsets that are played without having been there.
+    """
+
+    name: str
+    lost: float | None
+    level: float
+    missing: tuple[float, ...] = ()
+    invented: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Fidelity:
-    """The measured losses of a format over all listeners.
+    """The measured losses of a format over all listeners, and of each listener.
 
     low, high: the frequencies (hertz) that it addresses. beyond: share of the power outside of them. lost: share of all power that is not
     reproduced, None unless waves are kept; ``lost_within``: of the power between ``low`` and ``high``. band_levels: (low, high, change of
     level in dB) of the bands between ``low`` and ``high`` with at least 1 % of the power. level: change of the level (dB), between ``low``
     and ``high`` if waves are kept.
-    onset: 95th percentile of the shifts of onsets (milliseconds), None without onsets. worst: name of the listener who loses most.
+    onset: 95th percentile of the shifts of onsets (milliseconds), None without onsets. listeners: the losses of each, those who lose most
+    first.
     """
 
     kind: Kind
@@ -81,13 +104,14 @@ class Fidelity:
     band_levels: tuple[tuple[float, float, float], ...]
     level: float
     onset: float | None
-    worst: str
+    listeners: tuple[ListenerFidelity, ...]
 
     @property
     def is_poor(self) -> bool:
-        """Whether the losses are so large that overwriting a file needs consent."""
+        """Whether the losses are so large, in all or at one listener, that overwriting a file needs consent."""
         lost = self.beyond if self.lost is None else self.lost
-        return lost > LOST_LIMIT or abs(self.level) > LEVEL_LIMIT or (self.onset or 0.0) > ONSET_LIMIT
+        levels = (self.level, *(listener.level for listener in self.listeners))
+        return lost > LOST_LIMIT or max(map(abs, levels)) > LEVEL_LIMIT or (self.onset or 0.0) > ONSET_LIMIT
 
 
 def sentences(fidelity: Fidelity | None) -> Iterator[str]:
@@ -102,12 +126,29 @@ def sentences(fidelity: Fidelity | None) -> Iterator[str]:
     if fidelity.beyond >= 0.0005:
         yield f"{_percent(fidelity.beyond)} of the power, which lies outside of {span}"
     if fidelity.lost_within is not None:
-        yield f"{_percent(fidelity.lost_within)} of the power from {span}; {fidelity.worst} loses most"
+        yield f"{_percent(fidelity.lost_within)} of the power from {span}"
     changes = [change for _, _, change in fidelity.band_levels]
     by_band = f", by band {min(changes):+z.1f} to {max(changes):+z.1f} dB" if changes else ""
     yield f"levels change by {fidelity.level:+z.1f} dB{by_band}"
     if fidelity.onset is not None:
         yield f"onsets shift by up to {fidelity.onset:g} ms"
+    if len(fidelity.listeners) > 1:
+        yield f"by listener, most lost first: {_first(map(_of_listener, fidelity.listeners))}"
+    for listener in fidelity.listeners:
+        for word, times in (("missing", listener.missing), ("invented", listener.invented)):
+            if times:
+                yield f"onsets {word} at {listener.name}: {_first(f'{time:.3f} s' for time in times)}"
+
+
+def _of_listener(listener: ListenerFidelity) -> str:
+    lost = "" if listener.lost is None else f"{_percent(listener.lost)} of the power, "
+    return f"{listener.name} {lost}{listener.level:+z.1f} dB"
+
+
+def _first(items: Iterable[str]) -> str:
+    """The first items, and the number of the others."""
+    every = list(items)
+    return ", ".join(every[:MOST_NAMED]) + (f" and {len(every) - MOST_NAMED} more" if len(every) > MOST_NAMED else "")
 
 
 def _percent(share: float) -> str:
@@ -140,19 +181,19 @@ class Comparison:
         """The measures of all added samples; None for silence."""
         if self.kind is Kind.SAMPLES:
             return self._of_samples()
-        parts = [part.finished() for part in self._listeners]
-        original, decoded, error = (sum((part[k] for part in parts), np.zeros(self._bins)) for k in range(3))
+        parts = np.array([part.finished() for part in self._listeners])
+        parts[:, :, [0, -1]] /= 2  # these bins have no counterpart at negative frequencies
         hertz = np.arange(self._bins) / (2 * (self._bins - 1)) * self._rate
+        parts[:, :, hertz < STEADY] = 0.0
+        original, decoded, error = parts.sum(axis=0)
         within = (hertz >= self.low) & (hertz <= self.high)
-        for power in (original, decoded, error):
-            power[[0, -1]] /= 2  # these bins have no counterpart at negative frequencies
         total = float(original.sum())
         if total <= _SILENT:
             return None
         is_wave = self.kind is Kind.WAVE
-        shares = [float(lost.sum() / max(own.sum(), _SILENT)) for own, _, lost in parts]
         compared = within if is_wave else np.ones(self._bins, dtype=np.bool_)
         lags = [lag for part in self._listeners for lag in part.lags()]
+        powers = parts[:, :, compared].sum(axis=2)
         return Fidelity(
             kind=self.kind,
             low=self.low,
@@ -163,7 +204,7 @@ class Comparison:
             band_levels=() if self.kind is Kind.LEVEL else tuple(_band_levels(hertz, original, decoded, within)),
             level=_decibels(float(decoded[compared].sum()), float(original[compared].sum())),
             onset=float(np.percentile(np.abs(lags), 95)) if lags else None,
-            worst=self._listeners[int(np.argmax(shares))].name,
+            listeners=self._by_listener(powers, has_error=is_wave),
         )
 
     def _of_samples(self) -> Fidelity | None:
@@ -171,8 +212,18 @@ class Comparison:
         total, kept, lost = powers.sum(axis=0).tolist()
         if total <= _SILENT:
             return None
-        worst = self._listeners[int(np.argmax(powers[:, 2] / np.maximum(powers[:, 0], _SILENT)))].name
-        return Fidelity(self.kind, 0.0, self._rate / 2, 0.0, lost / total, lost / total, (), _decibels(kept, total), None, worst)
+        listeners = self._by_listener(powers, has_error=True)
+        return Fidelity(self.kind, 0.0, self._rate / 2, 0.0, lost / total, lost / total, (), _decibels(kept, total), None, listeners)
+
+    def _by_listener(self, powers: FloatArray, *, has_error: bool) -> tuple[ListenerFidelity, ...]:
+        """powers (n_listeners, 3): of the original, of the decoded signal, and of the error. Silent listeners have no losses."""
+        least = _SILENT * float(powers[:, 0].sum())
+        found = [
+            ListenerFidelity(part.name, lost / max(own, least) if has_error else None, _decibels(played, own), *part.changed_onsets())
+            for part, (own, played, lost) in zip(self._listeners, powers.tolist(), strict=True)
+            if own > least
+        ]
+        return tuple(sorted(found, key=lambda item: (item.lost or 0.0, abs(item.level)), reverse=True))
 
     @property
     def _bins(self) -> int:
@@ -240,7 +291,8 @@ class _Listener:
         )
         self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
         if self._kind is Kind.LEVEL:
-            played = [np.array([0, step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))]) for thin in thins]
+            # All power in one bin that counts.
+            played = [np.array([0, 0, step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))]) for thin in thins]
         else:
             # The spectrum of the decimated signal equals that of the full one up to half of its rate.
             played = list(step * np.fft.rfft(thins)[:, :-1])
@@ -254,12 +306,30 @@ class _Listener:
             power[:carried] = error.real**2 + error.imag**2
             self._sums[2] += power
 
+    def _events(self, original: FloatArray) -> list[int]:
+        """Milliseconds of the original's onsets: of its impacts, where there are any."""
+        onsets = self._impacts * ENVELOPE_RATE if len(self._impacts) else _onsets(original)
+        return [int(onset) for onset in np.unique(np.rint(onsets))[:MOST_ONSETS]]
+
+    def changed_onsets(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Times (seconds) of the onsets that the decoded signal lacks, and of those that only it has."""
+        original, decoded = (envelope.values() for envelope in self._envelopes)
+
+        def only(events: list[int], here: FloatArray, there: FloatArray) -> tuple[float, ...]:
+            found = []
+            for event in events:
+                level, rise = _rise_at(here, event)
+                if rise > level and _rise_at(there, event)[1] < MISSED * rise:
+                    found.append(event / ENVELOPE_RATE)
+            return tuple(found)
+
+        return only(self._events(original), original, decoded), only(_onsets(decoded)[:MOST_ONSETS].astype(int).tolist(), decoded, original)
+
     def lags(self) -> list[float]:
         """Shifts of onsets (milliseconds), positive for late ones."""
         original, decoded = (envelope.values() for envelope in self._envelopes)
-        onsets = self._impacts * ENVELOPE_RATE if len(self._impacts) else _onsets(original)
         lags = []
-        for onset in np.unique(np.rint(onsets).astype(np.int64))[:MOST_ONSETS].tolist():
+        for onset in self._events(original):
             window = original[max(onset - _BEFORE, 0) : onset + _AFTER]
             around = decoded[max(onset - _BEFORE, 0) : onset + _AFTER]
             if len(window) == _BEFORE + _AFTER and window.any() and around.any():
@@ -302,6 +372,14 @@ def _lag(window: FloatArray, around: FloatArray) -> float:
     best = float(products.max())
     near = shifts[products >= best - 1e-6 * abs(best)]
     return float(near[np.argmin(np.abs(near))])
+
+
+def _rise_at(envelope: FloatArray, onset: int) -> tuple[float, float]:
+    """The mean of an envelope before an onset (milliseconds), and by how much the envelope exceeds it from shortly before the onset on."""
+    begin = onset - FARTHEST_LAG // 2
+    before, after = envelope[max(begin - _BEFORE, 0) : max(begin, 0)], envelope[max(begin, 0) : onset + FARTHEST_LAG]
+    level = float(before.mean()) if len(before) else 0.0
+    return level, float(after.max(initial=0.0)) - level
 
 
 def _onsets(envelope: FloatArray) -> FloatArray:

@@ -23,7 +23,7 @@ def blows():
 SIGNALS = {
     "noise": noise(),
     "tone": 0.5 * np.sin(2 * np.pi * 60 * TIME),
-    "low and high": 0.3 * np.sin(2 * np.pi * 2 * TIME) + 0.3 * np.sin(2 * np.pi * 100 * TIME) + 0.3 * np.sin(2 * np.pi * 1500 * TIME),
+    "low and high": 0.3 * np.sin(2 * np.pi * 3 * TIME) + 0.3 * np.sin(2 * np.pi * 100 * TIME) + 0.3 * np.sin(2 * np.pi * 1500 * TIME),
     "blows": blows(),
 }
 
@@ -90,11 +90,48 @@ def test_late_onsets_are_measured(late, piece):
 
 
 def test_the_listener_who_loses_most_is_named():
-    tracks = tracks_of(SIGNALS["tone"], SIGNALS["noise"])
+    tracks = tracks_of(SIGNALS["tone"], SIGNALS["blows"])
     measured = Comparison(tracks, Measures(Kind.WAVE))
     for number, row in enumerate(tracks.samples):
         measured.add(number, row, (row if number == 0 else 0.5 * row)[:: measured.thinning])
-    assert measured.result().worst == "listener 1"
+    found = {listener.name: listener for listener in measured.result().listeners}
+    assert list(found) == ["listener 1", "listener 0"]
+    assert found["listener 1"].lost == pytest.approx(0.25, abs=0.01)
+    assert found["listener 1"].level == pytest.approx(-6.02, abs=0.05)
+    assert found["listener 0"].lost == pytest.approx(0, abs=0.001)
+    assert found["listener 0"].level == pytest.approx(0, abs=0.05)
+
+
+@pytest.mark.parametrize("loud", [1.0, 0.003])
+def test_missing_and_invented_onsets_are_named(loud):
+    """Of a listener beside a louder one, the third blow is left out, and one is played that was not there."""
+    blow = blows()[: int(0.4 * RATE)]
+    original, played = np.zeros(len(TIME)), np.zeros(len(TIME))
+    for onset, own, other in ((0.5, 1, 1), (1.5, 1, 1), (2.5, 1, 0), (3.5, 1, 0.5), (4.5, 0, 1)):
+        part = slice(int(onset * RATE), int(onset * RATE) + len(blow))
+        original[part], played[part] = loud * own * blow, loud * other * blow
+    tracks = tracks_of(SIGNALS["tone"], original)
+    for kind in (Kind.WAVE, Kind.SPECTRUM):
+        measured = Comparison(tracks, Measures(kind))
+        for number, row in enumerate((SIGNALS["tone"], played)):
+            measured.add(number, tracks.samples[number], row[:: measured.thinning])
+        found = {listener.name: listener for listener in measured.result().listeners}
+        assert found["listener 0"].missing == found["listener 0"].invented == ()
+        assert found["listener 1"].missing == pytest.approx((2.5,), abs=0.01)
+        assert found["listener 1"].invented == pytest.approx((4.5,), abs=0.01)
+        words = list(registry.sentences(measured.result()))
+        assert any(line.startswith("onsets missing at listener 1: 2.") for line in words)
+        assert any(line.startswith("onsets invented at listener 1: 4.") for line in words)
+        assert any(line.startswith("by listener, most lost first: listener 1 ") for line in words)
+
+
+def test_a_steady_push_counts_in_no_level():
+    """A tone on a constant of nearly the same power, of which only the tone is played."""
+    for kind in (Kind.WAVE, Kind.SPECTRUM):
+        measured = Comparison(tracks_of(0.2 + 0.6 * SIGNALS["tone"]), Measures(kind))
+        measured.add(0, 0.2 + 0.6 * SIGNALS["tone"], 0.6 * SIGNALS["tone"][:: measured.thinning])
+        found = measured.result()
+        assert abs(found.level) < 0.1 and (found.lost or 0) < 0.02 and found.beyond == 0
 
 
 def test_silence_has_no_losses(tmp_path):
