@@ -14,7 +14,7 @@ import bpy
 from bpy.types import Object, Scene
 
 from ...core.devices.mapping import Place, map_listeners
-from ...core.formats.scene.lists_json import ActuatorMapping, DeviceMapping
+from ...core.scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...core.scene.values import Listener
 from ..blender.single_precision import shortest
 from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of

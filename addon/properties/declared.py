@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from inspect import get_annotations
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -91,9 +92,8 @@ def identifier(value: str) -> str:
     return _IDENTIFIERS.get(value, str(value))
 
 
-def held_as(cls: type, key: str, value: Any) -> Any:
+def _held_as(declaration: Declaration, value: Any) -> Any:
     """What a property holds of a value of a field, such as the nearest number; None for an unknown choice."""
-    declaration = declared(cls)[key]
     match declaration:
         case Choice():
             return identifier(value) if value in declaration.items else None
@@ -108,28 +108,30 @@ def held_as(cls: type, key: str, value: Any) -> Any:
     return value
 
 
-def value_of(cls: type, key: str, held: Any) -> Any:
-    """The value of a field of which a property holds ``held``."""
-    declaration = declared(cls)[key]
-    if isinstance(declaration, Choice):
-        return next(value for value in declaration.items if identifier(value) == held)
-    return authored(held) or None if declaration.optional else authored(held)
-
-
 def _nearest(declaration: Number, value: float) -> float:
     limits = _limits(declaration)
     return float(min(max(np.float32(value), np.float32(limits["min"])), np.float32(limits["max"])))
 
 
+@cache
+def _values_of(cls: type, key: str) -> dict[str, Any]:
+    """The values of a choice by their identifiers."""
+    return {identifier(value): value for value in declared(cls)[key].items}  # type: ignore[attr-defined]
+
+
 def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, Any]:
     """The values of the fields of ``cls`` that the properties of ``group`` hold, and those ``stored`` of the others. A stored value counts
     as long as its property holds it, which may be with fewer digits."""
-    values = dict(stored)
+    values, declarations = dict(stored), declared(cls)
     for key, name in group.held.get(cls, _NOTHING).items():
-        held = getattr(group, name)
-        held = tuple(held) if hasattr(held, "foreach_get") else held
-        if key not in stored or held_as(cls, key, stored[key]) != held:
-            values[key] = value_of(cls, key, held)
+        declaration, held = declarations[key], getattr(group, name)
+        if isinstance(declaration, Numbers):
+            held = tuple(held)
+        if key in stored and _held_as(declaration, stored[key]) == held:
+            continue
+        values[key] = _values_of(cls, key)[held] if isinstance(declaration, Choice) else authored(held)
+        if declaration.optional and not values[key]:
+            values[key] = None
     return values
 
 
@@ -138,7 +140,7 @@ def write_values(group: Any, item: Any) -> list[str]:
     losses = []
     for key, name in group.held.get(type(item), _NOTHING).items():
         value = getattr(item, key)
-        held = held_as(type(item), key, value)
+        held = _held_as(declared(item.__class__)[key], value)
         if held is None:
             losses.append(f"{key.replace('_', ' ')} {value!r}")
         else:

@@ -6,9 +6,9 @@ import datetime
 from dataclasses import dataclass, field
 
 from ..modalities.propagation import ModalityScene
+from ..scene.device_mapping import DeviceMapping
 from ..scene.library import LibraryMaterial
 from ..scene.values import HapticScene
-from .scene.lists_json import DeviceMapping
 from .scene.recording import Recording
 from .tracks.listener_tracks import Tracks
 

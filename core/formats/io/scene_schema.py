@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...scene.declaration import schema_of
+from ...scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...scene.functions import TRANSMISSIONS, Spectrum
 from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.library import LibraryMaterial
@@ -28,6 +29,8 @@ DEFINED: dict[str, type] = {
     "source": Source,
     "listener": Listener,
     "material": LibraryMaterial,
+    "device": DeviceMapping,
+    "actuator": ActuatorMapping,
 }
 """The classes of the items by the names of their definitions."""
 

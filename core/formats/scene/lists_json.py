@@ -6,34 +6,16 @@ Objects refer to their material in ``material`` and have a copy of its values.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ...scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...scene.library import LibraryMaterial
 from ...scene.references import Place, require_known, require_unique
 from ...scene.values import HapticScene
 from ..io.error import errors_in
 from .values_json import read_value
-
-
-@dataclass(frozen=True, slots=True)
-class ActuatorMapping:
-    """``actuator`` by its name in the device's profile; ``gain`` >= 0."""
-
-    actuator: str
-    listener: str
-    gain: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class DeviceMapping:
-    """A device of the scene; ``profile``: name of its profile (see `core.devices.profiles`)."""
-
-    name: str
-    profile: str
-    actuators: tuple[ActuatorMapping, ...] = ()
-    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
 
 def device_to_dict(device: DeviceMapping) -> dict[str, Any]:

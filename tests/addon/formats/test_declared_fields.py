@@ -236,3 +236,36 @@ def test_a_new_field_arrives_everywhere(monkeypatch, group, recording_layout):
     draw_held(layout, group, _Listener)
     assert layout.properties == list(shown(_Listener)) and {"stiffness", "side"} <= set(layout.properties)
     schema._validator.cache_clear()
+
+
+def test_what_version_0_1_stored_counts_as_it_did(tmp_path):
+    """It stored only what properties could not hold, and numbers apart from the rest."""
+    there_and_back(PLAIN, tmp_path)
+    scene, floor = bpy.context.scene.haptics, bpy.data.objects["floor"].haptics
+    seat, drill = bpy.data.objects["seat"].haptics.listener, bpy.data.objects["drill"].haptics.source
+    rule, texture = scene.impact_table.items[0], scene.textures.items[0]
+    digits = 0.1234567890123
+    for owner, name in ((scene, "threshold"), (scene, "contact_tolerance"), (floor, "kappa"), (seat, "radius"), (drill, "amplitude")):
+        setattr(owner, name, digits)
+    floor.function, floor.alpha, rule.bend, texture.period = "exponential", digits, digits, digits
+    floor.imported = json.dumps(
+        {"numbers": {"kappa": digits}, "function": {"function": "exponential", "alpha": digits}, "mass": 2.5, "extras": {"a": 1}}
+    )
+    seat.imported = json.dumps({"position": [0, 0, 0.05], "numbers": {"radius": digits}, "extras": {"b": 2}})
+    drill.imported = json.dumps({"numbers": {"amplitude": digits}, "signal": {"signal": "sine", "frequency": 70.5}, "onset": 3})
+    drill.signal = "KEPT"
+    numbers = {"threshold": digits, "contact_tolerance": digits}
+    scene.imported = json.dumps({"numbers": numbers, "tolerance": 0.5, "slack": 0.25, "extras": {"c": 3}})
+    signal = {"signal": "decaying_sine", "frequency": 90.5, "decay": 0.25, "amplitude": 1.0}
+    rule.template, rule.use_limits, rule.refractory = "KEPT", True, digits
+    rule.imported = json.dumps({"numbers": {"bend": digits, "refractory": digits}, "signal": signal})
+    texture.imported = json.dumps({"numbers": {"period": digits}})
+    written = json.loads(exported(tmp_path / "c.json"))
+    settings, rules, item = written["settings"], written["rules"], written["objects"][0]
+    assert settings["threshold"] == rules["tolerance"] == item["kappa"] == item["propagation"]["alpha"] == digits
+    assert (settings["tolerance"], rules["slack"], item["mass"], item["extras"]) == (0.5, 0.25, 2.5, {"a": 1})
+    assert written["listeners"][0]["radius"] == written["sources"][0]["amplitude"] == digits
+    assert (written["listeners"][0]["extras"], written["extras"]["c"], written["sources"][0]["onset"]) == ({"b": 2}, 3, 3.0)
+    assert written["sources"][0]["signal"]["frequency"] == 70.5
+    (impact,), (rough,) = rules["impact_table"], rules["textures"]
+    assert impact["bend"] == impact["limits"]["refractory"] == rough["period"] == digits and impact["template"] == signal

@@ -13,9 +13,9 @@ from haptic_tracing.core.contacts.shapes import Box, pose_matrix
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError
-from haptic_tracing.core.formats.scene.lists_json import ActuatorMapping, DeviceMapping
 from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording, SceneRecorder, states, traced
 from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
+from haptic_tracing.core.scene.device_mapping import ActuatorMapping, DeviceMapping
 from haptic_tracing.core.scene.functions import Exponential, HapticTracing
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind
 from haptic_tracing.core.signals import Noise

@@ -1,0 +1,36 @@
+"""The devices of a scene, and which listeners their actuators play."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from .declaration import check, extras, name_of, number, part
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorMapping:
+    """An actuator, by its name in the device's profile, and what it plays."""
+
+    actuator: str = field(metadata=name_of("Name of the actuator"))
+    listener: str = field(metadata=name_of("Name of the listener that it plays"))
+    gain: float = field(default=1.0, metadata=number("", "Factor of what it plays", 0.0))
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceMapping:
+    """A device of the scene; ``profile``: name of its profile (see `core.devices.profiles`)."""
+
+    name: str = field(metadata=name_of("Name, unique among devices"))
+    profile: str = field(metadata=name_of("Name of a known device, or any other name"))
+    actuators: tuple[ActuatorMapping, ...] = field(
+        default=(), metadata=part("actuator", "What its actuators play; others are silent", 1000)
+    )
+    extras: Mapping[str, Any] = extras()
+
+    def __post_init__(self) -> None:
+        check(self)
