@@ -1,4 +1,5 @@
-"""AHAP (Apple Core Haptics): a pattern per listener, and another one of its impacts, since curves change every event of their pattern.
+"""AHAP (Apple Core Haptics): a pattern per listener, and another one of its impacts, since curves change every event of their pattern;
+impacts alone need no other one.
 
 Both are played together: the continuous pattern has the power that the transients leave. Intensity is the square root of the amplitude,
 sharpness that of the frequency's relative position between 65 and 300 Hz.
@@ -29,8 +30,8 @@ from ..io.json_text import compact, json_points
 from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
 from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
-from .envelopes import mean_frequency, powers, smoothed
-from .listener_tracks import ListenerTrack, Row
+from .envelopes import bursts_of, coarse_envelope
+from .listener_tracks import ListenerTrack
 from .track_export import EDITOR, TrackExport, common_losses, listener_files
 from .vibration_file import Channel, VibrationFile
 
@@ -41,7 +42,7 @@ LONGEST_EVENT = 30.0
 MOST_POINTS = 16
 """Control points of a curve."""
 SILENCE = 0.003
-"""Amplitude that counts as silence."""
+"""Amplitude that counts as silence, relative to the largest."""
 
 Keys = tuple[FloatArray, FloatArray]
 
@@ -67,45 +68,19 @@ def keeps(options: Mapping[str, Any]) -> Measures:
 
 
 def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
-    """Write ``<scene>.<listener>.ahap`` and, for impacts, ``.transients.ahap``."""
+    """Write ``<scene>.<listener>.ahap`` and, for impacts beside continuous vibration, ``.transients.ahap``."""
     files = []
     for number, listener, row, path in listener_files(export, folder, "ahap"):
-        transients = _transients(row, listener.impacts)
-        power, change, width = powers(row, options["step"])
-        _subtract(power, change, transients, row, options["step"])
-        amplitude, frequency = smoothed(power, change, width, row.sample_rate)
-        continuous = list(_continuous(amplitude, frequency, options["step"], row.duration, options["error"]))
-        clicks = [_event("HapticTransient", time, strength, pitch) for time, strength, pitch in transients.tolist()]
+        bursts = bursts_of(row, listener.impacts, lambda frequency: (EMPHASIS_SECONDS, 0.5))
+        clicks = [_event("HapticTransient", burst.time, burst.amplitude, burst.frequency) for burst in bursts]
+        continuous = list(_continuous(*coarse_envelope(row, options["step"], bursts), options["step"], row.duration, options["error"]))
+        if not continuous and not clicks:  # players refuse an empty pattern
+            continuous = [_event("HapticContinuous", 0.0, 0.0, LOWEST, min(row.duration, LONGEST_EVENT))]
         compare_carriers(row, number, carriers_of(continuous, {}) + carriers_of(clicks, {}), measured)
-        files.append(_write(path, export, listener, continuous))
-        if clicks:
+        files.append(_write(path, export, listener, continuous or clicks))
+        if continuous and clicks:
             files.append(_write(path.with_suffix(TRANSIENTS_SUFFIX), export, listener, clicks))
     return files
-
-
-def _transients(row: Row, impacts: FloatArray) -> FloatArray:
-    """A transient per impact, (k, 3): time, amplitude and frequency (hertz), with at most the power of the samples while it sounds."""
-    length = math.ceil(EMPHASIS_SECONDS * row.sample_rate)
-    result = []
-    for time, strength in impacts.tolist():
-        samples = row.read(math.ceil(time * row.sample_rate), math.ceil(time * row.sample_rate) + length)
-        mean, change = float(np.mean(samples**2)), float(np.mean(np.diff(samples, append=0.0) ** 2))
-        pitch = mean_frequency(np.array([mean]), np.array([change]), row.sample_rate)[0]
-        if time < row.duration and mean > 0:
-            result.append((time, min(strength, math.sqrt(2 * mean)), pitch))
-    return np.array(result).reshape(-1, 3)
-
-
-def _subtract(power: FloatArray, change: FloatArray, transients: FloatArray, row: Row, step: float) -> None:
-    """Take the power of the transients, and as much of the change of the samples, from the sums of every ``step`` seconds."""
-    taken = np.zeros(len(power) + 1)
-    for time, strength, _ in transients.tolist():
-        for first in range(int(time / step), min(int((time + EMPHASIS_SECONDS) / step), len(power) - 1) + 1):
-            overlap = min(time + EMPHASIS_SECONDS, (first + 1) * step) - max(time, first * step)
-            taken[first] += max(overlap, 0.0) * row.sample_rate * strength**2 / 2
-    rest = np.maximum(power - taken[:-1], 0.0)
-    change *= np.divide(rest, power, out=np.zeros_like(power), where=power > 0)
-    power[:] = rest
 
 
 def _write(path: Path, export: TrackExport, listener: ListenerTrack, pattern: list[dict[str, Any]]) -> Path:
@@ -115,7 +90,8 @@ def _write(path: Path, export: TrackExport, listener: ListenerTrack, pattern: li
 
 def _continuous(amplitude: FloatArray, frequency: FloatArray, step: float, duration: float, error: float) -> Iterator[dict[str, Any]]:
     """Events of full intensity wherever there is vibration, each with its curves."""
-    sounding = np.append(amplitude > SILENCE, False)
+    largest = float(np.max(amplitude))
+    sounding = np.append(amplitude > SILENCE * largest, False)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], sounding])))
     centres = (np.arange(len(amplitude)) + 0.5) * step
     for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
@@ -125,9 +101,12 @@ def _continuous(amplitude: FloatArray, frequency: FloatArray, step: float, durat
             yield _event("HapticContinuous", start, 1.0, LOWEST, end - start)
             inside = (centres > start) & (centres < end)
             times = np.concatenate([[start], centres[inside], [end]])
-            for name, values in (("HapticIntensityControl", intensity(amplitude)), ("HapticSharpnessControl", sharpness(frequency))):
+            for name, values, tolerance in (
+                ("HapticIntensityControl", intensity(amplitude), error * math.sqrt(min(largest, 1.0))),
+                ("HapticSharpnessControl", sharpness(frequency), error),
+            ):
                 levels = np.interp(times, centres[first:last], values[first:last])
-                kept = needed_keys(times, levels, np.full(len(times), error))
+                kept = needed_keys(times, levels, np.full(len(times), tolerance))
                 yield from _curves(name, times[kept], levels[kept])
             start = end
 

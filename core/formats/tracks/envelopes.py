@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,9 +25,49 @@ SHORTEST_STEP = 0.0125
 FINEST = 0.005
 """Tolerance of a thinned carrier, relative to the largest value."""
 SILENCE = 0.002
-"""Amplitude that counts as silence."""
+"""Amplitude that counts as silence, relative to the largest."""
 IN_PHASE = 0.02
 """Phase difference (cycles) within which a carrier follows another one without delay."""
+
+
+class Burst(NamedTuple):
+    """A short vibration that stands for an impact: of constant ``amplitude``, ``seconds`` long, with ``power`` in the mean.
+
+    time: seconds. frequency: hertz.
+    """
+
+    time: float
+    seconds: float
+    frequency: float
+    amplitude: float
+    power: float
+
+
+def bursts_of(row: Row, impacts: FloatArray, form: Callable[[float], tuple[float, float]]) -> list[Burst]:
+    """A burst per impact, at most as strong as that, with at most the power of the samples while it sounds; of bursts that would overlap
+    the strongest.
+
+    form: seconds of a burst of a frequency, and the power of one of amplitude 1.
+    """
+    found: list[Burst] = []
+    for time, strength in impacts.tolist():
+        first, (seconds, _) = math.ceil(time * row.sample_rate), form(0.0)
+
+        def over(seconds: float, first: int = first) -> tuple[FloatArray, FloatArray]:
+            samples = row.read(first, first + math.ceil(seconds * row.sample_rate))
+            return np.mean(samples**2, keepdims=True), np.mean(np.diff(samples, append=0.0) ** 2, keepdims=True)
+
+        frequency = float(mean_frequency(*over(seconds), row.sample_rate)[0])
+        seconds, unit = form(frequency)
+        amplitude = min(strength, math.sqrt(float(over(seconds)[0][0]) / unit))
+        if time >= row.duration or amplitude <= 0:
+            continue
+        if found and time < found[-1].time + found[-1].seconds:
+            if amplitude <= found[-1].amplitude:
+                continue
+            found.pop()
+        found.append(Burst(time, seconds, frequency, amplitude, amplitude**2 * unit))
+    return found
 
 
 def single_carrier(row: Row, fit: Fit) -> Carrier:
@@ -34,13 +75,13 @@ def single_carrier(row: Row, fit: Fit) -> Carrier:
     return joined((carrier for _, (carriers,) in fit_bands(row, [WHOLE], fit) for carrier in carriers), row.duration, fit)
 
 
-def thinned_carrier(row: Row, low: float, high: float, most: float) -> Carrier:
+def thinned_carrier(row: Row, low: float, high: float, most: float, bursts: Sequence[Burst] = ()) -> Carrier:
     """The samples as amplitude and frequency between ``low`` and ``high`` hertz, with at most ``most`` keys of either a second.
 
-    The power is that of the samples; the tolerance within which keys are redundant is as small as that allows.
+    The power is that which ``bursts`` leave of the samples'; the tolerance within which keys are redundant is as small as that allows.
     """
     step = max(SHORTEST_STEP, 1 / most)
-    amplitude, frequency = coarse_envelope(row, step)
+    amplitude, frequency = coarse_envelope(row, step, bursts)
     times = np.minimum((np.arange(len(amplitude)) + 0.5) * step, row.duration)
     times = np.concatenate([[0.0], times, [row.duration]])
     amplitude = np.minimum(np.pad(amplitude, 1, mode="edge"), 1.0)
@@ -48,7 +89,7 @@ def thinned_carrier(row: Row, low: float, high: float, most: float) -> Carrier:
     budget = max(math.floor(most * row.duration), 2)
     kept = _within_budget(times, amplitude, FINEST * float(np.max(amplitude)), budget)
     # Frequencies matter where there is an amplitude: the others take that of the last audible one.
-    audible = np.maximum.accumulate(np.where(amplitude > SILENCE, np.arange(len(amplitude)), 0))
+    audible = np.maximum.accumulate(np.where(amplitude > SILENCE * np.max(amplitude), np.arange(len(amplitude)), 0))
     keyed = _within_budget(times, frequency[audible], FINEST * (high - low), budget // 2)
     return Carrier(0.0, row.duration, 0.0, times[kept], amplitude[kept], times[keyed], frequency[audible][keyed])
 
@@ -116,19 +157,24 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
     return times[kept], values[kept]
 
 
-def coarse_envelope(row: Row, step: float) -> tuple[FloatArray, FloatArray]:
-    """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and the same power of first differences.
+def coarse_envelope(row: Row, step: float, bursts: Sequence[Burst] = ()) -> tuple[FloatArray, FloatArray]:
+    """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and the same power of first differences, less
+    the power of ``bursts``.
 
     Each value covers its step and the step before, so that impacts in quick succession merge; none covers the step after, so that nothing
     is early. The first difference of a sine of frequency f has 4 sin²(π f / rate) times its power.
     """
-    return smoothed(*powers(row, step), row.sample_rate)
-
-
-def smoothed(power: FloatArray, change: FloatArray, width: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
-    """Amplitude and frequency (hertz) of each step and the one before, from the sums of `powers`."""
-    both = [np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (power, change, width)]
-    return np.sqrt(2 * both[0] / both[2]), mean_frequency(both[0], both[1], sample_rate)
+    power, change, width = powers(row, step)
+    taken = np.zeros(len(power) + 1)
+    for burst in bursts:
+        end = burst.time + burst.seconds
+        for number in range(int(burst.time / step), min(int(end / step), len(power) - 1) + 1):
+            overlap = min(end, (number + 1) * step) - max(burst.time, number * step)
+            taken[number] += max(overlap, 0.0) * row.sample_rate * burst.power
+    rest = np.maximum(power - taken[:-1], 0.0)
+    change *= np.divide(rest, power, out=np.zeros_like(power), where=power > 0)
+    both = [np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (rest, change, width)]
+    return np.sqrt(2 * both[0] / both[2]), mean_frequency(both[0], both[1], row.sample_rate)
 
 
 def compare_steps(row: Row, listener: int, amplitudes: FloatArray, step: float, measured: Comparison) -> None:

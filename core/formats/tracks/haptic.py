@@ -1,12 +1,14 @@
 """``.haptic`` 1.0 (Meta Haptics Studio): one file per listener, with the actuator configuration (ACF) that its numbers refer to.
 
 Players synthesise the oscillation from an amplitude and a frequency, so breakpoints follow these, not the wave; their density is that of
-published files. With ``points`` 0 they follow the wave.
+published files. An impact is an emphasis that has the power of its beginning, which the envelope leaves out. With ``points`` 0 the envelope
+follows the wave, with the impacts in it, and there is no emphasis.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +22,12 @@ from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
-from .envelopes import single_carrier, thinned_carrier
+from .envelopes import Burst, bursts_of, single_carrier, thinned_carrier
 from .fitting import Fit
-from .listener_tracks import ListenerTrack
+from .listener_tracks import ListenerTrack, Row
 from .track_export import EDITOR, TrackExport, common_losses, listener_files
 from .vibration_file import Channel, VibrationFile
 
-ATTACK = 0.03
-"""Time after an impact within which its vibration peaks (seconds)."""
 SLIGHT = 0.05
 """Amount by which amplitudes may exceed their range to be clipped instead of refused."""
 _EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.1, "square")}
@@ -53,11 +53,14 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     low, high = _range(options)
     files = []
     for number, listener, row, path in listener_files(export, folder, "haptic"):
+        bursts: list[Burst] = []
         if options["points"]:
-            carrier = thinned_carrier(row, low, high, options["points"])
+            bursts = bursts_of(row, listener.impacts, _burst_form) if options["emphasis"] else []
+            carrier = thinned_carrier(row, low, high, options["points"], bursts)
+            bursts = list(_fitted(row, carrier, bursts))
         else:
             carrier = single_carrier(row, Fit(error=options["error"], lowest=low, highest=high))
-        document = _document(export, listener, carrier, low, high, options["emphasis"])
+        document = _document(export, listener, carrier, low, high, bursts)
         played = _carriers(document["signals"]["continuous"]["envelopes"], low, high, str(path))
         compare_carriers(row, number, played, measured)
         files.append(write_text(path, [compact(document), "\n"]))
@@ -72,10 +75,12 @@ def _range(options: Mapping[str, Any]) -> tuple[float, float]:
     return low, high
 
 
-def _document(export: TrackExport, listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> dict[str, Any]:
+def _document(
+    export: TrackExport, listener: ListenerTrack, carrier: Carrier, low: float, high: float, bursts: Sequence[Burst]
+) -> dict[str, Any]:
     shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
     envelopes = {
-        "amplitude": _amplitude_points(listener, carrier, low, high, emphasis),
+        "amplitude": _amplitude_points(carrier, bursts),
         "frequency": json_points("time", "frequency", carrier.frequency_times.round(6), shares.round(6)),
     }
     metadata = {
@@ -89,30 +94,45 @@ def _document(export: TrackExport, listener: ListenerTrack, carrier: Carrier, lo
     return {"version": version, "metadata": metadata, "signals": {"continuous": {"envelopes": envelopes}}}
 
 
-def _amplitude_points(listener: ListenerTrack, carrier: Carrier, low: float, high: float, emphasis: bool) -> list[dict[str, Any]]:
+def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[dict[str, Any]]:
+    """The breakpoints of the amplitude, and one with an emphasis for each burst: players add what it exceeds the envelope by."""
     times, levels = carrier.amplitude_times, carrier.amplitudes
     if len(times) < 2:
         times, levels = np.array([0.0, max(carrier.end, 1e-3)]), np.zeros(2)
-    emphases = _emphases(listener, carrier) if emphasis else {}
-    every = np.unique(np.concatenate([times, list(emphases)]))
-    points = json_points("time", "amplitude", every.round(6), np.interp(every, times, levels).round(5))
-    for time, (strength, frequency) in emphases.items():
-        sharpness = min(max((frequency - low) / (high - low), 0.0), 1.0)
-        point = points[int(np.searchsorted(every, time))]
-        point["emphasis"] = {"amplitude": max(round(strength, 5), point["amplitude"]), "frequency": round(sharpness, 4)}
+    every = np.unique(np.concatenate([times, [burst.time for burst in bursts]]))
+    points = json_points("time", "amplitude", every.round(6), np.interp(every, times, levels).round(6))
+    for burst in bursts:
+        point = points[int(np.searchsorted(every, burst.time))]
+        strength = min(round(point["amplitude"] + burst.amplitude, 6), 1.0)
+        point["emphasis"] = {"amplitude": strength, "frequency": round(_sharpness(burst.frequency), 4)}
     return points
 
 
-def _emphases(listener: ListenerTrack, carrier: Carrier) -> dict[float, tuple[float, float]]:
-    """Strength and frequency (hertz) of each impact by the time of its peak, where an emphasis is not weaker than the envelope."""
-    result: dict[float, tuple[float, float]] = {}
-    for time, strength in listener.impacts.tolist():
-        first, last = np.searchsorted(carrier.amplitude_times, [time, time + ATTACK])
-        peak = float(carrier.amplitude_times[first + np.argmax(carrier.amplitudes[first:last])]) if last > first else time
-        if peak <= carrier.end:
-            frequency = float(np.interp(peak, carrier.frequency_times, carrier.frequencies))
-            result[peak] = (max(strength, result.get(peak, (0.0, 0.0))[0]), frequency)
-    return result
+def _fitted(row: Row, carrier: Carrier, bursts: Iterable[Burst]) -> Iterator[Burst]:
+    """The bursts that, with the envelope, have the energy of the samples while they sound: the positive root of
+    ``<(a burst + envelope)²> = <samples²>``."""
+    rate = row.sample_rate
+    for burst in bursts:
+        first, last = math.ceil(burst.time * rate), min(math.ceil((burst.time + burst.seconds) * rate), row.count)
+        times = np.arange(first, last) / rate
+        wave = _emphasis(burst.time, 1.0, _sharpness(burst.frequency)).sampled(times, rate)
+        under = carrier.sampled(times, rate)
+        own, both = float(np.dot(wave, wave)), float(np.dot(wave, under))
+        missing = float(np.sum(row.read(first, last) ** 2) - np.dot(under, under))
+        if own > 0 and missing > 0:
+            yield burst._replace(amplitude=(math.sqrt(both**2 + own * missing) - both) / own)
+
+
+def _sharpness(frequency: float) -> float:
+    """The emphasis frequency, from 0 to 1, that plays a frequency (hertz)."""
+    (low, *_), (high, *_) = _EMPHASIS.values()
+    return min(max((frequency - low) / (high - low), 0.0), 1.0)
+
+
+def _burst_form(frequency: float) -> tuple[float, float]:
+    """Seconds of the burst of an emphasis, and its power at amplitude 1, by frequency (hertz)."""
+    burst = _emphasis(0.0, 1.0, _sharpness(frequency))
+    return burst.end, 0.5 if burst.wave == "sine" else 1.0
 
 
 def _configuration(export: TrackExport, listener: ListenerTrack, low: float, high: float) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 """What exports say that they lose, against an evaluation of the written files by whole-signal spectra (Parseval) and by definition."""
 
+import json
+
 import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
@@ -145,6 +147,55 @@ def test_levels_of_formats_without_waves(tmp_path):
     for name in ("haptic", "ahap", "hla", "tact"):
         found = registry.write(name, Export("one", tracks=tracks_of(SIGNALS["tone"])), tmp_path).fidelity
         assert abs(found.level) < 0.5, name
+
+
+REBOUNDS = ((0.5, 0.9), (1.1, 0.5), (1.4, 0.25), (1.55, 0.12), (1.63, 0.06))
+IN_A_ROW = tuple((0.5 + 0.01 * k, 0.3 + 0.05 * (k % 3)) for k in range(30))
+
+
+@pytest.mark.parametrize("gain", [1.0, 1e-3])
+@pytest.mark.parametrize("beside", [0.0, 0.05])
+@pytest.mark.parametrize(("hertz", "decay"), [(60, 0.1), (80, 0.015), (150, 0.03), (300, 0.008)])
+@pytest.mark.parametrize("blows", [REBOUNDS, IN_A_ROW])
+def test_emphases_keep_the_level_and_the_onsets(tmp_path, blows, hertz, decay, beside, gain):
+    """Blows alone or beside a tone, of a loud and of a quiet listener; the level is that of the energy of the file as it is read."""
+    since = [np.maximum(TIME - time, 0) for time, _ in blows]
+    waves = [strength * np.exp(-t / decay) * np.sin(2 * np.pi * hertz * t) for t, (_, strength) in zip(since, blows, strict=True)]
+    samples = gain * np.clip(sum(waves) + beside * np.sin(2 * np.pi * 60 * TIME), -1, 1)
+    tracks = tracks_of(samples, impacts=[(time, gain * strength) for time, strength in blows])
+    written = registry.write("haptic", Export("blows", tracks=tracks), tmp_path)
+    played = registry.read(written.files[0]).channels[0].at_rate(RATE)
+    assert 10 * np.log10(np.sum(played**2) / np.sum(samples**2)) == pytest.approx(0, abs=1)
+    (listener,) = written.fidelity.listeners
+    assert listener.level == pytest.approx(0, abs=1) and listener.missing == listener.invented == ()
+    assert sum("emphasis" in point for point in amplitudes(written.files[0])) >= len(REBOUNDS)
+
+
+def amplitudes(path):
+    return json.loads(path.read_text())["signals"]["continuous"]["envelopes"]["amplitude"]
+
+
+@pytest.mark.parametrize("form", ["haptic", "ahap"])
+def test_quiet_listeners_keep_level_and_frequency(tmp_path, form):
+    """What is 66 dB below full scale, and rises while its frequency does."""
+    samples = 5e-4 * TIME / TIME[-1] * np.sin(2 * np.pi * (80 * TIME + 10 * TIME**2))
+    written = registry.write(form, Export("quiet", tracks=tracks_of(samples)), tmp_path)
+    assert written.fidelity.level == pytest.approx(0, abs=0.5)
+    played = registry.read(written.files[0]).channels[0].at_rate(RATE)
+    for begin in (2, 4):
+        spectrum = np.abs(np.fft.rfft(played[begin * RATE : (begin + 1) * RATE] * np.hanning(RATE)))
+        assert np.argmax(spectrum) == pytest.approx(80 + 20 * (begin + 0.5), abs=12)
+
+
+@pytest.mark.parametrize("impacts", [(), ((0.5, 0.8),)])
+def test_no_ahap_pattern_is_empty(tmp_path, impacts):
+    """Of a silent listener, and of one who feels nothing but an impact, which is then the only file."""
+    samples = np.where((TIME >= 0.5) & (TIME < 0.51) & bool(impacts), 0.8 * np.sin(2 * np.pi * 200 * TIME), 0)
+    written = registry.write("ahap", Export("one", tracks=tracks_of(samples, impacts=impacts)), tmp_path)
+    (path,) = written.files
+    (event,) = (entry["Event"] for entry in json.loads(path.read_text())["Pattern"])
+    assert event["EventType"] == ("HapticTransient" if impacts else "HapticContinuous")
+    assert (event["EventParameters"][0]["ParameterValue"] > 0) == bool(impacts)
 
 
 @pytest.mark.parametrize("answer", [True, False])
