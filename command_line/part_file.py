@@ -134,16 +134,17 @@ def write_part(part: Part, path: Path) -> None:
 def read_part(path: Path) -> Part:
     """Read a part. Raises FormatError if it is damaged or not a part, and OSError."""
     budget = Budget(path)
-    try:
-        with open_regular(path) as file, zipfile.ZipFile(file) as archive:
-            entries = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
-            validate({"arrays": {name: _form(archive, entry) for name, entry in entries.items()}}, _SCHEMA, path)
-            budget.take(sum(entry.file_size for entry in entries.values()))
-            arrays = {name: _array(archive, entry) for name, entry in entries.items()}
-    except FormatError:
-        raise
-    except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, NotImplementedError) as error:
-        raise FormatError(path, "/", f"no part of a bake, or damaged: {error}") from None
+    with open_regular(path) as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                entries = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
+                validate({"arrays": {name: _form(archive, entry) for name, entry in entries.items()}}, _SCHEMA, path)
+                budget.take(sum(entry.file_size for entry in entries.values()))
+                arrays = {name: _array(archive, entry) for name, entry in entries.items()}
+        except FormatError:
+            raise
+        except (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, RuntimeError, NotImplementedError) as error:
+            raise FormatError(path, "/", f"no part of a bake, or damaged: {error}") from None
     budget.take(_ROW * len(arrays["source"]) + _FRAME * len(arrays["time"]))
     header = parse_json(arrays.pop("header").tobytes(), path)
     validate({"header": header}, _SCHEMA, path)
@@ -270,6 +271,8 @@ def _check(header: Mapping[str, Any], origin: Origin, arrays: Mapping[str, NDArr
     for name in ("time", "amplitude", "gain", "delay", "bands"):
         if not (np.abs(arrays[name]) <= _LARGEST).all():
             raise PlacedError(("arrays", name), f"has values beyond {_LARGEST:g}")
+    if arrays["amplitude"].size and not (arrays["amplitude"].min() >= 0 and arrays["amplitude"].max() <= 1):
+        raise PlacedError(("arrays", "amplitude"), "has values that are not from 0 to 1")
     if not ((steps := np.diff(arrays["time"])) > 0).all() or steps.max(initial=0) > _LONGEST_FRAME:
         raise PlacedError(("arrays", "time"), f"does not rise by up to {_LONGEST_FRAME:g} s from frame to frame")
 

@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import copy
 import gzip
+import io
 import json
 import math
 import random
+import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -19,14 +22,19 @@ from typing import Any
 import numpy as np
 from haptic_tracing.addon.properties.actuators import choice_of, places_of
 from haptic_tracing.addon.scene_reader import imported, kept_impacts
+from haptic_tracing.command_line import build_parser, main, part_file
+from haptic_tracing.command_line.serve.conversation import Conversation
+from haptic_tracing.command_line.sweep import study
 from haptic_tracing.core.devices import network
 from haptic_tracing.core.devices.connection import DeviceError
 from haptic_tracing.core.devices.loopback import Player, messages_of
 from haptic_tracing.core.devices.profiles import BUILT_IN, parse_profile
 from haptic_tracing.core.formats import haptic_scene, registry
 from haptic_tracing.core.formats.io.error import FormatError
+from haptic_tracing.core.propagation import Propagation
 from haptic_tracing.core.scene.functions.checking import check_expression
 from haptic_tracing.core.scene.functions.modulation import Expression
+from haptic_tracing.core.scene.values import Listener, Source
 
 CORPUS = Path(__file__).parents[2] / "core" / "formats" / "corpus"
 CRASHERS = Path(__file__).with_name("crashers")
@@ -112,6 +120,82 @@ def read_message(content: bytes, folder: Path) -> bool:
     return True
 
 
+def read_bake_part(content: bytes, folder: Path) -> bool:
+    path = folder / "x.npz"
+    path.write_bytes(content)
+    try:
+        part = part_file.read_part(path)
+    except FormatError as error:
+        text = str(error)
+        assert text.startswith(f"{path}: ") and text.isprintable() and len(text) < 1000, text
+        return False
+    assert all(np.isfinite(frame.propagation.gain).all() for frame in part.frames)
+    return True
+
+
+def repacked_part(content: bytes, generator: random.Random) -> bytes:
+    """A part with its header changed as a document, or with one of its arrays replaced."""
+    with np.load(io.BytesIO(content)) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    if generator.random() < 0.6:
+        header = json.loads(arrays["header"].tobytes())
+        for _ in range(generator.randint(1, 3)):
+            _change_document(header, generator)
+        arrays["header"] = np.frombuffer(json.dumps(header).encode("utf-8", "replace"), dtype=np.uint8)
+    else:
+        name = generator.choice(sorted(arrays))
+        shape = tuple(max(0, side + generator.choice((-1, 0, 0, 1, 5))) for side in arrays[name].shape)
+        value = generator.choice((0, 1, -1, 2**62, 1e300, math.nan))
+        kind = generator.choice((arrays[name].dtype, np.dtype("<f8"), np.dtype("<i8"), np.dtype("S3")))
+        with np.errstate(all="ignore"):
+            arrays[name] = np.full(shape, np.array(value).astype(kind))
+    packed = io.BytesIO()
+    np.savez_compressed(packed, **arrays)
+    return packed.getvalue()
+
+
+def read_sweep(content: bytes, folder: Path) -> bool:
+    path = folder / "x.toml"
+    path.write_bytes(content)
+    (folder / "bench.blend").touch()
+    try:
+        study.read_study(path)
+    except FormatError as error:
+        assert str(error).startswith(f"{path}: ") and len(str(error)) < 1000, error
+        return False
+    return True
+
+
+def run_command(content: bytes, folder: Path) -> bool:
+    """A command line, its words separated by zeros: run if the command needs neither Blender nor a device, else only parsed."""
+    words = content.decode("utf-8", "surrogateescape").split("\0")
+    for name in ("scene.json", "track.hjif"):
+        (folder / name).write_bytes(FILES[name])
+    said = io.StringIO()
+    with chdir(folder), redirect_stdout(io.StringIO()), redirect_stderr(said):
+        if words[0] in COMMANDS and not any(".." in word or "/" in word for word in words):
+            code = main(words)
+        else:
+            try:
+                build_parser().parse_args(words)
+                code = 0
+            except SystemExit as end:
+                code = end.code or 0
+    assert code in (0, 2), (code, words)
+    assert code == 0 or len(said.getvalue().splitlines()) == 1 or "--help" in said.getvalue(), said.getvalue()[:500]
+    return code == 0
+
+
+def talk_to_server(content: bytes, folder: Path) -> bool:
+    """What a client says to the run-time server, after a scene."""
+    conversation = Conversation(None, None)
+    conversation.answer(json.dumps({"type": "hello", "version": 1, "scene": json.loads(FILES["scene.json"])}))
+    answers = conversation.answer(content)
+    texts = [answer for answer in answers if isinstance(answer, dict)]
+    assert all(len(json.dumps(answer, allow_nan=False)) < 1_000_000 for answer in texts)
+    return not any(answer["type"] == "error" for answer in texts)
+
+
 STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = {
     "object": (
         partial(imported.stored_item, name="object"),
@@ -173,6 +257,51 @@ MESSAGES = (
 )  # fmt: skip
 
 
+COMMANDS = ("propagate", "contacts", "convert", "export", "sound")
+FILES = {"scene.json": (CORPUS / "good-scene.json").read_bytes(), "track.hjif": (CORPUS / "good.hjif").read_bytes()}
+LINES = (
+    "propagate scene.json --strategy all_paths --tolerance 0.1",
+    "propagate scene.json --max-connections 3 --threshold 0.01 --felt",
+    "contacts scene.json",
+    "convert track.hjif out.wav",
+    "convert track.hjif out.ahap",
+    "export scene.json --to hjif,wav --out out",
+    "devices encode dualsense --transport bt --left 0.5 --right 0.25 --sequence 3",
+    "bake ride.blend --frames 1:36 --part 1/20 --out parts --to wav",
+    "sweep study.toml --workers 2 --out out",
+    "merge parts --to wav,hjif --out out",
+)
+SWEEP = """scenes = ["bench.blend"]
+frames = [1, 12]
+modes = ["HT", "SD"]
+seeds = [1, 2, 3]
+[settings]
+"scene.haptics.threshold" = [0.0, 0.001]
+[materials]
+Floor = ["concrete", "softwood"]
+[random]
+'objects["Seat"].haptics.kappa' = [0.05, 0.5]
+"""
+SAID = (
+    {"type": "step", "id": 7, "time": 0.1, "samples": True},
+    {"type": "step", "time": 0.2, "poses": {"crate": [0, 0, 1, 1, 0, 0, 0]}, "sources": {"drill": {"amplitude": 0.5}}},
+    {"type": "add", "object": {"name": "box", "kappa": 0.1, "rho": 0.5}},
+    {"type": "remove", "listener": "hand"},
+    {"type": "stop"},
+)
+
+
+def small_part() -> bytes:
+    """A part of three frames."""
+    sources = Source("saw", "box", (0.0, 0.0, 0.0), 0.3), Source("hit", "box", (0.0, 0.0, 0.0), 0.1)
+    gains = Propagation.of_gains(np.full((2, 1), 0.5), None, np.full((2, 1), 0.01))
+    frames = tuple(part_file.HeardFrame(n, n / 24, sources, (Listener("hand", "box", (0.0, 0.0, 0.0)),), gains) for n in (1, 2, 3))
+    origin = part_file.Origin("any", "any.blend", "0" * 64, "HT", (), (1, 3), 1, part_file.programs())
+    with tempfile.TemporaryDirectory() as folder:
+        part_file.write_part(part_file.Part(origin, 1, 8000.0, "", "after", frames), Path(folder) / "part.npz")
+        return (Path(folder) / "part.npz").read_bytes()
+
+
 def _texts(*documents: Any) -> tuple[bytes, ...]:
     return tuple(json.dumps(document).encode() for document in documents)
 
@@ -193,6 +322,10 @@ def targets() -> dict[str, Target]:
     found["choice"] = Target((b"dualsense/left*0.5;switch-pro/right", b"-", b""), read_choice)
     found["profile"] = Target(tuple(path.read_bytes() for path in sorted(BUILT_IN.glob("*.json"))), read_profile)
     found["message"] = Target(_texts(*MESSAGES), read_message)
+    found["part"] = Target((small_part(),), read_bake_part)
+    found["sweep"] = Target((SWEEP.encode(),), read_sweep)
+    found["command"] = Target(tuple(line.replace(" ", "\0").encode() for line in LINES), run_command)
+    found["server"] = Target(_texts(*SAID), talk_to_server)
     return found
 
 
@@ -206,6 +339,8 @@ _TOKENS = (
 def changed(seeds: tuple[bytes, ...], generator: random.Random) -> bytes:
     """One of the seeds, changed at one to four places: as a document where it is one, else as bytes."""
     content = generator.choice(seeds)
+    if content[:4] == b"PK\3\4" and generator.random() < 0.7:
+        return repacked_part(content, generator)
     packed = content[:2] == b"\x1f\x8b" and generator.random() < 0.8
     if packed:
         try:
@@ -249,6 +384,8 @@ def _change_document(document: Any, generator: random.Random) -> None:
             holder[generator.choice(("kind", "name", "extras", "a\nb", key + "s"))] = inside
         case 1:
             holder.insert(generator.randint(0, len(holder)), inside)
+        case 2 if type(inside) is int and abs(inside) < 2**53 and generator.random() < 0.3:
+            holder[key] = float(inside)
         case 2 if isinstance(inside, float) or (isinstance(inside, int) and abs(inside) < 2**63):
             holder[key] = inside * generator.choice((-1, 0, 1e-9, 1e9, 1e300, 0.5))
         case 3 if isinstance(holder, list):
