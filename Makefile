@@ -53,6 +53,7 @@ fuzz: .venv/complete
 
 soak: packages-for-test .venv/complete
 	$(PYTHON) -m benchmarks.soak
+	$(PYTHON) -m benchmarks.soak_failures
 
 stability: packages-for-test .venv/complete
 	$(PYTHON) -m benchmarks.stability

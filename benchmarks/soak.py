@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import ctypes
 import os
+import subprocess
 import sys
 import tempfile
 import time
@@ -88,7 +89,8 @@ def main() -> None:
     options = parser.parse_args()
     if "UMOCKDEV_DIR" not in os.environ:
         described = describe(Path(tempfile.mkdtemp(prefix="soak")), [pad.fake for pad in PADS])
-        os.execvp("umockdev-run", ["umockdev-run", *described, "--", sys.executable, "-m", "benchmarks.soak", *sys.argv[1:]])
+        command = ["umockdev-run", *described, "--", sys.executable, "-m", "benchmarks.soak", *sys.argv[1:]]
+        sys.exit(subprocess.run(command).returncode)  # the folder of temporary files goes with this process
     with tempfile.TemporaryDirectory() as folder:
         began, record, statuses = soak(options.minutes, options.bodies, folder)
         report(began, record, statuses, folder, options)
@@ -144,7 +146,7 @@ def play(scene: Any, source: Any, end: float, record: Record) -> None:
     clock = time.perf_counter
     seconds = frame_seconds(scene)
     due = locked = sampled = clock()
-    guard = next(child for child in children() if child != os.getpid())
+    guard = next(iter(children(os.getpid())))
     while clock() < end:
         due += seconds
         wait = due - clock()
@@ -166,8 +168,8 @@ def play(scene: Any, source: Any, end: float, record: Record) -> None:
             record.sampled.append((sampled, [*usage(os.getpid()), *usage(guard)]))
 
 
-def children() -> list[int]:
-    """The processes that this one has started."""
+def children(program: int) -> list[int]:
+    """The processes that a process has started."""
     found = []
     for path in Path("/proc").iterdir():
         if path.name.isdigit():
@@ -175,7 +177,7 @@ def children() -> list[int]:
                 parent = int((path / "stat").read_text().rpartition(")")[2].split()[1])
             except OSError:
                 continue
-            if parent == os.getpid():
+            if parent == program:
                 found.append(int(path.name))
     return found
 
