@@ -88,9 +88,18 @@ class _ChannelReader:
                 effect = {**self.library[form["id"]], "position": form["position"]}
                 self.budget.take(_KEY_BYTES * len(effect.get("keyframes", ())), place)
             if effect["effect_type"] == "Basis":
-                yield effect
+                yield self._clipped(effect)
             else:
                 self.losses["composite effects are not read"] = None
+
+    def _clipped(self, effect: Mapping[str, Any]) -> Mapping[str, Any]:
+        """The effect with amplitudes within ±1, which the reference encoder exceeds."""
+        name = "amplitude_modulation"
+        keys = effect.get("keyframes", ())
+        if all(abs(key.get(name, 0)) <= 1 for key in keys):
+            return effect
+        self.losses["amplitudes beyond 1 are clipped"] = None
+        return {**effect, "keyframes": [{**key, name: min(max(key[name], -1), 1)} if name in key else key for key in keys]}
 
     def _carriers(self, band: Mapping[str, Any], effect: Mapping[str, Any], gain: float) -> Iterator[Carrier]:
         if band["band_type"] != "Curve":

@@ -142,20 +142,53 @@ def _note(carrier: Carrier) -> dict[str, Any]:
 
 
 def read(path: Path) -> VibrationFile:
-    """The vibration of a ``.haps`` clip of version 5; texture and stiffness are ignored. Raises FormatError or OSError."""
+    """The vibration of a ``.haps`` clip of version 5 or 6; texture and stiffness are ignored. Raises FormatError or OSError."""
     document = read_json(path)
-    if isinstance(document, dict) and str(document.get("version", "5")) != "5":
-        raise FormatError(path, "/version", f"this reads version 5, not {str(document['version'])[:20]}")
     losses: dict[str, None] = {}
-    if isinstance(document, dict):
-        for part in ("texture", "stiffness"):
-            ignored = document.pop(f"m_{part}", None)
-            if isinstance(ignored, dict) and ignored.get("m_melodies"):
-                losses[f"{part} is not read"] = None
-    validate(document, "haps_v5", path)
+    version = str(document.get("version", "5")) if isinstance(document, dict) else "5"
+    if version == "6":
+        validate(document, "haps_v6", path)
+        document = _as_version_5(document, losses)
+    elif version != "5":
+        raise FormatError(path, "/version", f"this reads versions 5 and 6, not {version[:20]}")
+    else:
+        if isinstance(document, dict):
+            for part in ("texture", "stiffness"):
+                ignored = document.pop(f"m_{part}", None)
+                if isinstance(ignored, dict) and ignored.get("m_melodies"):
+                    losses[f"{part} is not read"] = None
+        validate(document, "haps_v5", path)
     carriers = tuple(_carriers_of(document, losses))
     end = max((carrier.end for carrier in carriers), default=0.0)
     return VibrationFile((Channel(document.get("m_description") or path.stem, end, carriers),), tuple(losses))
+
+
+def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[str, Any]:
+    """A clip of version 6, whose pitch is a share of a range of frequencies, in the form of version 5."""
+    vibration = document["vibration"]
+    low, high = vibration["frequency_range"]["min"], vibration["frequency_range"]["max"]
+    if vibration.get("transients"):
+        losses["transients of version 6 are not read: no published clip has one"] = None
+
+    def modulation(curve: Mapping[str, Any], least: float, scale: float) -> dict[str, Any]:
+        if curve["interpolation_function"] != "Linear":
+            losses[f"{curve['interpolation_function'][:20]} curves are read as straight lines"] = None
+        keys = [{"m_time": key["position"], "m_value": least + scale * curve["gain"] * key["value"]} for key in curve["keyframes"]]
+        return {"m_keyframes": keys}
+
+    def note(form: Mapping[str, Any]) -> dict[str, Any]:
+        effect = {
+            "m_amplitudeModulation": modulation(form["amplitude"], 0.0, 1.0),
+            "m_frequencyModulation": modulation(form["pitch"], low, high - low),
+        }
+        return {"m_startingPoint": form["position"], "m_length": form["length"], "m_gain": form["m_gain"], "m_hapticEffect": effect}
+
+    melodies = [
+        {"m_mute": melody["mute"], "m_gain": melody["gain"], "m_notes": [note(form) for form in melody["notes"]]}
+        for melody in vibration["melodies"]
+    ]
+    vibrations = {"m_gain": vibration["gain"], "m_melodies": melodies}
+    return {"m_description": document.get("description"), "m_gain": document["gain"], "m_vibration": vibrations}
 
 
 def _carriers_of(document: Mapping[str, Any], losses: dict[str, None]) -> Iterator[Carrier]:
