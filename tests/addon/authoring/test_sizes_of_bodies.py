@@ -9,6 +9,8 @@ import bpy
 import pytest
 from haptic_tracing.addon.authoring import materials as library
 from haptic_tracing.addon.authoring.sizes import sizes_of
+from haptic_tracing.addon.scene_reader.functions import read_function
+from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.materials import MATERIALS
 
 
@@ -104,3 +106,29 @@ def test_the_ground_and_half_spaces_are_the_same_whatever_their_thickness(scene,
             assert slab.haptics.wave == "surface"
             levels.add(round(20 * math.log10(traced().amplitudes[0, 0]), 3))
     assert all(len(levels) == 1 for levels in found.values()), found
+
+
+@pytest.mark.parametrize(("name", "pieces"), [("Soil", 1), ("Steel Beam", 1), ("Steel Beam", 4)])
+def test_make_haptic_spreads_as_the_body_is(scene, add_box, add_empty, traced, name, pieces):
+    """The ground as a half-space, by its formula, from 0.1 to 20 m thick; and a beam of 4 m that is no thicker than what a source drives
+    without any spreading, whole and cut into four."""
+    for thickness in (0.1, 1.0, 20.0) if name == "Soil" else (0.1, 0.3):
+        size = (60.0, 60.0, thickness) if name == "Soil" else (4.0 / pieces, thickness, thickness)
+        places = [(size[0] * (k + 0.5 - pieces / 2), 0.0, -thickness / 2) for k in range(pieces)]
+        made = [add_box(f"{name} {thickness} {k}", place, size, haptic=False) for k, place in enumerate(places)]
+        ends = [add_empty(role, (x, 0, 0)) for x, role in ((-1.9, "source"), (1.9, "listener"))]
+        bpy.context.view_layer.update()
+        for end, carrier in zip(ends, (made[0], made[-1]), strict=True):
+            end.parent, end.matrix_parent_inverse = carrier, carrier.matrix_world.inverted()
+        ends[0].haptics.source.enabled = ends[1].haptics.listener.enabled = True
+        ends[0].haptics.source.frequency, ends[1].haptics.listener.extent = BAND_CENTRES[0], "none"
+        bpy.ops.object.select_all(action="DESELECT")
+        for obj in made:
+            obj.select_set(True)
+        assert bpy.ops.haptic.make_objects() == {"FINISHED"}
+        level = 20 * math.log10(traced().amplitudes[0, 0])
+        spreading = -10 * math.log10(1 + 3.8 / 0.5) if name == "Soil" else 0.0
+        damping = 8.686 * 3.8 * read_function(made[0].haptics).material_damping(BAND_CENTRES[0])
+        assert level == pytest.approx(spreading - damping, abs=0.1)
+        for obj in (*made, *ends):
+            bpy.data.objects.remove(obj)
