@@ -51,6 +51,13 @@ class TimeOfImpact:
         above = high[:, second] + np.maximum(relative, 0.0) + slack >= low[:, first]
         return np.asarray((below & above).all(axis=0))
 
+    def closing(self, paths: Paths, first: IntArray, second: IntArray) -> FloatArray:
+        """How much nearer pairs can come to each other on their paths at most [m]."""
+        relative = paths.displacement()[:, second] - paths.displacement()[:, first]
+        bend = np.sqrt(dot(paths.acceleration, paths.acceleration)) * (paths.duration**2 / 8)
+        turn = np.minimum(np.sqrt(dot(paths.spin, paths.spin)) * paths.duration, 2.0) * self._radius
+        return np.asarray(np.sqrt(dot(relative, relative)) + (bend + turn)[first] + (bend + turn)[second])
+
     def hits_at(self, meetings: Meetings | None) -> Hits:
         """The hits at ``meetings``, whose patches are asked for here."""
         return Hits.none() if meetings is None else meetings.hits(self._narrow.query(*meetings.placing))
@@ -64,32 +71,50 @@ class TimeOfImpact:
         travel = np.sqrt((relative * relative).sum(axis=0)) * paths.duration
         far = travel > (self._thickness[a] + self._thickness[b]) / 4
         moving = _MovingPairs(self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b]))
-        expected = moving.clearances(np.full(len(pairs), paths.duration))
-        rows = (far | (expected <= _TOUCH)).nonzero()[0]
-        if len(rows) == 0:
-            return None
-        moving, pairs, far, expected = moving.chosen(rows), pairs[rows], far[rows], expected[rows]
-        a, b = pairs.T
-        start, actual = moving.at_either_end()
-        after = np.where(start <= _TOUCH, 0.0, np.inf)
-        mesh = self._narrow.is_mesh[pairs[:, 0]] | self._narrow.is_mesh[pairs[:, 1]]
-        slow = (~far & ~mesh & (start > _TOUCH)).nonzero()[0]
-        if len(slow):
-            after[slow] = moving.chosen(slow).first_touch(start[slow], expected[slow])
-        fast = (far & ~mesh & (start > _TOUCH)).nonzero()[0]
-        if len(fast):
-            after[fast] = moving.chosen(fast).advanced(self._radius[a[fast]] + self._radius[b[fast]])
-        hollow = (mesh & (start > _TOUCH)).nonzero()[0]
-        if len(hollow):
-            radius = self._radius[a[hollow]] + self._radius[b[hollow]]
-            after[hollow] = moving.chosen(hollow).stepped(start[hollow], expected[hollow], radius)
+        mesh = self._narrow.is_mesh[a] | self._narrow.is_mesh[b]
+        expected, after = np.full((2, len(pairs)), np.inf)
+        for rows, touches in (((~mesh).nonzero()[0], self._touches), (mesh.nonzero()[0], self._touches_of_meshes)):
+            if len(rows):
+                expected[rows], after[rows] = touches(moving.chosen(rows), far[rows])
         met = (after <= paths.duration).nonzero()[0]
         if len(met) == 0:
             return None
         moving, after = moving.chosen(met), after[met]
         poses = moving.poses(after)
         placing = moving.pairs, *relative_pose(*poses), np.full(len(after), _AROUND)
-        return Meetings(moving, after, poses, placing, expected[met], actual[met], far[met], mesh[met])
+        return Meetings(moving, after, poses, placing, expected[met], moving.actual(), far[met], mesh[met])
+
+    def _touches(self, moving: _MovingPairs, far: BoolArray) -> tuple[FloatArray, FloatArray]:
+        """Distances (k,) at the end of the paths, and times (k,) of the first touch, infinite where there is none; ``far`` (k,) as in
+        `Meetings`."""
+        duration = moving.paths.duration
+        expected = moving.clearances(np.full(len(far), duration))
+        after = np.full(len(far), np.inf)
+        rows = (far | (expected <= _TOUCH)).nonzero()[0]
+        if len(rows) == 0:
+            return expected, after
+        start = moving.chosen(rows).clearances(np.zeros(len(rows)))
+        after[rows[start <= _TOUCH]] = 0.0
+        rows, start = rows[start > _TOUCH], start[start > _TOUCH]
+        slow, fast = (~far[rows]).nonzero()[0], far[rows].nonzero()[0]
+        if len(slow):
+            after[rows[slow]] = moving.chosen(rows[slow]).first_touch(start[slow], expected[rows[slow]])
+        if len(fast):
+            after[rows[fast]] = moving.chosen(rows[fast]).advanced(self._radius[moving.pairs[rows[fast]]].sum(axis=1))
+        return expected, after
+
+    def _touches_of_meshes(self, moving: _MovingPairs, far: BoolArray) -> tuple[FloatArray, FloatArray]:
+        """The same of pairs with a mesh; distances at the end only where they can touch."""
+        duration, radius = moving.paths.duration, self._radius[moving.pairs].sum(axis=1)
+        start, speed = moving.approaching(np.zeros(len(far)), radius)
+        expected, after = np.full(len(far), np.inf), np.where(start <= _TOUCH, 0.0, np.inf)
+        possible = (start <= speed * duration).nonzero()[0]
+        if len(possible):
+            expected[possible] = moving.chosen(possible).clearances(np.full(len(possible), duration))
+        rows = possible[start[possible] > _TOUCH]
+        if len(rows):
+            after[rows] = moving.chosen(rows).stepped(start[rows], start[rows] / speed[rows], expected[rows], radius[rows])
+        return expected, after
 
     def final_distances(self, paths: Paths, pairs: IntArray, limit: FloatArray) -> FloatArray:
         """Signed distances (p,) of ``pairs`` at the end of their paths, exact up to ``limit`` (p,)."""
@@ -115,12 +140,10 @@ class _MovingPairs:
     def clearances(self, time: FloatArray) -> FloatArray:
         return self.narrow.clearances(self.pairs, *relative_pose(*self.poses(time)), self._limit)
 
-    def at_either_end(self) -> tuple[FloatArray, FloatArray]:
-        """Signed distances (k,) at the start and in the actual poses at the end."""
-        count = len(self.pairs)
-        first, second = (np.concatenate([self.paths.start[:, k], self.paths.end[:, k]], axis=1) for k in self.pairs.T)
-        distance = self.narrow.clearances(np.tile(self.pairs, (2, 1)), *relative_pose(first, second), np.tile(self._limit, 2))
-        return distance[:count], distance[count:]
+    def actual(self) -> FloatArray:
+        """Signed distances (k,) in the actual poses at the end."""
+        first, second = (self.paths.end[:, k] for k in self.pairs.T)
+        return self.narrow.clearances(self.pairs, *relative_pose(first, second), self._limit)
 
     def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes, by regula falsi (Illinois) from the time
@@ -183,9 +206,9 @@ class _MovingPairs:
         speed += np.sqrt((bend * bend).sum(axis=0)) * (self.paths.duration - now) + turning
         return distance, np.maximum(speed, 1e-9)
 
-    def stepped(self, start: FloatArray, end: FloatArray, radius: FloatArray) -> FloatArray:
+    def stepped(self, start: FloatArray, time: FloatArray, end: FloatArray, radius: FloatArray) -> FloatArray:
         """Times (k,) of the first touch of pairs with a mesh, whose distances tell nothing once they overlap, infinite where there is none.
-        ``start`` and ``end`` (k,): distances at either end; ``radius`` as in `advanced`.
+        ``start`` and ``end`` (k,): distances at either end; ``time`` (k,) up to which they can't touch; ``radius`` as in `advanced`.
 
         Conservative steps, lengthened to where the distance would vanish as it has shrunk in the step before; where that is too far, the
         next one halves it. Pairs not found in `_MOST_STEPS_OF_MESHES` steps have what the end says.
@@ -195,7 +218,7 @@ class _MovingPairs:
         rate = np.zeros(count)
         last = start.copy()
         result = np.where(end <= _TOUCH, duration, np.inf)
-        time, active = np.zeros(count), np.arange(count)
+        time, active = time.copy(), np.arange(count)
         for _ in range(_MOST_STEPS_OF_MESHES):
             now = time[active]
             distance, speed = self.chosen(active).approaching(now, radius[active])

@@ -557,12 +557,16 @@ class ContactTracker:
         self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray, limit: FloatArray, before: BoolArray
     ) -> BoolArray:
         """Which of the pairs ``rows`` are unchanged: touching and not moved relative to each other, or still too far apart to touch."""
-        pairs = self._pairs
-        values = pairs.values[: _ON_LARGER.start].take(rows, axis=1)
-        travel, change = place - values[_PLACE], turn - values[_TURN].reshape(3, 3, -1)
-        motion = np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2)
+        pairs, motion = self._pairs, self._motion(rows, turn, place, radius)
         apart = pairs.values[_DISTANCE, rows] - motion > limit
         return np.asarray(pairs.known[rows] & np.where(before, motion <= self._same, apart) & (pairs.touching[rows] == before))
+
+    def _motion(self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray) -> FloatArray:
+        """How far any point of the smaller bodies of the pairs ``rows`` (k,), within ``radius`` (k,) of the middles of their bounds, has
+        moved since these pairs were queried: (k,)."""
+        values = self._pairs.values[: _ON_LARGER.start].take(rows, axis=1)
+        travel, change = place - values[_PLACE], turn - values[_TURN].reshape(3, 3, -1)
+        return np.asarray(np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2))
 
     def _patches(self, numbers: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
         """Patches of pairs ``numbers`` (p, 2) by the narrow phase. A medium and a body in it touch at the centre of the intersection of
@@ -629,7 +633,23 @@ class ContactTracker:
     def _meetings(self, paths: Paths, able: IntArray) -> Meetings | None:
         """Which near pairs ``able`` meet on their ``paths``."""
         possible = self._time_of_impact.may_hit(paths, self._near_larger[able], self._near_smaller[able], *self._before)
-        return self._time_of_impact.meetings(paths, self._numbers(self._near[able[possible]]))
+        able = able[possible]
+        meshes = (self._narrow.is_mesh[self._near_larger[able]] | self._narrow.is_mesh[self._near_smaller[able]]).nonzero()[0]
+        if len(meshes):  # their distances take long: use those of the last query
+            able = np.delete(able, meshes[self._stay_apart(paths, self._near[able[meshes]])])
+        return self._time_of_impact.meetings(paths, self._numbers(self._near[able]))
+
+    def _stay_apart(self, paths: Paths, key: IntArray) -> BoolArray:
+        """Which near pairs, by key, were so far apart when they were queried that they can't meet on their ``paths``."""
+        pairs = self._pairs
+        if len(pairs.key) == 0:
+            return np.zeros(len(key), dtype=np.bool_)
+        rows = np.searchsorted(pairs.key, key).clip(max=len(pairs.key) - 1)
+        larger, smaller = pairs.larger[rows], pairs.smaller[rows]
+        turn, offset = relative_pose(paths.start[:, larger], paths.start[:, smaller])
+        place = turned(turn, self._middle[:, smaller]) + offset
+        least = pairs.values[_DISTANCE, rows] - self._motion(rows, turn, place, self._radius[smaller])
+        return np.asarray((pairs.key[rows] == key) & pairs.known[rows] & (least > self._time_of_impact.closing(paths, larger, smaller)))
 
     def _hits(self, paths: Paths, hits: Hits, arrived: IntArray) -> Hits:
         """The confirmed ones among ``hits``. Pairs (by key) that have ``arrived`` at each other by the end of the interval although their

@@ -100,22 +100,34 @@ class CorePairing:
         expanded.triangle_b = np.concatenate(triangle)
         return expanded
 
-    def near_triangles(self, row: CorePairs, reach: float) -> CorePairs:
-        """The pairs of triangles of one pair of surfaces that may be within ``reach`` metres of each other."""
-        first, second = self._surfaces[int(row.first[0])], self._surfaces[int(row.second[0])]
-        back_b = row.rotation_b[..., 0].T
-        turn, shift = back_b @ row.rotation_a[..., 0], back_b @ (row.centre_a[:, 0] - row.centre_b[:, 0])
-        middle, half = (second.low + second.high) / 2, (second.high - second.low) / 2 + reach
-        back = turn.T @ (middle - shift)
-        extent = np.abs(turn.T) @ half
-        _, near = first.index.near(np.array([[back - extent, back + extent]]))
-        corners = first.index.corners[near] @ turn.T + shift
-        mine, theirs = second.index.near(np.stack([corners.min(axis=1) - reach, corners.max(axis=1) + reach], axis=1))
-        possible = apart_by(corners[mine].transpose(2, 1, 0), second.index.corners[theirs].transpose(2, 1, 0)) <= reach
-        mine, theirs = mine[possible], theirs[possible]
-        expanded = chosen_of(row, np.zeros(len(mine), dtype=np.int64))
-        expanded.triangle_a, expanded.triangle_b = near[mine], theirs
+    def near_triangles(self, rows: CorePairs, reach: FloatArray) -> CorePairs:
+        """The pairs of triangles of pairs of surfaces that may be within ``reach`` (n,) metres of each other, in order of the rows."""
+        alike: dict[tuple[int, int], list[int]] = {}
+        for k, pair in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
+            one, other = (id(self._surfaces[core]) for core in pair)
+            alike.setdefault((one, other), []).append(k)
+        found = [self._near_of_alike(rows, np.array(numbers), reach[numbers]) for numbers in alike.values()]
+        number, first, second = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        order = np.argsort(number, kind="stable")
+        expanded = chosen_of(rows, number[order])
+        expanded.triangle_a, expanded.triangle_b = first[order], second[order]
         return expanded
+
+    def _near_of_alike(self, rows: CorePairs, numbers: IntArray, reach: FloatArray) -> tuple[IntArray, IntArray, IntArray]:
+        """The same of the rows ``numbers`` (m,), all of the same two surfaces: the number of the row and those of the triangles."""
+        first, second = self._surfaces[int(rows.first[numbers[0]])], self._surfaces[int(rows.second[numbers[0]])]
+        turn = relative(rows.rotation_b[..., numbers], rows.rotation_a[..., numbers])
+        shift = turned_back(rows.rotation_b[..., numbers], rows.centre_a[:, numbers] - rows.centre_b[:, numbers])
+        middle, half = (second.low + second.high) / 2, (second.high - second.low) / 2
+        back = turned_back(turn, middle[:, None] - shift)
+        extent = turned(np.abs(turn.transpose(1, 0, 2)), half[:, None] + reach)
+        pair, near = first.index.near(np.stack([back - extent, back + extent]).transpose(2, 0, 1))
+        corners = turned(turn[..., pair], first.index.corners[near].transpose(2, 1, 0)) + shift[:, None, pair]
+        bounds = np.stack([corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]]).transpose(2, 0, 1)
+        mine, theirs = second.index.near(bounds)
+        pair = pair[mine]
+        possible = (apart_by(corners[..., mine], second.index.corners[theirs].transpose(2, 1, 0)) <= reach[pair]).nonzero()[0]
+        return numbers[pair[possible]], near[mine[possible]], theirs[possible]
 
     def corners(self, mesh: IntArray, triangle: IntArray, rotation: FloatArray, centre: FloatArray) -> FloatArray:
         """World corners (3, 3, n), by coordinate and corner, of triangles of meshes."""

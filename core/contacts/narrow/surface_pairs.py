@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, chosen_of, joined
+from ...arrays import BoolArray, FloatArray, chosen_of
 from .body_patches import CoreContacts, core_contacts
 from .closed_forms import nearest_on_triangle
 from .convex import ConvexDistances
@@ -45,10 +45,10 @@ class _Gap:
 
 @dataclass(frozen=True, slots=True)
 class _Deep:
-    """A pair of surfaces that cross, or of which one is inside the other: how far it may sink in at most, as the distance ``deepest`` < 0,
-    and the distance ``least`` of one inside, NaN where they cross."""
+    """Pair number ``row`` of surfaces, which cross, or of which one is inside the other: how far it may sink in at most, as the distance
+    ``deepest`` < 0, and the distance ``least`` of one inside, NaN where they cross."""
 
-    row: CorePairs
+    row: int
     gap: _Gap
     deepest: float
     least: float
@@ -70,24 +70,24 @@ class SurfacePairs:
     def gaps(self, rows: CorePairs, solid: bool = False) -> tuple[FloatArray, FloatArray]:
         """Distances (n,) of the cores, 0 where they overlap, and normals (3, n) from first to second. ``solid``: what is inside a hull
         overlaps it."""
-        found = [self._gap(chosen_of(rows, np.array([k])), solid) for k in range(len(rows))]
+        found = [self._gap(rows, k, solid) for k in range(len(rows))]
         way = np.array([gap.second - gap.first for gap in found]).T
         length = np.sqrt(dot(way, way))
         return np.array([gap.distance for gap in found]), way / np.where(length > 0, length, 1.0)
 
-    def _gap(self, row: CorePairs, solid: bool = False) -> _Gap:
-        """The gap of one pair. FCL gives the nearest points right only where the mesh comes first, and never those of spheres."""
+    def _gap(self, rows: CorePairs, k: int, solid: bool = False) -> _Gap:
+        """The gap of pair ``k``. FCL gives the nearest points right only where the mesh comes first, and never those of spheres."""
         import fcl
 
-        first, second = int(row.first[0]), int(row.second[0])
-        turn, place = row.rotation_b[..., 0], row.centre_b[:, 0]
+        first, second = int(rows.first[k]), int(rows.second[k])
+        turn, place = rows.rotation_b[..., k], rows.centre_b[:, k]
         other: Any = self._convex(first) if solid or not self._is_surface(first) else self._surfaces[first]
-        other.second.setRotation(np.ascontiguousarray(turn.T @ row.rotation_a[..., 0]))
-        other.second.setTranslation(turn.T @ (row.centre_a[:, 0] - place))
+        other.second.setRotation(np.ascontiguousarray(turn.T @ rows.rotation_a[..., k]))
+        other.second.setTranslation(turn.T @ (rows.centre_a[:, k] - place))
         result = fcl.DistanceResult()
         distance = float(fcl.distance(self._surfaces[second].first, other.second, fcl.DistanceRequest(enable_nearest_points=True), result))
         on_mesh, on_other = (turn @ np.asarray(point) + place for point in result.nearest_points)
-        return _Gap(max(distance, 0.0), row.centre_a[:, 0] if self._table.kind[first] == Kind.POINT else on_other, on_mesh)
+        return _Gap(max(distance, 0.0), rows.centre_a[:, k] if self._table.kind[first] == Kind.POINT else on_other, on_mesh)
 
     def _convex(self, core: int) -> Any:
         if self._table.kind[core] == Kind.MESH:
@@ -97,34 +97,34 @@ class SurfacePairs:
     def contacts(self, rows: CorePairs, limit: FloatArray, distance: FloatArray, found: list[CoreContacts], corners: bool) -> None:
         """Add the contacts of pairs of surfaces within ``limit`` (p,) of the pairs of bodies to ``found``, and lower bounds on the others
         to ``distance`` (p,)."""
-        apart: list[CorePairs] = []
+        apart: dict[int, float] = {}  # numbers of the pairs, and how far their triangles may be from each other
         deep: list[_Deep] = []
         for k in range(len(rows)):
-            row = chosen_of(rows, np.array([k]))
-            a, b = (self._surfaces[int(core[0])] for core in (row.first, row.second))
-            owner, radius = int(row.owner[0]), float(row.radius_a[0] + row.radius_b[0])
-            gap = self._gap(row)
-            most = _most(a, b)
+            a, b = self._surfaces[int(rows.first[k])], self._surfaces[int(rows.second[k])]
+            owner, radius = int(rows.owner[k]), float(rows.radius_a[k] + rows.radius_b[k])
+            gap = self._gap(rows, k)
+            least, most = gap.distance - radius, _most(a, b)
             if gap.distance <= _TOUCHING:
                 if most > 0:
-                    deep.append(_Deep(row, gap, -most, np.nan))
+                    deep.append(_Deep(k, gap, -most, np.nan))
                 else:
-                    apart.append(self._pairing.near_triangles(row, _REACH))
+                    apart[k] = _REACH
                 continue
-            least = gap.distance - radius
-            around = self._around(row, a, b) if most > 0 and least - most <= limit[owner] else 0.0
+            around = self._around(chosen_of(rows, np.array([k])), a, b) if most > 0 and least - most <= limit[owner] else 0.0
             if least - most > limit[owner] or around > 0:
                 least -= most if np.isfinite(around) else gap.distance + most
             if least > limit[owner]:
                 distance[owner] = min(distance[owner], least)
             elif around > 0:
-                deep.append(_Deep(row, gap, -most, least))
+                deep.append(_Deep(k, gap, -most, least))
             else:
-                apart.append(self._pairing.near_triangles(row, gap.distance + _REACH))
+                apart[k] = gap.distance + _REACH
         if deep:
-            apart += self._passed_through(deep, found, corners)
+            apart.update(dict.fromkeys(self._passed_through(rows, deep, found, corners), _REACH))
         if apart:
-            self._lying(joined(apart), limit, distance, found, corners)
+            numbers = np.array(list(apart))
+            near = self._pairing.near_triangles(chosen_of(rows, numbers), np.array(list(apart.values())))
+            self._lying(near, limit, distance, found, corners)
 
     def meet(self, rows: CorePairs) -> BoolArray:
         """Which pairs (n,) meet as surfaces: two meshes, or a hull and a solid mesh."""
@@ -154,7 +154,7 @@ class SurfacePairs:
                 continue
             chosen[k] = True
             owner, radius = int(row.owner[0]), float(row.radius_a[0] + row.radius_b[0])
-            least = max(self._gap(row).distance - radius, 0.0) + float(self.deepest(row)[0])
+            least = max(self._gap(row, 0).distance - radius, 0.0) + float(self.deepest(row)[0])
             distance[owner] = min(distance[owner], max(least, limit[owner]))
             if least <= limit[owner]:
                 corners = mesh.index.corners.transpose(2, 1, 0)
@@ -205,14 +205,15 @@ class SurfacePairs:
             patch = self._patches.patches(rows, separation)
             found.append(core_contacts(rows, separation.normal, gap[near], patch, corners))
 
-    def _passed_through(self, deep: list[_Deep], found: list[CoreContacts], corners: bool) -> list[CorePairs]:
-        """Solids whose surfaces cross, or of which one is inside the other. Returns the pairs of triangles of those that cross where no
-        faces look at each other."""
-        each = [self._pairing.near_triangles(pair.row, _REACH - 2 * pair.deepest) for pair in deep]
-        number = np.repeat(np.arange(len(deep)), [len(rows) for rows in each])
-        rows = joined(each)
+    def _passed_through(self, pairs: CorePairs, deep: list[_Deep], found: list[CoreContacts], corners: bool) -> list[int]:
+        """Solids whose surfaces cross, or of which one is inside the other. Returns the numbers of the pairs that cross where no faces look
+        at each other."""
+        several = chosen_of(pairs, np.array([pair.row for pair in deep]))
+        deepest, least = np.array([[pair.deepest, pair.least] for pair in deep]).T
+        rows = self._pairing.near_triangles(replace(several, owner=np.arange(len(deep))), _REACH - 2 * deepest)
+        number, rows = rows.owner, replace(rows, owner=several.owner[rows.owner])
         first, second = self._corners(rows)
-        depths = np.array([[surface.depth for surface in self._both(pair.row)] for pair in deep]).T
+        depths = np.array([[self._surfaces[core].depth for core in cores] for cores in zip(several.first, several.second, strict=True)]).T
         solid_a, solid_b = depths[:, number] > 0
         normal_a, normal_b = unit_normals(first), unit_normals(second)
         against = dot(normal_a, normal_b)
@@ -236,16 +237,18 @@ class SurfacePairs:
         for k, pair in enumerate(deep):
             mine = np.flatnonzero((number == k) & valid)
             under = mine[beyond[mine] < -_TOUCHING]
-            valid[under] = self._overlap(pair.row, ends[0][:, under], ends[1][:, under])
+            valid[under] = self._overlap(chosen_of(several, np.array([k])), ends[0][:, under], ends[1][:, under])
             if np.isfinite(pair.least):
                 valid[mine[beyond[mine] >= 0]] = False
             if not valid[mine].any():
                 if np.isfinite(pair.least):
                     gap = pair.gap
-                    found.append(_point(pair.row, pair.least, gap.first - gap.second, (gap.first + gap.second) / 2))
+                    found.append(
+                        _point(chosen_of(several, np.array([k])), pair.least, gap.first - gap.second, (gap.first + gap.second) / 2)
+                    )
                 else:
-                    again.append(self._pairing.near_triangles(pair.row, _REACH))
-        deepest, least = np.array([[pair.deepest, pair.least] for pair in deep]).T[:, number]
+                    again.append(pair.row)
+        deepest, least = deepest[number], least[number]
         distance = np.where(np.isfinite(least), least, np.maximum(depth, deepest) - rows.radius_a - rows.radius_b)
         kept = valid.nonzero()[0]
         if len(kept):

@@ -4,28 +4,56 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray
-from .closed_forms import Separation, segment_to_triangle
-from .frames import cross, dot, pick
+from ...arrays import BoolArray, FloatArray, chosen_of, replace_rows
+from .closed_forms import Separation, between, nearest_on_triangle, segment_to_segment, segment_to_triangle
+from .frames import cross, dot
 
 _FACE_PREFERENCE = 1e-6
 """Metres by which a pair of edges must be further apart than the faces, so that parallel faces have the faces' normal."""
 
 
 def triangle_to_triangle(first: FloatArray, second: FloatArray) -> Separation:
-    """Pairs of triangles (3, 3, n) by coordinate and corner. Of two that cross, the deepest way of an edge of either through the other."""
+    """Pairs of triangles (3, 3, n) by coordinate and corner: the nearest of edges and edges, corners and faces. Of two that cross, the
+    deepest way of an edge of either through the other."""
     count = first.shape[2]
-    edges = [(one, other, corner, flipped) for one, other, flipped in ((first, second, 0), (second, first, 1)) for corner in range(3)]
+    one, other = first[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]], second[:, [0, 1, 2] * 3]
+    after, beyond = np.roll(first, -1, axis=1)[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]], np.roll(second, -1, axis=1)[:, [0, 1, 2] * 3]
+    edges = segment_to_segment(*(ends.reshape(3, -1) for ends in (one, after, other, beyond)))
+    onto_second = nearest_on_triangle(first.reshape(3, -1), np.tile(second, 3))
+    onto_first = nearest_on_triangle(second.reshape(3, -1), np.tile(first, 3))
+    corners = [between(first.reshape(3, -1), onto_second), between(onto_first, second.reshape(3, -1))]
+    distance, normal, start, end = (
+        np.concatenate([getattr(part, name) for part in (*corners, edges)], axis=-1) for name in ("distance", "normal", "first", "second")
+    )
+    best = distance.reshape(15, count).argmin(axis=0) * count + np.arange(count)
+    found = Separation(distance[best], normal[:, best], start[:, best], end[:, best])
+    through = (_straddles(first, second) & _straddles(second, first)).nonzero()[0]
+    if len(through):
+        crossed = _crossed(first[..., through], second[..., through])
+        deep = crossed.distance <= found.distance[through]
+        replace_rows(found, through[deep], chosen_of(crossed, deep))
+    return found
+
+
+def _straddles(first: FloatArray, second: FloatArray) -> BoolArray:
+    """Which second triangles have corners on both sides of the planes of the first ones."""
+    normal = cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
+    height = dot(normal[:, None], second - first[:, :1])
+    return np.asarray((height.min(axis=0) <= 0) & (height.max(axis=0) >= 0))
+
+
+def _crossed(first: FloatArray, second: FloatArray) -> Separation:
+    """The deepest of the ways of the edges of triangles through the others."""
+    count = first.shape[2]
+    edges = [(one, other, corner) for one, other in ((first, second), (second, first)) for corner in range(3)]
     start, end, corners = (
-        np.concatenate(parts, axis=-1)
-        for parts in zip(*((one[:, k], one[:, (k + 1) % 3], other) for one, other, k, _ in edges), strict=True)
+        np.concatenate(parts, axis=-1) for parts in zip(*((one[:, k], one[:, (k + 1) % 3], other) for one, other, k in edges), strict=True)
     )
     found = segment_to_triangle(start, end, corners)
-    distance = found.distance.reshape(6, count)
-    best = distance.argmin(axis=0)
-    of, column = best * count + np.arange(count), best >= 3
+    best = found.distance.reshape(6, count).argmin(axis=0)
+    of, flipped = best * count + np.arange(count), best >= 3
     normal, a, b = found.normal[:, of], found.first[:, of], found.second[:, of]
-    return Separation(pick(distance, best), np.where(column, -normal, normal), np.where(column, b, a), np.where(column, a, b))
+    return Separation(found.distance[of], np.where(flipped, -normal, normal), np.where(flipped, b, a), np.where(flipped, a, b))
 
 
 def apart_by(first: FloatArray, second: FloatArray) -> FloatArray:
