@@ -217,12 +217,13 @@ class SurfacePairs:
         solid_a, solid_b = depths[:, number] > 0
         normal_a, normal_b = unit_normals(first), unit_normals(second)
         against = dot(normal_a, normal_b)
-        # A shell has no outside: it is seen from that side on which the solid is.
-        normal_a = np.where(~solid_a & (against > 0), -normal_a, normal_a)
-        normal_b = np.where(~solid_b & (against > 0), -normal_b, normal_b)
+        # A shell has no outside: both sides of it are looked at.
+        turned = (~solid_a | ~solid_b) & (against > 0)
+        normal_a = np.where(~solid_a & turned, -normal_a, normal_a)
+        normal_b = np.where(~solid_b & turned, -normal_b, normal_b)
         chosen = ((dot(normal_a, normal_b) < _OPPOSITE) & ~beside(first, second, normal_a) & ~beside(second, first, normal_b)).nonzero()[0]
         rows, number, first, second = chosen_of(rows, chosen), number[chosen], first[..., chosen], second[..., chosen]
-        normal_a, normal_b = normal_a[:, chosen], normal_b[:, chosen]
+        normal_a, normal_b, turned = normal_a[:, chosen], normal_b[:, chosen], turned[chosen]
         separation, axis = facing_axes(first, second, normal_a, normal_b)
         middle = (first.sum(axis=1) + second.sum(axis=1)) / 6
         patch = patches(first - middle[:, None], second - middle[:, None], axis)
@@ -233,11 +234,15 @@ class SurfacePairs:
             for corners, normal in ((first, normal_a), (second, normal_b))
         ]
         beyond = dot(axis, ends[1] - ends[0])  # at the middle of the patch
+        patch = replace(patch, centre=(ends[0] + ends[1]) / 2)
         valid, again = patch.found & (depth < _REACH), []
         for k, pair in enumerate(deep):
             mine = np.flatnonzero((number == k) & valid)
             under = mine[beyond[mine] < -_TOUCHING]
             valid[under] = self._overlap(chosen_of(several, np.array([k])), ends[0][:, under], ends[1][:, under])
+            through = [under[valid[under] & (turned[under] == side)] for side in (False, True)]
+            if len(through[0]) and len(through[1]):  # a shell inside a wall: the shorter way out
+                valid[max(through, key=lambda way: float(-depth[way].min()))] = False
             if np.isfinite(pair.least):
                 valid[mine[beyond[mine] >= 0]] = False
             if not valid[mine].any():

@@ -15,7 +15,8 @@ from .mesh_index import MeshIndex
 @dataclass(frozen=True, slots=True)
 class Surface:
     """The triangles of a core in its own frame. ``depth`` [m]: how far beneath the surface a body touches it; 0 of a shell, infinite of a
-    hull. ``size`` [m]: the smallest extent. ``first`` and ``second``: FCL's objects for the first and the second of a pair."""
+    hull. ``size`` [m]: the smallest extent of a solid, infinite of a
+    shell. ``first`` and ``second``: FCL's objects for the first and the second of a pair."""
 
     index: MeshIndex
     low: FloatArray
@@ -41,7 +42,7 @@ class Surface:
         geometry.addSubModel(points, triangles)
         geometry.endModel()
         low, high = core.bounds()
-        size = float(np.min(high - low)) + 2 * core.radius[0]
+        size = float(np.min(high - low)) + 2 * core.radius[0] if depth > 0 else np.inf
         index = MeshIndex.of(points[triangles])
         return cls(index, low, high, depth, size, fcl.CollisionObject(geometry), fcl.CollisionObject(geometry))
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,9 @@ from haptic_tracing.core.contacts.shapes import Box, Capsule, Cone, ConvexHull, 
 from haptic_tracing.core.contacts.tracker import ContactTracker
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "references"))
+import triangle_reference
 
 G = 9.81
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -25,10 +30,14 @@ SHAPES = {  # and how far below its origin each ends
     "cone": (Cone(0.3, 0.5, margin=0.04), 0.29),
     "cube": (ConvexHull(CUBE, rounding=0.04), 0.5),
     "hull": (ConvexHull(np.concatenate([CUBE, [[0.7, 0, 0]]])), 0.5),
+    "ring": (mesh_shape(*triangle_reference.torus(), margin=0.04), 0.14),
+    "dumbbell": (Mesh(*triangle_reference.SOLIDS["dumbbell"], sunk_in=0.05), 0.35),
+    "cup": (Mesh(*triangle_reference.SOLIDS["cup"], sunk_in=0.05), 0.2),
 }
 GROUNDS = {
     "box": (Box((50, 50, 1)), -0.5),
     "mesh": (Mesh([[-25, -25, 0], [25, -25, 0], [25, 25, 0], [-25, 25, 0]], [[0, 1, 2], [0, 2, 3]]), 0.0),
+    "solid": (Mesh(*triangle_reference.box((50, 50, 1), 6), sunk_in=0.05), -0.5),
 }
 
 
