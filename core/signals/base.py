@@ -192,7 +192,7 @@ class Gain(Signal, kind="gain"):
     """`of` times `gain`, a number or an automation over the signal's own time."""
 
     of: Signal = field(metadata=SIGNAL)
-    gain: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK, checked_parameter))
+    gain: float | Automation = field(default=1.0, metadata=within("Factor of gain", -MAX_PEAK, MAX_PEAK, checked_parameter))
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
@@ -313,7 +313,7 @@ def values_inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
 class Delay(Modified, kind="delay"):
     """`of`, `seconds` later."""
 
-    seconds: float = field(default=0.0, metadata=within(0.0, MAX_SECONDS))
+    seconds: float = field(default=0.0, metadata=within("Seconds by which delay starts later", 0.0, MAX_SECONDS))
 
     @property
     def duration(self) -> float:
@@ -331,7 +331,7 @@ class Loop(Modified, kind="loop"):
     loops without a click; a pass then begins that much before the end of the last.
     """
 
-    count: int | None = field(default=None, metadata=within(1, 10**9, checked_integer))
+    count: int | None = field(default=None, metadata=within("Times that loop plays; without it, endlessly", 1, 10**9, checked_integer))
     crossfade: float = 0.0
 
     def __post_init__(self) -> None:

@@ -22,8 +22,8 @@ SILENCE = 1e-4
 class Constant(Signal, kind="constant"):
     """One value for `duration` seconds (endless by default); with a duration, a rectangular gate."""
 
-    value: float = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
-    duration: float = field(default=math.inf, metadata=within(MIN_SECONDS, MAX_SECONDS))
+    value: float = field(default=1.0, metadata=within("Value of constant", -MAX_PEAK, MAX_PEAK))
+    duration: float = field(default=math.inf, metadata=within("Seconds that constant lasts; without it, endless", MIN_SECONDS, MAX_SECONDS))
 
     @property
     def peak(self) -> float:
@@ -42,11 +42,13 @@ class Adsr(Signal, kind="adsr"):
 
     peak: ClassVar[float] = 1.0
 
-    attack: float = field(default=0.01, metadata=within(0.0, MAX_SECONDS / 4))
-    decay: float = field(default=0.05, metadata=within(0.0, MAX_SECONDS / 4))
-    sustain: float = field(default=0.7, metadata=within(0.0, 1.0))
-    release: float = field(default=0.1, metadata=within(0.0, MAX_SECONDS / 4))
-    hold: float = field(default=math.inf, metadata=within(0.0, MAX_SECONDS / 4))
+    attack: float = field(default=0.01, metadata=within("Seconds in which adsr rises to 1", 0.0, MAX_SECONDS / 4))
+    decay: float = field(default=0.05, metadata=within("Seconds in which adsr falls to sustain", 0.0, MAX_SECONDS / 4))
+    sustain: float = field(default=0.7, metadata=within("Level that adsr holds", 0.0, 1.0))
+    release: float = field(default=0.1, metadata=within("Seconds in which adsr falls to 0", 0.0, MAX_SECONDS / 4))
+    hold: float = field(
+        default=math.inf, metadata=within("Seconds for which adsr stays at sustain; without it, endless", 0.0, MAX_SECONDS / 4)
+    )
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
@@ -105,7 +107,7 @@ class Decay(Signal, kind="decay"):
 
     peak: ClassVar[float] = 1.0
 
-    time_constant: float = field(default=1.0, metadata=within(MIN_SECONDS, MAX_SECONDS))
+    time_constant: float = field(default=1.0, metadata=within("Seconds in which decay falls by a factor e", MIN_SECONDS, MAX_SECONDS))
 
     @property
     def duration(self) -> float:

@@ -18,8 +18,8 @@ from .oscillators import sine
 class Impulse(Amplified, kind="impulse"):
     """A half-sine shock pulse, the force of a contact that lasts `width` seconds: amplitude · sin(π t / width)."""
 
-    width: float = field(default=0.002, metadata=within(0.0005, MAX_SECONDS))
-    amplitude: float = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
+    width: float = field(default=0.002, metadata=within("Seconds that a shock pulse lasts", 0.0005, MAX_SECONDS))
+    amplitude: float = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK))
 
     @property
     def duration(self) -> float:
@@ -36,9 +36,9 @@ class DecayingSine(Amplified, kind="decaying_sine"):
     frequency: hertz; silent at and above half the sample rate. decay: seconds, the time constant.
     """
 
-    frequency: float = field(default=150.0, metadata=within(0.0, MAX_FREQUENCY))
-    decay: float = field(default=0.03, metadata=within(MIN_SECONDS, MAX_SECONDS))
-    amplitude: float = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK))
+    frequency: float = field(default=150.0, metadata=within("Hertz", 0.0, MAX_FREQUENCY))
+    decay: float = field(default=0.03, metadata=within("Seconds in which a decaying sine falls by a factor e", MIN_SECONDS, MAX_SECONDS))
+    amplitude: float = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK))
 
     @property
     def duration(self) -> float:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from numbers import Integral, Real
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -46,12 +46,13 @@ def checked_integer(name: str, value: object, low: int, high: int) -> int:
     return number
 
 
-def within(low: float, high: float, check: Callable[..., object] = checked_number) -> dict[str, Callable[[str, object], object]]:
+def within(about: str, low: float, high: float, check: Callable[..., object] = checked_number) -> dict[str, Any]:
     """The metadata of a signal's field for values from `low` to `high`. A default of None or infinity is allowed as well.
 
-    check: `checked_number`, `checked_integer`, or `checked_parameter` for a number or an automation.
+    about: what it is, for the JSON Schema. check: `checked_number`, `checked_integer`, or `checked_parameter` for a number or an
+    automation.
     """
-    return {"check": partial(check, low=low, high=high)}
+    return {"check": partial(check, low=low, high=high), "about": about}
 
 
 def checked_column(name: str, numbers: Sequence[float] | FloatArray, limit: float, most: int | None = None) -> FloatArray:

@@ -25,9 +25,9 @@ class Noise(Amplified, kind="noise"):
 
     duration: ClassVar[float] = math.inf
 
-    amplitude: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK, checked_parameter))
-    seed: int = field(default=0, metadata=within(0, 2**64 - 1, checked_integer))
-    rate: float = field(default=8000.0, metadata=within(1.0, 48_000.0))
+    amplitude: float | Automation = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK, checked_parameter))
+    seed: int = field(default=0, metadata=within("Seed of the noise", 0, 2**64 - 1, checked_integer))
+    rate: float = field(default=8000.0, metadata=within("Values of noise per second", 1.0, 48_000.0))
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         position = times * self.rate

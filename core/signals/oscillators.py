@@ -37,9 +37,9 @@ class Oscillator(Amplified):
     duration: ClassVar[float] = math.inf
     has_edges: ClassVar[bool] = True
 
-    frequency: float | Automation = field(default=60.0, metadata=within(0.0, MAX_FREQUENCY, checked_parameter))
-    amplitude: float | Automation = field(default=1.0, metadata=within(-MAX_PEAK, MAX_PEAK, checked_parameter))
-    phase: float = field(default=0.0, metadata=within(-1e6, 1e6))
+    frequency: float | Automation = field(default=60.0, metadata=within("Hertz", 0.0, MAX_FREQUENCY, checked_parameter))
+    amplitude: float | Automation = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK, checked_parameter))
+    phase: float = field(default=0.0, metadata=within("Initial phase in cycles, 0 to 1", -1e6, 1e6))
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         aliases = largest(self.frequency) * step >= 0.5
@@ -122,7 +122,7 @@ class Saw(Oscillator, kind="saw"):
 class Pulse(Oscillator, kind="pulse"):
     """A train of pulses: 1 for the first `duty` (0 to 1) of the period, 0 for the rest."""
 
-    duty: float = field(default=0.1, metadata=within(0.0, 1.0))
+    duty: float = field(default=0.1, metadata=within("Part of the period for which a pulse is 1", 0.0, 1.0))
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         half = self.duty / 2

@@ -23,7 +23,7 @@ class Sampled(Signal, kind="sampled"):
     """
 
     samples: FloatArray
-    rate: float = field(default=8000.0, metadata=within(1.0, 192_000.0))
+    rate: float = field(default=8000.0, metadata=within("Sample rate of sampled", 1.0, 192_000.0))
     peak: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

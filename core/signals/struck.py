@@ -35,9 +35,9 @@ class Struck(Modified, kind="struck"):
     pitch: 0.25 to 4. decay: 0.01 to 1. brightness: 0 to 1. of: ends within `LONGEST` seconds.
     """
 
-    pitch: float = field(default=1.0, metadata=within(0.25, 4.0))
-    decay: float = field(default=1.0, metadata=within(0.01, 1.0))
-    brightness: float = field(default=1.0, metadata=within(0.0, 1.0))
+    pitch: float = field(default=1.0, metadata=within("Playback speed of struck", 0.25, 4.0))
+    decay: float = field(default=1.0, metadata=within("Factor of the decay time of struck", 0.01, 1.0))
+    brightness: float = field(default=1.0, metadata=within("Gain of struck above 100 Hz", 0.0, 1.0))
 
     def __post_init__(self) -> None:
         Modified.__post_init__(self)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from dataclasses import MISSING, Field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +17,9 @@ from ...scene.library import LibraryMaterial
 from ...scene.rules import ContactSettings
 from ...scene.texture import Texture
 from ...scene.values import Contact, HapticObject, Listener, Settings, Source
+from ...signals import SIGNAL_KINDS
+from ...signals.base import SIGNALS, json_fields
+from ...signals.limits import checked_integer, checked_number
 
 SCENE = "haptic-scene-1.1"
 """The name of the schema."""
@@ -56,6 +62,53 @@ def function_schema() -> dict[str, Any]:
     }
 
 
+def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
+    """The definition of signals: each kind has its own parameters. ``outline``: those that are not numbers."""
+    properties: dict[str, Any] = {"signal": {"description": "Kind of signal.", "enum": list(SIGNAL_KINDS)}}
+    rules = []
+    for kind, cls in SIGNAL_KINDS.items():
+        own = json_fields(cls)
+        limits = {key: _parameter(entry) for key, entry in own.items() if isinstance(entry.metadata.get("check"), partial)}
+        for key, item in limits.items():
+            known = properties.setdefault(key, item)
+            if known is not item:
+                properties[key] = _either(known, item)
+        limits |= {key: {"type": _COMBINED[entry.metadata["check"] is SIGNALS["check"]]} for key, entry in own.items() if key == "of"}
+        narrow = {key: {name: value for name, value in item.items() if name != "description"} for key, item in limits.items()}
+        required = [key for key, entry in own.items() if entry.default is MISSING]
+        then = {"propertyNames": {"enum": ["signal", *own]}, "required": required, "properties": narrow}
+        rules.append({"if": {"properties": {"signal": {"const": kind}}}, "then": then})
+    return {
+        "type": "object",
+        "properties": {**properties, **outline["properties"]},
+        "required": ["signal"],
+        "additionalProperties": False,
+        "allOf": rules,
+    }
+
+
+_COMBINED = {False: "object", True: "array"}
+_TYPES = {checked_number: "number", checked_integer: "integer"}
+
+
+def _parameter(entry: Field[Any]) -> dict[str, Any]:
+    """The schema of a signal's number, or of its number that may change over time."""
+    check, description = entry.metadata["check"], f"{entry.metadata['about']}."
+    if check.func not in _TYPES:
+        return {"description": description, "$ref": "#/$defs/parameter"}
+    return {"description": description, "type": _TYPES[check.func], "minimum": check.keywords["low"], "maximum": check.keywords["high"]}
+
+
+def _either(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
+    """The schema of a parameter that two kinds of signals have, with the limits of both."""
+    description = " ".join(dict.fromkeys((first["description"], second["description"])))
+    for item in (first, second):
+        if "$ref" in item:
+            return {"description": description, "$ref": item["$ref"]}
+    low, high = min(first["minimum"], second["minimum"]), max(first["maximum"], second["maximum"])
+    return {"description": description, "type": first["type"], "minimum": low, "maximum": high}
+
+
 def scene_schema() -> dict[str, Any]:
     """The schema as a JSON document."""
     document: dict[str, Any] = json.loads(Path(__file__).with_name("scene_outline.json").read_text("utf-8"))
@@ -64,4 +117,5 @@ def scene_schema() -> dict[str, Any]:
         outline, item = definitions[name], schema_of(cls)
         definitions[name] = {**outline, **item, "properties": {**outline.get("properties", {}), **item["properties"]}}
     definitions["function"] |= function_schema()
+    definitions["signal"] |= signal_schema(definitions["signal"])
     return document
