@@ -35,17 +35,18 @@ _known: dict[bytes, Heard] = {}
 class DecodedSound:
     """A sound of any format that Blender reads, decoded in parts. ``rate`` in hertz, ``count`` samples. Raises ValueError."""
 
-    def __init__(self, path: Path, folder: Any = None) -> None:
+    def __init__(self, path: Path, name: str = "", folder: Any = None) -> None:
+        """name: of the sound for the user, that of the file by default. folder: is kept as long as the sound."""
         try:
             import aud
         except ImportError:
             raise ValueError(iface_("this Blender is built without audio")) from None
         self._sound, self._folder = aud.Sound.file(str(path)), folder
-        self._name, self._error = path.name, aud.error
+        self._name, self._error = name or path.name, aud.error
         try:
             self.rate, self.count = float(self._sound.specs[0]), int(self._sound.length)
         except aud.error as error:
-            raise ValueError(f"{path.name}: {error}") from None
+            raise ValueError(f"{self._name}: {error}") from None
 
     def read(self, first: int, last: int) -> FloatArray:
         """See `core.signals.sound.Recording`."""
@@ -151,7 +152,7 @@ def _decoded(sound: Any) -> DecodedSound:
     folder = tempfile.TemporaryDirectory()
     path = Path(folder.name) / "sound"
     path.write_bytes(sound.packed_file.data)
-    return DecodedSound(path, folder)
+    return DecodedSound(path, bpy.path.basename(sound.filepath) or sound.name, folder)
 
 
 def _volume(owner: Any, path: str, value: float, scene: Scene, end: float) -> float | Automation:

@@ -27,7 +27,7 @@ from .step import Step, answer
 LONGEST_STEP = 0.25
 """Duration of a step from which on the run begins anew: without impacts, from silence [s]."""
 
-_SHORTEST = 1e-12
+_SHORTEST, _FARTHEST = 1e-12, 1e9
 """Length above which a quaternion is a rotation."""
 
 Position = Sequence[float]
@@ -224,11 +224,13 @@ class Run:
             require_known(name, self._row, "object", ("poses", name))
         try:
             moved = np.array([*poses.values()], dtype=np.float64).reshape(len(poses), 7)
+            if not (np.abs(moved) <= _FARTHEST).all():
+                raise ValueError
             length = np.linalg.norm(moved[:, 3:], axis=1)
-            if not (np.isfinite(moved).all() and (length > _SHORTEST).all()):
+            if not (length > _SHORTEST).all():
                 raise ValueError
         except (TypeError, ValueError):
-            raise PlacedError(("poses", _faulty(poses)), "expected x, y, z, qw, qx, qy, qz: finite, and a rotation") from None
+            raise PlacedError(("poses", _faulty(poses)), f"expected x, y, z, qw, qx, qy, qz: up to {_FARTHEST:g}, and a rotation") from None
         rows = [self._row[name] for name in poses]
         self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:] / length[:, None])
         self._poses[rows, :3, 3] = moved[:, :3]
@@ -313,7 +315,7 @@ def _faulty(poses: Mapping[str, Sequence[float]]) -> str:
     """The first object whose pose is not one."""
     for name, pose in poses.items():
         try:
-            if len(pose) != 7 or not all(map(math.isfinite, pose)) or math.hypot(*pose[3:]) <= _SHORTEST:
+            if len(pose) != 7 or not all(abs(value) <= _FARTHEST for value in pose) or math.hypot(*pose[3:]) <= _SHORTEST:
                 return name
         except TypeError:
             return name

@@ -71,6 +71,17 @@ def _beside(path: Path) -> Path:
 
 
 @contextmanager
+def _errors_of(own: Path, shown: Path) -> Iterator[None]:
+    """Let errors of the hidden file or folder ``own``, and of what is in it, name what is ``shown`` to the user instead."""
+    try:
+        yield
+    except OSError as error:
+        if isinstance(error.filename, str) and Path(error.filename).is_relative_to(own):
+            error.filename = str(shown / Path(error.filename).relative_to(own))
+        raise
+
+
+@contextmanager
 def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
     """A binary file that replaces ``path`` when the block ends without an error and is removed otherwise.
 
@@ -79,7 +90,8 @@ def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
     """
     path = Path(path)
     temporary = path.with_name(f".{secrets.token_hex(8)}.part")
-    file = temporary.open("xb")
+    with _errors_of(temporary, path):
+        file = temporary.open("xb")
     try:
         with file:  # closing may fail as well, on a full disk
             lock(file.fileno())
@@ -166,9 +178,10 @@ def staging(target: Path) -> Iterator[Staging]:
     """
     remove_abandoned(target)
     folder = target / f".{secrets.token_hex(8)}.part"
-    folder.mkdir()
+    with _errors_of(folder, target):
+        folder.mkdir()
     try:
-        with (folder / _LOCK).open("wb") as file:
+        with _errors_of(folder, target), (folder / _LOCK).open("wb") as file:
             lock(file.fileno())
             yield Staging(folder, target)
     finally:

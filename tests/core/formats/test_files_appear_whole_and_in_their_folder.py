@@ -218,3 +218,14 @@ def test_a_reader_sees_the_old_file_or_the_new_one(tmp_path):
         assert read_scene(path) in scenes
     thread.join()
     assert read_scene(path) == scenes[-1]
+
+
+def test_errors_name_the_file_and_not_the_hidden_one_on_the_way_to_it(tmp_path):
+    for write in (atomic.write_bytes, lambda path, data: atomic.write_text(path, [data.decode()])):
+        with pytest.raises(OSError) as caught:
+            write(tmp_path / "gone" / "scene.json", b"x")
+        assert caught.value.filename == str(tmp_path / "gone" / "scene.json")
+    with pytest.raises(OSError) as caught, atomic.staging(tmp_path) as place:
+        (place.folder / "track.wav").write_bytes(b"x")
+        (place.folder / "track.wav" / "more.wav").write_bytes(b"x")
+    assert caught.value.filename == str(tmp_path / "track.wav" / "more.wav")
