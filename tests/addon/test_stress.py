@@ -138,8 +138,12 @@ class Stress:
         self.edited()
 
     def change_modifiers(self):
-        """A modifier that empties the mesh or moves it away, at once or over the frames, comes, is switched, or goes."""
+        """A modifier that empties the mesh or moves it away, at once or over the frames, comes, is switched, or goes; or what touches is
+        chosen."""
         box = self.some_box()
+        if self.random.random() < 0.3:
+            box.haptics.surface = self.random.choice(("CONVEX_HULL", "SEEN", "SOLID", "SHELL"))
+            return
         if box.modifiers and self.random.random() < 0.5:
             modifier = box.modifiers[0]
             if self.random.random() < 0.5:
