@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import random
 from typing import Any
 
 import bpy
 import pytest
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import air_contacts
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
 
 
 def make(*objects: Any) -> None:
@@ -174,3 +178,59 @@ def test_skin_that_is_too_fine_names_its_cure(add_box, monkeypatch):
     torus.haptics.surface = "CONVEX_HULL"
     contacts()
     assert session.problems_of(bpy.context.scene) == ()
+
+
+def encloses(trees: dict[str, Any], corners: dict[str, Any], a: str, b: str) -> bool:
+    """Whether a corner of one object is inside the other: an odd number of faces is above it."""
+
+    def is_inside(point: Any, tree: Any) -> bool:
+        count, start = 0, point
+        while (hit := tree.ray_cast(start, (0.0, 0.0, 1.0)))[0] is not None:
+            count, start = count + 1, hit[0] + Vector((0, 0, 1e-5))
+        return count % 2 == 1
+
+    return is_inside(corners[a][0], trees[b]) or is_inside(corners[b][0], trees[a])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_what_blender_finds_to_overlap_touches_and_what_is_apart_does_not(scene, seed):
+    """Suzanne, rings and cones in random poses, against the trees of triangles of Blender itself."""
+    draw = random.Random(seed)
+    makers = (
+        lambda: bpy.ops.mesh.primitive_monkey_add(size=0.8),
+        lambda: bpy.ops.mesh.primitive_torus_add(major_radius=0.4, minor_radius=0.12, major_segments=24, minor_segments=10),
+        lambda: bpy.ops.mesh.primitive_cone_add(radius1=0.3, depth=0.6),
+        lambda: bpy.ops.mesh.primitive_torus_add(major_radius=0.3, minor_radius=0.08, major_segments=7, minor_segments=4),
+    )
+    objects = []
+    for k in range(24):
+        makers[k % len(makers)]()
+        obj = bpy.context.object
+        obj.location = [draw.uniform(-0.8, 0.8) for _ in range(3)]
+        obj.rotation_euler = [draw.uniform(0, 6) for _ in range(3)]
+        obj.scale = [draw.uniform(0.5, 1.2)] * 3
+        objects.append(obj)
+    make(*objects)
+    found = contacts()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    trees, corners = {}, {}
+    for obj in objects:
+        mesh = obj.evaluated_get(depsgraph).data
+        corners[obj.name] = [obj.matrix_world @ vertex.co for vertex in mesh.vertices]
+        trees[obj.name] = BVHTree.FromPolygons(corners[obj.name], [tuple(face.vertices) for face in mesh.polygons])
+    tolerance = scene.haptics.contact_tolerance
+    overlapping = apart = 0
+    for a, b in itertools.combinations(trees, 2):
+        if trees[a].overlap(trees[b]):
+            overlapping += 1
+            assert found[frozenset((a, b))] <= 1e-4
+        else:  # no corner of either is nearer to the other than the surfaces are
+            nearest = min(min(trees[p].find_nearest(corner)[3] for corner in corners[q]) for p, q in ((a, b), (b, a)))
+            distance = found.get(frozenset((a, b)))
+            if distance is None:
+                apart += 1
+                assert nearest > tolerance - 1e-4 or encloses(trees, corners, a, b)
+            else:
+                assert distance <= nearest + 1e-4
+    assert overlapping > 15 and apart > 100
