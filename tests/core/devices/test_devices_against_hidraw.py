@@ -237,4 +237,4 @@ def test_a_broken_profile_of_the_users_is_named_and_the_others_are_used(under_um
     (folder / "mine.json").write_text('{"format": "haptic-device"}')
     done = under_umockdev([*COMMAND, "--profiles", str(folder)], DUALSENSE_USB)
     assert done.returncode == 0 and done.stdout.startswith("dualsense\t")
-    assert done.stderr.startswith(f"{folder / 'mine.json'}: /: must contain") and done.stderr.count("\n") == 1
+    assert done.stderr.startswith(f"{folder / 'mine.json'}: /version: is required") and done.stderr.count("\n") == 1
