@@ -168,9 +168,10 @@ class SurfacePairs:
         """The least distance (n,) of convex cores from their meshes: how far they may sink in, -infinity from a shell."""
         table = self._table
         thin = 2 * (table.bound_half[:, rows.first].min(axis=0) + rows.radius_a)
-        meshes = [self._surfaces[core] for core in rows.second.tolist()]
-        each = zip(meshes, thin.tolist(), strict=True)
-        return np.array([-min(mesh.depth, thin / 2, mesh.size / 2) if mesh.depth > 0 else -np.inf for mesh, thin in each])
+        cores, of = np.unique(rows.second, return_inverse=True)
+        meshes = [self._surfaces[core] for core in cores.tolist()]
+        depth, size = np.array([(mesh.depth, mesh.size) for mesh in meshes]).reshape(-1, 2).T[:, of.reshape(-1)]
+        return np.where(depth > 0, -np.minimum(depth, np.minimum(thin, size) / 2), -np.inf)
 
     def _around(self, row: CorePairs, a: Surface, b: Surface) -> float:
         """The depth of the solid that encloses the other surface, 0 where neither does."""
