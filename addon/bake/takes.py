@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from bpy.types import Scene
 
+from ...core.render.levels import vibration_rms
 from ...core.render.waves import FULL_SCALE
 from ..changes.events import file_changed
 from ..changes.redraw import redraw_viewports
@@ -65,7 +66,7 @@ def _differences(here: HapticTrack, there: HapticTrack) -> tuple[Difference, ...
 
 def _levels(track: HapticTrack) -> list[float]:
     with np.errstate(divide="ignore", invalid="ignore"):
-        return [20 * float(np.log10(np.sqrt(np.mean(np.square(row, dtype=np.float64))) / FULL_SCALE)) for row in track.samples]
+        return [20 * float(np.log10(vibration_rms(row, track.sample_rate) / FULL_SCALE)) for row in track.samples]
 
 
 file_changed.subscribe(_kept.clear)

@@ -1,7 +1,7 @@
 """Level, peak and margin of each listener, as numbers and texts.
 
-The *level* is the RMS of a listener's output in decibels of full scale. The *margin* is the level relative to the threshold of feeling. The
-*gain* is a property of a path: neither the source's amplitude nor the listener's own gain is part of it.
+The *level* is the RMS of a listener's output without its steady part, in decibels of full scale. The *margin* is the level relative to the
+threshold of feeling. The *gain* is a property of a path: neither the source's amplitude nor the listener's own gain is part of it.
 """
 
 from __future__ import annotations
@@ -13,15 +13,16 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
-from ...core.perception import sensation_level
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import still_samples
+from ...core.render.levels import LEVEL_SECONDS as LEVEL_SECONDS
+from ...core.render.levels import level_and_margin as level_and_margin
 from ..session.derived import Derived
 from ..session.sessions import Traced
 
 FLOOR = -60.0
 """Lower end of a meter [dB of full scale]."""
-PEAK_SECONDS, LEVEL_SECONDS = 0.1, 0.25
+PEAK_SECONDS = 0.1
 """Durations over which peak and level are computed [s]."""
 
 
@@ -97,19 +98,11 @@ def levels(result: FrameResult, samples: FloatArray, peak_seconds: float = PEAK_
     peak = np.abs(_end(samples, peak_seconds, result.sample_rate)).max(axis=1, initial=0.0)
     with np.errstate(divide="ignore"):
         loud = 20 * np.log10(peak)
-    mean, margin = level_and_margin(samples, result.sample_rate)
+    mean, margin = level_and_margin(_end(samples, LEVEL_SECONDS, result.sample_rate), result.sample_rate)
     return tuple(
         Level(listener.name, listener.body_part, p, r, m, r - m if math.isfinite(m) and math.isfinite(r) else None)
         for listener, p, r, m in zip(result.listeners, loud.tolist(), mean.tolist(), margin.tolist(), strict=True)
     )
-
-
-def level_and_margin(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
-    """Level and margin [dB] of each row at the end of ``samples`` (l, n)."""
-    window = _end(samples, LEVEL_SECONDS, sample_rate)
-    rms = np.sqrt((window**2).mean(axis=1)) if window.shape[1] else np.zeros(len(window))
-    with np.errstate(divide="ignore"):
-        return 20 * np.log10(rms), sensation_level(window, sample_rate)
 
 
 def _end(samples: FloatArray, seconds: float, sample_rate: float) -> FloatArray:

@@ -26,6 +26,7 @@ from ...core.formats.io.atomic import write_bytes
 from ...core.formats.tracks.listener_tracks import Tracks
 from ...core.formats.tracks.track_recorder import TrackRecorder
 from ...core.render.frame_result import FrameResult
+from ...core.render.levels import vibration_rms
 from ...core.scene.materials import MATERIALS
 from ...core.scene.values import SourceKind
 from .. import one_line, temporary_folder
@@ -116,9 +117,9 @@ class _Felt:
                     self._error = np.maximum(self._error, source.amplitude * found.error_bound[row])
 
     def result(self, tracks: Tracks) -> dict[str, Any]:
-        """The median time of a frame; per listener RMS and peak of its samples, impacts, mean gains of persistent sources (amplitudes
-        included), the greatest error bound of any of these gains in any frame, None where there is no bound, and whether a setting
-        silences the listener, at least for some source in some frame."""
+        """The median time of a frame; per listener RMS (without its steady part) and peak of its samples, impacts, mean gains of persistent
+        sources (amplitudes included), the greatest error bound of any of these gains in any frame, None where there is no bound,
+        and whether a setting silences the listener, at least for some source in some frame."""
         count = len(self._milliseconds)
         errors, silenced = (np.broadcast_to(values, len(tracks.listeners)) for values in (self._error, self._silenced))
         return {
@@ -128,7 +129,7 @@ class _Felt:
                 {
                     "listener": item.name,
                     "body_part": item.body_part,
-                    "rms": float(np.sqrt(np.mean(np.square(tracks.samples[row], dtype=np.float64)))) if tracks.count else 0.0,
+                    "rms": float(vibration_rms(tracks.samples[row], tracks.sample_rate)),
                     "peak": float(np.abs(tracks.samples[row]).max(initial=0.0)),
                     "impacts": len(item.impacts),
                     "gains": {name: float(total[row]) / count for name, total in sorted(self._gains.items())},

@@ -1,7 +1,7 @@
 """Conversion of samples to the drive of actuators.
 
-Devices driven by samples get them at their own rate. All others get values from a short-time spectrum every 10 ms: for each channel the
-amplitude of its part of the signal (a full-scale sine is 1) and, if the device can reproduce it, its frequency.
+Devices driven by samples get them at their own rate, without their steady part. All others get values from a short-time spectrum every
+10 ms: for each channel the amplitude of its part of the signal (a full-scale sine is 1) and, if the device can reproduce it, its frequency.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from .families.family import RumbleFamily, StreamFamily
+from .high_pass import HighPass
 from .profiles import Calibration, Profile
 from .report import Tones
 from .resampling import Resampler
@@ -149,6 +150,7 @@ class SampleActuation:
         self.calibrate({})
         self._places = [family.channels.index(actuator.channels[0].name) for actuator in profile.actuators]
         self._channels = len(family.channels)
+        self._high_pass = HighPass(len(profile.actuators), rate)
         self._resampler = Resampler(len(profile.actuators), rate, family.rate)
         self.rate, self.hop = rate, round(HOP * rate)
 
@@ -158,13 +160,14 @@ class SampleActuation:
 
     def process(self, block: FloatArray) -> FloatArray:
         """(actuators, n) at the input rate -> (channels, m) at the device's. Only the calibration's gain applies to samples."""
-        resampled = self._gains * self._resampler.process(block)
+        resampled = self._gains * self._resampler.process(self._high_pass.process(block))
         samples = np.zeros((self._channels, resampled.shape[1]))
         samples[self._places] = resampled
         return samples
 
     def reset(self) -> None:
         """Forget the samples so far."""
+        self._high_pass.reset()
         self._resampler.reset()
 
 

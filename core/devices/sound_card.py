@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import FloatArray
 from .actuation import HOP, checked_block
 from .connection import DeviceError, carried_module
+from .high_pass import HighPass
 from .limits import DriveLimits, SampleLimits
 from .pacing import Ahead, SampleQueue, join
 from .profiles import Actuator, Adjustment, Calibration, Channel
@@ -101,6 +102,7 @@ class SoundCardWriter(ThreadedOutput):
         self._module = module
         self._rows = len(card.actuators)
         self._places = [int(actuator.channels[0].name) for actuator in card.actuators]
+        self._high_pass = HighPass(self._rows, rate)
         self._resampler = Resampler(self._rows, rate, card.rate)
         self._rate = rate
         ceilings = np.array([actuator.safe_maximum for actuator in card.actuators])
@@ -165,6 +167,7 @@ class SoundCardWriter(ThreadedOutput):
         with self._lock:
             self._queue.clear()
             self._sent = None
+            self._high_pass.reset()
             self._resampler.reset()
 
     def rest(self) -> None:
@@ -188,7 +191,7 @@ class SoundCardWriter(ThreadedOutput):
 
     def _resampled(self, samples: FloatArray) -> FloatArray:
         """Samples at the card's rate, with the user's adjustment and within the limits."""
-        resampled = self._resampler.process(self._gains * samples)
+        resampled = self._resampler.process(self._high_pass.process(self._gains * samples))
         return self._limits.limited(resampled, resampled.shape[1] / self.profile.rate)
 
     def _run(self) -> None:

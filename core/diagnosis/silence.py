@@ -13,6 +13,7 @@ from ..message import Cause, Decibels, Hertz, Message, Seconds
 from ..perception import dominant_frequency, sensation_level
 from ..propagation.modes import nearest_listener
 from ..render.frame_result import FrameResult
+from ..render.levels import vibration_rms
 from ..scene.values import Mode, Settings, Source
 from .gaps import Surroundings, complete_graph, gap_message
 from .losses import NEPER, loss_message, straight_line_message
@@ -72,7 +73,8 @@ def _arrival_messages(result: FrameResult, listener: int, arriving: Sequence[int
     if margin > 0:
         return ()
     frequency = Hertz(dominant_frequency(recent, result.sample_rate))
-    level = Decibels(NEPER * np.log(np.sqrt(np.mean(np.square(recent)))))
+    with np.errstate(divide="ignore"):
+        level = Decibels(NEPER * np.log(vibration_rms(recent, result.sample_rate)))
     return (Message.of(Cause.NOT_FELT, name, source=name, gain=gain, level=level, frequency=frequency, margin=Decibels(-margin)),)
 
 

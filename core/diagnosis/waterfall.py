@@ -9,6 +9,7 @@ import numpy as np
 
 from ..graph.distance_only import distance_only
 from ..render.frame_result import FrameResult, Sounding
+from ..render.levels import vibration_rms
 from ..render.masking import source_samples
 from ..scene.choices import Mode
 from ..scene.values import Source
@@ -99,7 +100,7 @@ def _rms_alone(result: FrameResult, row: int, column: int, seconds: float) -> fl
     start = result.first_sample / result.sample_rate
     sounding = Sounding(start, (result.sources[row],), (replace(result.listeners[column], gain=1.0),), alone)
     samples = source_samples(sounding, 0, seconds, result.sample_rate)
-    return float(np.sqrt(np.mean(samples**2))) if samples.size else 0.0
+    return float(vibration_rms(samples[0], result.sample_rate))
 
 
 def _decibels(factor: float) -> float:

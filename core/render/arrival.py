@@ -13,6 +13,7 @@ from ..scene.bands import BAND_COUNT
 from ..scene.values import Listener, Source
 from ..signals import Signal
 from .filter_bank import bank_spectra
+from .levels import vibration_rms
 from .renderer import SAMPLE_RATE
 
 _RATE = 2000
@@ -44,16 +45,17 @@ def levels_alone(sources: Sequence[Source], listeners: Sequence[Listener], propa
 
 @lru_cache(maxsize=256)
 def _rms(signal: Signal) -> float:
-    """RMS of the first second of a signal."""
+    """RMS of the first second of a signal, without its steady part."""
     rate = round(SAMPLE_RATE)
-    return float(np.sqrt(np.mean(np.square(signal.sample(0, rate, rate)))))
+    return float(vibration_rms(signal.sample(0, rate, rate), rate))
 
 
 @lru_cache(maxsize=256)
 def _band_power(signal: Signal) -> FloatArray:
-    """Products (bands, bands) of the signal's parts in two bands each, in the mean and relative to its power; silence counts as a tone in
-    the lowest band."""
+    """Products (bands, bands) of the signal's parts in two bands each, in the mean and relative to its power, both without its steady part;
+    silence counts as a tone in the lowest band."""
     spectrum = np.abs(np.fft.rfft(signal.sample(0, _RATE, _RATE))) ** 2
+    spectrum[0] = 0.0
     spectrum[1:-1] *= 2.0
     total = spectrum.sum()
     if not total:

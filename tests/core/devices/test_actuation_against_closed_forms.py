@@ -6,10 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from haptic_tracing.core.devices.actuation import HOP, SampleActuation, ToneActuation, calibrated, checked_block
+from haptic_tracing.core.devices.high_pass import HighPass
 from haptic_tracing.core.devices.profiles import Calibration, profile
 from haptic_tracing.core.devices.resampling import Resampler
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 
 RATE = 8000
 SWITCH, DUALSENSE, XBOX = profile("switch-pro"), profile("dualsense"), profile("xbox")
@@ -177,7 +179,27 @@ def test_samples_go_to_the_channels_of_their_actuators_with_the_calibrations_gai
     swapped = replace(device, actuators=device.actuators[::-1])
     actuation = SampleActuation(swapped, device.family, 8000)
     actuation.calibrate({"left grip": Calibration(gain=0.5)})
-    assert actuation.process(np.array([[0.1, 0.2], [0.6, 0.8]])).tolist() == [[0.3, 0.4], [0.1, 0.2]]
+    played = actuation.process(np.array([[0.1, 0.2], [0.6, 0.8]]))
+    a = np.exp(-2 * np.pi * 1.0 / 8000)  # a high-pass of first order at 1 Hz
+    np.testing.assert_allclose(played, lfilter([a, -a], [1, -a], [[0.3, 0.4], [0.1, 0.2]]), atol=1e-12)
+
+
+@pytest.mark.parametrize("cuts", [(), (1, 700, 701), (20_000,)])
+def test_a_steady_push_goes_to_no_actuator_and_vibration_passes(cuts):
+    """Against SciPy's filter of first order, however the signal is cut; a blow keeps its energy, and a tone of 20 Hz its level."""
+    rate = 8000
+    time = np.arange(4 * rate) / rate
+    blow = np.where(time < 0.01, np.sin(2 * np.pi * 50 * time), 0.0)  # half a cycle: a push of 10 ms
+    signals = np.array([np.full(len(time), 0.3), blow, np.sin(2 * np.pi * 20 * time)])
+    high_pass = HighPass(3, rate)
+    played = np.concatenate([high_pass.process(part) for part in np.split(signals, cuts, axis=1)], axis=1)
+    a = np.exp(-2 * np.pi / rate)
+    np.testing.assert_allclose(played, lfilter([a, -a], [1, -a], signals), atol=1e-12)
+    assert np.abs(played[0, 2 * rate :]).max() < 2e-6
+    energies = 10 * np.log10((played[1:] ** 2).sum(axis=1) / (signals[1:] ** 2).sum(axis=1))
+    assert energies[0] == pytest.approx(0, abs=0.15) and energies[1] == pytest.approx(0, abs=0.02)
+    high_pass.reset()
+    assert not high_pass.process(np.zeros((3, 10))).any()
 
 
 @pytest.mark.parametrize(

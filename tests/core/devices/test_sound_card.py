@@ -135,15 +135,16 @@ def test_gain_ceiling_and_full_drive_are_limited(started):
     module = PortAudio(("Cushion", 1, 0), rate=8000.0)
     output = started(module, adjustment=Adjustment({"channel 1": Calibration(gain=4.0)}, ceiling=0.25))
     (stream,) = module.streams
-    for _ in range(20):
-        output.send(np.ones((1, 333)))
-        heard = stream.heard(333)
+    square = np.tile([1.0, 1.0, -1.0, -1.0], 84)[None]  # of 2 kHz: a steady value would not be played
+    for _ in range(40):
+        output.send(square)
+        heard = stream.heard(336)
     assert np.abs(heard).max() == pytest.approx(0.25)
     output.adjust(Adjustment())
     loudest = []
     for _ in range(24 * 60):
-        output.send(np.ones((1, 333)))
-        loudest.append(float(stream.heard(333).max()))
+        output.send(square)
+        loudest.append(float(stream.heard(336).max()))
     assert max(loudest) == pytest.approx(1.0) and loudest[-1] == pytest.approx(0.7, abs=0.01), "0.7 for as long as it lasts"
 
 

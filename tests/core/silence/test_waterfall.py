@@ -30,9 +30,9 @@ def traced(scene):
 
 
 def level_of(result, column):
-    """RMS of the rendered samples in decibels."""
+    """RMS of the rendered samples without their mean, in decibels."""
     samples = still_samples(result, SECONDS)[column]
-    return decibels(math.sqrt(np.mean(samples**2))) if samples.any() else -math.inf
+    return decibels(float(np.std(samples))) if samples.any() else -math.inf
 
 
 def fall_of(result, settings, row=0, column=0):
