@@ -49,6 +49,9 @@ def function_schema() -> dict[str, Any]:
         for key, item in schema_of(cls)["properties"].items():
             properties.setdefault(key, item)
             owners.setdefault(key, []).append(name)
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for key, names in owners.items():
+        alike.setdefault(tuple(names), []).append(key)
     about = " ".join(f'"{name}": {cls.about}.' for name, cls in TRANSMISSIONS.items())
     choice = {"description": f"The kind. {about}", "enum": list(TRANSMISSIONS)}
     return {
@@ -57,27 +60,28 @@ def function_schema() -> dict[str, Any]:
         "required": ["function"],
         "additionalProperties": False,
         "allOf": [
-            {"if": {"properties": {"function": {"enum": names}}}, "else": {"properties": {key: False}}} for key, names in owners.items()
+            {"if": {"properties": {"function": {"enum": list(names)}}}, "else": {"properties": dict.fromkeys(keys, False)}}
+            for names, keys in alike.items()
         ],
     }
 
 
 def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
     """The definition of signals: each kind has its own parameters. ``outline``: those that are not numbers."""
-    properties: dict[str, Any] = {"signal": {"description": "Kind of signal.", "enum": list(SIGNAL_KINDS)}}
+    kinds = {kind: json_fields(cls) for kind, cls in SIGNAL_KINDS.items()}
+    properties: dict[str, Any] = {"signal": {"description": "Kind of signal.", "enum": list(kinds)}}
+    numbers = {kind: {key: _parameter(entry) for key, entry in own.items() if _is_number(entry)} for kind, own in kinds.items()}
+    for found in numbers.values():
+        for key, item in found.items():
+            properties[key] = _either(properties.get(key, item), item)
     rules = []
-    for kind, cls in SIGNAL_KINDS.items():
-        own = json_fields(cls)
-        limits = {key: _parameter(entry) for key, entry in own.items() if isinstance(entry.metadata.get("check"), partial)}
-        for key, item in limits.items():
-            known = properties.setdefault(key, item)
-            if known is not item:
-                properties[key] = _either(known, item)
-        limits |= {key: {"type": _COMBINED[entry.metadata["check"] is SIGNALS["check"]]} for key, entry in own.items() if key == "of"}
-        narrow = {key: {name: value for name, value in item.items() if name != "description"} for key, item in limits.items()}
+    for kind, own in kinds.items():
+        narrow = {key: _limits(item) for key, item in numbers[kind].items() if _limits(item) != _limits(properties[key])}
+        narrow |= {key: {"type": _COMBINED[entry.metadata["check"] is SIGNALS["check"]]} for key, entry in own.items() if key == "of"}
         required = [key for key, entry in own.items() if entry.default is MISSING]
         then = {"propertyNames": {"enum": ["signal", *own]}, "required": required, "properties": narrow}
-        rules.append({"if": {"properties": {"signal": {"const": kind}}}, "then": then})
+        given = {key: value for key, value in then.items() if value}
+        rules.append({"if": {"properties": {"signal": {"const": kind}}}, "then": given})
     return {
         "type": "object",
         "properties": {**properties, **outline["properties"]},
@@ -89,6 +93,16 @@ def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
 
 _COMBINED = {False: "object", True: "array"}
 _TYPES = {checked_number: "number", checked_integer: "integer"}
+
+
+def _is_number(entry: Field[Any]) -> bool:
+    """Whether a signal's field is a number, or one that may change over time."""
+    return isinstance(entry.metadata.get("check"), partial)
+
+
+def _limits(item: Mapping[str, Any]) -> dict[str, Any]:
+    """A schema without its description."""
+    return {key: value for key, value in item.items() if key != "description"}
 
 
 def _parameter(entry: Field[Any]) -> dict[str, Any]:

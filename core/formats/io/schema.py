@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -92,9 +93,20 @@ def load_schema(schema: str) -> dict[str, Any]:
     if name == SCENE:
         scene = scene_schema()
         definitions = scene["$defs"]
-        return {"type": "object", "properties": definitions[part]["properties"], "$defs": definitions} if part else scene
+        return _alone({"type": "object", "properties": definitions[part]["properties"]}, definitions) if part else scene
     document: dict[str, Any] = json.loads((SCHEMAS / f"{schema}.schema.json").read_text("utf-8"))
     return document
+
+
+def _alone(schema: dict[str, Any], definitions: dict[str, Any]) -> dict[str, Any]:
+    """A schema with those of the definitions that it refers to."""
+    used: dict[str, Any] = {}
+    new = [schema]
+    while new:
+        names = set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(new))) - used.keys()
+        new = [definitions[name] for name in names]
+        used |= zip(names, new, strict=True)
+    return {**schema, "$defs": used}
 
 
 @cache
