@@ -113,7 +113,10 @@ def build_step_graph(
         return Steps(size.cumsum() - size, size, arrived, inside, lanes)
 
     contact = np.concatenate([np.unique(graph.contact[entries], return_inverse=True)[1], np.full(len(roots), -1)])
-    over, ends = steps(np.sort(graph.partner[entries]), nodes, True), steps(np.sort(np.array(listeners)), list(listeners), False)
+    over, ends = (
+        steps(np.sort(graph.partner[entries]), nodes, True),
+        steps(np.sort(np.array(listeners, dtype=np.int64)), list(listeners), False),
+    )
     return StepGraph(nodes, contact, over, ends, len(listeners))
 
 

@@ -35,6 +35,9 @@ QUICK, SHARE = 1 / 64, 0.4
 PAIRS = 1 << 22
 """Most pairs of nodes in a search; a larger scene is not searched."""
 
+LONG = 64
+"""Limit of contacts on a path above which the sum in a forest is taken from the best path, whose gain is exactly rounded."""
+
 EXACT = 1e-11
 """Relative difference that rounding explains."""
 
@@ -92,8 +95,9 @@ def bounded_sums(
         known: costs up to the threshold, and the source's row in them; None if some gain exceeds 1.
         least: (l, lanes) gains of known paths within the limits: no sum is less.
     """
-    if not operator.has_cycles and len(roots) == 1 and np.all((least[:, 0] > 0) & (least[:, 0] < LARGEST)):
-        no = np.zeros(len(listeners), dtype=np.bool_)  # a listener is reached by one path alone
+    known_paths = np.all((least[:, 0] > 0) & (least[:, 0] < LARGEST))
+    if not listeners or (limits.crossings > LONG and not operator.has_cycles and len(roots) == 1 and known_paths):
+        no = np.zeros(len(listeners), dtype=np.bool_)  # one path alone leads to each listener
         return BoundedSums(least, np.zeros(len(listeners)), no, no, np.ones(len(listeners), dtype=np.int64), 0)
     sums = sum_over_paths(graph, roots, listeners, limits, known)
     most = np.where(sums.missing < LARGEST, sums.gain[:, 0] + sums.missing, math.inf)

@@ -75,7 +75,7 @@ def scenes(draw):
         for k, name in enumerate(names)
     )  # fmt: skip
     contacts = tuple(
-        Contact((names[k], names[k + 1]), (draw(places), draw(places)), draw(functions), draw(shares), (0.6, 0.0, 0.8), draw(shares), 1 / n)
+        Contact((names[k], names[k + 1]), (draw(places), draw(places)), draw(functions), draw(shares), (0.6, 0.0, 0.8), draw(shares))
         for k, n in enumerate(draw(st.lists(st.integers(1, 2), min_size=count - 1, max_size=count - 1)))
         for _ in range(n)
     )

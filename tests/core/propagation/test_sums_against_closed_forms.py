@@ -156,3 +156,14 @@ def test_threshold_that_is_met_exactly_goes_on(strategy):
     assert run(scene, strategy, threshold=0.001 * (1 + 1e-9)).gain[0, 0] == 0
     halves = scene_of([(i, i + 1) for i in range(9)], [Constant(gain_value=0.5)] * 10, 0, [9])
     assert run(halves, strategy, threshold=2.0**-10).gain[0, 0] == 2.0**-10
+
+
+@pytest.mark.parametrize("threshold", [0.0, 1e-3])
+def test_a_source_that_nothing_joins_to_a_listener(threshold):
+    """Beside one that has a path, in a scene with cycles and in one without contacts."""
+    objects = tuple(HapticObject(name, 0.3, 0.9) for name in "abcd")
+    ring = tuple(Contact(pair, ((1, 0, 0), (1, 0, 0))) for pair in (("a", "b"), ("b", "c"), ("c", "a")))
+    ends = (Source("s", "a"), Source("alone", "d")), (Listener("l", "b", (2, 0, 0)),)
+    for contacts in (ring, ()):
+        result = run(HapticScene(objects, contacts, *ends), threshold=threshold)
+        assert (result.gain[0, 0] > 0) == bool(contacts) and result.gain[1, 0] == 0
