@@ -146,7 +146,7 @@ class ContactTracker:
         self._set(tuple(bodies))
         self.reset()
 
-    def _set(self, bodies: tuple[Body, ...]) -> None:
+    def _set(self, bodies: tuple[Body, ...], before: NarrowPhase | None = None) -> None:
         self.bodies = bodies
         local = np.array([b.shape.local_bounds() for b in bodies], dtype=np.float64).reshape(-1, 2, 3)
         self._middle = local.mean(axis=1).T.copy()
@@ -154,7 +154,7 @@ class ContactTracker:
         self._radius = np.sqrt((self._extent**2).sum(axis=0))
         self._arm = arm = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
         self._still = STILL / np.stack([arm, arm, arm, np.ones(len(bodies))] * 3, axis=1).clip(1e-9)
-        self._narrow = NarrowPhase([b.shape for b in bodies], [b.medium for b in bodies])
+        self._narrow = NarrowPhase([b.shape for b in bodies], [b.medium for b in bodies], before)
         self._time_of_impact = TimeOfImpact(self._narrow, local)
         self._mass = np.array([b.mass or 0.0 for b in bodies], dtype=np.float64)
         self._dynamic = np.array([b.motion is Motion.DYNAMIC for b in bodies], dtype=np.bool_)
@@ -202,7 +202,7 @@ class ContactTracker:
         if [b.name for b in bodies] != [b.name for b in self.bodies]:
             raise ValueError("bodies: they must have the same names as before")
         changed = np.array([a is not b and a != b for a, b in zip(bodies, self.bodies, strict=True)], dtype=np.bool_)
-        self._set(tuple(bodies))
+        self._set(tuple(bodies), self._narrow)
         self._flat[changed] = self._rest[changed] = np.nan
         self._fat_low[:, changed], self._fat_high[:, changed] = np.inf, -np.inf
         self._near_larger, self._near_smaller = self._by_size(self._near)

@@ -191,11 +191,26 @@ def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatAr
 
 
 @dataclass(frozen=True, slots=True)
+class Reduced:
+    """The cores of a ``shape``, and the thickness of the thinnest [m]."""
+
+    shape: Shape
+    cores: tuple[Core, ...]
+    thickness: float
+
+    @classmethod
+    def of(cls, shape: Shape, solid: bool) -> Reduced:
+        """Reduce a shape; ``solid``: a mesh counts as the volume of its convex hull."""
+        cores = tuple(_core(part, solid) for part in parts_of(shape))
+        return cls(shape, cores, min(core.thickness() for core in cores))
+
+
+@dataclass(frozen=True, slots=True)
 class CoreTable:
     """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``. ``rotation`` (3, 3, c) and ``offset`` (3, c)
     place a core in its body; ``placed`` is False where all of them are the identity. ``bound_centre`` and ``bound_half`` (3, c): box around
-    the core in its own frame. ``thickness`` (b,) of each body's thinnest core [m]. The rest are the fields of `Core`: ``radius`` (3, c) and
-    ``half`` (3, 3, c) by size."""
+    the core in its own frame. ``thickness`` (b,) of each body's thinnest core [m]. ``reduced``: the shapes, by their ids and whether they
+    are volumes. The rest are the fields of `Core`: ``radius`` (3, c) and ``half`` (3, 3, c) by size."""
 
     cores: tuple[Core, ...]
     start: IntArray
@@ -210,18 +225,25 @@ class CoreTable:
     bound_centre: FloatArray
     bound_half: FloatArray
     thickness: FloatArray
+    reduced: dict[tuple[int, bool], Reduced]
 
     @classmethod
-    def of(cls, shapes: Sequence[Shape], solid: Sequence[bool]) -> CoreTable:
-        """Tabulate the cores of ``shapes``; ``solid`` says which meshes are volumes. Equal shapes are reduced once."""
-        known: dict[tuple[Shape, bool], tuple[Core, ...]] = {}
-        per_body = []
-        for key in zip(shapes, solid, strict=True):
-            if key not in known:
-                known[key] = tuple(_core(part, key[1]) for part in parts_of(key[0]))
-            per_body.append(known[key])
-        cores = tuple(core for body in per_body for core in body)
-        thinnest = {key: min(core.thickness() for core in body) for key, body in known.items()}
+    def of(cls, shapes: Sequence[Shape], solid: Sequence[bool], before: CoreTable | None = None) -> CoreTable:
+        """Tabulate the cores of ``shapes``; ``solid`` says which meshes are volumes. Equal shapes are reduced once, those that are the same
+        object in the table ``before`` not again."""
+        same = {} if before is None else before.reduced
+        equal: dict[tuple[Shape, bool], Reduced] = {}
+        reduced: dict[tuple[int, bool], Reduced] = {}
+        for shape, volume in zip(shapes, solid, strict=True):
+            key = id(shape), volume
+            if key not in reduced and key in same:
+                reduced[key] = same[key]
+            elif key not in reduced:
+                if (shape, volume) not in equal:
+                    equal[shape, volume] = Reduced.of(shape, volume)
+                reduced[key] = replace(equal[shape, volume], shape=shape)
+        per_body = [reduced[id(shape), volume] for shape, volume in zip(shapes, solid, strict=True)]
+        cores = tuple(core for body in per_body for core in body.cores)
         matrices = np.array([core.matrix for core in cores], dtype=np.float64).reshape(-1, 4, 4)
         bounds = [core.bounds() for core in cores]
         return cls(
@@ -229,7 +251,7 @@ class CoreTable:
             half=np.array([_columns([core.half[size] for core in cores]) for size in Size]),
             outline=_columns([core.outline for core in cores]),
             cores=cores,
-            start=np.concatenate([[0], np.cumsum([len(body) for body in per_body])]).astype(np.int64),
+            start=np.concatenate([[0], np.cumsum([len(body.cores) for body in per_body])]).astype(np.int64),
             kind=np.array([core.kind for core in cores], dtype=np.int64),
             rotation=matrices[:, :3, :3].transpose(1, 2, 0).copy(),
             offset=matrices[:, :3, 3].T.copy(),
@@ -237,7 +259,8 @@ class CoreTable:
             is_box=np.array([core.is_box for core in cores], dtype=np.bool_),
             bound_centre=_columns([corners.mean(axis=0) for corners in bounds]),
             bound_half=_columns([np.ptp(corners, axis=0) / 2 for corners in bounds]),
-            thickness=np.array([thinnest[key] for key in zip(shapes, solid, strict=True)], dtype=np.float64),
+            thickness=np.array([body.thickness for body in per_body], dtype=np.float64),
+            reduced=reduced,
         )
 
 

@@ -26,18 +26,22 @@ _CERTAIN = 1e-4
 
 class NarrowPhase:
     """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes count as hulls. ``is_box`` (n,): which
-    bodies are single boxes; ``is_mesh`` (n,): which have a mesh.
+    bodies are single boxes; ``is_mesh`` (n,): which have a mesh. What it knows of shapes that are also in the one ``before`` it takes over.
 
     A pair is placed by the ``rotation`` (3, 3, p) of its second body and the ``offset`` (3, p) of its origin in the frame of the first;
     results are in that frame.
     """
 
-    def __init__(self, shapes: Sequence[Shape], solid: Sequence[bool] | None = None) -> None:
-        self._table = table = CoreTable.of(shapes, solid or [False] * len(shapes))
+    def __init__(self, shapes: Sequence[Shape], solid: Sequence[bool] | None = None, before: NarrowPhase | None = None) -> None:
+        self._table: CoreTable = CoreTable.of(shapes, solid or [False] * len(shapes), None if before is None else before._table)
+        table = self._table
         self._boxes = BoxPairs(table)
         self.is_box = self._boxes.is_box
         self.is_mesh = np.logical_or.reduceat(np.append(table.kind == Kind.MESH, False), table.start[:-1]) if len(shapes) else self.is_box
         surfaces, bodies = Surfaces(table), ConvexDistances(table)
+        self._kept = surfaces
+        if before is not None:
+            surfaces.take_over(before._kept)
         self._pairing = CorePairing(table, surfaces)
         self._distances = CoreDistances(table, self._pairing, bodies)
         self._patches = CorePatches(table, self._pairing)

@@ -75,6 +75,10 @@ class Surfaces:
         self._table = table
         self._made: dict[int, Surface] = {}  # by the id of the core: equal bodies share theirs
 
+    def take_over(self, before: Surfaces) -> None:
+        """Keep the surfaces of those cores that are in this table, too."""
+        self._made = {id(core): before._made[id(core)] for core in self._table.cores if id(core) in before._made}
+
     def __getitem__(self, core: int) -> Surface:
         item = self._table.cores[core]
         made = self._made.get(id(item))

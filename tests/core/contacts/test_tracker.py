@@ -282,3 +282,22 @@ def test_deforming_bodies_keep_their_motion():
 def test_bad_settings(values, word):
     with pytest.raises(ValueError, match=word):
         ContactSettings(**values)
+
+
+def test_what_is_known_of_shapes_that_stay_is_kept():
+    """Contacts are those of a new tracker after one of two meshes has been replaced; the surface of the other is not made again."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    still, before, after = (Mesh(points * size, triangles, sunk_in=0.05) for size in (1.0, 0.5, 0.7))
+    transforms = np.tile(np.eye(4), (2, 1, 1))
+    transforms[1, :3, 3] = 0.3, 0.3, -0.5
+    tracker = ContactTracker([Body("still", still), Body("changes", before)])
+    tracker.update(0.0, transforms)
+    kept = tracker._narrow._kept[0]
+    tracker.replace_bodies([Body("still", still), Body("changes", after)])
+    found = tracker.update(0.1, transforms).contacts
+    fresh = ContactTracker([Body("still", still), Body("changes", after)]).update(0.1, transforms).contacts
+    assert tracker._narrow._kept[0] is kept
+    for name in ("pairs", "positions", "normal", "distance", "area"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(fresh, name))
+    assert len(fresh) == 1
