@@ -37,8 +37,13 @@ from .writer import DeviceWriter
 
 _PACKAGE = __package__.removesuffix(".core.devices")
 # Importing the package would import Blender's modules: an empty module of its name, with its folder as the path, takes its place.
+# Where the user may do that, the guard takes precedence over other programs from its first import on.
 _BOOT = """
-import importlib, json, sys, types
+import importlib, json, os, sys, types
+try:
+    os.nice(-5)
+except (AttributeError, OSError):
+    pass
 paths, package, folder, program = json.loads(sys.argv[1])
 sys.path[:] = paths
 names = package.split(".")

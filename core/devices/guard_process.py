@@ -36,7 +36,6 @@ ANSWER = 0.050
 """Time between two answers to lists of orders [s]."""
 _STOP_SECONDS = 4.0
 _QUIETEN_SECONDS = 3.0
-_URGENCY = 5
 
 Order = tuple[int, str, tuple[Any, ...]]
 """An output's number, the name of a method (or ``open`` or ``quieten``) and its arguments."""
@@ -156,9 +155,6 @@ def main(program: int) -> None:
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit())
-    if hasattr(os, "nice"):
-        with suppress(OSError):  # where this user may
-            os.nice(-_URGENCY)
     if sys.platform == "win32":  # Windows wakes threads up to 15.6 ms late
         ctypes.WinDLL("winmm").timeBeginPeriod(1)
     with suppress(OSError):  # Linux wakes threads up to 50 us late, to save power
