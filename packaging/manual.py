@@ -15,13 +15,15 @@ h1, h2, h3 {{ margin: 0 }}</style>
 
 
 def write(docs: Path, manual: Path) -> None:
-    """Write the pages of the folder ``docs`` (Markdown) to ``manual``, replacing its content."""
+    """Write the pages of the folder ``docs`` (Markdown), and the schemas in it, to ``manual``, replacing its content."""
     shutil.rmtree(manual, ignore_errors=True)
     for source in sorted(docs.rglob("*.md")):
         if source.stem not in LEFT_OUT:
             target = (manual / source.relative_to(docs)).with_suffix(".html")
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(page(source.read_text(encoding="utf-8"), source, docs), encoding="utf-8")
+    for source in docs.glob("*.json"):  # the schema, to which a page links
+        (manual / source.name).write_bytes(source.read_bytes())
 
 
 def page(text: str, source: Path, docs: Path) -> str:
