@@ -30,7 +30,7 @@ from ..io.json_text import compact, json_points
 from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
 from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
-from .envelopes import bursts_of, coarse_envelope
+from .envelopes import bursts_of, vibration_envelope
 from .listener_tracks import ListenerTrack
 from .track_export import EDITOR, TrackExport, common_losses, listener_files
 from .vibration_file import Channel, VibrationFile
@@ -73,7 +73,7 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     for number, listener, row, path in listener_files(export, folder, "ahap"):
         bursts = bursts_of(row, listener.impacts, lambda frequency: (EMPHASIS_SECONDS, 0.5))
         clicks = [_event("HapticTransient", burst.time, burst.amplitude, burst.frequency) for burst in bursts]
-        continuous = list(_continuous(*coarse_envelope(row, options["step"], bursts), options["step"], row.duration, options["error"]))
+        continuous = list(_continuous(*vibration_envelope(row, options["step"], bursts), options["step"], row.duration, options["error"]))
         if not continuous and not clicks:  # players refuse an empty pattern
             continuous = [_event("HapticContinuous", 0.0, 0.0, LOWEST, min(row.duration, LONGEST_EVENT))]
         compare_carriers(row, number, carriers_of(continuous, {}) + carriers_of(clicks, {}), measured)

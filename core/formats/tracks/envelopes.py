@@ -22,6 +22,8 @@ SETTLING = 0.05
 """Time (seconds) in which a carrier that directly follows another one gets into phase."""
 SHORTEST_STEP = 0.0125
 """Minimum time between the keys of a thinned carrier (seconds): published files have at most 81 a second."""
+STEADY_SECONDS = 0.5
+"""Time over which the steady part of a vibration is the mean of its samples."""
 FINEST = 0.005
 """Tolerance of a thinned carrier, relative to the largest value."""
 SILENCE = 0.002
@@ -81,7 +83,7 @@ def thinned_carrier(row: Row, low: float, high: float, most: float, bursts: Sequ
     The power is that which ``bursts`` leave of the samples'; the tolerance within which keys are redundant is as small as that allows.
     """
     step = max(SHORTEST_STEP, 1 / most)
-    amplitude, frequency = coarse_envelope(row, step, bursts)
+    amplitude, frequency = vibration_envelope(row, step, bursts)
     times = np.minimum((np.arange(len(amplitude)) + 0.5) * step, row.duration)
     times = np.concatenate([[0.0], times, [row.duration]])
     amplitude = np.minimum(np.pad(amplitude, 1, mode="edge"), 1.0)
@@ -157,24 +159,41 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
     return times[kept], values[kept]
 
 
-def coarse_envelope(row: Row, step: float, bursts: Sequence[Burst] = ()) -> tuple[FloatArray, FloatArray]:
-    """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and the same power of first differences, less
-    the power of ``bursts``.
+def coarse_envelope(row: Row, step: float) -> tuple[FloatArray, FloatArray]:
+    """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and the same power of first differences.
 
     Each value covers its step and the step before, so that impacts in quick succession merge; none covers the step after, so that nothing
     is early. The first difference of a sine of frequency f has 4 sin²(π f / rate) times its power.
     """
-    power, change, width = powers(row, step)
-    taken = np.zeros(len(power) + 1)
+    return _smoothed(*powers(row, step)[:3], row.sample_rate)
+
+
+def vibration_envelope(row: Row, step: float, bursts: Sequence[Burst] = ()) -> tuple[FloatArray, FloatArray]:
+    """The same of the vibration alone, without the steady part of the samples, and less the power of ``bursts``."""
+    power, change, width, total = powers(row, step)
+    reach = np.ones(2 * math.ceil(STEADY_SECONDS / 2 / step) + 1)
+    steady = (_spread(total, reach) / _spread(width, reach)) ** 2
+    rest = power - width * steady
     for burst in bursts:
         end = burst.time + burst.seconds
         for number in range(int(burst.time / step), min(int(end / step), len(power) - 1) + 1):
             overlap = min(end, (number + 1) * step) - max(burst.time, number * step)
-            taken[number] += max(overlap, 0.0) * row.sample_rate * burst.power
-    rest = np.maximum(power - taken[:-1], 0.0)
-    change *= np.divide(rest, power, out=np.zeros_like(power), where=power > 0)
-    both = [np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (rest, change, width)]
-    return np.sqrt(2 * both[0] / both[2]), mean_frequency(both[0], both[1], row.sample_rate)
+            rest[number] -= max(overlap, 0.0) * row.sample_rate * burst.power
+    rest = np.maximum(rest, 0.0)
+    # Differences have no steady part: only what bursts take of the vibration, they take of its change.
+    vibration = np.maximum(power - width * steady, 0.0)
+    change *= np.divide(rest, vibration, out=np.zeros_like(power), where=vibration > 0)
+    return _smoothed(rest, change, width, row.sample_rate)
+
+
+def _spread(values: FloatArray, reach: FloatArray) -> FloatArray:
+    """The sums of each value and its neighbours."""
+    return np.convolve(np.pad(values, len(reach) // 2), reach, "valid")
+
+
+def _smoothed(power: FloatArray, change: FloatArray, width: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
+    both = [np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (power, change, width)]
+    return np.sqrt(2 * both[0] / both[2]), mean_frequency(both[0], both[1], sample_rate)
 
 
 def compare_steps(row: Row, listener: int, amplitudes: FloatArray, step: float, measured: Comparison) -> None:
@@ -184,12 +203,12 @@ def compare_steps(row: Row, listener: int, amplitudes: FloatArray, step: float, 
         measured.add(listener, samples, amplitudes[np.minimum((times / step).astype(np.int64), len(amplitudes) - 1)])
 
 
-def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Sums of the squared samples and of the squared first differences in every ``step`` seconds, and their number of samples."""
+def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """In every ``step`` seconds the sums of the squared samples and of the squared first differences, the number of samples, their sum."""
     rate = row.sample_rate
     count = max(math.ceil(row.count / rate / step - 1e-9), 1)
     borders = np.minimum(np.round(np.arange(count + 1) * step * rate).astype(np.int64), row.count)
-    power, change = np.zeros(count), np.zeros(count)
+    power, change, total = np.zeros(count), np.zeros(count), np.zeros(count)
     steps = max(round(PIECE / (step * rate)), 1)
     for first in range(0, count, steps):
         inside = borders[first : first + steps + 1]
@@ -197,9 +216,10 @@ def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         differences = np.diff(samples)
         if inside[-1] == row.count and len(differences):
             differences[-1] = 0.0
-        power[first : first + steps] = _block_sums(samples[:-1], inside - inside[0])
-        change[first : first + steps] = _block_sums(differences, inside - inside[0])
-    return power, change, np.maximum(np.diff(borders), 1).astype(np.float64)
+        power[first : first + steps] = _block_sums(samples[:-1] ** 2, inside - inside[0])
+        change[first : first + steps] = _block_sums(differences**2, inside - inside[0])
+        total[first : first + steps] = _block_sums(samples[:-1], inside - inside[0])
+    return power, change, np.maximum(np.diff(borders), 1).astype(np.float64), total
 
 
 def mean_frequency(power: FloatArray, change: FloatArray, sample_rate: float) -> FloatArray:
@@ -209,6 +229,6 @@ def mean_frequency(power: FloatArray, change: FloatArray, sample_rate: float) ->
 
 
 def _block_sums(values: FloatArray, borders: IntArray) -> FloatArray:
-    """The sums of the squares between neighbouring borders, the last of which is the end of the values."""
-    sums = np.add.reduceat(np.append(values * values, 0.0), borders[:-1])
+    """The sums between neighbouring borders, the last of which is the end of the values."""
+    sums = np.add.reduceat(np.append(values, 0.0), borders[:-1])
     return np.where(borders[1:] > borders[:-1], sums, 0.0)
