@@ -136,14 +136,12 @@ class CoreDistances:
     def by_fcl(self, rows: CorePairs, depths: bool = True) -> Separation:
         """Separations by FCL, and by EPA where cores overlap."""
         size = Size.USUAL if rows.triangle_b is None else Size.THICK
-        first, second = (
-            [self._convex.core(c, size) for c in core.tolist()]
-            if triangle is None
-            else [
-                self._convex.triangle(c, t, self._pairing.mesh(c).corners[t]) for c, t in zip(core.tolist(), triangle.tolist(), strict=True)
-            ]
-            for core, triangle in ((rows.first, rows.triangle_a), (rows.second, rows.triangle_b))
-        )
+        first = [self._convex.core(core, size) for core in rows.first.tolist()]
+        if rows.triangle_b is None:
+            second = [self._convex.core(core, size) for core in rows.second.tolist()]
+        else:
+            meshes = zip(rows.second.tolist(), rows.triangle_b.tolist(), strict=True)
+            second = [self._convex.triangle(core, number, self._pairing.mesh(core).corners[number]) for core, number in meshes]
         for k in np.flatnonzero(self._sharp(rows)).tolist():
             first[k] = self._convex.core(int(rows.first[k]), Size.SHARP)
             second[k] = self._convex.core(int(rows.second[k]), Size.SHARP)
