@@ -305,7 +305,9 @@ class Source:
         default=None,
         metadata=numbers("", "Position of the source on its second object; default that on the first", 3, unit="m", optional=True),
     )
-    onset: float = field(default=0.0, metadata=number("", "When its signal begins", 0.0, unit="s"))
+    onset: float = field(
+        default=0.0, metadata=number("", "When its signal begins; before the first frame, it is negative", -MOST, unit="s")
+    )
     priority: float = field(
         default=1.0,
         metadata=number(

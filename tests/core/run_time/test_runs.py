@@ -42,6 +42,13 @@ def test_a_dropped_crate_hits_once_when_and_as_it_must(height, frame_rate):
     assert blow.gains["hand"] > 0
 
 
+def test_an_impact_before_time_0_is_felt():
+    run = ht.open(floor_and_crate())
+    steps = [run.step(frame / 60 - 5, {"crate": (0, 0, max(1 - G / 2 * (frame / 60) ** 2, 0) + 0.5, *STILL)}) for frame in range(40)]
+    (blow,) = [blow for step in steps for blow in step.impacts]
+    assert blow.time == pytest.approx(math.sqrt(2 / G) - 5, abs=2e-3)
+
+
 def test_blocks_are_contiguous():
     steps = list(drop(ht.open(floor_and_crate(), sample_rate=8000), 1.0, 59.94, 1.0))
     assert steps[0].block.shape == (1, 0)
