@@ -20,7 +20,8 @@ class Sample:
     """A sample scene: its name in commands, its title in menus, one sentence on what it shows.
 
     ``objects``: approximate number of objects. ``count``: default number of repeated items if that can be chosen, else None. ``variation``:
-    relative variation of its impacts. ``about``: the body parts that should feel it.
+    relative variation of its impacts. ``about``: the body parts that should feel it. ``body``: how its
+    people feel, as in *Bodies*; "" in a scene with the paper's function.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Sample:
     count: int | None = None
     variation: float = 0.1
     about: tuple[str, ...] = ("ear", "hand", "middle_back", "upper_back", "upper_leg")
+    body: str = "MEASURED"
 
     def build(self, scene: Scene, count: int | None = None) -> None:
         """Fill the empty ``scene``; ``count``: number of repeated items instead of the default. Raises ValueError if it cannot be
@@ -43,6 +45,8 @@ class Sample:
             raise ValueError(f"count: must be at least 4, got {count}")
         else:
             module.build(scene, count)
+        if self.body:
+            materials.measure(scene, self.body)
         scene.haptics.materials.active = 0
         if self.variation:
             materials.vary_impacts(scene, self.variation)
@@ -58,6 +62,7 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
                 50,
                 "A jackhammer is felt on a bench, through the ground, four feet and a seat",
                 about=("hand", "middle_back", "upper_leg"),
+                body="",
             ),
             Sample(
                 "hammer_nail",
@@ -66,7 +71,13 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
                 "A blow makes a temporary source, which the hammer passes on to the hand",
                 about=("hand",),
             ),
-            Sample("fireplace", "Fireplace", 58, "A fire is felt in an armchair through the air: it crackles, and warms"),
+            Sample(
+                "fireplace",
+                "Fireplace",
+                58,
+                "A fire is felt in an armchair through the air: it crackles, and warms",
+                body="FELT_ALL_OVER",
+            ),
             Sample(
                 "dishwasher_kitchen",
                 "Dishwasher in the Kitchen",
@@ -80,18 +91,41 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
                 104,
                 "A far locomotive is felt through rails rather than soil; the path leaves the ground and comes back",
                 about=("hand", "middle_back", "upper_leg"),
+                body="FELT_ALL_OVER",
             ),
             Sample("domino_wall", "Wall of Dominoes", 1039, "A thousand impacts, one after the other", 1000, about=("hand", "upper_leg")),
-            Sample("pile", "Pile", 243, "Hundreds of things in a tray on a shaking table", 200, about=("hand", "upper_leg")),
-            Sample("air_blast", "Air Blast", 56, "An explosion is felt through a medium, the air: its pressure arrives as a front"),
+            Sample(
+                "pile",
+                "Pile",
+                243,
+                "Hundreds of things in a tray on a shaking table",
+                200,
+                about=("hand", "upper_leg"),
+                body="FELT_ALL_OVER",
+            ),
+            Sample(
+                "air_blast",
+                "Air Blast",
+                56,
+                "An explosion is felt through a medium, the air: its pressure arrives as a front",
+                body="FELT_ALL_OVER",
+            ),
             Sample(
                 "sliding_and_rolling",
                 "Sliding and Rolling",
                 52,
                 "A file, a ball, a shoe, a crate and a wheel sound at their contacts, at the period of what they pass over",
                 about=("hand", "upper_leg"),
+                body="FELT_ALL_OVER",
             ),
-            Sample("mine_ride", "Mine Ride", 461, "The ride of the paper's study: two and a half minutes in six sections", variation=0.0),
+            Sample(
+                "mine_ride",
+                "Mine Ride",
+                461,
+                "The ride of the paper's study: two and a half minutes in six sections",
+                variation=0.0,
+                body="",
+            ),
         )
     }
 )

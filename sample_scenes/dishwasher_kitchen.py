@@ -8,11 +8,11 @@ from itertools import pairwise
 from bpy.types import Material, Object, Scene
 from mathutils import Vector
 
-from .avatar import TURNED_UP, Hand, build_avatar, seated
+from .avatar import Hand, build_avatar, seated
 from .furniture import add_chair, add_table
 from .geometry import SUNK, Point, box, cylinder, joined, lathe, rod
 from .lighting import add_area_light, add_backdrop, add_camera, add_three_point_light, add_world, set_picture
-from .materials import CERAMIC, CONCRETE, HARDWOOD, RUBBER, STEEL, STONE, surface
+from .materials import CERAMIC, CONCRETE, HARDWOOD, RUBBER, STEEL, STONE, isolate, surface
 from .staging import add_rigid_body_world, make_source, make_static, place
 
 FRAMES = 96
@@ -34,11 +34,12 @@ def build(scene: Scene) -> None:
     _add_floor(scene)
     _add_kitchen_units(scene, white, steel)
     _add_dishwasher(scene, steel)
+    isolate(scene, RUBBER, 1e5, 12.0)
     beech, dark = surface("Beech", "#c99a66", 0.5, mottle=0.25, mottle_scale=9.0), surface("Walnut", "#6a452b", 0.5, mottle=0.25)
     add_chair(scene, CHAIR, beech, heading=0.0, height=CHAIR_HEIGHT, lean=LEAN)
     add_table(scene, "Table", (CHAIR[0], CHAIR[1] - 0.74, 0.0), beech, dark, size=(1.15, 0.70), height=TABLE_HEIGHT)
     on_table = Hand(Vector((0.20, -0.50, TABLE_HEIGHT - SUNK)), Vector((-0.25, -1.0, -0.06)))
-    build_avatar(scene, seated(CHAIR_HEIGHT, LEAN, on_table), CHAIR, gain=TURNED_UP)
+    build_avatar(scene, seated(CHAIR_HEIGHT, LEAN, on_table), CHAIR)
     _add_tableware(scene, white)
     _add_surroundings(scene)
 

@@ -33,6 +33,21 @@ def tag(scene: Scene, obj: Object, substance: Substance) -> Object:
     return obj
 
 
+def measure(scene: Scene, body: str) -> None:
+    """Give the objects of ``scene`` the measured functions of their materials; ``body``: how people feel, as in *Bodies*."""
+    bpy.context.view_layer.update()
+    objects = [obj for obj in scene.objects if obj.haptics.enabled]
+    library.use_physical(scene, objects, False)
+    library.set_bodies(objects, body)
+
+
+def isolate(scene: Scene, substance: Substance, stiffness: float, load: float) -> None:
+    """Make contacts of a substance resilient layers of a ``stiffness`` [N/m] that carry ``load`` kilograms."""
+    rule = scene.haptics.transmission_table.items.add()
+    rule.first_kind, rule.first, rule.function = "MATERIAL", substance.title, "resilient"
+    rule.stiffness, rule.load = stiffness, load
+
+
 def vary_impacts(scene: Scene, variation: float) -> None:
     """Vary the impacts of ``scene``, and make weak ones duller than strong ones."""
     rule = scene.haptics.impact_table.items.add()

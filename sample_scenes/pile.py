@@ -9,7 +9,7 @@ from random import Random
 from bpy.types import Mesh, Object, Scene
 from mathutils import Vector
 
-from .avatar import TURNED_UP, Hand, build_avatar, standing
+from .avatar import Hand, build_avatar, standing
 from .geometry import SUNK, Geometry, box, cylinder, joined, lathe, rod, sphere, to_mesh
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
 from .materials import CONCRETE, SOFTWOOD, STEEL, surface
@@ -39,7 +39,7 @@ def build(scene: Scene, count: int = COUNT) -> None:
     _add_things(scene, count, side)
     edge = TABLE_HEIGHT + HEIGHT + WALL
     palm = Hand(Vector((0.20, -0.30, edge - 2 * SUNK)), Vector((0.0, -1.0, -0.02)))
-    build_avatar(scene, standing(palm), (0.0, side / 2 + WALL / 2 + 0.30, 0.0), gain=TURNED_UP)
+    build_avatar(scene, standing(palm), (0.0, side / 2 + WALL / 2 + 0.30, 0.0))
     _add_surroundings(scene, side / LEAST_SIDE)
 
 

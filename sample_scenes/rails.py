@@ -1,7 +1,7 @@
 """A far train felt through rails rather than soil.
 
 The track is broken before the locomotive: its rumble crosses the gap through the ground, runs along the rails and comes back to the ground
-beside the bench. Soil fades by 0.2 per metre, rails by 0.01.
+beside the bench. Waves spread over the soil, and run along the rails.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .geometry import SUNK, box, cylinder, joined, lathe, rod, superellipsoid
 from .lighting import add_area_light, add_camera, add_sun, add_world, set_picture
 from .materials import SOIL, STEEL, surface
 from .railway import add_rails, add_sleepers, on_rails, wheelset
-from .staging import add_rigid_body_world, fade_exponentially, make_source, make_static, place
+from .staging import add_rigid_body_world, make_source, make_static, place
 
 FRAMES = 120
 GROUND = (52.0, 16.0, 0.5)
@@ -28,7 +28,6 @@ BENCH = (11.5, -1.95, 0.0)
 SEAT_HEIGHT, LEAN = 0.45, math.radians(10)
 WHEEL = 0.42
 LOCOMOTIVE_X = -16.5
-RAIL_FADES, SLEEPER_FADES, SOIL_FADES, LOCOMOTIVE_FADES = 0.01, 0.3, 0.2, 0.05  # per metre
 SPEED_IN_STEEL, SPEED_IN_SOIL = 5000.0, 200.0  # metres per second
 
 
@@ -41,10 +40,9 @@ def build(scene: Scene) -> None:
     wood, steel = surface("Sleeper", "#54402f", 0.85, mottle=0.35), surface("Rail Steel", "#7d746c", 0.35, 0.9)
     for name, (low, high) in (("Far", FAR_TRACK), ("Near", NEAR_TRACK)):
         count = round((high - low) / SLEEPER_SPACING)
-        for sleeper in add_sleepers(scene, f"{name} Sleeper", wood, [low + (k + 0.5) * SLEEPER_SPACING for k in range(count)]):
-            fade_exponentially(sleeper, SLEEPER_FADES)
+        add_sleepers(scene, f"{name} Sleeper", wood, [low + (k + 0.5) * SLEEPER_SPACING for k in range(count)])
         for rail in add_rails(scene, f"{name} Rail", steel, low, high):
-            fade_exponentially(rail, RAIL_FADES).haptics.wave_speed = SPEED_IN_STEEL
+            rail.haptics.wave_speed = SPEED_IN_STEEL
     _add_locomotive(scene)
     bench_wood, metal = surface("Bench Wood", "#b9804a", 0.55, mottle=0.35, mottle_scale=9.0), surface("Dark Metal", "#33383d", 0.4, 0.8)
     add_bench(scene, BENCH, bench_wood, metal, height=SEAT_HEIGHT, lean=LEAN)
@@ -64,7 +62,7 @@ def _add_ground(scene: Scene) -> Object:
     ground = place(scene, "Ground", joined([slab, gravel]), materials)
     make_static(scene, ground, SOIL, "BOX")
     ground.haptics.wave_speed = SPEED_IN_SOIL
-    return fade_exponentially(ground, SOIL_FADES)
+    return ground
 
 
 def _add_locomotive(scene: Scene) -> Object:
@@ -89,11 +87,11 @@ def _add_locomotive(scene: Scene) -> Object:
     posts = [rod((x, y, 0.3), (x, y, 1.06), 0.022).painted(2) for y in (-1.15, 1.15) for x in (-0.85, 1.05, 2.95)]
     shape = joined([frame, hood, cab, roof, *panes, *grille, *lamps, *stripes, *buffers, chimney, *rail, *posts])
     locomotive = place(scene, "Locomotive", shape, (red, dark, yellow, glass, lamp, iron), (LOCOMOTIVE_X, 0.0, chassis))
-    fade_exponentially(make_static(scene, locomotive, STEEL), LOCOMOTIVE_FADES)
+    make_static(scene, locomotive, STEEL)
     for number, x in enumerate((-1.75, 1.75), 1):
         _, _, z = on_rails(WHEEL)
         wheels = place(scene, f"Wheelset {number}", wheelset(WHEEL), (iron, dark), (LOCOMOTIVE_X + x, 0.0, z))
-        fade_exponentially(make_static(scene, wheels, STEEL), LOCOMOTIVE_FADES)
+        make_static(scene, wheels, STEEL)
     _add_axle_boxes(scene, dark, chassis)
     make_source(locomotive, "NOISE")
     animate(locomotive, "haptics.source.amplitude", {1.0: 0.4, 40.0: 0.4, 70.0: 1.0, 100.0: 1.0, float(FRAMES): 0.4})

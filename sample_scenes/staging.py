@@ -148,7 +148,8 @@ def make_medium(obj: Object, alpha: float) -> Object:
     obj.visible_shadow = False
     haptics = obj.haptics
     haptics.enabled = haptics.medium = True
-    return fade_exponentially(obj, alpha)
+    haptics.function, haptics.alpha = "exponential", alpha
+    return obj
 
 
 def spread_as_front(medium: Object, radius: float, speed: float) -> Object:
@@ -163,13 +164,6 @@ def make_blast(obj: Object, frame: int, seconds: float) -> Object:
     source = make_source(obj, "BLAST").haptics.source
     source.decay, source.one_shot = seconds, True
     animate(obj, "haptics.source.trigger", {float(frame): 1.0}, CONSTANT)
-    return obj
-
-
-def fade_exponentially(obj: Object, alpha: float) -> Object:
-    """Let signals fade with distance alone inside ``obj``: e^(-alpha d)."""
-    obj.haptics.function = "exponential"
-    obj.haptics.alpha = alpha
     return obj
 
 

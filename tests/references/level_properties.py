@@ -14,6 +14,7 @@ import numpy as np
 from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import Propagation, propagate
+from haptic_tracing.core.scene.measured import physical
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Mode, Pose, Source, Strategy
 
 WELL_POSED = (Strategy.AUTO, Strategy.ENERGY_BALANCE)
@@ -105,28 +106,29 @@ def slopes_of(graph: HapticGraph) -> list[float]:
     return found
 
 
-def check_local(scene: HapticScene, strategy: Strategy, far: str, place: tuple[float, float, float]) -> None:
-    """A pebble that touches only the object ``far``, at a ``place`` away from all ways, changes nothing."""
-    pebble = HapticObject("a pebble", 0.1, 0.9)
+def check_local(scene: HapticScene, strategy: Strategy, far: str, place: tuple[float, float, float], most: float = STILL) -> None:
+    """A pebble of stone that touches only the object ``far``, at a ``place`` away from all ways, changes nothing, or an energy balance by
+    less than ``most`` decibels."""
+    pebble = HapticObject("a pebble", 0.1, 0.9, physical("stone", (0.1, 0.1, 0.1)))
     touching = Contact((far, pebble.name), (place, place))
     other = dataclasses.replace(scene, objects=(*scene.objects, pebble), contacts=(*scene.contacts, touching))
     before, after = (traced(item, strategy).gain for item in (scene, other))
     if strategy is Strategy.AUTO:
         assert before.tobytes() == after.tobytes()
     else:
-        assert decibels(before, after).max(initial=0.0) < STILL
+        assert decibels(before, after).max(initial=0.0) < most
 
 
 def check_shown(graph: HapticGraph, result: Propagation, threshold: float) -> None:
     """The way that is shown makes the number: the product of its connections, and none is stronger by NetworkX's own search."""
-    explicit = graph.to_networkx()
-    for edge in explicit.edges.values():
-        edge["cost"] = -math.log(edge["gain"]) if edge["gain"] > 0 else math.inf
-    explicit.remove_edges_from([ends for ends, edge in explicit.edges.items() if edge["cost"] == math.inf])
     for row, source in enumerate(graph.sources):
+        explicit = graph.in_band(source.band).to_networkx()
+        for edge in explicit.edges.values():
+            edge["cost"] = -math.log(edge["gain"]) if edge["gain"] > 0 else math.inf
+        explicit.remove_edges_from([ends for ends, edge in explicit.edges.items() if edge["cost"] == math.inf])
         costs = networkx.multi_source_dijkstra_path_length(explicit, set(source.nodes), weight="cost")
         for column, target in enumerate(graph.listener_nodes.tolist()):
-            gain = float(result.gain[row, column])
+            gain = float(result.gain[row, column] if result.band_gain is None else result.band_gain[row, column, source.band])
             nodes = result.best_path.get((row, column), ())
             best = math.exp(-costs[target]) if target in costs else 0.0
             assert (gain > 0) == bool(nodes)

@@ -23,7 +23,8 @@ def results() -> Callable[..., Iterator[Any]]:
 
 @pytest.fixture
 def gain_along() -> Callable[..., float]:
-    """The gain of a path by the closed form: the product over its objects of K e^(-max(K, eps) d), or e^(-alpha d) where so chosen."""
+    """The gain of a path by the closed form: the product over its objects of K e^(-max(K, eps) d), e^(-alpha d) where so chosen, the
+    spreading of a front, or flesh that is felt all over; and a half where something else touches flesh."""
 
     def gain(scene: Any, result: Any, source: int, listener: int, path: tuple[str, ...]) -> float:
         number = {name: k for k, name in enumerate(result.objects)}
@@ -42,11 +43,14 @@ def gain_along() -> Callable[..., float]:
                 distance = max(0.0, distance - result.listeners[listener].radius)
             if haptics.function == "exponential":
                 product *= np.exp(-haptics.alpha * distance)
+            elif haptics.wave == "limb" and haptics.loss_factor == 0:
+                product *= np.exp(-haptics.absorption * distance)
             elif haptics.function == "physical":  # a front: it only spreads
                 product /= 1 + distance / haptics.reference_distance
             else:
                 factor = (1 - haptics.kappa) * haptics.rho
                 product *= factor * np.exp(-max(factor, scene.haptics.epsilon) * distance)
-        return float(product)
+        flesh = [scene.objects[name].haptics.material.name == "Flesh" for name in path]
+        return float(product * 0.5 ** (np.diff(flesh) != 0).sum())
 
     return gain

@@ -1,5 +1,7 @@
 """Short parts of the samples, and what is stored of them: gains and levels by `level_reference`, what touches and strikes as it was found.
 
+They are played with the paper's functions, whose closed forms `level_reference` knows; those of measured materials have tests of their own.
+
 Run it with an interpreter that has bpy, and PYTHONPATH=tests/references, to store the values anew: only where a change of them is meant.
 """
 
@@ -33,10 +35,23 @@ PARTS: dict[str, tuple[int, int, int | None]] = {
 the last bit would decide."""
 
 
+def use_paper(scene: Any) -> None:
+    """Give a sample the paper's functions and contacts, with the default strategy."""
+    import bpy
+
+    with bpy.context.temp_override(scene=scene):
+        bpy.ops.haptic.set_model(model="PAPER")
+    scene.haptics.strategy = "auto"
+    if scene.name.startswith("Rails"):  # too many objects on the way
+        for obj in scene.objects:
+            obj.haptics.function, obj.haptics.alpha = "exponential", 0.05
+
+
 def played(name: str, scene: Any) -> list[Any]:
-    """The traced frames of a sample's short part."""
+    """The traced frames of a sample's short part, with the paper's functions."""
     from haptic_tracing.addon.session import timeline
 
+    use_paper(scene)
     first, last, _ = PARTS[name]
     with closing(timeline.steps(scene, first, last)) as steps:
         return [step.result for step in steps]

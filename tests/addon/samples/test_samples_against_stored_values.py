@@ -58,6 +58,7 @@ def test_gains_tracks_and_impacts_are_the_stored_ones(build, name):
 def test_from_building_to_the_files_of_all_formats(build, tmp_path, name):
     first, last, count = short_parts.PARTS[name]
     scene = build(name, count)
+    short_parts.use_paper(scene)
     scene.frame_end = last
     assert bpy.ops.haptic.bake() == {"FINISHED"}
     scene.frame_set(last)  # played from what was baked
