@@ -58,10 +58,9 @@ def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None
     is_physical = scene.haptics.strategy != "as_in_the_paper"
     if is_physical and _FLESH in made_of.values() and _FLESH.title not in scene.haptics.materials.items:
         _soften_flesh(scene)
-    for obj, material in progress(list(made_of.items())):
+    for obj in made_of:
         obj.haptics.enabled = True
-        if material is not None:
-            apply([obj], preset_in(scene, material))
+    _apply_presets(scene, made_of)
     if is_physical:
         new = [obj for obj in made_of if not obj.haptics.is_property_set("function")]
         make_physical(new)
@@ -171,10 +170,13 @@ def guessed(obj: Object) -> Material | None:
 
 def apply_guesses(scene: Scene, objects: Sequence[Object]) -> int:
     """Assign the guessed materials to objects. Returns how many could be guessed."""
-    known = 0
-    for obj in progress(objects):
-        material = guessed(obj)
+    known = {obj: guessed(obj) for obj in progress(objects)}
+    _apply_presets(scene, known)
+    return sum(material is not None for material in known.values())
+
+
+def _apply_presets(scene: Scene, made_of: Mapping[Object, Material | None]) -> None:
+    """Assign presets to objects, those of one preset at once."""
+    for material in dict.fromkeys(made_of.values()):
         if material is not None:
-            apply([obj], preset_in(scene, material))
-            known += 1
-    return known
+            apply([obj for obj, own in made_of.items() if own is material], preset_in(scene, material))
