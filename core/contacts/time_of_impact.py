@@ -100,20 +100,20 @@ class TimeOfImpact:
         if len(slow):
             after[rows[slow]] = moving.chosen(rows[slow]).first_touch(start[slow], expected[rows[slow]])
         if len(fast):
-            after[rows[fast]] = moving.chosen(rows[fast]).advanced(self._radius[moving.pairs[rows[fast]]].sum(axis=1))
+            after[rows[fast]] = moving.chosen(rows[fast]).advanced(self._radius)
         return expected, after
 
     def _touches_of_meshes(self, moving: _MovingPairs, far: BoolArray) -> tuple[FloatArray, FloatArray]:
         """The same of pairs with a mesh; distances at the end only where they can touch."""
-        duration, radius = moving.paths.duration, self._radius[moving.pairs].sum(axis=1)
-        start, speed = moving.approaching(np.zeros(len(far)), radius)
+        duration = moving.paths.duration
+        start, speed = moving.approaching(np.zeros(len(far)), self._radius)
         expected, after = np.full(len(far), np.inf), np.where(start <= _TOUCH, 0.0, np.inf)
         possible = (start <= speed * duration).nonzero()[0]
         if len(possible):
             expected[possible] = moving.chosen(possible).clearances(np.full(len(possible), duration))
         rows = possible[start[possible] > _TOUCH]
         if len(rows):
-            after[rows] = moving.chosen(rows).stepped(start[rows], start[rows] / speed[rows], expected[rows], radius[rows])
+            after[rows] = moving.chosen(rows).stepped(start[rows], start[rows] / speed[rows], expected[rows], self._radius)
         return expected, after
 
     def final_distances(self, paths: Paths, pairs: IntArray, limit: FloatArray) -> FloatArray:
@@ -175,7 +175,7 @@ class _MovingPairs:
         return time
 
     def advanced(self, radius: FloatArray) -> FloatArray:
-        """Times (k,) of the first touch, infinite where there is none. ``radius`` (k,): sum of the bodies' radii about their origins.
+        """Times (k,) of the first touch, infinite where there is none. ``radius`` (n,): of all bodies about their origins.
 
         The distance can't shrink faster than the bodies move along the normal, which bounds the next step.
         """
@@ -187,7 +187,7 @@ class _MovingPairs:
             if len(active) == 0:
                 break
             now = time[active]
-            distance, speed = self.chosen(active).approaching(now, radius[active])
+            distance, speed = self.chosen(active).approaching(now, radius)
             touching = distance <= _TOUCH
             result[active[touching]] = now[touching]
             time[active] = now + np.maximum(distance, _TOUCH / 2) / speed
@@ -201,7 +201,7 @@ class _MovingPairs:
         distance, normal = self.narrow.directed_clearances(self.pairs, *relative_pose(first, second), self._limit)
         relative = self.paths.velocities(a, now) - self.paths.velocities(b, now)
         bend = self.paths.acceleration[:, b] - self.paths.acceleration[:, a]
-        turning = np.sqrt((self.paths.spin[:, self.pairs.T] ** 2).sum(axis=0)).sum(axis=0) * radius
+        turning = (np.sqrt(dot(self.paths.spin, self.paths.spin)) * radius)[self.pairs.T].sum(axis=0)
         speed = np.maximum(dot(relative, turned(first[:9].reshape(3, 3, -1), normal)), 0.0)
         speed += np.sqrt((bend * bend).sum(axis=0)) * (self.paths.duration - now) + turning
         return distance, np.maximum(speed, 1e-9)
@@ -221,7 +221,7 @@ class _MovingPairs:
         time, active = time.copy(), np.arange(count)
         for _ in range(_MOST_STEPS_OF_MESHES):
             now = time[active]
-            distance, speed = self.chosen(active).approaching(now, radius[active])
+            distance, speed = self.chosen(active).approaching(now, radius)
             ahead = distance > _TOUCH
             before, through = active[ahead], active[~ahead]
             step = now[ahead] - low[before]
