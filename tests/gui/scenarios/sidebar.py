@@ -7,7 +7,7 @@ import bpy
 
 
 def steps(window):
-    carried = ["networkx", "fcl", "fastjsonschema", "soxr", "hidraw" if sys.platform == "linux" else "hid"]
+    carried = ["fcl", "fastjsonschema", "soxr", "hidraw" if sys.platform == "linux" else "hid"]
     own = bpy.utils.user_resource("EXTENSIONS", path=".local")
     window.seen["own wheels"] = [name for name in carried if importlib.import_module(name).__file__.startswith(own)] == carried
     yield from window.show_sidebar()
