@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import argparse
 import secrets
+import signal
 import sys
 from collections.abc import Sequence
+from types import FrameType
+from typing import NoReturn
 
 from ...core.run_time import load
 from .. import say
@@ -17,7 +20,8 @@ from .stage import DeviceStage
 
 
 def run(args: argparse.Namespace) -> int:
-    """Serve until Ctrl-C."""
+    """Serve until Ctrl-C, or until the program is asked to end."""
+    signal.signal(signal.SIGTERM, _end)
     scene = None if args.scene is None else load(args.scene)
     host, port = _address(args.listen)
     if host not in LOCAL and args.token is None:
@@ -42,6 +46,11 @@ def run(args: argparse.Namespace) -> int:
         if stage is not None:
             stage.close()
     return 0
+
+
+def _end(number: int, frame: FrameType | None) -> NoReturn:
+    """Called on SIGTERM: devices are silenced and closed on the way out."""
+    raise SystemExit(0)
 
 
 def _greeting(address: str, token: str, stage: DeviceStage | None, args: argparse.Namespace) -> Sequence[str]:

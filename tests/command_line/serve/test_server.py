@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import signal
 import socket
 import subprocess
 import sys
@@ -37,8 +36,8 @@ class Served:
         assert found, line + self.process.stderr.read()
         self.url, self.token = found.groups()
 
-    def stop(self, by=signal.SIGINT):
-        self.process.send_signal(by)
+    def stop(self):
+        self.process.terminate()
         self.process.wait(20)
         return self.process.stderr.read()
 
