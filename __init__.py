@@ -1,6 +1,7 @@
 """Haptic Tracing: vibration propagated through touching objects.
 
-Outside Blender this is the package ``haptic_tracing``; inside it is the extension ``bl_ext.<repository>.haptic_tracing``.
+Outside Blender this is the package ``haptic_tracing``; inside it is the extension
+``bl_ext.<repository>.haptic_tracing``.
 
 >>> import haptic_tracing as ht
 >>> scene = ht.load("bench.json")  # doctest: +SKIP
@@ -32,7 +33,8 @@ _GLTF = {
     "draw_export": "addon.panels.gltf",
     "draw_import": "addon.panels.gltf",
 }
-"""What Blender's glTF exporter and importer look for in the modules of add-ons, and the module that has it."""
+"""What Blender's glTF exporter and importer look for in the modules of add-ons, and the module that
+has it."""
 
 
 def __getattr__(name: str) -> Any:

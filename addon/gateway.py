@@ -1,13 +1,16 @@
-"""The gateway between what Blender registers and what computes: modules that are imported when something of them is first used.
+"""The gateway between what Blender registers and what computes: modules that are imported when
+something of them is first used.
 
-Enabling the add-on registers classes, properties and handlers, and that must be quick. The core and the layers that work with it are needed
-only once something is tagged, an output is used or a file is exported. `install`, called before everything else, therefore puts a stand-in
-for each of these modules into its package. In the modules that are imported at registration
+Enabling the add-on registers classes, properties and handlers, and that must be quick. The core and
+the layers that work with it are needed only once something is tagged, an output is used or a file
+is exported. `install`, called before everything else, therefore puts a stand-in for each of these
+modules into its package. In the modules that are imported at registration
 
     from ..session import session
 
-binds the stand-in, and the first use, ``session.trace(...)``, imports the module. So those modules import these as modules and take no
-names from them; types for annotations come from under ``TYPE_CHECKING``.
+binds the stand-in, and the first use, ``session.trace(...)``, imports the module. So those modules
+import these as modules and take no names from them; types for annotations come from under
+``TYPE_CHECKING``.
 """
 
 from __future__ import annotations
@@ -20,12 +23,14 @@ from typing import Any
 _LENT = {
     "addon.authoring": "body_kit materials",
     "addon.bake": "baking curves playback sound storage takes waves",
-    "addon.io": "capture drawings frame_scene scene_builder signal_library sound_source vibration_signal",
+    "addon.io": "capture drawings frame_scene scene_builder signal_library sound_source "
+    "vibration_signal",
     "addon.live_output": "outputs player preview",
     "addon.properties": "actuators",
     "addon.scene_reader": "functions imported settings triggers",
     "addon.session": "session",
-    "addon.view": "air_contacts comparison explanation gain_plot graph_mesh lane levels meter_layout meter_pictures meters overlay "
+    "addon.view": "air_contacts comparison explanation gain_plot graph_mesh lane levels "
+    "meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture watched",
     "core": "signals",
     "core.design": "felt recordings wishes",

@@ -2,8 +2,9 @@
 
     python benchmarks [NAME ...]
 
-A benchmark is a module ``bench_NAME.py`` that measures and prints when run with ``python -m benchmarks.bench_NAME``, and that needs no
-arguments. Each runs in a process of its own. What it prints is shown, and kept in ``results/NAME.md`` unless it writes that file itself.
+A benchmark is a module ``bench_NAME.py`` that measures and prints when run with ``python -m
+benchmarks.bench_NAME``, and that needs no arguments. Each runs in a process of its own. What it
+prints is shown, and kept in ``results/NAME.md`` unless it writes that file itself.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ def run(name: str) -> bool:
     before = kept.stat().st_mtime_ns if kept.exists() else None
     printed = []
     command = [sys.executable, "-u", "-m", f"benchmarks.bench_{name}"]
-    with subprocess.Popen(command, cwd=HERE.parent, stdout=subprocess.PIPE, text=True, encoding="utf-8") as process:
+    with subprocess.Popen(
+        command, cwd=HERE.parent, stdout=subprocess.PIPE, text=True, encoding="utf-8"
+    ) as process:
         assert process.stdout is not None
         for line in process.stdout:
             print(line, end="", flush=True)
@@ -33,14 +36,18 @@ def run(name: str) -> bool:
     wrote_it = kept.exists() and kept.stat().st_mtime_ns != before
     if process.returncode == 0 and not wrote_it:
         kept.parent.mkdir(exist_ok=True)
-        kept.write_text(f"# {name}\n\n{described()}\n\n```\n{''.join(printed)}```\n", encoding="utf-8")
+        kept.write_text(
+            f"# {name}\n\n{described()}\n\n```\n{''.join(printed)}```\n", encoding="utf-8"
+        )
     return process.returncode == 0
 
 
 def main() -> int:
     """Run those named, or all; exit code 1 where one failed."""
     names = sorted(path.stem.removeprefix("bench_") for path in HERE.glob("bench_*.py"))
-    parser = argparse.ArgumentParser(prog="benchmarks", description="Runs the benchmarks: all of them, or those named.")
+    parser = argparse.ArgumentParser(
+        prog="benchmarks", description="Runs the benchmarks: all of them, or those named."
+    )
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(names)}")
     chosen = parser.parse_args().names or names
     unknown = [name for name in chosen if name not in names]

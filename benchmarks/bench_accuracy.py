@@ -1,15 +1,19 @@
-"""What accuracy costs with the default strategy: level errors in decibels against run time, one setting varied at a time.
+"""What accuracy costs with the default strategy: level errors in decibels against run time, one
+setting varied at a time.
 
     python -m benchmarks.bench_accuracy [--bodies 30 100 300 1000 3000 10000] [--no-blender]
 
-**Propagation.** Boxes of five materials in a pile on soil, measured and in bands, with contacts by impedance; two sources with tones, two
-with impact templates, ten listeners. The most exact setting has no limits and takes the best path in each of the six frequency bands by
-itself. A level is that of the amplitude that arrives from one source at one listener [dB of full scale]; what is below the lowest threshold
-of feeling counts as if it were at the threshold, so a listener that a limit cuts away has the error by which it would have been felt. Times
-are those of graph and propagation together, best of some runs, relative to the default settings of the same pile, measured in turns.
+**Propagation.** Boxes of five materials in a pile on soil, measured and in bands, with contacts by
+impedance; two sources with tones, two with impact templates, ten listeners. The most exact setting
+has no limits and takes the best path in each of the six frequency bands by itself. A level is that
+of the amplitude that arrives from one source at one listener [dB of full scale]; what is below the
+lowest threshold of feeling counts as if it were at the threshold, so a listener that a limit cuts
+away has the error by which it would have been felt. Times are those of graph and propagation
+together, best of some runs, relative to the default settings of the same pile, measured in turns.
 
-**Time.** Spheres that Blender drops from 0.3 to 2.5 m, against the energies m g h of free fall, and a vibrating sled that passes a listener
-at 3 m/s, against the gain at every instant in closed form; by frame rate and substeps of the simulation.
+**Time.** Spheres that Blender drops from 0.3 to 2.5 m, against the energies m g h of free fall, and
+a vibrating sled that passes a listener at 3 m/s, against the gain at every instant in closed form;
+by frame rate and substeps of the simulation.
 """
 
 from __future__ import annotations
@@ -46,7 +50,12 @@ BODIES = (30, 100, 300, 1000, 3000, 10_000)
 FREE = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
 THRESHOLDS = (0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 1e-4, 1e-6, 0.0)
 CONNECTIONS = (1, 3, 5, 7, 9, 17, 32, None)
-SIGNALS = (Sine(60.0), impact_template("stone", "soil"), Sine(250.0), impact_template("wood", "stone"))
+SIGNALS = (
+    Sine(60.0),
+    impact_template("stone", "soil"),
+    Sine(250.0),
+    impact_template("wood", "stone"),
+)
 MATERIALS = ("softwood", "stone", "rubber", "plastic", "steel")
 RADIUS = 0.1
 POINTS = 1000
@@ -62,7 +71,8 @@ RATES, SUBSTEPS = (24, 30, 60, 120), (2, 10, 40)
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """One setting: its run time relative to the default, and of the errors of its levels [dB] the largest and the root mean square."""
+    """One setting: its run time relative to the default, and of the errors of its levels [dB] the
+    largest and the root mean square."""
 
     bodies: int
     dial: str
@@ -73,10 +83,20 @@ class Point:
     rms: float
 
     @classmethod
-    def of(cls, bodies: int, dial: str, setting: str, seconds: tuple[float, float], error: FloatArray) -> Point:
+    def of(
+        cls, bodies: int, dial: str, setting: str, seconds: tuple[float, float], error: FloatArray
+    ) -> Point:
         """``seconds``: of this setting, and of the default."""
         rms = float(np.sqrt(np.mean(error**2)))
-        return cls(bodies, dial, setting, seconds[0] / seconds[1], 1000 * seconds[0], float(np.abs(error).max()), rms)
+        return cls(
+            bodies,
+            dial,
+            setting,
+            seconds[0] / seconds[1],
+            1000 * seconds[0],
+            float(np.abs(error).max()),
+            rms,
+        )
 
 
 def measured_pile(count: int) -> Family:
@@ -84,12 +104,26 @@ def measured_pile(count: int) -> Family:
     plain = pile(count)
     side = float(np.ceil(np.sqrt(count))) * 0.6
     boxes = [physical(name, (0.5, 0.5, 0.5)) for name in MATERIALS]
-    functions = [physical("soil", (side, side, 2.0)), *(boxes[k % len(boxes)] for k in range(count))]
-    objects = [replace(item, propagation=function) for item, function in zip(plain.table.objects, functions, strict=True)]
-    sources = tuple(replace(item, signal=signal) for item, signal in zip(plain.sources, SIGNALS, strict=True))
+    functions = [
+        physical("soil", (side, side, 2.0)),
+        *(boxes[k % len(boxes)] for k in range(count)),
+    ]
+    objects = [
+        replace(item, propagation=function)
+        for item, function in zip(plain.table.objects, functions, strict=True)
+    ]
+    sources = tuple(
+        replace(item, signal=signal) for item, signal in zip(plain.sources, SIGNALS, strict=True)
+    )
     listeners = tuple(replace(item, radius=RADIUS) for item in plain.listeners)
     contacts = replace(plain.contacts, transmissions=(Impedance(),))
-    return replace(plain, table=ObjectTable.of(objects, plain.table.epsilon), contacts=contacts, sources=sources, listeners=listeners)
+    return replace(
+        plain,
+        table=ObjectTable.of(objects, plain.table.epsilon),
+        contacts=contacts,
+        sources=sources,
+        listeners=listeners,
+    )
 
 
 def levels(amplitude: FloatArray) -> FloatArray:
@@ -99,8 +133,8 @@ def levels(amplitude: FloatArray) -> FloatArray:
 
 
 def in_turns(runs: Sequence[Callable[[], object]], least: float) -> list[float]:
-    """Seconds of processor time of each of ``runs``, the best of several turns, each with one run for warming up, of at least ``least``
-    seconds for each in the mean."""
+    """Seconds of processor time of each of ``runs``, the best of several turns, each with one run
+    for warming up, of at least ``least`` seconds for each in the mean."""
     best, begun = [np.inf] * len(runs), time.process_time()
     while not np.isfinite(best).all() or time.process_time() - begun < least * len(runs):
         for number, run in enumerate(runs):
@@ -113,10 +147,16 @@ def in_turns(runs: Sequence[Callable[[], object]], least: float) -> list[float]:
 
 def exact_arrivals(family: Family) -> FloatArray:
     """Amplitudes (s, l) with the best path of every band."""
-    tones = [tuple(replace(item, signal=Sine(frequency)) for item in family.sources) for frequency in BAND_CENTRES]
+    tones = [
+        tuple(replace(item, signal=Sine(frequency)) for item in family.sources)
+        for frequency in BAND_CENTRES
+    ]
     found = [propagate(replace(family, sources=sources).graph(), FREE) for sources in tones]
     assert all(item.band_gain is not None for item in found)
-    bands = np.stack([item.band_gain[..., k] for k, item in enumerate(found) if item.band_gain is not None], axis=-1)
+    bands = np.stack(
+        [item.band_gain[..., k] for k, item in enumerate(found) if item.band_gain is not None],
+        axis=-1,
+    )
     return arriving(family.sources, replace(found[0], band_gain=bands))
 
 
@@ -132,7 +172,12 @@ class Way:
 def ways(family: Family) -> Iterator[Way]:
     """The default, and the settings that are compared with it."""
 
-    def way(dial: str, setting: str, chosen: Settings, prepared: Callable[[HapticGraph], HapticGraph] = lambda graph: graph) -> Way:
+    def way(
+        dial: str,
+        setting: str,
+        chosen: Settings,
+        prepared: Callable[[HapticGraph], HapticGraph] = lambda graph: graph,
+    ) -> Way:
         return Way(dial, setting, lambda: propagate(prepared(family.graph()), chosen))
 
     def without_bands(graph: HapticGraph) -> HapticGraph:
@@ -142,7 +187,11 @@ def ways(family: Family) -> Iterator[Way]:
     for threshold in THRESHOLDS:
         yield way("threshold", f"{threshold:g}", Settings(threshold=threshold))
     for count in CONNECTIONS:
-        yield way("connections", str(count or "any"), Settings(strategy=Strategy.BEST_PATH, max_connections=count))
+        yield way(
+            "connections",
+            str(count or "any"),
+            Settings(strategy=Strategy.BEST_PATH, max_connections=count),
+        )
     yield way("bands", "one path for all", Settings(), without_bands)
     yield way("strategy", "energy_balance", Settings(strategy=Strategy.ENERGY_BALANCE))
 
@@ -154,10 +203,22 @@ def propagation_points(count: int, least: float = LEAST) -> list[Point]:
     seconds = in_turns([way.compute for way in chosen], least)
     exact = levels(exact_arrivals(family))
     if count <= MOST_SUMMED:
-        chosen.append(Way("strategy", "all_paths", lambda: propagate(family.graph(), Settings(strategy=Strategy.ALL_PATHS))))
+        chosen.append(
+            Way(
+                "strategy",
+                "all_paths",
+                lambda: propagate(family.graph(), Settings(strategy=Strategy.ALL_PATHS)),
+            )
+        )
         seconds += in_turns([chosen[-1].compute], least)
     return [
-        Point.of(count, way.dial, way.setting, (used, seconds[0]), levels(arriving(family.sources, way.compute())) - exact)
+        Point.of(
+            count,
+            way.dial,
+            way.setting,
+            (used, seconds[0]),
+            levels(arriving(family.sources, way.compute())) - exact,
+        )
         for way, used in zip(chosen, seconds, strict=True)
     ]
 
@@ -165,21 +226,36 @@ def propagation_points(count: int, least: float = LEAST) -> list[Point]:
 def extent_points(count: int, least: float = LEAST) -> list[Point]:
     """Listeners with a volume, against the mean power at random points of it."""
     family = measured_pile(count)
-    chosen = [replace(family, listeners=tuple(replace(item, extent=extent) for item in family.listeners)) for extent in Extent]
+    chosen = [
+        replace(family, listeners=tuple(replace(item, extent=extent) for item in family.listeners))
+        for extent in Extent
+    ]
     seconds = in_turns([partial(traced, one, Settings()) for one in (family, *chosen)], least)
     random = np.random.default_rng(6)
     away = random.normal(size=(POINTS, 3))
-    away *= RADIUS * random.uniform(size=(POINTS, 1)) ** (1 / 3) / np.linalg.norm(away, axis=1)[:, None]
+    away *= (
+        RADIUS * random.uniform(size=(POINTS, 1)) ** (1 / 3) / np.linalg.norm(away, axis=1)[:, None]
+    )
     points = tuple(
-        replace(item, name=f"{item.name} {number:04d}", radius=0.0).moved(np.array(item.position) + offset)
+        replace(item, name=f"{item.name} {number:04d}", radius=0.0).moved(
+            np.array(item.position) + offset
+        )
         for item in family.listeners
         for number, offset in enumerate(away)
     )
     everywhere = replace(family, listeners=points)
-    gains = arriving(family.sources, propagate(everywhere.graph(), Settings())).reshape(len(family.sources), -1, POINTS)
+    gains = arriving(family.sources, propagate(everywhere.graph(), Settings())).reshape(
+        len(family.sources), -1, POINTS
+    )
     exact = levels(np.sqrt((gains**2).mean(axis=-1)))
     return [
-        Point.of(count, "extent", str(extent), (used, seconds[0]), levels(arriving(one.sources, traced(one, Settings()))) - exact)
+        Point.of(
+            count,
+            "extent",
+            str(extent),
+            (used, seconds[0]),
+            levels(arriving(one.sources, traced(one, Settings()))) - exact,
+        )
         for extent, one, used in zip(Extent, chosen, seconds[1:], strict=True)
     ]
 
@@ -193,7 +269,8 @@ DIALS = {
 
 
 def draw(points: Sequence[Point], times: Sequence[FrameRow]) -> Figure:
-    """Error against time, propagation of the smallest and the largest pile, the default by number of bodies, and frame rates."""
+    """Error against time, propagation of the smallest and the largest pile, the default by number
+    of bodies, and frame rates."""
     from matplotlib.figure import Figure
 
     counts = sorted({point.bodies for point in points})
@@ -203,13 +280,31 @@ def draw(points: Sequence[Point], times: Sequence[FrameRow]) -> Figure:
         for dial, (colour, style) in DIALS.items():
             own = [point for point in points if point.bodies == count and point.dial == dial]
             if own:
-                axis.plot([p.ratio for p in own], [max(p.rms, DRAWN) for p in own], style, color=colour, label=dial, markersize=5)
+                axis.plot(
+                    [p.ratio for p in own],
+                    [max(p.rms, DRAWN) for p in own],
+                    style,
+                    color=colour,
+                    label=dial,
+                    markersize=5,
+                )
             for point in own:
                 if point.rms > 0.02 or dial == "extent":
                     place = point.ratio, max(point.rms, DRAWN)
-                    axis.annotate(point.setting, place, (5, -3), textcoords="offset points", fontsize=8, color=colour)
+                    axis.annotate(
+                        point.setting,
+                        place,
+                        (5, -3),
+                        textcoords="offset points",
+                        fontsize=8,
+                        color=colour,
+                    )
         axis.axvline(1, color="#999999", linewidth=0.7, linestyle=":")
-        axis.set(title=f"{count:,} bodies", xlabel="run time, relative to the default", ylabel="error of levels, RMS [dB]")
+        axis.set(
+            title=f"{count:,} bodies",
+            xlabel="run time, relative to the default",
+            ylabel="error of levels, RMS [dB]",
+        )
         axis.set(yscale="log", ylim=(DRAWN / 2, 60))
         axis.grid(alpha=0.25)
         axis.legend(frameon=False)
@@ -220,14 +315,41 @@ def draw(points: Sequence[Point], times: Sequence[FrameRow]) -> Figure:
         ("strategy", "energy_balance", "#b08900"),
     ):
         own = [point for point in points if (point.dial, point.setting) == (dial, setting)]
-        axes[2].plot([p.bodies for p in own], [p.milliseconds for p in own], "o-", color=colour, label=f"{dial} {setting}".strip())
-    axes[2].set(xscale="log", yscale="log", title="Run time by number of bodies", xlabel="bodies", ylabel="graph and propagation [ms]")
+        axes[2].plot(
+            [p.bodies for p in own],
+            [p.milliseconds for p in own],
+            "o-",
+            color=colour,
+            label=f"{dial} {setting}".strip(),
+        )
+    axes[2].set(
+        xscale="log",
+        yscale="log",
+        title="Run time by number of bodies",
+        xlabel="bodies",
+        ylabel="graph and propagation [ms]",
+    )
     for substeps in sorted({row.substeps for row in times}):
         rows = [row for row in times if row.substeps == substeps]
-        axes[3].plot([row.rate for row in rows], [row.energy for row in rows], "o-", label=f"impacts, {substeps} substeps")
+        axes[3].plot(
+            [row.rate for row in rows],
+            [row.energy for row in rows],
+            "o-",
+            label=f"impacts, {substeps} substeps",
+        )
     rows = [row for row in times if row.substeps == SUBSTEPS[1]]
-    axes[3].plot([row.rate for row in rows], [row.passing for row in rows], "k^--", label="sled that passes at 3 m/s")
-    axes[3].set(title="Frame rate and substeps", xlabel="frames a second", ylabel="largest error of a level [dB]", yscale="log")
+    axes[3].plot(
+        [row.rate for row in rows],
+        [row.passing for row in rows],
+        "k^--",
+        label="sled that passes at 3 m/s",
+    )
+    axes[3].set(
+        title="Frame rate and substeps",
+        xlabel="frames a second",
+        ylabel="largest error of a level [dB]",
+        yscale="log",
+    )
     for axis in axes[2:]:
         axis.grid(alpha=0.25)
         axis.legend(frameon=False)
@@ -236,8 +358,9 @@ def draw(points: Sequence[Point], times: Sequence[FrameRow]) -> Figure:
 
 @dataclass(frozen=True, slots=True)
 class FrameRow:
-    """A frame rate with so many substeps: impacts missed and invented; the largest errors of an impact's level [dB] and time [ms], and of
-    the passing sled's level [dB]; and milliseconds that Blender and tracing take for a second of the drops."""
+    """A frame rate with so many substeps: impacts missed and invented; the largest errors of an
+    impact's level [dB] and time [ms], and of the passing sled's level [dB]; and milliseconds that
+    Blender and tracing take for a second of the drops."""
 
     rate: int
     substeps: int
@@ -255,29 +378,59 @@ def text_of(points: Sequence[Point], times: Sequence[FrameRow]) -> str:
     counts = sorted({point.bodies for point in points})
     rows = []
     for dial, setting in dict.fromkeys((point.dial, point.setting) for point in points):
-        own = {point.bodies: point for point in points if (point.dial, point.setting) == (dial, setting)}
-        cells = [f"{own[n].rms:.2g} ({own[n].largest:.2g}), {own[n].ratio:.2f}" if n in own else "-" for n in counts]
+        own = {
+            point.bodies: point
+            for point in points
+            if (point.dial, point.setting) == (dial, setting)
+        }
+        cells = [
+            f"{own[n].rms:.2g} ({own[n].largest:.2g}), {own[n].ratio:.2f}" if n in own else "-"
+            for n in counts
+        ]
         rows.append((f"{dial} {setting}".strip(), *cells))
     default = [f"{point.milliseconds:.2f} ms" for point in points if point.dial == "default"]
     text = (
-        "Errors of levels in dB: root mean square (largest), and run time relative to the default. *strategy*: not errors, but how far\n"
+        "Errors of levels in dB: root mean square (largest), and run time relative to the "
+        "default. *strategy*: not errors, but how far\n"
         "levels of another quantity are from those of the best paths.\n\n"
-        + table(("bodies", *(f"{count:,}" for count in counts)), [*rows, ("run time of the default", *default)])
+        + table(
+            ("bodies", *(f"{count:,}" for count in counts)),
+            [*rows, ("run time of the default", *default)],
+        )
     )
     if times:
-        heading = ("frames a second", "substeps", "missed", "invented", "impact level [dB]", "impact time [ms]", "passing sled [dB]")
+        heading = (
+            "frames a second",
+            "substeps",
+            "missed",
+            "invented",
+            "impact level [dB]",
+            "impact time [ms]",
+            "passing sled [dB]",
+        )
         lines = [
-            (str(r.rate), str(r.substeps), str(r.missed), str(r.invented), f"{r.energy:.2g}", f"{r.late:.2g}", f"{r.passing:.2g}",
-             f"{r.blender:.0f}", f"{r.tracing:.0f}")
+            (
+                str(r.rate),
+                str(r.substeps),
+                str(r.missed),
+                str(r.invented),
+                f"{r.energy:.2g}",
+                f"{r.late:.2g}",
+                f"{r.passing:.2g}",
+                f"{r.blender:.0f}",
+                f"{r.tracing:.0f}",
+            )
             for r in times
-        ]  # fmt: skip
+        ]
         text += "\n\n" + table((*heading, "Blender [ms/s]", "tracing [ms/s]"), lines)
     return text
 
 
 def main() -> None:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--bodies", nargs="+", type=int, default=BODIES)
     parser.add_argument("--no-blender", action="store_true")
     chosen = parser.parse_args()
@@ -288,8 +441,17 @@ def main() -> None:
         from .timelines import frame_row
 
         times = [FrameRow(*frame_row(rate, substeps)) for rate in RATES for substeps in SUBSTEPS]
-    data = {"propagation": [asdict(point) for point in points], "frames": [asdict(row) for row in times]}
-    publish("accuracy", "Run time against error of levels", text_of(points, times), data, draw(points, times))
+    data = {
+        "propagation": [asdict(point) for point in points],
+        "frames": [asdict(row) for row in times],
+    }
+    publish(
+        "accuracy",
+        "Run time against error of levels",
+        text_of(points, times),
+        data,
+        draw(points, times),
+    )
 
 
 if __name__ == "__main__":

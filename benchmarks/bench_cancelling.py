@@ -1,8 +1,10 @@
-"""How long Blender waits for a trace that it cancels: file load, undo, render, exit and disabling end it wherever it is.
+"""How long Blender waits for a trace that it cancels: file load, undo, render, exit and disabling
+end it wherever it is.
 
     python -m benchmarks.bench_cancelling [--times 100]
 
-Each work is begun on the worker thread and cancelled at a random moment of its first half second; the goal is 100 ms at most.
+Each work is begun on the worker thread and cancelled at a random moment of its first half second;
+the goal is 100 ms at most.
 """
 
 from __future__ import annotations
@@ -78,7 +80,15 @@ def main() -> None:
     rows = []
     for name, work in WORKS.items():
         found = waits(work, options.times)
-        rows.append([name, *(f"{1000 * value:.1f}" for value in (*np.quantile(found, (0.5, 0.99)), max(found)))])
+        rows.append(
+            [
+                name,
+                *(
+                    f"{1000 * value:.1f}"
+                    for value in (*np.quantile(found, (0.5, 0.99)), max(found))
+                ),
+            ]
+        )
     print(table(("cancelled", "median [ms]", "99 % [ms]", "longest [ms]"), rows))
 
 

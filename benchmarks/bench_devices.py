@@ -1,11 +1,13 @@
-"""Similarity of each device's output to the signal: ST-SIM (spectral and temporal similarity of 8 kHz vibration, 1 is equal), as a table.
+"""Similarity of each device's output to the signal: ST-SIM (spectral and temporal similarity of 8
+kHz vibration, 1 is equal), as a table.
 
     python -m benchmarks.bench_devices
 
-Each signal goes through the device's actuation, pace and limits, frame by frame at 24 frames a second on a clock of its own. What the
-reports make the actuator do is then played: samples as they are, tones as they are told. Where only strength is told, it is the middle of
-the actuator's band: ST-SIM, which compares waves, is then near 0, however well strength follows. The lag is how many milliseconds later
-that is than the signal, taken out before the comparison.
+Each signal goes through the device's actuation, pace and limits, frame by frame at 24 frames a
+second on a clock of its own. What the reports make the actuator do is then played: samples as they
+are, tones as they are told. Where only strength is told, it is the middle of the actuator's band:
+ST-SIM, which compares waves, is then near 0, however well strength follows. The lag is how many
+milliseconds later that is than the signal, taken out before the comparison.
 """
 
 from __future__ import annotations
@@ -21,7 +23,16 @@ from haptic_tracing.core.devices.families.family import RumbleFamily, StreamFami
 from haptic_tracing.core.devices.pacing import pacing_of
 from haptic_tracing.core.devices.profiles import Actuator, Adjustment, Profile, load_profiles
 from haptic_tracing.core.devices.report import Report, Tones
-from haptic_tracing.core.signals import DecayingSine, Loop, Noise, Pulse, Signal, Sine, impact_template, ramp
+from haptic_tracing.core.signals import (
+    DecayingSine,
+    Loop,
+    Noise,
+    Pulse,
+    Signal,
+    Sine,
+    impact_template,
+    ramp,
+)
 from numpy.typing import NDArray
 from vibromaf.metrics.stsim import st_sim
 
@@ -55,7 +66,11 @@ def driven(profile: Profile, signal: FloatArray) -> Written:
 
     def encode(drive: Tones | NDArray[np.int8], *_: object) -> Report:
         told.append(drive)
-        return Report(repr(drive.amplitudes + drive.frequencies).encode() if isinstance(drive, Tones) else drive.tobytes())
+        return Report(
+            repr(drive.amplitudes + drive.frequencies).encode()
+            if isinstance(drive, Tones)
+            else drive.tobytes()
+        )
 
     recorder: Any = encode  # of either kind of family
     recording = replace(family, encode=recorder, startup=lambda *_: (), release=lambda *_: ())
@@ -101,7 +116,8 @@ def played(profile: Profile, written: Written) -> FloatArray:
 
 
 def natural(actuator: Actuator, channel: int) -> float:
-    """What an actuator plays whose frequency can't be chosen: the middle of the band that the channel takes."""
+    """What an actuator plays whose frequency can't be chosen: the middle of the band that the
+    channel takes."""
     takes = actuator.channels[channel].takes
     return float(np.sqrt(max(actuator.band[0], takes[0]) * min(actuator.band[1], takes[1])))
 
@@ -117,21 +133,34 @@ def compared(signal: FloatArray, result: FloatArray) -> tuple[float, float]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         # It has no real value where the result runs against the signal.
-        return max(float(np.real(st_sim(again[sounds].ravel(), source[sounds].ravel()))), 0.0), lag / RATE
+        return max(
+            float(np.real(st_sim(again[sounds].ravel(), source[sounds].ravel()))), 0.0
+        ), lag / RATE
 
 
 def main() -> None:
     """Print the table."""
     print("ST-SIM (lag in ms)")
     print(f"{'device':22}" + "".join(f"{name:>16}" for name in SIGNALS))
-    samples = {name: signal.sample(0, round(SECONDS * RATE), RATE) for name, signal in SIGNALS.items()}
+    samples = {
+        name: signal.sample(0, round(SECONDS * RATE), RATE) for name, signal in SIGNALS.items()
+    }
     for profile in load_profiles()[0].values():
         cells = []
         for signal in samples.values():
             score, lag = compared(signal, played(profile, driven(profile, signal)))
             cells.append(f"{score:8.3f} ({1000 * lag:4.0f})")
-        kind = "samples" if not isinstance(profile.family, RumbleFamily) else "tones" if profile.plays_frequency else "strength"
-        print(f"{profile.name:22}" + "".join(f"{cell:>16}" for cell in cells) + f"  {kind}", flush=True)
+        kind = (
+            "samples"
+            if not isinstance(profile.family, RumbleFamily)
+            else "tones"
+            if profile.plays_frequency
+            else "strength"
+        )
+        print(
+            f"{profile.name:22}" + "".join(f"{cell:>16}" for cell in cells) + f"  {kind}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

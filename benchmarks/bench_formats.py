@@ -1,12 +1,14 @@
-"""Cost of writing 150 s x 10 listeners in every format: seconds, memory, bytes, and similarity when read back.
+"""Cost of writing 150 s x 10 listeners in every format: seconds, memory, bytes, and similarity when
+read back.
 
     python -m benchmarks.bench_formats [--seconds 150] [--listeners 10] [--formats wav hjif ...]
 
-The listeners feel a jackhammer and falling crates, each as strongly as the way to it allows. Samples lie on disk, as after tracing.
-Every format is written by a process of its own: `s` is the time that writing takes, `CPU s` that of the processor, `MB more` by how much
-the most memory that the process held exceeds what it held before, mapped samples included, `ST-SIM` the similarity (vibromaf, 1 is the
-same) of the first 10 s of two listeners read back. AHAP, .tact and HLA carry strengths, not waves, which ST-SIM compares; it does not
-apply to them. Needs vibromaf.
+The listeners feel a jackhammer and falling crates, each as strongly as the way to it allows.
+Samples lie on disk, as after tracing. Every format is written by a process of its own: `s` is the
+time that writing takes, `CPU s` that of the processor, `MB more` by how much the most memory that
+the process held exceeds what it held before, mapped samples included, `ST-SIM` the similarity
+(vibromaf, 1 is the same) of the first 10 s of two listeners read back. AHAP, .tact and HLA carry
+strengths, not waves, which ST-SIM compares; it does not apply to them. Needs vibromaf.
 """
 
 from __future__ import annotations
@@ -85,17 +87,26 @@ def tracks(seconds: float, listeners: int, path: Path) -> Tracks:
     times = impact_times(seconds)
     parts = [PAPER_LISTENERS[k % len(PAPER_LISTENERS)] for k in range(listeners)]
     felt = [
-        ListenerTrack(f"{part} {k}", part, np.column_stack([times, np.full(len(times), 0.8 * gain)]))
+        ListenerTrack(
+            f"{part} {k}", part, np.column_stack([times, np.full(len(times), 0.8 * gain)])
+        )
         for k, (part, gain) in enumerate(zip(parts, gains_of(listeners), strict=True))
     ]
-    return Tracks(tuple(felt), RATE, np.memmap(path, dtype="<f4", mode="r", shape=(round(seconds * RATE), listeners)).T)
+    return Tracks(
+        tuple(felt),
+        RATE,
+        np.memmap(path, dtype="<f4", mode="r", shape=(round(seconds * RATE), listeners)).T,
+    )
 
 
 def measured(name: str, seconds: float, listeners: int, path: Path) -> Row:
     """Write one format, in this process, and read it back."""
     with tempfile.TemporaryDirectory(prefix="haptic-formats-") as folder:
         given = tracks(seconds, listeners, path)
-        scene = HapticScene((HapticObject("bench", 0.1, 0.9),), listeners=tuple(Listener(t.name, "bench") for t in given.listeners))
+        scene = HapticScene(
+            (HapticObject("bench", 0.1, 0.9),),
+            listeners=tuple(Listener(t.name, "bench") for t in given.listeners),
+        )
         import_module(f"haptic_tracing.core.formats.{named(name).module}")
         options = {"tracks": "wav"} if name == "scene" else {}
         before = _most_memory()
@@ -104,14 +115,29 @@ def measured(name: str, seconds: float, listeners: int, path: Path) -> Row:
         took, used = time.perf_counter() - begun, time.process_time() - used
         more = _most_memory() - before
         size = sum(path.stat().st_size for path in written.files)
-        return Row(name, took, used, more, len(written.files), size, _similarity(name, given, written.files))
+        return Row(
+            name,
+            took,
+            used,
+            more,
+            len(written.files),
+            size,
+            _similarity(name, given, written.files),
+        )
 
 
 def _most_memory() -> float:
     """Megabytes. Linux counts what the parent had, too, where it is asked by getrusage."""
     status = Path("/proc/self/status")
     if status.exists():
-        return next(float(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmHWM")) / 1e3
+        return (
+            next(
+                float(line.split()[1])
+                for line in status.read_text().splitlines()
+                if line.startswith("VmHWM")
+            )
+            / 1e3
+        )
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return most / 1e6 if sys.platform == "darwin" else most / 1e3
 
@@ -125,7 +151,9 @@ def _similarity(name: str, given: Tracks, files: Sequence[Path]) -> float | None
     count = min(HEARD * RATE, given.count) // BLOCK * BLOCK
     scores = []
     for row, channel in zip(given.samples, channels, strict=False):
-        again = np.pad(channel.at_rate(RATE)[:count], (0, max(count - len(channel.at_rate(RATE)), 0)))
+        again = np.pad(
+            channel.at_rate(RATE)[:count], (0, max(count - len(channel.at_rate(RATE)), 0))
+        )
         scores.append(similarity(np.array(row[:count], dtype=np.float64), again))
     return min(scores)
 
@@ -137,10 +165,16 @@ def similarity(source: np.ndarray, again: np.ndarray) -> float:
     sounds = np.abs(source.reshape(-1, BLOCK)).max(axis=1) > 2e-4
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        return float(st_sim(again.reshape(-1, BLOCK)[sounds].ravel(), source.reshape(-1, BLOCK)[sounds].ravel()))
+        return float(
+            st_sim(
+                again.reshape(-1, BLOCK)[sounds].ravel(), source.reshape(-1, BLOCK)[sounds].ravel()
+            )
+        )
 
 
-def run(names: Sequence[str] = tuple(registry.FORMATS), seconds: float = 150.0, listeners: int = 10) -> list[Row]:
+def run(
+    names: Sequence[str] = tuple(registry.FORMATS), seconds: float = 150.0, listeners: int = 10
+) -> list[Row]:
     """All formats, each in a process of its own."""
     context = multiprocessing.get_context("spawn")
     rows = []
@@ -155,25 +189,44 @@ def run(names: Sequence[str] = tuple(registry.FORMATS), seconds: float = 150.0, 
 
 def main() -> None:
     """Print the table and keep it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seconds", type=float, default=150.0)
     parser.add_argument("--listeners", type=int, default=10)
-    parser.add_argument("--formats", nargs="+", default=list(registry.FORMATS), choices=list(registry.FORMATS))
+    parser.add_argument(
+        "--formats", nargs="+", default=list(registry.FORMATS), choices=list(registry.FORMATS)
+    )
     options = parser.parse_args()
     rows = run(options.formats, options.seconds, options.listeners)
     cells = [
         (
-            row.name, f"{row.seconds:.2f}", f"{row.processor_seconds:.2f}", f"{row.megabytes_more:.0f}", f"{row.files}", f"{row.size:,}",
+            row.name,
+            f"{row.seconds:.2f}",
+            f"{row.processor_seconds:.2f}",
+            f"{row.megabytes_more:.0f}",
+            f"{row.files}",
+            f"{row.size:,}",
             "-" if row.similarity is None else f"{row.similarity:.3f}",
         )
         for row in rows
-    ]  # fmt: skip
-    total, used = (sum(getattr(row, key) for row in rows) for key in ("seconds", "processor_seconds"))
+    ]
+    total, used = (
+        sum(getattr(row, key) for row in rows) for key in ("seconds", "processor_seconds")
+    )
     text = table(("format", "s", "CPU s", "MB more", "files", "bytes", "ST-SIM"), cells)
-    text += f"\n\n{options.listeners} listeners for {options.seconds:g} s at {RATE} Hz: {total:.1f} s in all, "
+    text += (
+        f"\n\n{options.listeners} listeners for {options.seconds:g} s at {RATE} Hz: "
+        f"{total:.1f} s in all, "
+    )
     text += f"{used:.1f} s of the processor (target: {TARGET:g} s)"
     data = [asdict(row) for row in rows]
-    publish("formats", "What writing each format costs", text, {"seconds": options.seconds, "listeners": options.listeners, "rows": data})
+    publish(
+        "formats",
+        "What writing each format costs",
+        text,
+        {"seconds": options.seconds, "listeners": options.listeners, "rows": data},
+    )
 
 
 if __name__ == "__main__":

@@ -1,21 +1,27 @@
 """Time that tracing adds to Blender's own frame while rigid bodies fall and settle, or lie still.
 
-    python -m benchmarks.bench_frame [--bodies 100 300 1000 3000] [--settled 10000] [--frames 200] [--passes 3]
+    python -m benchmarks.bench_frame [--bodies 100 300 1000 3000] [--settled 10000] [--frames 200]
+    [--passes 3]
                                      [--shape BOX] [--strategy auto] [--no-impacts] [--materials]
 
-Every frame is simulated by Blender and traced by the add-on, on a thread beside it. Three Blenders play the same frames, a few at a time
-in turns, so that whatever else the machine does meets them all: one without tracing, one with it, and one more without. Of several passes
-the quickest of each frame's times counts; the first frame of each turn, which has no tracing beside it, does not. `off` is the median of
-Blender's own frame without, `on` that of the frame with tracing, `cost` the median of their ratio frame by frame, less one. `noise` is the
-same of the two Blenders without tracing: no cost below it is known. `CPU` is the cost in CPU time, of all threads: what tracing costs where
-there is no second core. `handler` is what the add-on's frame handler takes of it: reading, and waiting where the last frame is still being
-traced. 4 sources are on bodies, 10 listeners on others; all contacts that signals reach are wanted. As in new scenes, impacts are found,
-and each makes one more source; not with `--no-impacts`. The samples of every frame are rendered, as for the meters that a new scene shows.
-Settled bodies lie asleep on the ground with one source at the edge; beyond reading the transforms, Blender waits for the rest of the
-handler, and all other stages pass beside it.
+Every frame is simulated by Blender and traced by the add-on, on a thread beside it. Three Blenders
+play the same frames, a few at a time in turns, so that whatever else the machine does meets them
+all: one without tracing, one with it, and one more without. Of several passes the quickest of each
+frame's times counts; the first frame of each turn, which has no tracing beside it, does not. `off`
+is the median of Blender's own frame without, `on` that of the frame with tracing, `cost` the median
+of their ratio frame by frame, less one. `noise` is the same of the two Blenders without tracing: no
+cost below it is known. `CPU` is the cost in CPU time, of all threads: what tracing costs where
+there is no second core. `handler` is what the add-on's frame handler takes of it: reading, and
+waiting where the last frame is still being traced. 4 sources are on bodies, 10 listeners on others;
+all contacts that signals reach are wanted. As in new scenes, impacts are found, and each makes one
+more source; not with `--no-impacts`. The samples of every frame are rendered, as for the meters
+that a new scene shows. Settled bodies lie asleep on the ground with one source at the edge; beyond
+reading the transforms, Blender waits for the rest of the handler, and all other stages pass beside
+it.
 
-``--materials`` prints another table: what tracing costs in CPU time where the bodies are of measured materials (stone on soil, contacts by
-impedance), their plain gain without bands first, then in bands, with sources of one band and of four.
+``--materials`` prints another table: what tracing costs in CPU time where the bodies are of
+measured materials (stone on soil, contacts by impedance), their plain gain without bands first,
+then in bands, with sources of one band and of four.
 """
 
 from __future__ import annotations
@@ -30,7 +36,11 @@ import numpy as np
 
 GOALS = {100: 0.12, 300: 0.08, 1000: 0.04, 3000: 0.03}
 SETTLED_GOAL = 1.0
-MATERIALS = {"plain": "plain gain", "one": "in bands, sources of one band", "four": "in bands, sources of four bands"}
+MATERIALS = {
+    "plain": "plain gain",
+    "one": "in bands, sources of one band",
+    "four": "in bands, sources of four bands",
+}
 MATERIALS_GOAL = 1.5
 PASSES = 3
 FRAMES_OF_BODIES = 20_000  # in a turn: of 1,000 bodies 20 frames
@@ -38,8 +48,8 @@ FRAMES_OF_BODIES = 20_000  # in a turn: of 1,000 bodies 20 frames
 
 @dataclass(frozen=True, slots=True)
 class Traced:
-    """Medians over the frames that were traced: milliseconds of the handler, and of each stage; narrow-phase queries made and avoided
-    per frame, all told; bytes that the tracer holds."""
+    """Medians over the frames that were traced: milliseconds of the handler, and of each stage;
+    narrow-phase queries made and avoided per frame, all told; bytes that the tracer holds."""
 
     handler: float
     stages: dict[str, float]
@@ -52,8 +62,9 @@ class Traced:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Medians over the frames of one scene: milliseconds of the frame without and with tracing, by how much one is above the other, and by
-    how much the frame without is above itself; the same of CPU time; and what was traced."""
+    """Medians over the frames of one scene: milliseconds of the frame without and with tracing, by
+    how much one is above the other, and by how much the frame without is above itself; the same of
+    CPU time; and what was traced."""
 
     bodies: int
     off: float
@@ -72,7 +83,9 @@ class _Blender:
     def __init__(self, tracing: bool, frames: int, *scene: object) -> None:
         context = multiprocessing.get_context("spawn")
         self._connection, other = context.Pipe()
-        self._process = context.Process(target=_in_blender, args=("play_in_turns", other, tracing, frames, *scene), daemon=True)
+        self._process = context.Process(
+            target=_in_blender, args=("play_in_turns", other, tracing, frames, *scene), daemon=True
+        )
         self._process.start()
 
     def play(self, numbers: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
@@ -96,12 +109,17 @@ def _in_blender(function: str, *arguments: Any) -> Any:
     return getattr(falling_bodies, function)(*arguments)
 
 
-def measure(bodies: int, shape: str, frames: int, passes: int, settled: bool, strategy: str, impacts: bool) -> Row:
+def measure(
+    bodies: int, shape: str, frames: int, passes: int, settled: bool, strategy: str, impacts: bool
+) -> Row:
     """Play the scene without tracing, with it, and without once more, in turns."""
     turn = int(np.clip(FRAMES_OF_BODIES // bodies, 10, 100))
     seconds, worked = np.full((2, 3, frames), np.inf)
     for _ in range(passes):
-        blenders = [_Blender(tracing, frames, bodies, shape, settled, strategy, impacts) for tracing in (False, True, False)]
+        blenders = [
+            _Blender(tracing, frames, bodies, shape, settled, strategy, impacts)
+            for tracing in (False, True, False)
+        ]
         for begin in range(0, frames, turn):
             numbers = range(begin + 1, min(begin + turn, frames) + 1)
             for times, cpu, blender in zip(seconds, worked, blenders, strict=True):
@@ -125,19 +143,27 @@ def measure(bodies: int, shape: str, frames: int, passes: int, settled: bool, st
     )
 
 
-def measure_materials(bodies: int, frames: int, passes: int, impacts: bool) -> list[tuple[str, float, Traced]]:
-    """Name, milliseconds of CPU time that tracing adds to a frame, mean over the frames, and what was traced: of each kind of materials."""
+def measure_materials(
+    bodies: int, frames: int, passes: int, impacts: bool
+) -> list[tuple[str, float, Traced]]:
+    """Name, milliseconds of CPU time that tracing adds to a frame, mean over the frames, and what
+    was traced: of each kind of materials."""
     turn = int(np.clip(FRAMES_OF_BODIES // bodies, 10, 100))
     worked = np.full((1 + len(MATERIALS), frames), np.inf)
     traced: list[Traced] = []
     for _ in range(passes):
         blenders = [
-            _Blender(kind is not None, frames, bodies, "BOX", False, "auto", impacts, kind or "plain") for kind in (None, *MATERIALS)
+            _Blender(
+                kind is not None, frames, bodies, "BOX", False, "auto", impacts, kind or "plain"
+            )
+            for kind in (None, *MATERIALS)
         ]
         for begin in range(0, frames, turn):
             numbers = range(begin + 1, min(begin + turn, frames) + 1)
             for cpu, blender in zip(worked, blenders, strict=True):
-                cpu[begin:][: len(numbers)] = np.minimum(cpu[begin:][: len(numbers)], blender.play(numbers)[1])
+                cpu[begin:][: len(numbers)] = np.minimum(
+                    cpu[begin:][: len(numbers)], blender.play(numbers)[1]
+                )
         traced = [found for blender in blenders if (found := blender.end()) is not None]
     beside = np.arange(frames) % turn > 0
     added = 1000 * (worked[1:, beside] - worked[0, beside]).mean(axis=1)
@@ -146,13 +172,20 @@ def measure_materials(bodies: int, frames: int, passes: int, impacts: bool) -> l
 
 def run_materials(bodies: Sequence[int], frames: int, passes: int, impacts: bool) -> None:
     """Print the table."""
-    print(f"{frames} frames, measured materials, {'with' if impacts else 'without'} impacts; milliseconds of tracing's CPU time a frame")
+    print(
+        f"{frames} frames, measured materials, {'with' if impacts else 'without'} impacts; "
+        "milliseconds of tracing's CPU time a frame"
+    )
     for count in bodies:
         rows = measure_materials(count, frames, passes, impacts)
         for name, added, traced in rows:
             stages = ", ".join(f"{stage} {traced.stages[stage]:.2f}" for stage in traced.stages)
             goal = f"(goal {MATERIALS_GOAL:g})" if name != rows[0][0] else ""
-            print(f"{count:7}  {name:32} {added:7.2f}  {added / rows[0][1]:5.2f} times {goal:11} {stages}", flush=True)
+            print(
+                f"{count:7}  {name:32} {added:7.2f}  {added / rows[0][1]:5.2f} times {goal:11} "
+                f"{stages}",
+                flush=True,
+            )
 
 
 def run(
@@ -165,8 +198,14 @@ def run(
     impacts: bool = True,
 ) -> list[Row]:
     """Print the table; its rows."""
-    print(f"{frames} frames, {shape.lower()}, strategy {strategy}, {'with' if impacts else 'without'} impacts; milliseconds a frame")
-    columns = "bodies      off       on    cost  noise   goal | CPU: off       on    cost | handler | contacts  queries  avoided     MB"
+    print(
+        f"{frames} frames, {shape.lower()}, strategy {strategy}, "
+        f"{'with' if impacts else 'without'} impacts; milliseconds a frame"
+    )
+    columns = (
+        "bodies      off       on    cost  noise   goal | CPU: off       on    cost | "
+        "handler | contacts  queries  avoided     MB"
+    )
     print(f" {columns}  stages")
     rows = []
     for count in bodies:
@@ -179,41 +218,64 @@ def run(
         rows.append(row)
         _show(row, "")
         waits, beside = row.traced.handler - row.traced.stages["read"], row.traced.beyond
-        words = f"Blender waits {waits:.2f} ms a frame beyond reading (goal {SETTLED_GOAL:g} ms), {beside:.2f} ms pass beside it"
+        words = (
+            f"Blender waits {waits:.2f} ms a frame beyond reading (goal {SETTLED_GOAL:g} "
+            f"ms), {beside:.2f} ms pass beside it"
+        )
         print(f"{settled} settled, one local source: {words}", flush=True)
     with multiprocessing.get_context("spawn").Pool(1) as blender:
         off, untagged = blender.apply(_in_blender, ("idle",))
-        print(f"the handler where tracing is off: {off:.1f} us, where nothing is tagged: {untagged:.1f} us (goal 20 us)")
+        print(
+            f"the handler where tracing is off: {off:.1f} us, where nothing is tagged: "
+            f"{untagged:.1f} us (goal 20 us)"
+        )
     return rows
 
 
 def _show(row: Row, goal: str) -> None:
     traced = row.traced
-    stages = ", ".join(f"{stage} {milliseconds:.2f}" for stage, milliseconds in traced.stages.items())
+    stages = ", ".join(
+        f"{stage} {milliseconds:.2f}" for stage, milliseconds in traced.stages.items()
+    )
     print(
         f"{row.bodies:7} {row.off:8.2f} {row.on:8.2f} {row.cost:7.1%} {row.noise:6.1%} {goal:>6} |"
         f" {row.off_cpu:8.2f} {row.on_cpu:8.2f} {row.cost_cpu:7.1%} | {traced.handler:7.2f} |"
-        f" {traced.contacts:8.0f} {traced.queries:8} {traced.avoided:8} {traced.memory / 1e6:6.1f}  {stages}",
+        f" {traced.contacts:8.0f} {traced.queries:8} {traced.avoided:8} "
+        f"{traced.memory / 1e6:6.1f}  {stages}",
         flush=True,
     )
 
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--bodies", type=int, nargs="*", default=[100, 300, 1000, 3000])
     parser.add_argument("--settled", type=int, default=10_000)
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--passes", type=int, default=PASSES)
     parser.add_argument("--shape", default="BOX")
-    parser.add_argument("--strategy", choices=("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance"), default="auto")
+    parser.add_argument(
+        "--strategy",
+        choices=("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance"),
+        default="auto",
+    )
     parser.add_argument("--impacts", action=argparse.BooleanOptionalAction, default=True)
     parser.add_argument("--materials", action="store_true")
     options = parser.parse_args()
     if options.materials:
         run_materials(options.bodies, options.frames, options.passes, options.impacts)
         return
-    run(tuple(options.bodies), options.settled, options.frames, options.passes, options.shape, options.strategy, options.impacts)
+    run(
+        tuple(options.bodies),
+        options.settled,
+        options.frames,
+        options.passes,
+        options.shape,
+        options.strategy,
+        options.impacts,
+    )
 
 
 if __name__ == "__main__":

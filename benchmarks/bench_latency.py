@@ -2,12 +2,15 @@
 
     python -m benchmarks.bench_latency [--bodies 1000] [--frames 240]
 
-The paper's first figure plays in time, with ten listeners, while the bodies fall and settle beside it: only simulated, then haptic too.
-A device that takes reports at once stands for a DualSense (a report every 10 ms at most) and a Switch Pro Controller (every 30 ms). Its
-source is noise, so that nearly every block makes a report. `frame` is Blender's own with tracing. The steps of a block's way are `tracing`
-(from the handler's entry), `rendering` its samples, `handing over` to the guard process, `encoding` what the actuators are to do, and
-`writing`; `latency` is all of it and the wait until the device may be written to again, `beyond` all but that wait. `ahead` is the share
-of frames whose tracing was not waited for, as it had been slow; when it is done, the rest of the block is corrected.
+The paper's first figure plays in time, with ten listeners, while the bodies fall and settle beside
+it: only simulated, then haptic too. A device that takes reports at once stands for a DualSense (a
+report every 10 ms at most) and a Switch Pro Controller (every 30 ms). Its source is noise, so that
+nearly every block makes a report. `frame` is Blender's own with tracing. The steps of a block's way
+are `tracing` (from the handler's entry), `rendering` its samples, `handing over` to the guard
+process, `encoding` what the actuators are to do, and `writing`; `latency` is all of it and the wait
+until the device may be written to again, `beyond` all but that wait. `ahead` is the share of frames
+whose tracing was not waited for, as it had been slow; when it is done, the rest of the block is
+corrected.
 """
 
 from __future__ import annotations
@@ -42,13 +45,18 @@ def build(bodies: int, haptic: bool) -> bpy.types.Scene:
     for obj in scene.objects:
         if obj.haptics.source.enabled:
             obj.haptics.source.signal = "NOISE"
-        obj.haptics.listener.gain = 10.0  # the bench passes little on: so levels change from report to report
+        # The bench passes little on: so levels change from report to report.
+        obj.haptics.listener.gain = 10.0
     world = scene.rigidbody_world
     world.point_cache.frame_end = 10_000
     half = 0.15
     mesh = bpy.data.meshes.new("falling")
     corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
-    mesh.from_pydata(corners, [], [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+    mesh.from_pydata(
+        corners,
+        [],
+        [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)],
+    )
     side = 10
     for number in range(bodies):
         obj = bpy.data.objects.new(f"falling {number}", mesh)
@@ -81,7 +89,12 @@ def measure(bodies: int, haptic: bool, device: str, frames: int) -> dict[str, np
         played: list[float] = []
         handed: list[float] = []
         sent: list[float] = []
-        real_comes, real_play, real_ahead, real_send = handlers.frame_comes, player.play, player.play_ahead, GuardedOutput.send
+        real_comes, real_play, real_ahead, real_send = (
+            handlers.frame_comes,
+            player.play,
+            player.play_ahead,
+            GuardedOutput.send,
+        )
 
         def timed_comes(*arguments: Any) -> None:
             entered.append(clock())
@@ -122,13 +135,20 @@ def connect(device: str, log: str) -> None:
     """Drive the device, whose guard writes down what it does."""
     found = profile(device)
     module = TimedPad(*DEVICES[device], log)
-    pad = Found(device, "Pad", "USB", found, lambda adjustment: DeviceOutput(found, adjustment=adjustment, hid=module))
+    pad = Found(
+        device,
+        "Pad",
+        "USB",
+        found,
+        lambda adjustment: DeviceOutput(found, adjustment=adjustment, hid=module),
+    )
     outputs._state.inventory = Inventory((pad,))
     bpy.ops.haptic.connect_device(device=device)
 
 
 def play(scene: Any, frames: int, kept: tuple[list[float], ...]) -> list[float]:
-    """Play in time; what is in ``kept`` before the first frame is dropped. Returns milliseconds of Blender's frames."""
+    """Play in time; what is in ``kept`` before the first frame is dropped. Returns milliseconds of
+    Blender's frames."""
     clock = time.perf_counter
     own: list[float] = []
     scene.frame_set(scene.frame_start)
@@ -156,8 +176,8 @@ def stages(
     noted: dict[str, list[list[float]]],
     interval: float,
 ) -> dict[str, np.ndarray]:
-    """Milliseconds of each step of the way of the frames' blocks. Where the device does already what a report would say, the decision not
-    to write it ends the way."""
+    """Milliseconds of each step of the way of the frames' blocks. Where the device does already
+    what a report would say, the decision not to write it ends the way."""
     rows = []
     accepted = {stamp: (begun, ended) for ended, stamp, begun in noted["accept"]}
     written = np.array([at for (at,) in noted["written"]])
@@ -171,7 +191,11 @@ def stages(
             continue
         end, before = done[ending], np.searchsorted(written, encoded) - 1
         # The wait until the device may be written to again is its own.
-        wait = min(max(written[before] + interval - encoded, 0.0), end - encoded) if before >= 0 else 0.0
+        wait = (
+            min(max(written[before] + interval - encoded, 0.0), end - encoded)
+            if before >= 0
+            else 0.0
+        )
         rows.append([play - entry, hand - play, taken - hand, encoded - taken, end - encoded - wait,
                      end - entry, end - entry - wait])  # fmt: skip
     return dict(zip(STAGES, 1000 * np.array(rows).T, strict=True))
@@ -184,19 +208,33 @@ def outputs_interval(device: str) -> float:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--bodies", type=int, default=1000)
     parser.add_argument("--frames", type=int, default=240)
     parser.add_argument("--devices", nargs="*", choices=DEVICES, default=DEVICES)
     options = parser.parse_args()
-    print(f"{options.bodies} bodies simulate, {options.frames} frames, ms as median / 99th percentile")
-    print(f"{'device':12} {'bodies are':>12} {'ahead':>6}" + "".join(f"{name:>16}" for name in ("frame", *STAGES)))
+    print(
+        f"{options.bodies} bodies simulate, {options.frames} frames, ms as median / 99th percentile"
+    )
+    print(
+        f"{'device':12} {'bodies are':>12} {'ahead':>6}"
+        + "".join(f"{name:>16}" for name in ("frame", *STAGES))
+    )
     for device in options.devices:
         for haptic in (False, True):
             found = measure(options.bodies, haptic, device, options.frames)
             ahead = f"{found.pop('ahead')[0]:5.0f}%"
-            cells = [f"{np.median(found[name]):6.2f} / {np.percentile(found[name], 99):6.2f}" for name in found]
-            print(f"{device:12} {'haptic' if haptic else 'not haptic':>12} {ahead}" + "".join(f"{cell:>16}" for cell in cells), flush=True)
+            cells = [
+                f"{np.median(found[name]):6.2f} / {np.percentile(found[name], 99):6.2f}"
+                for name in found
+            ]
+            print(
+                f"{device:12} {'haptic' if haptic else 'not haptic':>12} {ahead}"
+                + "".join(f"{cell:>16}" for cell in cells),
+                flush=True,
+            )
     print(f"goal: beyond at most {MEDIAN_GOAL:g} / {WORST_GOAL:g}")
     assert threading.active_count() == 1, "every thread has ended"
 

@@ -1,10 +1,12 @@
-"""Duration of a redraw of the panel Result while a lattice of boxes is traced, and of the worker's computations for it.
+"""Duration of a redraw of the panel Result while a lattice of boxes is traced, and of the worker's
+computations for it.
 
     python -m benchmarks.bench_panels [--edges 3 4 5] [--frames 5]
 
-The lattice has 3, 4 or 5 boxes along each edge, a source in one corner, listeners in two others and one on a box that nothing touches.
-`redraw` is the longest redraw after a new frame, until all is shown: what Blender's window waits for. `complete after` is the time from the
-new frame until the panel shows it, tracing not included. Milliseconds of wall-clock time, medians over the frames.
+The lattice has 3, 4 or 5 boxes along each edge, a source in one corner, listeners in two others and
+one on a box that nothing touches. `redraw` is the longest redraw after a new frame, until all is
+shown: what Blender's window waits for. `complete after` is the time from the new frame until the
+panel shows it, tracing not included. Milliseconds of wall-clock time, medians over the frames.
 """
 
 from __future__ import annotations
@@ -50,7 +52,11 @@ def lattice(edge: int) -> bpy.types.Scene:
     scene = bpy.context.scene
     mesh = bpy.data.meshes.new("box")
     corners = [(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
-    mesh.from_pydata(corners, [], [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+    mesh.from_pydata(
+        corners,
+        [],
+        [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)],
+    )
     for place in (*np.ndindex(edge, edge, edge), (0, 0, edge + 1)):
         box = _added(scene, "box {} {} {}".format(*place), mesh)
         box.location = place
@@ -97,13 +103,17 @@ def rows(edge: int, frames: int) -> list[Row]:
         session.trace(scene, bpy.context.evaluated_depsgraph_get())
         for panel in PANELS:
             measured[panel.bl_label].append(redraws(panel))
-    medians = {label: np.median(np.array(values), axis=0).tolist() for label, values in measured.items()}
+    medians = {
+        label: np.median(np.array(values), axis=0).tolist() for label, values in measured.items()
+    }
     return [Row(edge**3, label, redraw, complete) for label, (redraw, complete) in medians.items()]
 
 
 def main() -> None:
     """Print the table and keep it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--edges", type=int, nargs="+", default=[3, 4, 5])
     parser.add_argument("--frames", type=int, default=5)
     options = parser.parse_args()

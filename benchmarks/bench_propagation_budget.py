@@ -1,9 +1,10 @@
-"""Certified error of the sum over all paths within the default budget, without limits and with a tolerance of 1 %.
+"""Certified error of the sum over all paths within the default budget, without limits and with a
+tolerance of 1 %.
 
     python -m benchmarks.bench_propagation_budget
 
-The certified error is the largest of any listener, relative to what was summed. Beside it, the same scene with the default limits, where it
-includes all that they leave out; and the energies.
+The certified error is the largest of any listener, relative to what was summed. Beside it, the same
+scene with the default limits, where it includes all that they leave out; and the energies.
 """
 
 from __future__ import annotations
@@ -34,7 +35,8 @@ SIZES = {
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Seconds of the sum without limits, of the limited sum and of the energies; the certified relative errors of both sums."""
+    """Seconds of the sum without limits, of the limited sum and of the energies; the certified
+    relative errors of both sums."""
 
     family: str
     objects: int
@@ -53,11 +55,15 @@ def timed(family: Family, settings: Settings) -> tuple[float, float]:
     heard = result.gain[0] > 0
     bounds = np.where(result.error_bound[0] >= LARGEST, np.inf, result.error_bound[0])
     silent = float(np.max(bounds[~heard], initial=0.0))
-    return used, float("inf") if silent > 0 else float(np.max(bounds[heard] / result.gain[0][heard], initial=0.0))
+    return used, float("inf") if silent > 0 else float(
+        np.max(bounds[heard] / result.gain[0][heard], initial=0.0)
+    )
 
 
 def measure(family: Family) -> Row:
-    free, error = timed(family, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0))
+    free, error = timed(
+        family, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0)
+    )
     limited, limited_error = timed(family, Settings(strategy=Strategy.ALL_PATHS))
     energy, _ = timed(family, Settings(strategy=Strategy.ENERGY_BALANCE))
     return Row(family.name, len(family.table.names), free, error, limited, limited_error, energy)
@@ -74,7 +80,15 @@ def main() -> None:
     """Measure, print, write."""
     rows = [measure(FAMILIES[name](size)) for name, sizes in SIZES.items() for size in sizes]
     text = "Processor time with building the graph, one source, one run each.\n\n" + table(
-        ("family", "objects", "all paths [ms]", "certified", "default limits [ms]", "certified", "energy_balance [ms]"),
+        (
+            "family",
+            "objects",
+            "all paths [ms]",
+            "certified",
+            "default limits [ms]",
+            "certified",
+            "energy_balance [ms]",
+        ),
         [
             (
                 row.family,
@@ -88,7 +102,10 @@ def main() -> None:
             for row in rows
         ],
     )
-    data = [{key: value if value != float("inf") else None for key, value in asdict(row).items()} for row in rows]
+    data = [
+        {key: value if value != float("inf") else None for key, value in asdict(row).items()}
+        for row in rows
+    ]
     publish("propagation_budget", "What the default budget certifies", text, data)
 
 

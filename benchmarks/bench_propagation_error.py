@@ -2,9 +2,10 @@
 
     python -m benchmarks.bench_propagation_error [--seconds 20]
 
-The error is the largest relative one of any listener, against the sum over all paths without any limit: exact, or certified to 1e-6.
-Curves are swept by what each strategy can be told: `threshold` and `max_connections` (both as in the paper, here and in plain breadth-first
-enumeration), and `tolerance`. Times are the best of some runs, the graph included.
+The error is the largest relative one of any listener, against the sum over all paths without any
+limit: exact, or certified to 1e-6. Curves are swept by what each strategy can be told: `threshold`
+and `max_connections` (both as in the paper, here and in plain breadth-first enumeration), and
+`tolerance`. Times are the best of some runs, the graph included.
 """
 
 from __future__ import annotations
@@ -63,7 +64,8 @@ STYLES = {
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """One setting: seconds, largest relative error of any listener, and the certified one where there is one."""
+    """One setting: seconds, largest relative error of any listener, and the certified one where
+    there is one."""
 
     curve: str
     setting: str
@@ -89,7 +91,11 @@ class Measured:
 
     def certified(self) -> Point:
         """The time to a certified `WANTED`."""
-        return next(point for point in self.points if point.curve == CERTIFIED and point.setting == f"{WANTED:g}")
+        return next(
+            point
+            for point in self.points
+            if point.curve == CERTIFIED and point.setting == f"{WANTED:g}"
+        )
 
 
 def relative(gains: np.ndarray, true: np.ndarray) -> float:
@@ -120,12 +126,28 @@ def measure(family: Family, seconds: float) -> Measured:
                 break
     ours = (
         [(CERTIFIED, f"{t:g}", replace(FREE, tolerance=t)) for t in TOLERANCES]
-        + [("all_paths, threshold", f"{t:g}", Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=t)) for t in THRESHOLDS]
         + [
-            ("all_paths, max_connections", f"{n}", Settings(strategy=Strategy.ALL_PATHS, max_connections=n, threshold=0.0, tolerance=0.0))
+            (
+                "all_paths, threshold",
+                f"{t:g}",
+                Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=t),
+            )
+            for t in THRESHOLDS
+        ]
+        + [
+            (
+                "all_paths, max_connections",
+                f"{n}",
+                Settings(
+                    strategy=Strategy.ALL_PATHS, max_connections=n, threshold=0.0, tolerance=0.0
+                ),
+            )
             for n in CONNECTIONS
         ]
-        + [(str(s), "", replace(FREE, strategy=s)) for s in (Strategy.BEST_PATH, Strategy.ENERGY_BALANCE)]
+        + [
+            (str(s), "", replace(FREE, strategy=s))
+            for s in (Strategy.BEST_PATH, Strategy.ENERGY_BALANCE)
+        ]
     )
     done: set[str] = set()
     for curve, setting, chosen in ours:
@@ -137,13 +159,24 @@ def measure(family: Family, seconds: float) -> Measured:
         points.append(Point(curve, setting, used, error, bound))
         if (curve != CERTIFIED and error < 1e-9) or used > seconds / 4:
             done.add(curve)
-    return Measured(family.name, len(family.table.names), len(family.contacts), relative(true + sums.error_bound[0], true), points)
+    return Measured(
+        family.name,
+        len(family.table.names),
+        len(family.contacts),
+        relative(true + sums.error_bound[0], true),
+        points,
+    )
 
 
 def measured_before() -> list[Measured]:
     """What was measured and written last."""
-    results = json.loads((RESULTS / "propagation_error.json").read_text(encoding="utf-8"))["results"]
-    return [Measured(**{**item, "points": [Point(**point) for point in item["points"]]}) for item in results]
+    results = json.loads((RESULTS / "propagation_error.json").read_text(encoding="utf-8"))[
+        "results"
+    ]
+    return [
+        Measured(**{**item, "points": [Point(**point) for point in item["points"]]})
+        for item in results
+    ]
 
 
 def summary(measured: list[Measured]) -> str:
@@ -153,16 +186,32 @@ def summary(measured: list[Measured]) -> str:
         ours = item.certified()
         plain = item.fastest((ENUMERATION, BY_CONNECTIONS), WANTED)
         same = item.fastest((ENUMERATION, BY_CONNECTIONS), max(ours.error, 1e-9))
-        exact = [p for p in item.points if p.curve == CERTIFIED and p.bound is not None and p.bound <= 1e-9]
-        reached = "yes" if ours.bound is not None and ours.bound <= WANTED * (1 + 1e-9) else f"no, {ours.bound:.2g}"
+        exact = [
+            p
+            for p in item.points
+            if p.curve == CERTIFIED and p.bound is not None and p.bound <= 1e-9
+        ]
+        reached = (
+            "yes"
+            if ours.bound is not None and ours.bound <= WANTED * (1 + 1e-9)
+            else f"no, {ours.bound:.2g}"
+        )
         rows.append(
             (
                 f"{item.family}, {item.objects} objects",
                 milliseconds(ours.seconds),
                 reached,
                 f"{ours.error:.1g}",
-                *((milliseconds(plain.seconds), f"{plain.seconds / ours.seconds:.1f}") if plain else ("-", "-")),
-                *((milliseconds(same.seconds), f"{same.seconds / ours.seconds:.1f}") if same else ("-", "-")),
+                *(
+                    (milliseconds(plain.seconds), f"{plain.seconds / ours.seconds:.1f}")
+                    if plain
+                    else ("-", "-")
+                ),
+                *(
+                    (milliseconds(same.seconds), f"{same.seconds / ours.seconds:.1f}")
+                    if same
+                    else ("-", "-")
+                ),
                 milliseconds(min((p.seconds for p in exact), default=None)),
             )
         )
@@ -193,31 +242,58 @@ def draw(measured: list[Measured]) -> Figure:
                 x, y = [1000 * p.seconds for p in points], [max(p.error, EXACT) for p in points]
                 large = 11 if len(style) == 1 else 4
                 axis.plot(x, y, style, color=colour, label=curve, markersize=large, linewidth=1.2)
-        axis.set(xscale="log", yscale="log", title=f"{item.family}: {item.objects} objects, {item.contacts} contacts", ylim=(EXACT / 3, 3))
+        axis.set(
+            xscale="log",
+            yscale="log",
+            title=f"{item.family}: {item.objects} objects, {item.contacts} contacts",
+            ylim=(EXACT / 3, 3),
+        )
         axis.axhline(WANTED, color="#999999", linewidth=0.7, linestyle=":")
         axis.grid(alpha=0.25)
         axis.set_xlabel("run time [ms]")
     for axis in axes[::3]:
         axis.set_ylabel("largest relative error")
-    handles = {label: handle for axis in axes for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)}
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4, frameon=False)
+    handles = {
+        label: handle
+        for axis in axes
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(
+        handles.values(), handles.keys(), loc="outside lower center", ncols=4, frameon=False
+    )
     return figure
 
 
 def main() -> None:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=20.0, help="a run of the enumeration that takes longer is given up (20)")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=20.0,
+        help="a run of the enumeration that takes longer is given up (20)",
+    )
     seconds = parser.parse_args().seconds
     measured = [measure(make(), seconds) for make in FAMILIES]
     text = (
-        "Sum over all paths, one source; processor time with building the graph, best of some runs. Plain breadth-first enumeration is\n"
-        "given the setting (threshold or max_connections) that is quickest to the error, which nobody knows beforehand; runs of it over\n"
-        f"{seconds:g} s are left out. A certified 1 %: the true sum is proven to lie that close. `best_path` and `energy_balance` compute\n"
+        "Sum over all paths, one source; processor time with building the graph, best of some "
+        "runs. Plain breadth-first enumeration is\n"
+        "given the setting (threshold or max_connections) that is quickest to the error, which "
+        "nobody knows beforehand; runs of it over\n"
+        f"{seconds:g} s are left out. A certified 1 %: the true sum is proven to lie that close. "
+        "`best_path` and `energy_balance` compute\n"
         "something else: drawn is how far that is from the sum.\n\n" + summary(measured)
     )
     data = [asdict(item) for item in measured]
-    publish("propagation_error", "Run time against error of sums over all paths", text, data, draw(measured))
+    publish(
+        "propagation_error",
+        "Run time against error of sums over all paths",
+        text,
+        data,
+        draw(measured),
+    )
 
 
 if __name__ == "__main__":

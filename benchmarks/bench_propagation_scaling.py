@@ -1,9 +1,11 @@
-"""Time, memory and nodes visited from 10 to 100,000 objects, beside NetworkX, SciPy and rustworkx on the explicit graph.
+"""Time, memory and nodes visited from 10 to 100,000 objects, beside NetworkX, SciPy and rustworkx
+on the explicit graph.
 
     python -m benchmarks.bench_propagation_scaling [--largest 100000] [--seconds 20]
 
-Every time includes building the graph from the arrays of contacts. `best_path` and `all_paths` keep the scene's default limits (32
-connections, a gain of 0.001), `free` lifts both, as the peers have none. Memory is the peak of what Python allocates, in a run of its own.
+Every time includes building the graph from the arrays of contacts. `best_path` and `all_paths` keep
+the scene's default limits (32 connections, a gain of 0.001), `free` lifts both, as the peers have
+none. Memory is the peak of what Python allocates, in a run of its own.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ RUNS = {
     "energy_balance": Settings(strategy=Strategy.ENERGY_BALANCE),
 }
 MOST = {"NetworkX": 600_000, "SciPy": 15_000_000, "rustworkx": 3_000_000}
-"""Explicit connections that a peer is given at most: more would not fit into memory, or take minutes."""
+"""Explicit connections that a peer is given at most: more would not fit into memory, or take
+minutes."""
 COLOURS = {
     "best_path": "#1a6b3c",
     "best_path, free": "#7cc49a",
@@ -63,7 +66,8 @@ class Row:
 
 
 def measure(family: Family, seconds: float, slow: set[str]) -> Row:
-    """Measure all; what takes longer than ``seconds`` goes into ``slow`` and is left out from then on."""
+    """Measure all; what takes longer than ``seconds`` goes into ``slow`` and is left out from then
+    on."""
     graph = family.graph()
     used: dict[str, float] = {}
     memory: dict[str, float] = {}
@@ -77,7 +81,9 @@ def measure(family: Family, seconds: float, slow: set[str]) -> Row:
 
         used[name], _ = best_run(run, patience=1.0)
         memory[name] = peak(run) / 1e6
-        if name in PEERS and not np.allclose(PEERS[name](family), free.gain, rtol=1e-9, atol=1e-300):
+        if name in PEERS and not np.allclose(
+            PEERS[name](family), free.gain, rtol=1e-9, atol=1e-300
+        ):
             raise AssertionError(f"{name} finds other gains in {family.name}")
         if used[name] > seconds:
             slow.add(name)
@@ -100,7 +106,10 @@ def summary(rows: list[Row]) -> str:
     names = [*RUNS, *PEERS]
     times = table(
         ["family", "objects", *(f"{name} [ms]" for name in names)],
-        [(r.family, f"{r.objects:,}", *(milliseconds(r.seconds.get(n)) for n in names)) for r in rows],
+        [
+            (r.family, f"{r.objects:,}", *(milliseconds(r.seconds.get(n)) for n in names))
+            for r in rows
+        ],
     )
     sizes = table(
         [
@@ -143,35 +152,66 @@ def draw(rows: list[Row]) -> Figure:
     for axis, family in zip(axes, dict.fromkeys(row.family for row in rows), strict=True):
         here = [row for row in rows if row.family == family]
         for name, colour in COLOURS.items():
-            points = [(row.objects, 1000 * row.seconds[name]) for row in here if name in row.seconds]
-            axis.plot(*zip(*points, strict=True), "--s" if name in PEERS else "-o", color=colour, label=name, markersize=4, linewidth=1.3)
+            points = [
+                (row.objects, 1000 * row.seconds[name]) for row in here if name in row.seconds
+            ]
+            axis.plot(
+                *zip(*points, strict=True),
+                "--s" if name in PEERS else "-o",
+                color=colour,
+                label=name,
+                markersize=4,
+                linewidth=1.3,
+            )
         axis.set(xscale="log", yscale="log", title=family)
         axis.grid(alpha=0.25)
     for axis in axes[3:]:
         axis.set_xlabel("objects")
     for axis in axes[::3]:
         axis.set_ylabel("run time with building the graph [ms]")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=7, frameon=False)
+    figure.legend(
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=7, frameon=False
+    )
     return figure
 
 
 def main() -> None:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--largest", type=int, default=SIZES[-1], help=f"objects at most ({SIZES[-1]})")
-    parser.add_argument("--seconds", type=float, default=20.0, help="what takes longer at one size is left out at larger ones (20)")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--largest", type=int, default=SIZES[-1], help=f"objects at most ({SIZES[-1]})"
+    )
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=20.0,
+        help="what takes longer at one size is left out at larger ones (20)",
+    )
     options = parser.parse_args()
     rows = []
     for make in FAMILIES.values():
         slow: set[str] = set()
-        rows += [measure(make(size), options.seconds, slow) for size in SIZES if size <= options.largest]
+        rows += [
+            measure(make(size), options.seconds, slow) for size in SIZES if size <= options.largest
+        ]
     text = (
-        "One source, up to 10 listeners; processor time with building the graph, the best of some runs. `best_path`, `all_paths` and\n"
-        "`energy_balance` with the default limits (32 connections, a gain of 0.001, which energies do not use); `free` without any, like\n"
-        "the peers, whose gains are checked to be the same. `visited`: nodes that `best_path` reaches, of those present. Left out (-):\n"
+        "One source, up to 10 listeners; processor time with building the graph, the best of "
+        "some runs. `best_path`, `all_paths` and\n"
+        "`energy_balance` with the default limits (32 connections, a gain of 0.001, which "
+        "energies do not use); `free` without any, like\n"
+        "the peers, whose gains are checked to be the same. `visited`: nodes that `best_path` "
+        "reaches, of those present. Left out (-):\n"
         "peers where the explicit graph would be too large.\n\n" + summary(rows)
     )
-    publish("propagation_scaling", f"Propagation from 10 to {options.largest:,} objects", text, [asdict(row) for row in rows], draw(rows))
+    publish(
+        "propagation_scaling",
+        f"Propagation from 10 to {options.largest:,} objects",
+        text,
+        [asdict(row) for row in rows],
+        draw(rows),
+    )
 
 
 if __name__ == "__main__":

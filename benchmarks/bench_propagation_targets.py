@@ -2,8 +2,8 @@
 
     python -m benchmarks.bench_propagation_targets [--demo]
 
-``--demo`` measures and prints the first row alone, without a peer. The rows of the certified 1 % are taken from what
-``bench_propagation_error`` measured last.
+``--demo`` measures and prints the first row alone, without a peer. The rows of the certified 1 %
+are taken from what ``bench_propagation_error`` measured last.
 """
 
 from __future__ import annotations
@@ -54,10 +54,18 @@ def best_path(family: Family) -> np.ndarray:
 
 
 def against_peers() -> list[Target]:
-    """Piles on a ground: graph and best paths, against explicit graphs; no limits on either side, and gains checked to be equal."""
+    """Piles on a ground: graph and best paths, against explicit graphs; no limits on either side,
+    and gains checked to be equal."""
     targets = []
     for family, others in (
-        (pile(1000), ((by_networkx, "NetworkX", 100, 1), (by_scipy, "SciPy", 10, 5), (by_rustworkx, "rustworkx", 0, 2))),
+        (
+            pile(1000),
+            (
+                (by_networkx, "NetworkX", 100, 1),
+                (by_scipy, "SciPy", 10, 5),
+                (by_rustworkx, "rustworkx", 0, 2),
+            ),
+        ),
         (pile(5000), ((by_scipy, "SciPy", 50, 2),)),
     ):
         ours = best_time(best_path, family, runs=9)
@@ -69,10 +77,12 @@ def against_peers() -> list[Target]:
             implied = family.graph().intra_connection_count()
             targets.append(
                 Target(
-                    f"pile of {len(family.table.names) - 1:,} ({implied:,} implied intra-connections), 4 sources, 10 listeners, "
+                    f"pile of {len(family.table.names) - 1:,} ({implied:,} implied "
+                    "intra-connections), 4 sources, 10 listeners, "
                     f"graph + best_path, against {name}",
                     f"{wanted} times faster" if wanted else "-",
-                    f"{seconds / ours:.0f} times ({milliseconds(ours)} ms, {milliseconds(seconds)} ms)",
+                    f"{seconds / ours:.0f} times ({milliseconds(ours)} ms, "
+                    f"{milliseconds(seconds)} ms)",
                     seconds / ours >= wanted,
                 )
             )
@@ -108,16 +118,26 @@ def exact_sums() -> list[Target]:
             f"{error:.1g}, {milliseconds(seconds)} ms",
             bool(error < 1e-9 and seconds < 0.02 and result.error_bound.max() == 0),
         ),
-        Target("wall 4 x 25, exact", "under 500 ms", f"{milliseconds(wide)} ms", bool(wide < 0.5 and proven == 0)),
+        Target(
+            "wall 4 x 25, exact",
+            "under 500 ms",
+            f"{milliseconds(wide)} ms",
+            bool(wide < 0.5 and proven == 0),
+        ),
     ]
 
 
 def _ladder_by_transfer(family: Family) -> float:
-    """The sum over all paths of a ladder of two rows: column by column a path crosses the rung or not, and never goes back."""
+    """The sum over all paths of a ladder of two rows: column by column a path crosses the rung or
+    not, and never goes back."""
     graph = family.graph()
 
     def gain(a: int, b: int) -> float:
-        return float(graph.table.gain(int(graph.node_object[a]), graph.node_distances(np.array([a]), np.array([b])))[0])
+        return float(
+            graph.table.gain(
+                int(graph.node_object[a]), graph.node_distances(np.array([a]), np.array([b]))
+            )[0]
+        )
 
     columns = len(graph.table.names) // 2
     across: dict[tuple[int, int], int] = {}
@@ -125,7 +145,8 @@ def _ladder_by_transfer(family: Family) -> float:
         if other >= 0:
             across[int(graph.node_object[node]), int(graph.node_object[other])] = node
     source, listener = graph.sources[0].nodes[0], int(graph.listener_nodes[0])
-    here: list[tuple[int, float]] = [(source, 1.0)]  # entries of this column's objects, and what arrives there
+    # Entries of this column's objects, and what arrives there.
+    here: list[tuple[int, float]] = [(source, 1.0)]
     for column in range(columns):
         pair = 2 * column, 2 * column + 1
         through = {index: across[index, other] for index, other in (pair, pair[::-1])}
@@ -136,16 +157,22 @@ def _ladder_by_transfer(family: Family) -> float:
             inside[index].append((entry, value))
             inside[other].append((through[other], value * gain(entry, through[index])))
         if column == columns - 1:
-            return sum(value * gain(entry, listener) for entry, value in inside[int(graph.node_object[listener])])
+            return sum(
+                value * gain(entry, listener)
+                for entry, value in inside[int(graph.node_object[listener])]
+            )
         here = []
         for index, arrived in inside.items():
             way = across[index, index + 2]
-            here.append((int(graph.partner[way]), sum(value * gain(entry, way) for entry, value in arrived)))
+            here.append(
+                (int(graph.partner[way]), sum(value * gain(entry, way) for entry, value in arrived))
+            )
     raise AssertionError("a ladder ends at its last column")
 
 
 def certified(measured: list[Measured]) -> list[Target]:
-    """Time to a certified 1 % of the sum over all paths, against enumeration to the same true error, with its best setting."""
+    """Time to a certified 1 % of the sum over all paths, against enumeration to the same true
+    error, with its best setting."""
     targets = []
     for item in measured:
         ours = item.certified()
@@ -153,7 +180,11 @@ def certified(measured: list[Measured]) -> list[Target]:
         one = item.fastest((ENUMERATION, BY_CONNECTIONS), WANTED)
         seconds = max(point.seconds for point in item.points if point.curve == ENUMERATION)
         least = seconds if plain is None else plain.seconds
-        said = f"over {milliseconds(seconds)} ms" if plain is None else f"{milliseconds(plain.seconds)} ms"
+        said = (
+            f"over {milliseconds(seconds)} ms"
+            if plain is None
+            else f"{milliseconds(plain.seconds)} ms"
+        )
         to_one = "" if one is None else f", to a true 1 % {milliseconds(one.seconds)} ms"
         proven = ours.bound is not None and ours.bound <= WANTED * (1 + 1e-9)
         ratio = least / ours.seconds
@@ -164,9 +195,11 @@ def certified(measured: list[Measured]) -> list[Target]:
         faster = f"{'over ' if plain is None else ''}{ratio:.0f} times"
         targets.append(
             Target(
-                f"certified 1 % in {item.family}, {item.objects} objects, against breadth-first enumeration to the same true error",
+                f"certified 1 % in {item.family}, {item.objects} objects, against breadth-first "
+                "enumeration to the same true error",
                 wanted,
-                f"{faster} ({milliseconds(ours.seconds)} ms with error {ours.error:.1g}; {said}{to_one})",
+                f"{faster} ({milliseconds(ours.seconds)} ms with error {ours.error:.1g}; "
+                f"{said}{to_one})",
                 reached,
             )
         )
@@ -174,7 +207,8 @@ def certified(measured: list[Measured]) -> list[Target]:
 
 
 def demo_frame() -> list[Target]:
-    """The demo's persistent source and its 10 listeners, as a frame does it: graph, then propagation by the default settings."""
+    """The demo's persistent source and its 10 listeners, as a frame does it: graph, then
+    propagation by the default settings."""
     family = demo_family()
     times = []
     for _ in range(500):
@@ -184,13 +218,20 @@ def demo_frame() -> list[Target]:
     median = statistics.median(times)
     count = f"{len(family.table.names)} objects, {len(family.contacts)} contacts"
     what = f"one persistent source, {len(family.listeners)} listeners, demo scene ({count})"
-    return [Target(what, "under 0.6 ms a frame", f"{median:.2f} ms (best {min(times):.2f})", median < 0.6)]
+    return [
+        Target(
+            what, "under 0.6 ms a frame", f"{median:.2f} ms (best {min(times):.2f})", median < 0.6
+        )
+    ]
 
 
 def default_strategy() -> Target:
-    """The default, which has no limit of connections, against best paths with the scene's limits."""
+    """The default, which has no limit of connections, against best paths with the scene's
+    limits."""
     graph = pile(1000).graph()
-    default, limited = (best_time(propagate, graph, chosen, runs=20) for chosen in (DEFAULT, LIMITED))
+    default, limited = (
+        best_time(propagate, graph, chosen, runs=20) for chosen in (DEFAULT, LIMITED)
+    )
     return Target(
         "pile of 1,000, 4 sources, 10 listeners, default strategy, against best_path",
         "at most 2 times its time",
@@ -219,30 +260,57 @@ def energy_balances() -> list[Target]:
 
 
 def physical_materials() -> list[Target]:
-    """Piles of stone on soil as they were measured, in bands, against their plain gain, and against the paper's function, by which less
-    arrives; graph and propagation by default settings. Sources of one frequency band, and of four, whose paths are found for each."""
+    """Piles of stone on soil as they were measured, in bands, against their plain gain, and against
+    the paper's function, by which less arrives; graph and propagation by default settings. Sources
+    of one frequency band, and of four, whose paths are found for each."""
     targets = []
     for count in (100, 1000):
         paper = pile(count)
         measured = [physical("soil", (20, 20, 1)), *[physical("stone", (0.3, 0.3, 0.3))] * count]
-        objects = [replace(item, propagation=function) for item, function in zip(paper.table.objects, measured, strict=True)]
+        objects = [
+            replace(item, propagation=function)
+            for item, function in zip(paper.table.objects, measured, strict=True)
+        ]
         bands = replace(paper, table=ObjectTable.of(objects, paper.table.epsilon))
         plain = replace(bands, table=replace(bands.table, band_decays=None))
-        four = [replace(item, signal=Sine(frequency)) for item, frequency in zip(bands.sources, (30, 60, 120, 250), strict=True)]
+        four = [
+            replace(item, signal=Sine(frequency))
+            for item, frequency in zip(bands.sources, (30, 60, 120, 250), strict=True)
+        ]
         several = replace(bands, sources=tuple(four))
         chosen = (paper, plain, bands, several)
         times = [best_time(traced, family, DEFAULT, runs=100) for family in chosen]
         arrived = [int((propagate(family.graph(), DEFAULT).gain > 0).sum()) for family in chosen]
         for what, time_, pairs, base, other in (
-            ("sources of one band, against the plain gain", times[2], arrived[2], times[1], arrived[1]),
-            ("sources of four bands, against the plain gain", times[3], arrived[3], times[1], arrived[1]),
-            ("sources of one band, against the paper's function", times[2], arrived[2], times[0], arrived[0]),
+            (
+                "sources of one band, against the plain gain",
+                times[2],
+                arrived[2],
+                times[1],
+                arrived[1],
+            ),
+            (
+                "sources of four bands, against the plain gain",
+                times[3],
+                arrived[3],
+                times[1],
+                arrived[1],
+            ),
+            (
+                "sources of one band, against the paper's function",
+                times[2],
+                arrived[2],
+                times[0],
+                arrived[0],
+            ),
         ):
             targets.append(
                 Target(
-                    f"pile of {count:,}, 4 sources, 10 listeners, physical materials in bands, {what}",
+                    f"pile of {count:,}, 4 sources, 10 listeners, physical materials in bands, "
+                    f"{what}",
                     "at most 1.5 times its time",
-                    f"{time_ / base:.2f} times ({milliseconds(time_)} ms, {pairs} of 40 pairs arrive; {milliseconds(base)} ms, {other})",
+                    f"{time_ / base:.2f} times ({milliseconds(time_)} ms, {pairs} of 40 pairs "
+                    f"arrive; {milliseconds(base)} ms, {other})",
                     time_ <= 1.5 * base,
                 )
             )
@@ -251,7 +319,9 @@ def physical_materials() -> list[Target]:
 
 def main() -> None:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--demo", action="store_true")
     if parser.parse_args().demo:
         print(*(f"{target.what}: {target.measured}" for target in demo_frame()), sep="\n")
@@ -267,11 +337,18 @@ def main() -> None:
     ]
     rows = [(t.what, t.wanted, t.measured, "yes" if t.reached else "**no**") for t in targets]
     note = (
-        "Seconds are those of the processor, one thread; the graph is built in each of them. The rows of the certified 1 % are those of\n"
-        "[propagation_error](propagation_error.md), where enumeration is given the setting that is quickest to the error."
+        "Seconds are those of the processor, one thread; the graph is built in each of them. The "
+        "rows of the certified 1 % are those of\n"
+        "[propagation_error](propagation_error.md), where enumeration is given the setting that "
+        "is quickest to the error."
     )
     text = f"{note}\n\n" + table(("what", "at least", "measured", "reached"), rows)
-    publish("propagation_targets", "What propagation reaches", text, [asdict(target) for target in targets])
+    publish(
+        "propagation_targets",
+        "What propagation reaches",
+        text,
+        [asdict(target) for target in targets],
+    )
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-"""How long a run-time server takes from a message to its answer, over its WebSocket on this machine.
+"""How long a run-time server takes from a message to its answer, over its WebSocket on this
+machine.
 
     python -m benchmarks.bench_run_time [--seconds 10] [--only 100/100]
 
-A grid of crates on a ground, of which some move up and down by a few centimetres and to the side, with ten listeners; steps come at a fixed
-rate. Goals: 5 ms (median) with 100 moving of 100; 15 ms (99 %) at 60 steps a second with 100 moving of 1,000; 40 ms (99 %) at 25 with 1,000
-moving.
+A grid of crates on a ground, of which some move up and down by a few centimetres and to the side,
+with ten listeners; steps come at a fixed rate. Goals: 5 ms (median) with 100 moving of 100; 15 ms
+(99 %) at 60 steps a second with 100 moving of 1,000; 40 ms (99 %) at 25 with 1,000 moving.
 """
 
 from __future__ import annotations
@@ -24,7 +25,14 @@ from websockets.sync.client import ClientConnection, connect
 
 from .report import publish, table
 
-CASES = ((10, 10, 60), (100, 100, 60), (1000, 100, 60), (1000, 1000, 25), (10_000, 100, 25), (9_999, 9_999, 2))
+CASES = (
+    (10, 10, 60),
+    (100, 100, 60),
+    (1000, 100, 60),
+    (1000, 1000, 25),
+    (10_000, 100, 25),
+    (9_999, 9_999, 2),
+)
 """Crates, moving crates, steps a second."""
 LISTENERS = 10
 
@@ -34,12 +42,34 @@ def scene_of(count: int) -> dict[str, Any]:
     side = math.isqrt(count) + 1
     ground = {"name": "ground", "kappa": 0.1, "rho": 0.9, "motion": "static"}
     size = 2.0 * side + 10
-    objects = [{**ground, "shape": {"type": "box", "size": [size, size, 1]}, "pose": {"position": [size / 2, size / 2, -0.5]}}]
+    objects = [
+        {
+            **ground,
+            "shape": {"type": "box", "size": [size, size, 1]},
+            "pose": {"position": [size / 2, size / 2, -0.5]},
+        }
+    ]
     for k in range(count - 1):
         shape = {"type": "box", "size": [1, 1, 1]}
-        objects.append({"name": f"crate {k}", "kappa": 0.1, "rho": 0.9, "mass": 5, "shape": shape, "pose": {"position": place(k, side)}})
-    listeners = [{"name": f"hand {k}", "object": f"crate {k}", "position": place(k, side)} for k in range(min(LISTENERS, count - 1))]
-    return {"objects": objects, "sources": [{"name": "drill", "object": "ground", "position": [0, 0, 0]}], "listeners": listeners}
+        objects.append(
+            {
+                "name": f"crate {k}",
+                "kappa": 0.1,
+                "rho": 0.9,
+                "mass": 5,
+                "shape": shape,
+                "pose": {"position": place(k, side)},
+            }
+        )
+    listeners = [
+        {"name": f"hand {k}", "object": f"crate {k}", "position": place(k, side)}
+        for k in range(min(LISTENERS, count - 1))
+    ]
+    return {
+        "objects": objects,
+        "sources": [{"name": "drill", "object": "ground", "position": [0, 0, 0]}],
+        "listeners": listeners,
+    }
 
 
 def place(number: int, side: int, time_: float | None = None) -> list[float]:
@@ -47,7 +77,11 @@ def place(number: int, side: int, time_: float | None = None) -> list[float]:
     x, y = 1.3 * (number % side), 1.3 * (number // side)
     if time_ is None:
         return [x, y, 0.5]
-    return [x + 0.05 * math.sin(7 * time_ + number), y, 0.5 + 0.04 * abs(math.sin(5 * time_ + number))]
+    return [
+        x + 0.05 * math.sin(7 * time_ + number),
+        y,
+        0.5 + 0.04 * abs(math.sin(5 * time_ + number)),
+    ]
 
 
 def measured(url: str, count: int, moving: int, rate: int, seconds: float) -> dict[str, Any]:
@@ -59,7 +93,10 @@ def measured(url: str, count: int, moving: int, rate: int, seconds: float) -> di
         begun = time.perf_counter()
         for k in range(max(round(seconds * rate), 5)):
             now = k / rate
-            poses = {f"crate {n}": [*place(n, side, now), 1, 0, 0, 0] for n in range(min(moving, count - 1))}
+            poses = {
+                f"crate {n}": [*place(n, side, now), 1, 0, 0, 0]
+                for n in range(min(moving, count - 1))
+            }
             message = json.dumps({"type": "step", "time": now, "poses": poses})
             bytes_ = len(message)
             time.sleep(max(begun + now - time.perf_counter(), 0.0))
@@ -108,8 +145,13 @@ def main() -> None:
         ]
         for r in results
     ]
-    text = table(("objects", "moving", "steps a second", "median [ms]", "99 % [ms]", "message [kB]"), rows)
-    text += f"\n\nThe server's largest memory: {used.ru_maxrss / 1000:.0f} MB; its processor time: {used.ru_utime + used.ru_stime:.0f} s.\n"
+    text = table(
+        ("objects", "moving", "steps a second", "median [ms]", "99 % [ms]", "message [kB]"), rows
+    )
+    text += (
+        f"\n\nThe server's largest memory: {used.ru_maxrss / 1000:.0f} MB; its processor "
+        f"time: {used.ru_utime + used.ru_stime:.0f} s.\n"
+    )
     if options.only:
         print(text)
     else:

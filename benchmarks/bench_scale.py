@@ -1,10 +1,13 @@
-"""What bakes and sweeps cost, on one worker and on two, and how well a model of few numbers tells it.
+"""What bakes and sweeps cost, on one worker and on two, and how well a model of few numbers tells
+it.
 
     python -m benchmarks.bench_scale
 
-The model: a process costs `start` seconds of a processor before its first frame and `frame` for each that it traces. Both are fitted to
-two bakes, of 2 and of `FRAMES` frames; they then predict parts of a bake, and sweeps, given what a sweep of one variant costs beside that
-variant. Processor time is that of all processes and threads: what else the machine does counts little there, unlike in `passed`.
+The model: a process costs `start` seconds of a processor before its first frame and `frame` for
+each that it traces. Both are fitted to two bakes, of 2 and of `FRAMES` frames; they then predict
+parts of a bake, and sweeps, given what a sweep of one variant costs beside that variant. Processor
+time is that of all processes and threads: what else the machine does counts little there, unlike in
+`passed`.
 """
 
 from __future__ import annotations
@@ -45,7 +48,8 @@ def _measure(name: str, more: list[str], folder: Path) -> None:
         found = re.search(r"frames \d+ to (\d+)\), traced from frame (\d+)", said)
         assert found is not None
         traced = int(found[1]) - int(found[2]) + 1
-        print(f"{f'part {number} of {PARTS}, {traced} frames traced':<34}{used:>10.2f}{start + traced * frame:>8.2f}{passed:>8.2f}")
+        heading = f"part {number} of {PARTS}, {traced} frames traced"
+        print(f"{heading:<34}{used:>10.2f}{start + traced * frame:>8.2f}{passed:>8.2f}")
     parts = [folder / f"{name}.{number}-of-{PARTS}.npz" for number in range(1, PARTS + 1)]
     passed, used, _ = _cost("merge", *parts, "--out", folder)
     print(f"{f'merge of {FRAMES} frames':<34}{used:>10.2f}{'':>8}{passed:>8.2f}")
@@ -53,7 +57,10 @@ def _measure(name: str, more: list[str], folder: Path) -> None:
     def sweep(variants: int, workers: int) -> tuple[float, float, str]:
         study = folder / f"{name}{variants}.toml"
         thresholds = [number / 1000 for number in range(variants)]
-        study.write_text(f"scenes = ['{blend.name}']\nframes = [1, {SHORT}]\n[settings]\n'scene.haptics.threshold' = {thresholds}\n")
+        study.write_text(
+            f"scenes = ['{blend.name}']\nframes = [1, "
+            f"{SHORT}]\n[settings]\n'scene.haptics.threshold' = {thresholds}\n"
+        )
         return _cost("sweep", study, "--workers", workers, "--out", folder / str(workers))
 
     variant = start + SHORT * frame

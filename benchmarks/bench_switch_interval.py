@@ -1,10 +1,11 @@
-"""Time that Blender's main thread waits for the GIL while contacts are computed on the worker thread, by Python's switch interval.
+"""Time that Blender's main thread waits for the GIL while contacts are computed on the worker
+thread, by Python's switch interval.
 
     python -m benchmarks.bench_switch_interval [--bodies 250] [--seconds 6]
 
-The main thread acquires the GIL after every pause of 2 ms, as draw callbacks do; the table has the delays. The worker updates the contacts
-of bodies that all move. The two intervals, Python's own of 5 ms and that of `worker.SWITCH_INTERVAL`, take turns, so
-that both meet the same load.
+The main thread acquires the GIL after every pause of 2 ms, as draw callbacks do; the table has the
+delays. The worker updates the contacts of bodies that all move. The two intervals, Python's own of
+5 ms and that of `worker.SWITCH_INTERVAL`, take turns, so that both meet the same load.
 """
 
 from __future__ import annotations
@@ -29,12 +30,17 @@ TURNS = 2
 def bodies_of(count: int) -> tuple[Body, ...]:
     """Capsules, cylinders and hulls in turn."""
     points = np.random.default_rng(1).normal(size=(24, 3)) * 0.3
-    shapes = (Capsule(radius=0.25, height=0.4), Cylinder(radius=0.3, height=0.5), ConvexHull(points))
+    shapes = (
+        Capsule(radius=0.25, height=0.4),
+        Cylinder(radius=0.3, height=0.5),
+        ConvexHull(points),
+    )
     return tuple(Body(f"body {k}", shapes[k % 3], 1.0) for k in range(count))
 
 
 def waits(bodies: tuple[Body, ...], seconds: float) -> tuple[list[float], int]:
-    """The waits [s] of the main thread for the GIL, and how often the worker updated the contacts meanwhile."""
+    """The waits [s] of the main thread for the GIL, and how often the worker updated the contacts
+    meanwhile."""
     ended, updates = threading.Event(), 0
     generator = np.random.default_rng(2)
     rest = np.tile(np.eye(4), (len(bodies), 1, 1))
@@ -74,7 +80,9 @@ def main() -> None:
             sys.setswitchinterval(interval)
             found, updates = waits(bodies, options.seconds)
             values = 1000 * np.quantile(found, (0.5, 0.9, 0.99))
-            rows.append([f"{1000 * interval:g} ms", *(f"{value:.2f}" for value in values), str(updates)])
+            rows.append(
+                [f"{1000 * interval:g} ms", *(f"{value:.2f}" for value in values), str(updates)]
+            )
     finally:
         sys.setswitchinterval(before)
     print(table(("switch interval", "median [ms]", "90 % [ms]", "99 % [ms]", "updates"), rows))

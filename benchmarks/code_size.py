@@ -1,16 +1,19 @@
-"""Measures the size of the code: tokens, lines and bytes of data per folder, and the longest and the most complex functions.
+"""Measures the size of the code: tokens, lines and bytes of data per folder, and the longest and
+the most complex functions.
 
-python benchmarks/code_size.py [COMMIT]     tables of the working tree, beside a commit
-python benchmarks/code_size.py --total      one line: the tokens of all that is shipped, beside those stored in results/code_size.json
-python benchmarks/code_size.py --store      store them
+python benchmarks/code_size.py [COMMIT]     tables of the working tree, beside a commit python
+benchmarks/code_size.py --total      one line: the tokens of all that is shipped, beside those
+stored in results/code_size.json python benchmarks/code_size.py --store      store them
 
-Tokens are Python's own, of 3.12 and later, without comments, docstrings and layout. A string literal counts as many as it has words between
-spaces, and at least one; so does each piece of an f-string between its replacement fields. Tokens measure what there is to read however it
-is laid out: lines can be packed more densely.
+Tokens are Python's own, of 3.12 and later, without comments, docstrings and layout. A string
+literal counts as many as it has words between spaces, and at least one; so does each piece of an
+f-string between its replacement fields. Tokens measure what there is to read however it is laid
+out: lines can be packed more densely.
 
-A line of code holds something other than a comment or a docstring, and is counted as ruff formats it at a width of 100 characters. A
-function is as long as the lines of code from its head to its end. Its complexity is McCabe's as ruff counts it (C901): 1, and 1 more for
-each branch, loop, exception handler, case and inner function. Data are all files but Python's and pictures.
+A line of code holds something other than a comment or a docstring, and is counted as ruff formats
+it at a width of 100 characters. A function is as long as the lines of code from its head to its
+end. Its complexity is McCabe's as ruff counts it (C901): 1, and 1 more for each branch, loop,
+exception handler, case and inner function. Data are all files but Python's and pictures.
 """
 
 from __future__ import annotations
@@ -32,11 +35,21 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SHIPPED = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 PARTS = (*SHIPPED, "clients", "benchmarks", "packaging", "docs", "tests")
-TOTALS = {"core and addon": ("core", "addon"), "with command line, study, clients": ("core", "addon", "command_line", "study", "clients")}
+TOTALS = {
+    "core and addon": ("core", "addon"),
+    "with command line, study, clients": ("core", "addon", "command_line", "study", "clients"),
+}
 STORED = ROOT / "benchmarks" / "results" / "code_size.json"
 WIDTH = 100
 PICTURES = {".png", ".svg"}
-LAYOUT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+LAYOUT = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 BRANCHES = (ast.If, ast.For, ast.AsyncFor, ast.While, ast.ExceptHandler, ast.match_case, *FUNCTIONS)
 LISTED = 10
@@ -68,7 +81,9 @@ def docstring_lines(tree: ast.Module) -> set[int]:
     strings = [
         node
         for node in statements(tree)
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+        if isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
     ]
     return {line for node in strings for line in range(node.lineno, (node.end_lineno or 0) + 1)}
 
@@ -76,7 +91,10 @@ def docstring_lines(tree: ast.Module) -> set[int]:
 def tokens(source: str, tree: ast.Module) -> int:
     """How many tokens a module has."""
     if sys.version_info < (3, 12):
-        raise SystemExit("haptic-tracing: tokens are counted by Python 3.12 or later, which takes f-strings apart")
+        raise SystemExit(
+            "haptic-tracing: tokens are counted by Python 3.12 or later, which takes f-strings "
+            "apart"
+        )
     literals = {tokenize.STRING, tokenize.FSTRING_MIDDLE}
     docstrings = docstring_lines(tree)
     count = 0
@@ -89,7 +107,8 @@ def tokens(source: str, tree: ast.Module) -> int:
 
 
 def statements(node: ast.AST) -> Iterator[ast.AST]:
-    """The statements, exception handlers and cases below a node: what branches and functions are among. Expressions hold none."""
+    """The statements, exception handlers and cases below a node: what branches and functions are
+    among. Expressions hold none."""
     for part in vars(node).values():
         for inner in part if isinstance(part, list) else ():
             if isinstance(inner, (ast.stmt, ast.ExceptHandler, ast.match_case)):
@@ -103,12 +122,25 @@ def functions(root: Path, parts: tuple[str, ...] = SHIPPED) -> Iterator[Function
         for path in sorted((root / part).rglob("*.py")):
             source = path.read_text(encoding="utf-8")
             tree = ast.parse(source)
-            spans = {node: range(node.lineno, (node.end_lineno or 0) + 1) for node in statements(tree) if isinstance(node, FUNCTIONS)}
-            lines = code_lines(source, tree) if any(len(span) >= LONG for span in spans.values()) else None
+            spans = {
+                node: range(node.lineno, (node.end_lineno or 0) + 1)
+                for node in statements(tree)
+                if isinstance(node, FUNCTIONS)
+            }
+            lines = (
+                code_lines(source, tree)
+                if any(len(span) >= LONG for span in spans.values())
+                else None
+            )
             for node, span in spans.items():
                 length = len(span) if lines is None else len(lines.intersection(span))
                 place = f"{path.relative_to(root).as_posix()}:{node.lineno}"
-                yield Function(node.name, place, length, 1 + sum(isinstance(inner, BRANCHES) for inner in statements(node)))
+                yield Function(
+                    node.name,
+                    place,
+                    length,
+                    1 + sum(isinstance(inner, BRANCHES) for inner in statements(node)),
+                )
 
 
 @dataclass(slots=True)
@@ -127,14 +159,20 @@ class Size:
 
 
 def sizes(commit: str) -> dict[str, Size]:
-    """Sizes by folder in a commit: that of a stage or layer ("core/contacts"), of the folder above it, and the totals."""
+    """Sizes by folder in a commit: that of a stage or layer ("core/contacts"), of the folder above
+    it, and the totals."""
     found: dict[str, Size] = defaultdict(Size)
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
-        archive = subprocess.run(["git", "archive", commit], cwd=ROOT, capture_output=True, check=True).stdout
+        archive = subprocess.run(
+            ["git", "archive", commit], cwd=ROOT, capture_output=True, check=True
+        ).stdout
         with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
             tar.extractall(root, filter="data")
-        counted = {path: tokens(source := path.read_text(encoding="utf-8"), ast.parse(source)) for path in root.rglob("*.py")}
+        counted = {
+            path: tokens(source := path.read_text(encoding="utf-8"), ast.parse(source))
+            for path in root.rglob("*.py")
+        }
         ruff = ROOT / ".venv-lint" / "bin" / "ruff"
         subprocess.run([ruff, "format", "--quiet", "--line-length", str(WIDTH), folder], check=True)
         for part in PARTS:
@@ -155,7 +193,10 @@ def sizes(commit: str) -> dict[str, Size]:
 
 def print_sizes(now: dict[str, Size], before: dict[str, Size]) -> None:
     """A Markdown table; each value after that of the commit, if there is one."""
-    print(f"| folder | tokens | lines of code at width {WIDTH} | bytes of data |\n|---|---:|---:|---:|")
+    print(
+        f"| folder | tokens | lines of code at width {WIDTH} | bytes of data "
+        "|\n|---|---:|---:|---:|"
+    )
     nothing = Size()
     for folder in sorted(now.keys() | before.keys(), key=lambda name: (name in TOTALS, name)):
         new, old = now.get(folder, nothing), before.get(folder, nothing)
@@ -167,7 +208,10 @@ def print_sizes(now: dict[str, Size], before: dict[str, Size]) -> None:
 def totals() -> dict[str, int]:
     """Tokens of the working tree, as stored."""
     of_part = {
-        part: sum(tokens(source := path.read_text(encoding="utf-8"), ast.parse(source)) for path in (ROOT / part).rglob("*.py"))
+        part: sum(
+            tokens(source := path.read_text(encoding="utf-8"), ast.parse(source))
+            for path in (ROOT / part).rglob("*.py")
+        )
         for part in {part for parts in TOTALS.values() for part in parts}
     }
     return {name: sum(of_part[part] for part in parts) for name, parts in TOTALS.items()}
@@ -176,7 +220,12 @@ def totals() -> dict[str, int]:
 def print_totals() -> None:
     """One line, with the change since they were stored."""
     stored = json.loads(STORED.read_text(encoding="utf-8"))
-    print("tokens: " + "; ".join(f"{name} {count:,} ({count - stored[name]:+,})" for name, count in totals().items()))
+    print(
+        "tokens: "
+        + "; ".join(
+            f"{name} {count:,} ({count - stored[name]:+,})" for name, count in totals().items()
+        )
+    )
 
 
 def main() -> None:
@@ -190,7 +239,9 @@ def main() -> None:
     if arguments.store or arguments.total:
         print_totals()
         return
-    work_tree = subprocess.run(["git", "stash", "create"], cwd=ROOT, capture_output=True, check=True, text=True).stdout.strip()
+    work_tree = subprocess.run(
+        ["git", "stash", "create"], cwd=ROOT, capture_output=True, check=True, text=True
+    ).stdout.strip()
     print_sizes(sizes(work_tree or "HEAD"), sizes(arguments.commit) if arguments.commit else {})
     every = list(functions(ROOT))
     for title, key in (("longest", "lines"), ("most complex", "complexity")):

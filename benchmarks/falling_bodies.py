@@ -1,4 +1,5 @@
-"""A scene of bodies that fall and settle, or lie still, and a Blender that plays it with the add-on."""
+"""A scene of bodies that fall and settle, or lie still, and a Blender that plays it with the
+add-on."""
 
 from __future__ import annotations
 
@@ -31,18 +32,34 @@ def _mesh(kind: str) -> bpy.types.Mesh:
     mesh = bpy.data.meshes.new(kind)
     if kind == "BOX":
         corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
-        faces: list[tuple[int, ...]] = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        faces: list[tuple[int, ...]] = [
+            (0, 1, 3, 2),
+            (4, 6, 7, 5),
+            (0, 4, 5, 1),
+            (2, 3, 7, 6),
+            (0, 2, 6, 4),
+            (1, 5, 7, 3),
+        ]
     else:
         turns = np.linspace(0, 2 * np.pi, 12, endpoint=False)
         ring = [(half * np.cos(a), half * np.sin(a)) for a in turns]
         top = 1.6 * half if kind == "CAPSULE" else half
         corners = [(x, y, z) for z in (-top, top) for x, y in ring]
-        faces = [tuple(range(11, -1, -1)), tuple(range(12, 24)), *((k, (k + 1) % 12, 12 + (k + 1) % 12, 12 + k) for k in range(12))]
+        faces = [
+            tuple(range(11, -1, -1)),
+            tuple(range(12, 24)),
+            *((k, (k + 1) % 12, 12 + (k + 1) % 12, 12 + k) for k in range(12)),
+        ]
     mesh.from_pydata(corners, [], faces)
     return mesh
 
 
-def _add(name: str, mesh: bpy.types.Mesh | None, place: tuple[float, ...], turn: tuple[float, ...] = (0, 0, 0)) -> bpy.types.Object:
+def _add(
+    name: str,
+    mesh: bpy.types.Mesh | None,
+    place: tuple[float, ...],
+    turn: tuple[float, ...] = (0, 0, 0),
+) -> bpy.types.Object:
     obj = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(obj)
     obj.location, obj.rotation_euler = place, Euler(turn)
@@ -58,12 +75,20 @@ def _rigid(obj: bpy.types.Object, shape: str, kind: str = "ACTIVE") -> bpy.types
 
 
 def build(
-    frames: int, bodies: int, shape: str, settled: bool, strategy: str, impacts: bool, materials: str | None = None
+    frames: int,
+    bodies: int,
+    shape: str,
+    settled: bool,
+    strategy: str,
+    impacts: bool,
+    materials: str | None = None,
 ) -> bpy.types.Scene:
-    """A new file with so many bodies above a ground: in layers, turned at random, that fall onto each other, or side by side at rest.
+    """A new file with so many bodies above a ground: in layers, turned at random, that fall onto
+    each other, or side by side at rest.
 
-    ``materials``: None for κ and ρ as they are in new objects; else stone on soil as they were measured, with contacts by impedance: their
-    ``plain`` gain without bands, or in bands with sources of ``one`` band or of ``four``.
+    ``materials``: None for κ and ρ as they are in new objects; else stone on soil as they were
+    measured, with contacts by impedance: their ``plain`` gain without bands, or in bands with
+    sources of ``one`` band or of ``four``.
     """
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
@@ -72,7 +97,10 @@ def build(
     scene.haptics.strategy, scene.haptics.impacts = strategy, impacts
     bpy.ops.rigidbody.world_add()
     world = scene.rigidbody_world
-    world.collection, world.constraints = bpy.data.collections.new("bodies"), bpy.data.collections.new("constraints")
+    world.collection, world.constraints = (
+        bpy.data.collections.new("bodies"),
+        bpy.data.collections.new("constraints"),
+    )
     world.point_cache.frame_start, world.point_cache.frame_end = 1, frames
     kinds = SHAPES[:-1] if shape == "MIXED" else (shape,)
     meshes = {kind: _mesh(kind) for kind in kinds}
@@ -86,7 +114,11 @@ def build(
     for k in range(bodies):
         layer, row, column = k // width**2, k // width % width, k % width
         gap = 0.7
-        place = np.array([column - width / 2, row - width / 2, 0.0]) * gap + [0, 0, SIZE / 2 + (0.0 if settled else 0.5 + gap * layer)]
+        place = np.array([column - width / 2, row - width / 2, 0.0]) * gap + [
+            0,
+            0,
+            SIZE / 2 + (0.0 if settled else 0.5 + gap * layer),
+        ]
         turn = np.zeros(3)
         if not settled:
             place[:2] += random.uniform(-0.1, 0.1, 2)
@@ -97,21 +129,31 @@ def build(
     for k in range(1 if settled else SOURCES):
         made[k * bodies // SOURCES].haptics.source.enabled = True
     for k in range(LISTENERS):
-        made[(2 * k + 1) if settled else (2 * k + 1) * bodies // (2 * LISTENERS)].haptics.listener.enabled = True
+        made[
+            (2 * k + 1) if settled else (2 * k + 1) * bodies // (2 * LISTENERS)
+        ].haptics.listener.enabled = True
     bpy.context.view_layer.update()
     if materials is not None:
         _make_physical(scene, lying, made, materials)
     return scene
 
 
-def _make_physical(scene: bpy.types.Scene, ground: bpy.types.Object, bodies: Sequence[bpy.types.Object], materials: str) -> None:
-    """Give the bodies measured materials, contacts the impedances of these, and sources their frequencies."""
+def _make_physical(
+    scene: bpy.types.Scene,
+    ground: bpy.types.Object,
+    bodies: Sequence[bpy.types.Object],
+    materials: str,
+) -> None:
+    """Give the bodies measured materials, contacts the impedances of these, and sources their
+    frequencies."""
     for name, objects in (("soil", [ground]), ("stone", bodies)):
         library.apply(objects, library.preset_in(scene, MATERIALS[name]))
     library.make_physical([ground, *bodies], False)
     if materials == "plain":  # the damping of the lowest band at every frequency
         for name, obj in (("soil", ground), *(("stone", body) for body in bodies)):
-            obj.haptics.absorption = physical(name, tuple(obj.dimensions)).material_damping(BAND_CENTRES[0])
+            obj.haptics.absorption = physical(name, tuple(obj.dimensions)).material_damping(
+                BAND_CENTRES[0]
+            )
             obj.haptics.loss_factor = 0.0
     rule = scene.haptics.transmission_table.items.add()
     rule.first_kind, rule.second_kind, rule.function = "ANY", "ANY", "impedance"
@@ -122,7 +164,8 @@ def _make_physical(scene: bpy.types.Scene, ground: bpy.types.Object, bodies: Seq
 
 
 def play_in_turns(connection: Connection, tracing: bool, frames: int, *scene_of: Any) -> None:
-    """Build a scene and play the frames that are asked for, with their times as answers; at ``()`` tell what was traced, and end."""
+    """Build a scene and play the frames that are asked for, with their times as answers; at ``()``
+    tell what was traced, and end."""
     haptic_tracing.register()
     scene = build(frames, *scene_of)
     scene.haptics.tracing = tracing
@@ -136,8 +179,8 @@ def play_in_turns(connection: Connection, tracing: bool, frames: int, *scene_of:
 
 
 class _Work(NamedTuple):
-    """What is kept of a traced frame. Its result is released, as sessions release it: results that all stay alive are traversed by
-    every collection of garbage."""
+    """What is kept of a traced frame. Its result is released, as sessions release it: results that
+    all stay alive are traversed by every collection of garbage."""
 
     milliseconds: Mapping[str, float]
     statistics: Mapping[str, float]
@@ -149,11 +192,17 @@ class _Work(NamedTuple):
 
 
 def _traced(scene: bpy.types.Scene, watch: _Watch, results: Sequence[_Work]) -> dict[str, object]:
-    """What `bench_frame.Traced` says; of plain values, so that who receives it need not import Blender."""
+    """What `bench_frame.Traced` says; of plain values, so that who receives it need not import
+    Blender."""
     return {
         "handler": 1000 * float(np.median(watch.seconds)),
-        "stages": {stage: float(np.median([r.milliseconds[stage] for r in results])) for stage in results[0].milliseconds},
-        "beyond": float(np.median([sum(r.milliseconds.values()) - r.milliseconds["read"] for r in results])),
+        "stages": {
+            stage: float(np.median([r.milliseconds[stage] for r in results]))
+            for stage in results[0].milliseconds
+        },
+        "beyond": float(
+            np.median([sum(r.milliseconds.values()) - r.milliseconds["read"] for r in results])
+        ),
         "contacts": float(np.median([r.contacts for r in results])),
         "queries": sum(r.statistics["contact_queries"] for r in results) // len(results),
         "avoided": sum(r.statistics["queries_avoided"] for r in results) // len(results),
@@ -177,7 +226,9 @@ class _Watch:
         self.seconds.append(time.perf_counter() - self._begun)
 
 
-def _play(scene: bpy.types.Scene, numbers: Sequence[int]) -> tuple[np.ndarray, np.ndarray, list[_Work]]:
+def _play(
+    scene: bpy.types.Scene, numbers: Sequence[int]
+) -> tuple[np.ndarray, np.ndarray, list[_Work]]:
     """Seconds of each frame, of CPU time of all threads in it, and what was traced."""
     seconds, worked, results = np.empty(len(numbers)), np.empty(len(numbers)), []
     for k, number in enumerate(numbers):
@@ -206,7 +257,8 @@ def _held(scene: bpy.types.Scene) -> int:
 
 
 def idle() -> tuple[float, float]:
-    """Microseconds of the handler where there is nothing to do: where tracing is off, and where nothing is tagged."""
+    """Microseconds of the handler where there is nothing to do: where tracing is off, and where
+    nothing is tagged."""
     haptic_tracing.register()
     medians = []
     for tracing in (False, True):

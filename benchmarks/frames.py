@@ -1,4 +1,5 @@
-"""Frames as the loop meets them, handed to the graph: the demo scene, and boxes that fall and settle as Blender simulates them."""
+"""Frames as the loop meets them, handed to the graph: the demo scene, and boxes that fall and
+settle as Blender simulates them."""
 
 from __future__ import annotations
 
@@ -18,7 +19,17 @@ from .families import Family
 def demo_scene() -> HapticScene:
     """The demo's scene as it is exported."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "haptic_tracing", "demo", "--out", folder, "--no-picture", "--end", "10"]
+        command = [
+            sys.executable,
+            "-m",
+            "haptic_tracing",
+            "demo",
+            "--out",
+            folder,
+            "--no-picture",
+            "--end",
+            "10",
+        ]
         subprocess.run(command, check=True, capture_output=True)
         return read_scene(str(Path(folder) / "jackhammer_bench.json"))
 
@@ -33,7 +44,8 @@ def demo_family() -> Family:
 
 
 def falling_boxes(bodies: int, frames: int) -> list[Family]:
-    """What each frame of `falling_bodies` hands to the graph: so many boxes, 4 sources, 10 listeners, all contacts that signals reach."""
+    """What each frame of `falling_bodies` hands to the graph: so many boxes, 4 sources, 10
+    listeners, all contacts that signals reach."""
     import haptic_tracing
     from haptic_tracing.addon.session import session
 
@@ -49,7 +61,11 @@ def falling_boxes(bodies: int, frames: int) -> list[Family]:
             result = session.result_of(scene)
             if result is not None:
                 name = f"{bodies:,} falling boxes"
-                played.append(Family(name, result.graph.table, result.contacts, result.sources, result.listeners))
+                played.append(
+                    Family(
+                        name, result.graph.table, result.contacts, result.sources, result.listeners
+                    )
+                )
         return played
     finally:
         haptic_tracing.unregister()

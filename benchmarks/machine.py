@@ -21,7 +21,8 @@ def processor() -> str:
 
 
 def installed(package: str) -> str:
-    """The version of a package; "none" where it is not installed, as not every benchmark needs each."""
+    """The version of a package; "none" where it is not installed, as not every benchmark needs
+    each."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -43,4 +44,7 @@ def described() -> str:
     """The description as one line."""
     known = machine()
     packages = ", ".join(f"{name} {known[name]}" for name in PACKAGES)
-    return f"{known['processor']}, {known['cores']} cores, {known['system']}; Python {known['python']}, {packages}"
+    return (
+        f"{known['processor']}, {known['cores']} cores, {known['system']}; Python "
+        f"{known['python']}, {packages}"
+    )

@@ -1,6 +1,8 @@
-"""Peers on the same contacts: NetworkX, SciPy and rustworkx on the explicit graph, and plain breadth-first enumeration.
+"""Peers on the same contacts: NetworkX, SciPy and rustworkx on the explicit graph, and plain
+breadth-first enumeration.
 
-Each takes the arrays of a `Family`, as `haptic_tracing` does, and is timed with everything that it has to build from them.
+Each takes the arrays of a `Family`, as `haptic_tracing` does, and is timed with everything that it
+has to build from them.
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ FREE = 1e-300
 
 
 def explicit_connections(graph: HapticGraph) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Both ends and the cost of every connection, intra-connections of an object in one vectorised step."""
+    """Both ends and the cost of every connection, intra-connections of an object in one vectorised
+    step."""
     ends_a, ends_b, costs = [], [], []
     for index in range(len(graph.table.names)):
         nodes = graph.nodes_of(index)
@@ -58,11 +61,15 @@ def by_networkx(family: Family) -> np.ndarray:
     graph = family.graph()
     explicit = networkx.Graph()
     explicit.add_nodes_from(range(graph.node_count))
-    explicit.add_weighted_edges_from(zip(*(array.tolist() for array in explicit_connections(graph)), strict=True))
+    explicit.add_weighted_edges_from(
+        zip(*(array.tolist() for array in explicit_connections(graph)), strict=True)
+    )
     gains = np.zeros((len(graph.sources), len(graph.listeners)))
     for row, source in enumerate(graph.sources):
         costs = networkx.single_source_dijkstra_path_length(explicit, source.nodes[0])
-        gains[row] = [math.exp(-costs.get(node, math.inf)) for node in graph.listener_nodes.tolist()]
+        gains[row] = [
+            math.exp(-costs.get(node, math.inf)) for node in graph.listener_nodes.tolist()
+        ]
     return gains
 
 
@@ -73,12 +80,17 @@ def by_rustworkx(family: Family) -> np.ndarray:
     graph = family.graph()
     explicit = rustworkx.PyGraph(multigraph=False)
     explicit.add_nodes_from(range(graph.node_count))
-    explicit.add_edges_from(list(zip(*(array.tolist() for array in explicit_connections(graph)), strict=True)))
+    explicit.add_edges_from(
+        list(zip(*(array.tolist() for array in explicit_connections(graph)), strict=True))
+    )
     gains = np.zeros((len(graph.sources), len(graph.listeners)))
     for row, source in enumerate(graph.sources):
         root = source.nodes[0]
         costs = rustworkx.dijkstra_shortest_path_lengths(explicit, root, float)
-        gains[row] = [1.0 if node == root else math.exp(-costs[node]) if node in costs else 0.0 for node in graph.listener_nodes.tolist()]
+        gains[row] = [
+            1.0 if node == root else math.exp(-costs[node]) if node in costs else 0.0
+            for node in graph.listener_nodes.tolist()
+        ]
     return gains
 
 
@@ -97,9 +109,12 @@ class Enumeration:
     followed: int
 
 
-def enumerate_paths(family: Family, max_connections: int | None, threshold: float, seconds: float) -> Enumeration:
-    """Breadth-first propagation as in the paper: a queue of partial paths, each taken one connection of either kind further until it is at
-    a listener, at ``max_connections``, or below the ``threshold``. Raises OutOfTime after so many ``seconds``."""
+def enumerate_paths(
+    family: Family, max_connections: int | None, threshold: float, seconds: float
+) -> Enumeration:
+    """Breadth-first propagation as in the paper: a queue of partial paths, each taken one
+    connection of either kind further until it is at a listener, at ``max_connections``, or below
+    the ``threshold``. Raises OutOfTime after so many ``seconds``."""
     end = time.process_time() + seconds
     graph = family.graph()
     inside: list[list[tuple[int, float]]] = []
@@ -107,8 +122,16 @@ def enumerate_paths(family: Family, max_connections: int | None, threshold: floa
         index = int(graph.node_object[node])
         nodes = graph.nodes_of(index)
         others = np.arange(nodes.start, nodes.stop)
-        gains = graph.table.gain(index, graph.node_distances(np.full(len(others), node), others)).tolist()
-        inside.append([(other, gain) for other, gain in zip(range(nodes.start, nodes.stop), gains, strict=True) if other != node])
+        gains = graph.table.gain(
+            index, graph.node_distances(np.full(len(others), node), others)
+        ).tolist()
+        inside.append(
+            [
+                (other, gain)
+                for other, gain in zip(range(nodes.start, nodes.stop), gains, strict=True)
+                if other != node
+            ]
+        )
     partner, contact = graph.partner.tolist(), graph.contact.tolist()
     through = [graph.transmission[number] if number >= 0 else 0.0 for number in contact]
     listener = {node: column for column, node in enumerate(graph.listener_nodes.tolist())}
@@ -116,7 +139,8 @@ def enumerate_paths(family: Family, max_connections: int | None, threshold: floa
     most = math.inf if max_connections is None else max_connections
     followed = 0
     (root,) = graph.sources[0].nodes
-    queue = deque([(root, 1.0, 0, 0)])  # where it has just entered, gain, contacts crossed (a bit each), connections
+    # Where it has just entered, gain, contacts crossed (a bit each), connections.
+    queue = deque([(root, 1.0, 0, 0)])
     while queue:
         node, gain, crossed, connections = queue.popleft()
         followed += 1

@@ -1,12 +1,15 @@
-"""Live output for half an hour: drift, memory, open files, threads and missed deadlines, as a table.
+"""Live output for half an hour: drift, memory, open files, threads and missed deadlines, as a
+table.
 
     python -m benchmarks.soak [--minutes 30] [--bodies 100]
 
-The paper's first figure plays in time, in a loop, while boxes fall beside it. It is felt on four devices that umockdev makes up: a
-DualSense over USB, a Switch Pro Controller and an Xbox pad over Bluetooth, and a DualSense over Bluetooth that takes samples. Every two
-seconds the source gets louder or softer: the lag is the time from that frame's handler to the first report that says so. Every 20 s
-Python's lock is held for 300 ms. A report of silence is false wherever one comes, as the source never pauses. A deadline is missed where a
-device waits for its next report 20 ms longer than it has to.
+The paper's first figure plays in time, in a loop, while boxes fall beside it. It is felt on four
+devices that umockdev makes up: a DualSense over USB, a Switch Pro Controller and an Xbox pad over
+Bluetooth, and a DualSense over Bluetooth that takes samples. Every two seconds the source gets
+louder or softer: the lag is the time from that frame's handler to the first report that says so.
+Every 20 s Python's lock is held for 300 ms. A report of silence is false wherever one comes, as the
+source never pauses. A deadline is missed where a device waits for its next report 20 ms longer than
+it has to.
 """
 
 from __future__ import annotations
@@ -49,7 +52,8 @@ ROW = 300.0  # seconds of a row
 
 @dataclass(frozen=True, slots=True)
 class Pad:
-    """A device of the soak: its profile, what umockdev makes up, the seconds in which it needs a report, and how strongly one drives it."""
+    """A device of the soak: its profile, what umockdev makes up, the seconds in which it needs a
+    report, and how strongly one drives it."""
 
     name: str
     fake: Any
@@ -66,7 +70,12 @@ PADS = (
     Pad("dualsense", DUALSENSE_USB, 2.0, lambda data: max(data[3], data[4])),
     Pad("switch-pro", SWITCH_PRO_BT, 0.060, switch_level),
     Pad("xbox", XBOX_BT, 0.100, lambda data: max(data[4], data[5])),
-    Pad("dualsense-pcm", DUALSENSE_BT, 0.01067, lambda data: int(np.abs(np.frombuffer(data, np.int8)[13:77].astype(int)).max())),
+    Pad(
+        "dualsense-pcm",
+        DUALSENSE_BT,
+        0.01067,
+        lambda data: int(np.abs(np.frombuffer(data, np.int8)[13:77].astype(int)).max()),
+    ),
 )
 
 
@@ -74,8 +83,10 @@ PADS = (
 class Record:
     """What was measured while it played: moments are those of `time.perf_counter`."""
 
-    steps: list[tuple[float, bool]] = field(default_factory=list)  # when the source changed, and whether it got louder
-    sampled: list[tuple[float, list[int]]] = field(default_factory=list)  # KiB, files and threads of Blender, then of the guard
+    # When the source changed, and whether it got louder.
+    steps: list[tuple[float, bool]] = field(default_factory=list)
+    # KiB, files and threads of Blender, then of the guard.
+    sampled: list[tuple[float, list[int]]] = field(default_factory=list)
     frames: int = 0
     late: int = 0  # frames that came more than half a frame late
     locks: int = 0
@@ -83,14 +94,25 @@ class Record:
 
 def main() -> None:
     """Run under umockdev, which is started if need be."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--minutes", type=float, default=30.0)
     parser.add_argument("--bodies", type=int, default=100)
     options = parser.parse_args()
     if "UMOCKDEV_DIR" not in os.environ:
         described = describe(Path(tempfile.mkdtemp(prefix="soak")), [pad.fake for pad in PADS])
-        command = ["umockdev-run", *described, "--", sys.executable, "-m", "benchmarks.soak", *sys.argv[1:]]
-        sys.exit(subprocess.run(command).returncode)  # the folder of temporary files goes with this process
+        command = [
+            "umockdev-run",
+            *described,
+            "--",
+            sys.executable,
+            "-m",
+            "benchmarks.soak",
+            *sys.argv[1:],
+        ]
+        # The folder of temporary files goes with this process.
+        sys.exit(subprocess.run(command).returncode)
     with tempfile.TemporaryDirectory() as folder:
         began, record, statuses = soak(options.minutes, options.bodies, folder)
         report(began, record, statuses, folder, options)
@@ -117,7 +139,8 @@ def soak(minutes: float, bodies: int, folder: str) -> tuple[float, Record, dict[
 
 
 def prepare_source(scene: Any) -> Any:
-    """Make the source a steady tone whose strength is set while it plays. Returns its properties."""
+    """Make the source a steady tone whose strength is set while it plays. Returns its
+    properties."""
     (source,) = [obj.haptics.source for obj in scene.objects if obj.haptics.source.enabled]
     source.signal, source.frequency, source.amplitude = "SINE", 60.0, 0.4
     return source
@@ -184,43 +207,88 @@ def children(program: int) -> list[int]:
 
 def usage(process: int) -> list[int]:
     """KiB of memory, open files and threads."""
-    fields = dict(line.split(":\t", 1) for line in Path(f"/proc/{process}/status").read_text().splitlines() if ":\t" in line)
-    return [int(fields["VmRSS"].split()[0]), len(list(Path(f"/proc/{process}/fd").iterdir())), int(fields["Threads"])]
+    fields = dict(
+        line.split(":\t", 1)
+        for line in Path(f"/proc/{process}/status").read_text().splitlines()
+        if ":\t" in line
+    )
+    return [
+        int(fields["VmRSS"].split()[0]),
+        len(list(Path(f"/proc/{process}/fd").iterdir())),
+        int(fields["Threads"]),
+    ]
 
 
-def report(began: float, record: Record, statuses: dict[str, Any], folder: str, options: argparse.Namespace) -> None:
+def report(
+    began: float, record: Record, statuses: dict[str, Any], folder: str, options: argparse.Namespace
+) -> None:
     """Print and keep the tables."""
     written = {pad.name: reports_of(folder, f"hidraw{number}") for number, pad in enumerate(PADS)}
     end = began + 60.0 * options.minutes
     rows, data = [], []
     for start in np.arange(began, end - 1.0, min(ROW, end - began)):
         window = start, min(start + ROW, end)
-        numbers = [values for at, values in record.sampled if window[0] <= at < window[1]][-1:] or [record.sampled[-1][1]]
+        numbers = [values for at, values in record.sampled if window[0] <= at < window[1]][-1:] or [
+            record.sampled[-1][1]
+        ]
         lags = {pad.name: lag(pad, written[pad.name], record.steps, window) for pad in PADS}
         missed = {pad.name: missed_deadlines(pad, written[pad.name], window) for pad in PADS}
         use = numbers[0]
-        memory = [f"{use[0] / 1024:.0f}", f"{use[1]}", f"{use[2]}", f"{use[3] / 1024:.0f}", f"{use[4]}", f"{use[5]}"]
-        felt = [f"{1000 * lags[pad.name]:.1f}" for pad in PADS] + [f"{missed[pad.name]}" for pad in PADS]
+        memory = [
+            f"{use[0] / 1024:.0f}",
+            f"{use[1]}",
+            f"{use[2]}",
+            f"{use[3] / 1024:.0f}",
+            f"{use[4]}",
+            f"{use[5]}",
+        ]
+        felt = [f"{1000 * lags[pad.name]:.1f}" for pad in PADS] + [
+            f"{missed[pad.name]}" for pad in PADS
+        ]
         rows.append([f"{(window[1] - began) / 60:.0f}", *felt, *memory])
-        data.append({"minute": (window[1] - began) / 60, "lag": lags, "missed": missed, "usage": numbers[0]})
-    heading = ["minute", *(f"lag {pad.name} ms" for pad in PADS), *(f"missed {pad.name}" for pad in PADS)]
+        data.append(
+            {"minute": (window[1] - began) / 60, "lag": lags, "missed": missed, "usage": numbers[0]}
+        )
+    heading = [
+        "minute",
+        *(f"lag {pad.name} ms" for pad in PADS),
+        *(f"missed {pad.name}" for pad in PADS),
+    ]
     heading += ["Blender MiB", "files", "threads", "guard MiB", "files", "threads"]
     false = {pad.name: false_silences(pad, written[pad.name], (began + 1.0, end)) for pad in PADS}
     totals = [
-        [pad.name, f"{len(written[pad.name])}", f"{false[pad.name]}", f"{s.failed_writes}", f"{s.losses}", f"{s.dropped_blocks}"]
+        [
+            pad.name,
+            f"{len(written[pad.name])}",
+            f"{false[pad.name]}",
+            f"{s.failed_writes}",
+            f"{s.losses}",
+            f"{s.dropped_blocks}",
+        ]
         for pad, s in ((pad, statuses[pad.name]) for pad in PADS)
     ]
     text = (
-        f"{options.minutes:g} minutes, {options.bodies} bodies, {record.frames} frames of which {record.late} came late, "
-        f"Python's lock held {record.locks} times for {1000 * LOCKED:.0f} ms. Lags are medians.\n\n{table(heading, rows)}\n\n"
-        + table(["device", "reports", "false silences", "failed writes", "losses", "blocks replaced"], totals)
+        f"{options.minutes:g} minutes, {options.bodies} bodies, {record.frames} frames of which "
+        f"{record.late} came late, "
+        f"Python's lock held {record.locks} times for {1000 * LOCKED:.0f} ms. Lags are "
+        f"medians.\n\n{table(heading, rows)}\n\n"
+        + table(
+            ["device", "reports", "false silences", "failed writes", "losses", "blocks replaced"],
+            totals,
+        )
     )
     publish("soak", "Half an hour of live output", text, {"rows": data, "false_silences": false})
     assert not any(false.values()), "no device is silenced while it plays"
 
 
-def lag(pad: Pad, written: list[tuple[float, bytes]], steps: list[tuple[float, bool]], window: tuple[float, float]) -> float:
-    """Median seconds from a change of the source to the first report whose level is nearer to the new one."""
+def lag(
+    pad: Pad,
+    written: list[tuple[float, bytes]],
+    steps: list[tuple[float, bool]],
+    window: tuple[float, float],
+) -> float:
+    """Median seconds from a change of the source to the first report whose level is nearer to the
+    new one."""
     times = np.array([at for at, _ in written])
     levels = np.array([pad.level(data) for _, data in written])
     lags = []
@@ -233,19 +301,25 @@ def lag(pad: Pad, written: list[tuple[float, bytes]], steps: list[tuple[float, b
             continue
         old = np.median(levels[before:after]) if after > before else levels[begin - 1]
         new = np.median(levels[max(end - 20, begin) : end])
-        changed = np.flatnonzero(levels[begin:end] > (old + new) / 2 if louder else levels[begin:end] < (old + new) / 2)
+        changed = np.flatnonzero(
+            levels[begin:end] > (old + new) / 2 if louder else levels[begin:end] < (old + new) / 2
+        )
         if abs(new - old) > 4 and len(changed):
             lags.append(times[begin + changed[0]] - at)
     return float(np.median(lags)) if lags else 0.0
 
 
-def missed_deadlines(pad: Pad, written: list[tuple[float, bytes]], window: tuple[float, float]) -> int:
+def missed_deadlines(
+    pad: Pad, written: list[tuple[float, bytes]], window: tuple[float, float]
+) -> int:
     """How often a report came later than the device needs it."""
     times = np.array([at for at, _ in written if window[0] <= at < window[1]])
     return int(np.count_nonzero(np.diff(times) > pad.due + SLACK))
 
 
-def false_silences(pad: Pad, written: list[tuple[float, bytes]], window: tuple[float, float]) -> int:
+def false_silences(
+    pad: Pad, written: list[tuple[float, bytes]], window: tuple[float, float]
+) -> int:
     """Reports of silence while the source sounds."""
     return sum(window[0] <= at < window[1] and pad.level(data) == 0 for at, data in written)
 

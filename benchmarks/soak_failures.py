@@ -1,9 +1,11 @@
-"""The program and its guard fail at random times while four devices are played: the time to silence, as a table.
+"""The program and its guard fail at random times while four devices are played: the time to
+silence, as a table.
 
     python -m benchmarks.soak_failures [--minutes 10] [--seed 0]
 
-In each round a program plays on the devices of `benchmarks.soak`, which umockdev makes up. At a random time the program or the guard is
-killed, stopped or crashes. This process reads what the devices were told, beside both.
+In each round a program plays on the devices of `benchmarks.soak`, which umockdev makes up. At a
+random time the program or the guard is killed, stopped or crashes. This process reads what the
+devices were told, beside both.
 """
 
 from __future__ import annotations
@@ -62,20 +64,32 @@ while True:
 
 def main() -> None:
     """Run under umockdev, which is started if need be."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     if "UMOCKDEV_DIR" not in os.environ:
         described = describe(Path(tempfile.mkdtemp(prefix="soak")), [pad.fake for pad in PADS])
-        command = ["umockdev-run", *described, "--", sys.executable, "-m", "benchmarks.soak_failures", *sys.argv[1:]]
+        command = [
+            "umockdev-run",
+            *described,
+            "--",
+            sys.executable,
+            "-m",
+            "benchmarks.soak_failures",
+            *sys.argv[1:],
+        ]
         sys.exit(subprocess.run(command).returncode)
     generator, found = random.Random(options.seed), dict[tuple[str, str], list[float]]()
     end = time.monotonic() + 60.0 * options.minutes
     while time.monotonic() < end or len(found) < len(FAILURES):
         failure = FAILURES[sum(len(times) for times in found.values()) % len(FAILURES)]
         with tempfile.TemporaryDirectory() as folder:
-            found.setdefault(failure, []).append(silence(*failure, generator.uniform(0.3, 3.0), folder))
+            found.setdefault(failure, []).append(
+                silence(*failure, generator.uniform(0.3, 3.0), folder)
+            )
     report(found)
 
 
@@ -94,11 +108,15 @@ def silence(who: str, how: str, after: float, folder: str) -> float:
     time.sleep(WATCHED)
     program.kill()
     program.wait()
-    return max(silence_of(pad, reports_of(folder, f"hidraw{number}"), failed) for number, pad in enumerate(PADS))
+    return max(
+        silence_of(pad, reports_of(folder, f"hidraw{number}"), failed)
+        for number, pad in enumerate(PADS)
+    )
 
 
 def silence_of(pad: Pad, written: list[tuple[float, bytes]], failed: float) -> float:
-    """Seconds from a failure to the end of what a device plays: to its zero, or to the last report of one that lives on samples."""
+    """Seconds from a failure to the end of what a device plays: to its zero, or to the last report
+    of one that lives on samples."""
     levels = [(at - failed, pad.level(data)) for at, data in written]
     drives = [at for at, level in levels if level > 0]
     assert drives and drives[-1] > -0.3, f"{pad.name} is not driven when the failure comes"
@@ -112,11 +130,23 @@ def silence_of(pad: Pad, written: list[tuple[float, bytes]], failed: float) -> f
 def report(found: dict[tuple[str, str], list[float]]) -> None:
     """Print and keep the table. Raises AssertionError if a silence came too late."""
     rows = [
-        [who, how, f"{len(times)}", f"{1000 * sorted(times)[len(times) // 2]:.0f}", f"{1000 * max(times):.0f}", f"{1000 * LIMITS[who]:.0f}"]
+        [
+            who,
+            how,
+            f"{len(times)}",
+            f"{1000 * sorted(times)[len(times) // 2]:.0f}",
+            f"{1000 * max(times):.0f}",
+            f"{1000 * LIMITS[who]:.0f}",
+        ]
         for (who, how), times in found.items()
     ]
     text = table(["who", "fails by", "times", "median ms", "longest ms", "limit ms"], rows)
-    publish("soak_failures", "Time to silence after failures at random times", text, {" ".join(key): times for key, times in found.items()})
+    publish(
+        "soak_failures",
+        "Time to silence after failures at random times",
+        text,
+        {" ".join(key): times for key, times in found.items()},
+    )
     late = {key: max(times) for key, times in found.items() if max(times) > LIMITS[key[0]]}
     assert not late, f"silent too late: {late}"
 

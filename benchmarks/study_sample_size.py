@@ -2,10 +2,12 @@
 
 python -m benchmarks.study_sample_size
 
-Every person rates four conditions on a scale of seven steps. Ratings are normal with means that are evenly spaced over the conditions, and
-rounded to steps; people differ in how high they rate, which ranks take out. The spacing is set so that Kendall's W, the effect that
-Friedman's test sees, is that of the published ratings: W = chi-square / (people * 3). Power: the share of simulated studies with
-p < 0.05 in Friedman's test (F), and with all of the three neighbouring pairs below 0.05 in Wilcoxon's, corrected by Holm (W).
+Every person rates four conditions on a scale of seven steps. Ratings are normal with means that are
+evenly spaced over the conditions, and rounded to steps; people differ in how high they rate, which
+ranks take out. The spacing is set so that Kendall's W, the effect that Friedman's test sees, is
+that of the published ratings: W = chi-square / (people * 3). Power: the share of simulated studies
+with p < 0.05 in Friedman's test (F), and with all of the three neighbouring pairs below 0.05 in
+Wilcoxon's, corrected by Holm (W).
 """
 
 from __future__ import annotations
@@ -23,7 +25,9 @@ def ratings(generator: np.random.Generator, people: int, spacing: float) -> np.n
     """Ratings (people, conditions) from 1 to 7."""
     means = 4 + spacing * (np.arange(CONDITIONS) - (CONDITIONS - 1) / 2)
     level = generator.normal(0, 1, (people, 1))
-    return np.clip(np.rint(means + level + generator.normal(0, 1.2, (people, CONDITIONS))), 1, STEPS)
+    return np.clip(
+        np.rint(means + level + generator.normal(0, 1.2, (people, CONDITIONS))), 1, STEPS
+    )
 
 
 def excess(spacing: float, effect: float) -> float:
@@ -39,7 +43,10 @@ def power(people: int, spacing: float) -> tuple[float, float]:
         study = ratings(generator, people, spacing)
         found += friedmanchisquare(*study.T).pvalue < 0.05
         pairs = zip(study.T[:-1], study.T[1:], strict=True)
-        values = sorted(1.0 if np.array_equal(a, b) else float(wilcoxon(a, b, zero_method="zsplit").pvalue) for a, b in pairs)
+        values = sorted(
+            1.0 if np.array_equal(a, b) else float(wilcoxon(a, b, zero_method="zsplit").pvalue)
+            for a, b in pairs
+        )
         ordered += all(value < 0.05 / (len(values) - k) for k, value in enumerate(values))
     return found / STUDIES, ordered / STUDIES
 

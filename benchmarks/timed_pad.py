@@ -17,9 +17,11 @@ from haptic_tracing.core.devices.pacing import RumblePacing
 class TimedPad:
     """hidapi's module and its one device. It can be pickled.
 
-    log: a file that gets a line of JSON for each event when the device is closed, as writing it at once would be measured too: the event's
-    name, the seconds of `time.perf_counter`, and for ``accept``, which is the end of encoding a block, when that block was sent and when
-    encoding began. ``written`` is a report, ``unchanged`` the decision that the device does already what a report would say.
+    log: a file that gets a line of JSON for each event when the device is closed, as writing it at
+    once would be measured too: the event's name, the seconds of `time.perf_counter`, and for
+    ``accept``, which is the end of encoding a block, when that block was sent and when encoding
+    began. ``written`` is a report, ``unchanged`` the decision that the device does already what a
+    report would say.
     """
 
     vendor: int
@@ -28,8 +30,22 @@ class TimedPad:
     log: str
 
     def enumerate(self, *_: int) -> Iterable[Mapping[str, Any]]:
-        names = {"path": b"/dev/null", "serial_number": "", "product_string": "Pad", "bus_type": 1, "interface_number": self.number}
-        return [{**names, "vendor_id": self.vendor, "product_id": self.product, "usage_page": 1, "usage": 5}]
+        names = {
+            "path": b"/dev/null",
+            "serial_number": "",
+            "product_string": "Pad",
+            "bus_type": 1,
+            "interface_number": self.number,
+        }
+        return [
+            {
+                **names,
+                "vendor_id": self.vendor,
+                "product_id": self.product,
+                "usage_page": 1,
+                "usage": 5,
+            }
+        ]
 
     def device(self) -> Any:
         noted: list[tuple[str | float, ...]] = []

@@ -1,4 +1,5 @@
-"""Two timelines in Blender whose levels are known in closed form: spheres that fall, and a vibrating sled that passes a listener."""
+"""Two timelines in Blender whose levels are known in closed form: spheres that fall, and a
+vibrating sled that passes a listener."""
 
 from __future__ import annotations
 
@@ -23,12 +24,24 @@ PASSING = 2.0
 """Seconds of the sled's way, half of them before it is nearest to the listener."""
 
 
-def frame_row(rate: int, substeps: int) -> tuple[int, int, int, int, float, float, float, float, float]:
+def frame_row(
+    rate: int, substeps: int
+) -> tuple[int, int, int, int, float, float, float, float, float]:
     """The fields of `bench_accuracy.FrameRow`."""
     haptic_tracing.register()
     try:
         missed, invented, energy, late, blender, tracing = drops(rate, substeps)
-        return rate, substeps, missed, invented, energy, late, passing_error(rate, substeps), blender, tracing
+        return (
+            rate,
+            substeps,
+            missed,
+            invented,
+            energy,
+            late,
+            passing_error(rate, substeps),
+            blender,
+            tracing,
+        )
     finally:
         haptic_tracing.unregister()
 
@@ -45,7 +58,9 @@ def _empty_scene(rate: int, substeps: int, seconds: float) -> bpy.types.Scene:
     return scene
 
 
-def _body(kind: str, place: tuple[float, float, float], size: float, motion: str) -> bpy.types.Object:
+def _body(
+    kind: str, place: tuple[float, float, float], size: float, motion: str
+) -> bpy.types.Object:
     """A rigid body tagged as haptic, of the paper's function until told otherwise."""
     add = bpy.ops.mesh.primitive_cube_add if kind == "BOX" else bpy.ops.mesh.primitive_uv_sphere_add
     add(location=place, **({"size": size} if kind == "BOX" else {"radius": size / 2}))
@@ -58,14 +73,21 @@ def _body(kind: str, place: tuple[float, float, float], size: float, motion: str
 
 
 def drops(rate: int, substeps: int) -> tuple[int, int, float, float, float, float]:
-    """Impacts missed and invented, the largest errors of level [dB] and time [ms], and milliseconds of Blender and of tracing for each
-    second."""
+    """Impacts missed and invented, the largest errors of level [dB] and time [ms], and milliseconds
+    of Blender and of tracing for each second."""
     scene = _empty_scene(rate, substeps, FALLING)
     ground = _body("BOX", (0.0, 0.0, -0.5), 1.0, "PASSIVE")
     ground.scale = (40.0, 40.0, 1.0)
     names = []
-    for number, (height, energy) in enumerate(zip(HEIGHTS.tolist(), ENERGIES.tolist(), strict=True)):
-        sphere = _body("SPHERE", (1.5 * (number - len(HEIGHTS) / 2), 0.0, RADIUS + height), 2 * RADIUS, "ACTIVE")
+    for number, (height, energy) in enumerate(
+        zip(HEIGHTS.tolist(), ENERGIES.tolist(), strict=True)
+    ):
+        sphere = _body(
+            "SPHERE",
+            (1.5 * (number - len(HEIGHTS) / 2), 0.0, RADIUS + height),
+            2 * RADIUS,
+            "ACTIVE",
+        )
         sphere.rigid_body.mass = energy / (GRAVITY * height)
         sphere.rigid_body.linear_damping = 0.0
         names.append(sphere.name)
@@ -75,11 +97,23 @@ def drops(rate: int, substeps: int) -> tuple[int, int, float, float, float, floa
     for step in timeline.steps(scene, scene.frame_start, scene.frame_end):
         blender, tracing = blender + step.blender_milliseconds, tracing + step.tracing_milliseconds
         for impact in step.result.impacts:
-            name = next(step.result.objects[number] for number in impact.objects if step.result.objects[number] in found)
+            name = next(
+                step.result.objects[number]
+                for number in impact.objects
+                if step.result.objects[number] in found
+            )
             found[name].append((impact.amplitude, impact.time))
     first = [found[name][0] if found[name] else None for name in names]
-    levels = [20 * math.log10(one[0] * E_MAX / energy) for one, energy in zip(first, ENERGIES.tolist(), strict=True) if one]
-    late = [1000 * (one[1] - math.sqrt(2 * height / GRAVITY)) for one, height in zip(first, HEIGHTS.tolist(), strict=True) if one]
+    levels = [
+        20 * math.log10(one[0] * E_MAX / energy)
+        for one, energy in zip(first, ENERGIES.tolist(), strict=True)
+        if one
+    ]
+    late = [
+        1000 * (one[1] - math.sqrt(2 * height / GRAVITY))
+        for one, height in zip(first, HEIGHTS.tolist(), strict=True)
+        if one
+    ]
     invented = sum(len(impacts) > 1 for impacts in found.values())
     energy, delay = (float(np.abs(values).max(initial=0.0)) for values in (levels, late))
     return first.count(None), invented, energy, delay, blender / FALLING, tracing / FALLING
@@ -117,7 +151,11 @@ def passing_error(rate: int, substeps: int) -> float:
     powers = (samples[: count * period].reshape(count, period) ** 2).mean(axis=1)
     middle = (np.arange(count) + 0.5) / TONE
     along = SPEED * (middle - (scene.frame_end - scene.frame_start) / rate / 2)
-    exact = sled.haptics.source.amplitude / math.sqrt(2) * np.exp(-DECAY * (0.1 + np.hypot(along, ASIDE)))
+    exact = (
+        sled.haptics.source.amplitude
+        / math.sqrt(2)
+        * np.exp(-DECAY * (0.1 + np.hypot(along, ASIDE)))
+    )
     felt = (middle > 0.2) & (middle < PASSING - 0.2)
     return float(np.abs(10 * np.log10(powers[felt]) - 20 * np.log10(exact[felt])).max())
 

@@ -16,8 +16,11 @@ def best_time(run: Callable[..., object], *arguments: Any, runs: int = 5) -> flo
     return best_run(run, *arguments, runs=runs)[0]
 
 
-def best_run(run: Callable[..., Result], *arguments: Any, runs: int = 5, patience: float = math.inf) -> tuple[float, Result]:
-    """Seconds of the best of up to ``runs``, or of as many as fit into ``patience`` seconds, and what the last one gave."""
+def best_run(
+    run: Callable[..., Result], *arguments: Any, runs: int = 5, patience: float = math.inf
+) -> tuple[float, Result]:
+    """Seconds of the best of up to ``runs``, or of as many as fit into ``patience`` seconds, and
+    what the last one gave."""
     best, spent = math.inf, 0.0
     for _ in range(runs):
         begun = time.process_time()

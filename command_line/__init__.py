@@ -1,7 +1,7 @@
 """The console program ``haptic-tracing``.
 
-Each subcommand is a module with ``run(args) -> int``. Only the requested one is imported; `arguments` describes the arguments of all of
-them, so that help loads nothing else.
+Each subcommand is a module with ``run(args) -> int``. Only the requested one is imported;
+`arguments` describes the arguments of all of them, so that help loads nothing else.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ _interrupts: list[int] = []
 
 
 def note_interrupts() -> None:
-    """Note each Ctrl-C. Blender drops the KeyboardInterrupt where it has called a handler: the command would lack a result, or go on."""
+    """Note each Ctrl-C. Blender drops the KeyboardInterrupt where it has called a handler: the
+    command would lack a result, or go on."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _note)
 
@@ -66,10 +67,14 @@ def warn_of_unknown(file: object, unknown: Sequence[str]) -> None:
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser of all subcommands."""
-    parser = _OneLineParser(prog="haptic-tracing", description="Vibration propagated through touching objects.")
+    parser = _OneLineParser(
+        prog="haptic-tracing", description="Vibration propagated through touching objects."
+    )
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, command in SUBCOMMANDS.items():
-        command.describe(subparsers.add_parser(name, help=command.summary, description=command.description))
+        command.describe(
+            subparsers.add_parser(name, help=command.summary, description=command.description)
+        )
     return parser
 
 
@@ -80,14 +85,17 @@ def run(args: argparse.Namespace) -> int:
     except ModuleNotFoundError as error:
         if error.name != "bpy":
             raise
-        raise ValueError("this needs Blender as a Python module: pip install bpy (its version decides the Python version)") from None
+        raise ValueError(
+            "this needs Blender as a Python module: pip install bpy (its version decides the "
+            "Python version)"
+        ) from None
     code: int = module.run(args)
     return code
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the program on ``argv`` (the process' arguments by default) and return its exit code: 0, 130 after Ctrl-C, or 2 for bad input,
-    which is explained in one line on stderr."""
+    """Run the program on ``argv`` (the process' arguments by default) and return its exit code: 0,
+    130 after Ctrl-C, or 2 for bad input, which is explained in one line on stderr."""
     try:
         code = run(build_parser().parse_args(argv))
         sys.stdout.flush()
@@ -95,13 +103,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
     except BrokenPipeError:
-        # The reader of the output has exited: the interpreter would report an error when it closes stdout.
+        # The reader of the output has exited: the interpreter would report an error when it closes
+        # stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:
         return INTERRUPTED
     except OSError as error:
-        reason = f"{error.filename}: {error.strerror}" if error.filename is not None and error.strerror else str(error)
+        reason = (
+            f"{error.filename}: {error.strerror}"
+            if error.filename is not None and error.strerror
+            else str(error)
+        )
     except ValueError as error:
         reason = str(error)
     if was_interrupted():

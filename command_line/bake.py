@@ -1,5 +1,5 @@
-"""``haptic-tracing bake FILE.blend``: plays a Blender file with its physics and writes the listeners' tracks in the formats of other
-programs."""
+"""``haptic-tracing bake FILE.blend``: plays a Blender file with its physics and writes the
+listeners' tracks in the formats of other programs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ from .trace import open_file, start_blender
 
 
 def run(args: argparse.Namespace) -> int:
-    """Open the file, play it once in each mode, write the tracks, and print their losses. Returns exit code 0."""
+    """Open the file, play it once in each mode, write the tracks, and print their losses. Returns
+    exit code 0."""
     formats = chosen_formats(args.to)
     options = chosen_options(args.options, formats)
     modes = _chosen_modes(args.modes)
@@ -43,7 +44,14 @@ def run(args: argparse.Namespace) -> int:
         export = _bake(scene, name, frames, recorded="scene" in formats)
         for name in writable(args.to, formats, export, options):
             written = registry.write(name, export, args.out, options[name])
-            print("\n".join([*(f"wrote {path}" for path in written.files), *(f"not in {name}: {loss}" for loss in written.losses)]))
+            print(
+                "\n".join(
+                    [
+                        *(f"wrote {path}" for path in written.files),
+                        *(f"not in {name}: {loss}" for loss in written.losses),
+                    ]
+                )
+            )
     return 0
 
 
@@ -57,7 +65,8 @@ def _chosen_modes(text: str) -> list[str]:
 
 
 def _bake(scene: Scene, name: str, frames: tuple[int, int], recorded: bool) -> Export:
-    """The tracks of a range in the scene's mode; ``recorded``: with the scene itself. Prints why a listener feels nothing."""
+    """The tracks of a range in the scene's mode; ``recorded``: with the scene itself. Prints why a
+    listener feels nothing."""
     work, own = Capture(scene, *frames, recorded, felt=True), session.of(scene)
     result, settings = None, None
     with frame_bar(work.frames, name) as advance:

@@ -1,4 +1,5 @@
-"""``haptic-tracing conformance``: plays conversations against a run-time server and compares its answers."""
+"""``haptic-tracing conformance``: plays conversations against a run-time server and compares its
+answers."""
 
 from __future__ import annotations
 
@@ -40,7 +41,9 @@ def run(args: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def differences(document: Mapping[str, Any], client: ClientConnection, token: str | None) -> Iterator[str]:
+def differences(
+    document: Mapping[str, Any], client: ClientConnection, token: str | None
+) -> Iterator[str]:
     """Where the answers of a server to a conversation are not as expected, one sentence each."""
     for number, one in enumerate(document["exchange"]):
         sent, expected = dict(one["send"]), one.get("expect", {})
@@ -54,7 +57,9 @@ def differences(document: Mapping[str, Any], client: ClientConnection, token: st
             yield f"message {number} ({sent['type']}): {where}: {what}"
 
 
-def _differences(answer: Mapping[str, Any], expected: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def _differences(
+    answer: Mapping[str, Any], expected: Mapping[str, Any]
+) -> Iterator[tuple[str, str]]:
     for key, value in expected.items():
         got = answer.get(key)
         if key == "levels":
@@ -66,7 +71,9 @@ def _differences(answer: Mapping[str, Any], expected: Mapping[str, Any]) -> Iter
             yield key, f"expected {value!r}, got {got!r}"
 
 
-def _levels(where: str, got: Mapping[str, Any], expected: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def _levels(
+    where: str, got: Mapping[str, Any], expected: Mapping[str, Any]
+) -> Iterator[tuple[str, str]]:
     level = got.get("level")
     if expected.get("felt") and level is None:
         yield where, "expected a level, got silence"
@@ -78,11 +85,16 @@ def _levels(where: str, got: Mapping[str, Any], expected: Mapping[str, Any]) -> 
 
 def _gain(where: str, got: float | None, expected: float) -> Iterator[tuple[str, str]]:
     """Compare gains in decibels."""
-    if not (got == expected == 0 or (got and expected and abs(20 * math.log10(got / expected)) <= DECIBELS)):
+    if not (
+        got == expected == 0
+        or (got and expected and abs(20 * math.log10(got / expected)) <= DECIBELS)
+    ):
         yield where, f"expected {expected:.6g}, got {got}"
 
 
-def _impacts(got: Sequence[Mapping[str, Any]], expected: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
+def _impacts(
+    got: Sequence[Mapping[str, Any]], expected: Sequence[Mapping[str, Any]]
+) -> Iterator[tuple[str, str]]:
     if len(got) != len(expected):
         yield "impacts", f"expected {len(expected)}, got {len(got)}"
         return
@@ -100,4 +112,6 @@ def _impacts(got: Sequence[Mapping[str, Any]], expected: Sequence[Mapping[str, A
 
 
 def _alike(got: Any, expected: float | None, tolerance: float) -> bool:
-    return bool(got == expected if got is None or expected is None else abs(got - expected) <= tolerance)
+    return bool(
+        got == expected if got is None or expected is None else abs(got - expected) <= tolerance
+    )

@@ -10,7 +10,8 @@ from . import warn_of_unknown
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print ``{"contacts": [...]}`` in the format of the scene file, each contact with its signed ``distance`` in metres."""
+    """Print ``{"contacts": [...]}`` in the format of the scene file, each contact with its signed
+    ``distance`` in metres."""
     scene = load(args.scene)
     warn_of_unknown(args.scene, scene.unknown)
     contacts = scene.contacts_found(args.tolerance)

@@ -1,4 +1,5 @@
-"""``haptic-tracing convert IN OUT``: a vibration, or a haptic scene, from one format to another, by file name endings."""
+"""``haptic-tracing convert IN OUT``: a vibration, or a haptic scene, from one format to another, by
+file name endings."""
 
 from __future__ import annotations
 
@@ -26,7 +27,9 @@ def run(args: argparse.Namespace) -> int:
     folder = args.target.parent
     if is_scene(args.source):
         if not is_scene(args.target):
-            raise ValueError(f"{args.target}: a haptic scene becomes a haptic scene; to render it, use export")
+            raise ValueError(
+                f"{args.target}: a haptic scene becomes a haptic scene; to render it, use export"
+            )
         export = haptic_scene.read_export(args.source)
         warn_of_unknown(args.source, export.unknown)
         tracks = "none" if export.tracks is None else "inline"
@@ -35,14 +38,18 @@ def run(args: argparse.Namespace) -> int:
         return 0
     names = {named(name).suffix: name for name in registry.FORMATS if name != "scene"}
     if args.target.suffix.lower() not in names:
-        raise ValueError(f"{args.target}: can't be written: the ending must be one of {', '.join(names)}")
+        raise ValueError(
+            f"{args.target}: can't be written: the ending must be one of {', '.join(names)}"
+        )
     name = names[args.target.suffix.lower()]
     reading = registry.read(args.source)
     try:
         export = Export(args.target.stem, tracks=_tracks(reading))
     except ValueError as error:
         raise ValueError(f"{args.source}: {error}") from None
-    written = registry.write(name, export, folder, chosen_options(args.options, [name])[name], may_replace)
+    written = registry.write(
+        name, export, folder, chosen_options(args.options, [name])[name], may_replace
+    )
     lost = tuple(f"{args.source.name}: {loss}" for loss in reading.losses)
     print_written({name: replace(written, losses=(*lost, *written.losses))})
     return 0
@@ -54,10 +61,13 @@ def is_scene(path: Path) -> bool:
 
 
 def _tracks(reading: VibrationFile) -> Tracks:
-    """The channels as tracks of the same length. Raises ValueError if there is no vibration or too much of it."""
+    """The channels as tracks of the same length. Raises ValueError if there is no vibration or too
+    much of it."""
     named = zip(_names(reading.channels), reading.channels, strict=True)
     listeners = tuple(ListenerTrack(name, channel.body_part) for name, channel in named)
-    rate = max((round(channel.sample_rate) for channel in reading.channels), default=0) or SAMPLE_RATE
+    rate = (
+        max((round(channel.sample_rate) for channel in reading.channels), default=0) or SAMPLE_RATE
+    )
     if reading.stored is not None:
         return Tracks(listeners, rate, reading.stored)
     rows = [channel.at_rate(rate).astype(np.float32) for channel in reading.channels]

@@ -1,4 +1,5 @@
-"""``haptic-tracing demo``: builds the paper's first figure by script, plays it in Blender and writes the avatar's tracks."""
+"""``haptic-tracing demo``: builds the paper's first figure by script, plays it in Blender and
+writes the avatar's tracks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""``haptic-tracing devices``: lists connected devices, plays a test sweep, and prints encoded reports."""
+"""``haptic-tracing devices``: lists connected devices, plays a test sweep, and prints encoded
+reports."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ from ..core.devices.report import Report, Transport
 
 _RATE = 8000
 _FRAME = 0.02
-# From the lowest frequency that a hand feels as vibration to the upper limit of most actuators, at a moderate amplitude.
+# From the lowest frequency that a hand feels as vibration to the upper limit of most actuators, at
+# a moderate amplitude.
 _LOWEST_HZ, _HIGHEST_HZ, _AMPLITUDE = 30.0, 400.0, 0.6
 _LOOK_FOR = 3.0
 
@@ -32,11 +34,15 @@ def run(args: argparse.Namespace) -> int:
 
 def run_encode(args: argparse.Namespace) -> int:
     """Print one report as lower-case hexadecimal."""
-    print(rumble_report(args.device, args.left, args.right, args.transport, args.sequence).data.hex())
+    print(
+        rumble_report(args.device, args.left, args.right, args.transport, args.sequence).data.hex()
+    )
     return 0
 
 
-def rumble_report(name: str, left: float, right: float, transport: Transport | None = None, sequence: int = 0) -> Report:
+def rumble_report(
+    name: str, left: float, right: float, transport: Transport | None = None, sequence: int = 0
+) -> Report:
     """The report that drives a device's classic pair of motors.
 
     left, right: amplitudes in [0, 1]; left is the low-frequency motor if the two differ.
@@ -47,7 +53,10 @@ def rumble_report(name: str, left: float, right: float, transport: Transport | N
     if not isinstance(chosen, RumbleFamily):
         raise ValueError(f"device {name!r} takes samples, not levels")
     if transport is not None and transport not in chosen.transports:
-        raise ValueError(f"transport {transport!r} does not exist for {name}: use {' or '.join(chosen.transports)}")
+        raise ValueError(
+            f"transport {transport!r} does not exist for {name}: use "
+            f"{' or '.join(chosen.transports)}"
+        )
     if not 0 <= sequence <= 15:
         raise ValueError(f"sequence {sequence} is not in 0..15")
     return chosen.encode(chosen.rumble(left, right), transport or chosen.transports[0], sequence)
@@ -62,10 +71,25 @@ def run_list(args: argparse.Namespace) -> int:
     problems: list[str] = []
     for device in devices:
         families = [family.name for family in device.families]
-        names = [profile.name for family in families for profile in profiles.values() if profile.family.name == family]
+        names = [
+            profile.name
+            for family in families
+            for profile in profiles.values()
+            if profile.family.name == family
+        ]
         first = device.first
         ids = f"{first.vendor:04x}:{first.product:04x}"
-        print("\t".join([", ".join(names) or "not supported", first.title or "unnamed", first.transport, ids, first.serial]).rstrip())
+        print(
+            "\t".join(
+                [
+                    ", ".join(names) or "not supported",
+                    first.title or "unnamed",
+                    first.transport,
+                    ids,
+                    first.serial,
+                ]
+            ).rstrip()
+        )
         if families:
             problems += filter(None, map(missing_permission, device.interfaces))
     for problem in problems:
@@ -90,7 +114,10 @@ def run_test(args: argparse.Namespace) -> int:
     status = output.status
     if status.failed_writes:
         raise OSError(status.message)
-    print(f"{args.name}: {status.written} reports written, the last is release; {1000 * (status.delay or 0.0):.1f} ms from block to report")
+    print(
+        f"{args.name}: {status.written} reports written, the last is release; "
+        f"{1000 * (status.delay or 0.0):.1f} ms from block to report"
+    )
     return 0
 
 
@@ -98,7 +125,9 @@ def _profiles(args: argparse.Namespace) -> dict[str, Profile]:
     """The built-in profiles and the user's; an invalid file is named on stderr and skipped."""
     if args.profiles is not None and not args.profiles.is_dir():
         raise ValueError(f"{args.profiles}: is not a folder")
-    profiles, problems = load_profiles([BUILT_IN] if args.profiles is None else [BUILT_IN, args.profiles])
+    profiles, problems = load_profiles(
+        [BUILT_IN] if args.profiles is None else [BUILT_IN, args.profiles]
+    )
     for problem in problems:
         print(problem, file=sys.stderr)
     return profiles
@@ -106,7 +135,11 @@ def _profiles(args: argparse.Namespace) -> dict[str, Profile]:
 
 def _wait_until_open(output: DeviceOutput) -> None:
     end = time.perf_counter() + _LOOK_FOR
-    while output.status.state == "searching" and time.perf_counter() < end and not output.status.message:
+    while (
+        output.status.state == "searching"
+        and time.perf_counter() < end
+        and not output.status.message
+    ):
         time.sleep(0.01)
     status = output.status
     if status.state != "open":

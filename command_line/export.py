@@ -1,5 +1,5 @@
-"""``haptic-tracing export SCENE.json --to FORMATS --out FOLDER``: the listeners' tracks of a haptic scene in the formats of other
-programs."""
+"""``haptic-tracing export SCENE.json --to FORMATS --out FOLDER``: the listeners' tracks of a haptic
+scene in the formats of other programs."""
 
 from __future__ import annotations
 
@@ -37,35 +37,52 @@ def run(args: argparse.Namespace) -> int:
     names = chosen_formats(args.to)
     chosen = chosen_options(args.options, names)
     if not 0 < args.seconds <= LONGEST:
-        raise ValueError(f"--seconds: must be above 0 and at most {LONGEST:g}, not {args.seconds:g}")
+        raise ValueError(
+            f"--seconds: must be above 0 and at most {LONGEST:g}, not {args.seconds:g}"
+        )
     export = read_export(args.scene)
     warn_of_unknown(args.scene, export.unknown)
     if export.tracks is None and export.need_scene().listeners and names != ["scene"]:
         export = replace(export, tracks=_rendered(export, args.seconds, args.sample_rate))
     if args.losses:
-        print(json.dumps({"losses": {name: registry.losses(name, export, chosen[name]) for name in names}}, ensure_ascii=False, indent=1))
+        print(
+            json.dumps(
+                {"losses": {name: registry.losses(name, export, chosen[name]) for name in names}},
+                ensure_ascii=False,
+                indent=1,
+            )
+        )
         return 0
     names = writable(args.to, names, export, chosen)
     args.out.mkdir(parents=True, exist_ok=True)
     if args.picture:
         check_matplotlib()
-    written = {name: registry.write(name, export, args.out, chosen[name], may_replace) for name in names}
+    written = {
+        name: registry.write(name, export, args.out, chosen[name], may_replace) for name in names
+    }
     if args.picture and export.tracks is not None:
-        written = {name: _with_picture(name, export, result, args.out) for name, result in written.items()}
+        written = {
+            name: _with_picture(name, export, result, args.out) for name, result in written.items()
+        }
     print_written(written)
     return 0
 
 
 def may_replace(written: registry.Written) -> bool:
-    """Ask on the terminal whether files are replaced by ones that keep little of the vibration; True without a terminal."""
+    """Ask on the terminal whether files are replaced by ones that keep little of the vibration;
+    True without a terminal."""
     if not sys.stdin.isatty():
         return True
     names = ", ".join(path.name for path in written.files[:3])
-    print(*written.losses, f"Replace {names}? [y/N] ", sep="\n", end="", file=sys.stderr, flush=True)
+    print(
+        *written.losses, f"Replace {names}? [y/N] ", sep="\n", end="", file=sys.stderr, flush=True
+    )
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
-def _with_picture(name: str, export: Export, written: registry.Written, folder: Path) -> registry.Written:
+def _with_picture(
+    name: str, export: Export, written: registry.Written, folder: Path
+) -> registry.Written:
     path = write_picture(name, export.need_tracks(), written, folder, file_stem(export.name))
     return written if path is None else replace(written, files=(*written.files, path))
 
@@ -75,8 +92,11 @@ def chosen_formats(text: str) -> list[str]:
     return list(registry.FORMATS) if text == "all" else list(dict.fromkeys(text.split(",")))
 
 
-def writable(text: str, names: Sequence[str], export: Export, options: Mapping[str, Mapping[str, Value]]) -> list[str]:
-    """The formats ``names``, as chosen by ``text``; of ``all`` those that can be written, and a line for each other one."""
+def writable(
+    text: str, names: Sequence[str], export: Export, options: Mapping[str, Mapping[str, Value]]
+) -> list[str]:
+    """The formats ``names``, as chosen by ``text``; of ``all`` those that can be written, and a
+    line for each other one."""
     found = []
     for name in names:
         try:
@@ -91,15 +111,21 @@ def writable(text: str, names: Sequence[str], export: Export, options: Mapping[s
 
 
 def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str, Value]]:
-    """The options of each format from ``format.option=value``. Raises ValueError for unknown names and values out of range."""
+    """The options of each format from ``format.option=value``. Raises ValueError for unknown names
+    and values out of range."""
     chosen: dict[str, dict[str, Value]] = {name: {} for name in names}
     known = {name: {option.name: option for option in named(name).options} for name in names}
     for setting in settings:
         key, equals, text = setting.partition("=")
         name, _, option = key.partition(".")
         if not equals or option not in known.get(name, {}):
-            offered = ", ".join(f"{name}.{option}" for name, entries in known.items() for option in entries)
-            raise ValueError(f"{setting}: expected FORMAT.OPTION=VALUE" + (f" with one of {offered}" if offered else ""))
+            offered = ", ".join(
+                f"{name}.{option}" for name, entries in known.items() for option in entries
+            )
+            raise ValueError(
+                f"{setting}: expected FORMAT.OPTION=VALUE"
+                + (f" with one of {offered}" if offered else "")
+            )
         try:
             chosen[name][option] = known[name][option].parse(text)
         except ValueError as error:
@@ -111,15 +137,27 @@ def print_written(written: Mapping[str, registry.Written]) -> None:
     """Print one JSON object with the files, their losses, and what each listener loses."""
     files = [str(path) for result in written.values() for path in result.files]
     losses = {name: result.losses for name, result in written.items()}
-    listeners = {name: [asdict(item) for item in result.fidelity.listeners] for name, result in written.items() if result.fidelity}
-    print(json.dumps({"files": files, "losses": losses, "listeners": listeners}, ensure_ascii=False, indent=1))
+    listeners = {
+        name: [asdict(item) for item in result.fidelity.listeners]
+        for name, result in written.items()
+        if result.fidelity
+    }
+    print(
+        json.dumps(
+            {"files": files, "losses": losses, "listeners": listeners}, ensure_ascii=False, indent=1
+        )
+    )
 
 
 def _rendered(export: Export, seconds: float, sample_rate: int) -> Tracks:
     """The rendered tracks. Prints why a listener feels nothing."""
     scene, recorder, last = export.need_scene(), TrackRecorder(), None
     recording = export.recording
-    for last in _still(scene, seconds, sample_rate) if recording is None else traced(scene, recording, sample_rate):
+    for last in (
+        _still(scene, seconds, sample_rate)
+        if recording is None
+        else traced(scene, recording, sample_rate)
+    ):
         recorder.add(last)
     tracks = recorder.tracks()
     if last is not None:

@@ -1,4 +1,5 @@
-"""``haptic-tracing fit``: the loss of one object and one contact from two recordings of an event, at its source and at a listener."""
+"""``haptic-tracing fit``: the loss of one object and one contact from two recordings of an event,
+at its source and at a listener."""
 
 from __future__ import annotations
 
@@ -24,28 +25,50 @@ def run(args: argparse.Namespace) -> int:
     warn_of_unknown(args.scene, unknown)
     scene = scene_of(document, args.scene)
     if not scene.contacts and sum(item.shape is not None for item in scene.objects) > 1:
-        scene = replace(scene, contacts=contacts_of_scene(scene).to_contacts([item.name for item in scene.objects]))
+        scene = replace(
+            scene,
+            contacts=contacts_of_scene(scene).to_contacts([item.name for item in scene.objects]),
+        )
     recordings = read_recordings(args.recorded_source, args.recorded_listener)
     for _ in recordings.steps():
         pass
     measured = recordings.transfer()
-    asked = Question(args.source, args.listener, (args.object,), tuple(args.contact or ()), not args.uncalibrated)
+    asked = Question(
+        args.source, args.listener, (args.object,), tuple(args.contact or ()), not args.uncalibrated
+    )
     found = fit(graph_of_scene(scene), measured, asked)
-    kappa, rho = coefficients_of(found.k, next(item.rho for item in scene.objects if item.name == args.object))
+    kappa, rho = coefficients_of(
+        found.k, next(item.rho for item in scene.objects if item.name == args.object)
+    )
     printed: dict[str, Any] = {
-        "object": {"name": args.object, "damping": found.damping, "standard_deviation": found.damping_error, "kappa": kappa, "rho": rho},
+        "object": {
+            "name": args.object,
+            "damping": found.damping,
+            "standard_deviation": found.damping_error,
+            "kappa": kappa,
+            "rho": rho,
+        },
         "difference_before": found.before,
         "difference_after": found.after,
         "coherent_part": float(measured.used.mean()),
         "not_determined": [sentence(doubt) for doubt in found.doubts],
     }
     if asked.contact:
-        printed["contact"] = {"objects": list(asked.contact), "gain": found.gain, "standard_deviation": found.contact_error}
+        printed["contact"] = {
+            "objects": list(asked.contact),
+            "gain": found.gain,
+            "standard_deviation": found.contact_error,
+        }
     print(json.dumps(printed, indent=1, ensure_ascii=False))
     if args.out is not None:
-        objects = tuple(replace(o, kappa=kappa, rho=rho) if o.name == args.object else o for o in scene.objects)
+        objects = tuple(
+            replace(o, kappa=kappa, rho=rho) if o.name == args.object else o for o in scene.objects
+        )
         contacts = tuple(
-            replace(c, transmission=Constant(gain_value=found.gain)) if set(c.objects) == set(asked.contact) else c for c in scene.contacts
+            replace(c, transmission=Constant(gain_value=found.gain))
+            if set(c.objects) == set(asked.contact)
+            else c
+            for c in scene.contacts
         )
         write_scene(replace(scene, objects=objects, contacts=contacts), args.out)
         say([f"wrote {args.out}"])

@@ -12,7 +12,8 @@ from . import was_interrupted
 
 @contextmanager
 def frame_bar(total: int, label: str) -> Iterator[Callable[[], None]]:
-    """A bar of ``total`` frames, and what advances it by one; that raises KeyboardInterrupt after a Ctrl-C that Blender has dropped."""
+    """A bar of ``total`` frames, and what advances it by one; that raises KeyboardInterrupt after a
+    Ctrl-C that Blender has dropped."""
     with tqdm(total=total, desc=label, unit="frame") as bar:
 
         def advance() -> None:

@@ -1,4 +1,5 @@
-"""``haptic-tracing merge PARTS --out FOLDER``: merges the parts of a bake, with bit-identical results to a bake without parts."""
+"""``haptic-tracing merge PARTS --out FOLDER``: merges the parts of a bake, with bit-identical
+results to a bake without parts."""
 
 from __future__ import annotations
 
@@ -35,21 +36,36 @@ def run(args: argparse.Namespace) -> int:
     formats = chosen_formats(args.to)
     options = chosen_options(args.options, formats)
     if "scene" in formats:
-        raise ValueError("--to: parts carry what is felt, not the scene itself: write that by bake without --part")
+        raise ValueError(
+            "--to: parts carry what is felt, not the scene itself: write that by bake without "
+            "--part"
+        )
     bakes = _bakes(args.parts)
     args.out.mkdir(parents=True, exist_ok=True)
     for name, parts in bakes.items():
         tracks = _tracks(parts)
-        say(f"{name}: '{item.name}' feels nothing" for row, item in enumerate(tracks.listeners) if not tracks.samples[row].any())
+        say(
+            f"{name}: '{item.name}' feels nothing"
+            for row, item in enumerate(tracks.listeners)
+            if not tracks.samples[row].any()
+        )
         export = Export(name, tracks=tracks if tracks.listeners else None)
         for form in writable(args.to, formats, export, options):
             written = registry.write(form, export, args.out, options[form])
-            print("\n".join([*(f"wrote {path}" for path in written.files), *(f"not in {form}: {loss}" for loss in written.losses)]))
+            print(
+                "\n".join(
+                    [
+                        *(f"wrote {path}" for path in written.files),
+                        *(f"not in {form}: {loss}" for loss in written.losses),
+                    ]
+                )
+            )
     return 0
 
 
 def _bakes(paths: Sequence[Path]) -> dict[str, list[Part]]:
-    """The parts of each bake, in order. Raises ValueError, which names all damaged, stale or missing ones."""
+    """The parts of each bake, in order. Raises ValueError, which names all damaged, stale or
+    missing ones."""
     bakes: dict[str, dict[int, tuple[Path, Part]]] = defaultdict(dict)
     problems = []
     for path in _files(paths):
@@ -63,7 +79,10 @@ def _bakes(paths: Sequence[Path]) -> dict[str, list[Part]]:
         problems += _problems(named)
     if problems:
         raise ValueError("; ".join(problems))
-    return {name: [part for _, (_, part) in sorted(named.items())] for name, named in sorted(bakes.items())}
+    return {
+        name: [part for _, (_, part) in sorted(named.items())]
+        for name, named in sorted(bakes.items())
+    }
 
 
 def _files(paths: Sequence[Path]) -> Iterator[Path]:
@@ -82,7 +101,11 @@ def _problems(named: dict[int, tuple[Path, Part]]) -> Iterator[str]:
     """The problems of the parts of one bake."""
     first_path, first = next(iter(named.values()))
     origin = first.origin
-    yield from (f"{path}: of {words} than {first_path}" for path, part in named.values() for words in _differences(part.origin, origin))
+    yield from (
+        f"{path}: of {words} than {first_path}"
+        for path, part in named.values()
+        for words in _differences(part.origin, origin)
+    )
     file = Path(origin.file)
     if file.is_file() and checksum_of(file) != origin.blend:
         yield f"{first_path}: stale: {file} has changed since"
@@ -93,16 +116,28 @@ def _problems(named: dict[int, tuple[Path, Part]]) -> Iterator[str]:
     for number, (path, part) in named.items():
         earlier = named.get(number - 1)
         if earlier is not None and earlier[1].after != part.before:
-            yield f"{path}: what moved and touched before it is not known to the bit: bake it again with --from-start"
+            yield (
+                f"{path}: what moved and touched before it is not known to the bit: bake it "
+                "again with --from-start"
+            )
 
 
 def _differences(one: Origin, other: Origin) -> Iterable[str]:
-    return [_SAME[item.name] for item in fields(one) if item.name in _SAME and getattr(one, item.name) != getattr(other, item.name)]
+    return [
+        _SAME[item.name]
+        for item in fields(one)
+        if item.name in _SAME and getattr(one, item.name) != getattr(other, item.name)
+    ]
 
 
 def _tracks(parts: Sequence[Part]) -> Tracks:
     """The tracks of all frames."""
-    rate, recorder, before, first = parts[0].sample_rate, TrackRecorder(), None, parts[0].origin.frames[0]
+    rate, recorder, before, first = (
+        parts[0].sample_rate,
+        TrackRecorder(),
+        None,
+        parts[0].origin.frames[0],
+    )
     mixdown = Mixdown(sample_rate=rate)
     for frame in (frame for part in parts for frame in part.frames):
         rendered, before = _rendered(mixdown, before, frame), frame.time
@@ -115,4 +150,6 @@ def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> Hear
     block = mixdown.render(before, frame.time, frame.sources, frame.listeners, frame.propagation)
     first = sample_index(frame.time if before is None else before, mixdown.sample_rate)
     amplitudes = arriving(frame.sources, frame.propagation)
-    return Heard(frame.number, frame.sources, frame.listeners, amplitudes, block, first, mixdown.sample_rate)
+    return Heard(
+        frame.number, frame.sources, frame.listeners, amplitudes, block, first, mixdown.sample_rate
+    )

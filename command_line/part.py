@@ -14,13 +14,27 @@ from .frame_bar import frame_bar
 from .part_file import HeardFrame, Origin, Part, checksum_of, programs, read_part, write_part
 
 
-def write_part_of(scene: Scene, args: argparse.Namespace, name: str, frames: tuple[int, int]) -> None:
+def write_part_of(
+    scene: Scene, args: argparse.Namespace, name: str, frames: tuple[int, int]
+) -> None:
     """Bake one part of ``frames`` in the scene's mode, unless it exists already."""
     number, parts = args.part
     if parts > frames[1] - frames[0] + 1:
-        raise ValueError(f"--part: {parts} parts of {frames[1] - frames[0] + 1} frames: there must be a frame in each")
+        raise ValueError(
+            f"--part: {parts} parts of {frames[1] - frames[0] + 1} frames: there must be a frame "
+            "in each"
+        )
     file = Path(args.file).resolve()
-    origin = Origin(name, str(file), checksum_of(file), scene.haptics.mode, tuple(args.set), frames, parts, programs())
+    origin = Origin(
+        name,
+        str(file),
+        checksum_of(file),
+        scene.haptics.mode,
+        tuple(args.set),
+        frames,
+        parts,
+        programs(),
+    )
     path = args.out / f"{name}.{number}-of-{parts}.npz"
     if _is_there(path, origin, number):
         print(f"kept {path}: this part exists already")
@@ -35,7 +49,10 @@ def start_of(scene: Scene, origin: Origin, number: int) -> int:
     begin = timeline.tracing_start(scene, origin.frames[0])
     if number == 1:
         return begin
-    return max(timeline.warm_start(scene, origin.range_of(number)[0], timeline.sounding_seconds(scene)), begin)
+    return max(
+        timeline.warm_start(scene, origin.range_of(number)[0], timeline.sounding_seconds(scene)),
+        begin,
+    )
 
 
 def _is_there(path: Path, origin: Origin, number: int) -> bool:

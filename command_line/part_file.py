@@ -1,5 +1,5 @@
-"""Parts of a bake as files: the active sources and gains of a range of frames, from which `merge` renders the same samples as a bake
-without parts.
+"""Parts of a bake as files: the active sources and gains of a range of frames, from which `merge`
+renders the same samples as a bake without parts.
 
 An ``.npz`` archive without pickled objects: ``header``, JSON in UTF-8, and arrays.
 """
@@ -43,8 +43,8 @@ _ROW, _FRAME = 800, 2000  # bytes of a source in a frame, and of a frame, in mem
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Identification of a bake, the same in all its parts. ``frames``: the whole range, ``blend``: SHA-256 of the file, ``programs``: the
-    versions that computed it."""
+    """Identification of a bake, the same in all its parts. ``frames``: the whole range, ``blend``:
+    SHA-256 of the file, ``programs``: the versions that computed it."""
 
     name: str
     file: str
@@ -85,9 +85,10 @@ class HeardFrame:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Part ``number`` of a bake. ``before``, ``after``: checksums of the tracer before its first frame ("" in the first part) and after
-    its last one: a part continues the part whose ``after`` equals its ``before``. The first part also has the frames traced before its own,
-    whose signals may continue into it."""
+    """Part ``number`` of a bake. ``before``, ``after``: checksums of the tracer before its first
+    frame ("" in the first part) and after its last one: a part continues the part whose ``after``
+    equals its ``before``. The first part also has the frames traced before its own, whose signals
+    may continue into it."""
 
     origin: Origin
     number: int
@@ -128,7 +129,8 @@ def write_part(part: Part, path: Path) -> None:
         np.savez_compressed(file, allow_pickle=False, **arrays)
         if _needed(arrays) > budget_of(file.tell()):
             file.seek(0)
-            np.savez(file, allow_pickle=False, **arrays)  # else it would be too small for its content
+            # Else it would be too small for its content.
+            np.savez(file, allow_pickle=False, **arrays)
 
 
 def read_part(path: Path) -> Part:
@@ -137,19 +139,35 @@ def read_part(path: Path) -> Part:
     with open_regular(path) as file:
         try:
             with zipfile.ZipFile(file) as archive:
-                entries = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
-                validate({"arrays": {name: _form(archive, entry) for name, entry in entries.items()}}, _SCHEMA, path)
+                entries = {
+                    entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()
+                }
+                validate(
+                    {"arrays": {name: _form(archive, entry) for name, entry in entries.items()}},
+                    _SCHEMA,
+                    path,
+                )
                 budget.take(sum(entry.file_size for entry in entries.values()))
                 arrays = {name: _array(archive, entry) for name, entry in entries.items()}
         except FormatError:
             raise
-        except (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, RuntimeError, NotImplementedError) as error:
+        except (
+            zipfile.BadZipFile,
+            zlib.error,
+            EOFError,
+            OSError,
+            ValueError,
+            RuntimeError,
+            NotImplementedError,
+        ) as error:
             raise FormatError(path, "/", f"no part of a bake, or damaged: {error}") from None
     budget.take(_ROW * len(arrays["source"]) + _FRAME * len(arrays["time"]))
     header = parse_json(arrays.pop("header").tobytes(), path)
     validate({"header": header}, _SCHEMA, path)
     # In a part a source may begin before time 0, in a scene not.
-    sources = [{key: value for key, value in form.items() if key != "onset"} for form in header["sources"]]
+    sources = [
+        {key: value for key, value in form.items() if key != "onset"} for form in header["sources"]
+    ]
     validate({**_BARE_SCENE, "sources": sources, "listeners": header["listeners"]}, SCENE, path)
     with errors_in(path):
         return _part(header, arrays)
@@ -174,7 +192,8 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
 
 
 class _Table:
-    """The distinct sources and listeners of frames, each stored once without its position, with one amplitude per frame."""
+    """The distinct sources and listeners of frames, each stored once without its position, with one
+    amplitude per frame."""
 
     def __init__(self) -> None:
         self.sources: list[Source] = []
@@ -182,8 +201,9 @@ class _Table:
         self._numbers: dict[Any, int] = {}
 
     def arrays(self, frames: Sequence[HeardFrame]) -> dict[str, NDArray[Any]]:
-        """``time`` and ``counts`` (f,) of sources; ``listener`` (f, l); ``source`` and ``amplitude`` (r,) of their rows, ``gain`` (r, l);
-        ``has_delay`` and ``has_bands`` (f,), and the rows of these frames: ``delay`` (d, l) and ``bands`` (b, l, 6)."""
+        """``time`` and ``counts`` (f,) of sources; ``listener`` (f, l); ``source`` and
+        ``amplitude`` (r,) of their rows, ``gain`` (r, l); ``has_delay`` and ``has_bands`` (f,), and
+        the rows of these frames: ``delay`` (d, l) and ``bands`` (b, l, 6)."""
         found = [frame.propagation for frame in frames]
         people = len(frames[0].listeners)
         delays = [item.delay for item in found if item.delay is not None]
@@ -191,9 +211,20 @@ class _Table:
         return {
             "time": np.array([frame.time for frame in frames]),
             "counts": np.array([len(frame.sources) for frame in frames], dtype=np.int64),
-            "listener": np.array([[self._number(item, self.listeners) for item in frame.listeners] for frame in frames], dtype=np.int64),
-            "source": np.array([self._number(item, self.sources) for frame in frames for item in frame.sources], dtype=np.int64),
-            "amplitude": np.array([item.amplitude for frame in frames for item in frame.sources], dtype=np.float64),
+            "listener": np.array(
+                [
+                    [self._number(item, self.listeners) for item in frame.listeners]
+                    for frame in frames
+                ],
+                dtype=np.int64,
+            ),
+            "source": np.array(
+                [self._number(item, self.sources) for frame in frames for item in frame.sources],
+                dtype=np.int64,
+            ),
+            "amplitude": np.array(
+                [item.amplitude for frame in frames for item in frame.sources], dtype=np.float64
+            ),
             "gain": np.concatenate([item.gain.reshape(-1, people) for item in found]),
             "has_delay": np.array([item.delay is not None for item in found]),
             "has_bands": np.array([item.band_gain is not None for item in found]),
@@ -215,35 +246,65 @@ class _Table:
 def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part:
     """A part from its validated content. Raises PlacedError where that does not fit together."""
     given = header["origin"]
-    origin = Origin(**{**given, "settings": tuple(given["settings"]), "frames": tuple(given["frames"])})
-    sources = [read_source(form, ("sources", number)) for number, form in enumerate(header["sources"])]
-    listeners = [read_listener(form, ("listeners", number)) for number, form in enumerate(header["listeners"])]
+    origin = Origin(
+        **{**given, "settings": tuple(given["settings"]), "frames": tuple(given["frames"])}
+    )
+    sources = [
+        read_source(form, ("sources", number)) for number, form in enumerate(header["sources"])
+    ]
+    listeners = [
+        read_listener(form, ("listeners", number))
+        for number, form in enumerate(header["listeners"])
+    ]
     _check(header, origin, arrays)
     number = int(header["number"])
     first, last = origin.range_of(number)
     more = len(arrays["time"]) - (last - first + 1)
     counts = arrays["counts"]
     rows = np.cumsum([0, *counts])
-    delays, bands = np.cumsum([0, *(counts * arrays["has_delay"])]), np.cumsum([0, *(counts * arrays["has_bands"])])
+    delays, bands = (
+        np.cumsum([0, *(counts * arrays["has_delay"])]),
+        np.cumsum([0, *(counts * arrays["has_bands"])]),
+    )
     frames = []
     for k, time in enumerate(arrays["time"].tolist()):
         own = slice(rows[k], rows[k + 1])
         heard = tuple(
             replace(sources[row], amplitude=amplitude)
-            for row, amplitude in zip(arrays["source"][own].tolist(), arrays["amplitude"][own].tolist(), strict=True)
+            for row, amplitude in zip(
+                arrays["source"][own].tolist(), arrays["amplitude"][own].tolist(), strict=True
+            )
         )
         delay = arrays["delay"][delays[k] : delays[k + 1]] if arrays["has_delay"][k] else None
         band_gain = arrays["bands"][bands[k] : bands[k + 1]] if arrays["has_bands"][k] else None
         propagation = Propagation.of_gains(arrays["gain"][own], band_gain, delay)
-        frames.append(HeardFrame(first - more + k, time, heard, tuple(listeners[n] for n in arrays["listener"][k].tolist()), propagation))
-    return Part(origin, number, float(header["sample_rate"]), header["before"], header["after"], tuple(frames))
+        frames.append(
+            HeardFrame(
+                first - more + k,
+                time,
+                heard,
+                tuple(listeners[n] for n in arrays["listener"][k].tolist()),
+                propagation,
+            )
+        )
+    return Part(
+        origin,
+        number,
+        float(header["sample_rate"]),
+        header["before"],
+        header["after"],
+        tuple(frames),
+    )
 
 
 def _check(header: Mapping[str, Any], origin: Origin, arrays: Mapping[str, NDArray[Any]]) -> None:
     """Raise PlacedError unless the numbers of the header and the arrays fit together."""
     first, last = origin.frames
     if not 1 <= header["number"] <= origin.parts <= last - first + 1:
-        raise PlacedError(("header", "number"), "is not the number of one of the parts, each of at least one frame")
+        raise PlacedError(
+            ("header", "number"),
+            "is not the number of one of the parts, each of at least one frame",
+        )
     begin, end = origin.range_of(header["number"])
     frames, people, counts = len(arrays["time"]), arrays["gain"].shape[1], arrays["counts"]
     more = frames - (end - begin + 1)
@@ -271,12 +332,20 @@ def _check(header: Mapping[str, Any], origin: Origin, arrays: Mapping[str, NDArr
     for name in ("time", "amplitude", "gain", "delay", "bands"):
         if not (np.abs(arrays[name]) <= _LARGEST).all():
             raise PlacedError(("arrays", name), f"has values beyond {_LARGEST:g}")
-    if arrays["amplitude"].size and not (arrays["amplitude"].min() >= 0 and arrays["amplitude"].max() <= 1):
+    if arrays["amplitude"].size and not (
+        arrays["amplitude"].min() >= 0 and arrays["amplitude"].max() <= 1
+    ):
         raise PlacedError(("arrays", "amplitude"), "has values that are not from 0 to 1")
     if not ((steps := np.diff(arrays["time"])) > 0).all() or steps.max(initial=0) > _LONGEST_FRAME:
-        raise PlacedError(("arrays", "time"), f"does not rise by up to {_LONGEST_FRAME:g} s from frame to frame")
+        raise PlacedError(
+            ("arrays", "time"), f"does not rise by up to {_LONGEST_FRAME:g} s from frame to frame"
+        )
 
 
 def _needed(arrays: Mapping[str, NDArray[Any]]) -> int:
     """Bytes that a part takes in memory."""
-    return sum(array.nbytes + 256 for array in arrays.values()) + _ROW * len(arrays["source"]) + _FRAME * len(arrays["time"])
+    return (
+        sum(array.nbytes + 256 for array in arrays.values())
+        + _ROW * len(arrays["source"])
+        + _FRAME * len(arrays["time"])
+    )

@@ -1,4 +1,5 @@
-"""Pictures of exports: waveforms and spectra of the rendered signal, of the decoded files, and of their difference."""
+"""Pictures of exports: waveforms and spectra of the rendered signal, of the decoded files, and of
+their difference."""
 
 from __future__ import annotations
 
@@ -24,12 +25,20 @@ WINDOW = 4096
 def check_matplotlib() -> None:
     """Raise ValueError if matplotlib is missing."""
     if importlib.util.find_spec("matplotlib") is None:
-        raise ValueError("--picture: matplotlib is not installed (pip install 'haptic-tracing[report]')")
+        raise ValueError(
+            "--picture: matplotlib is not installed (pip install 'haptic-tracing[report]')"
+        )
 
 
-def write_picture(name: str, tracks: Tracks, written: registry.Written, folder: Path, stem: str) -> Path | None:
+def write_picture(
+    name: str, tracks: Tracks, written: registry.Written, folder: Path, stem: str
+) -> Path | None:
     """Write ``<stem>.<name>.png``; None for a format that cannot be decoded, or not by listener."""
-    readable = [path for path in written.files if READERS.get(path.suffix) == name and ".transients." not in path.name]
+    readable = [
+        path
+        for path in written.files
+        if READERS.get(path.suffix) == name and ".transients." not in path.name
+    ]
     channels = [channel for path in readable for channel in registry.read(path).channels]
     if not channels or len(channels) != len(tracks.listeners):
         return None
@@ -41,13 +50,21 @@ def write_picture(name: str, tracks: Tracks, written: registry.Written, folder: 
         decoded[: len(found)] = found
         pairs.append((tracks.listeners[number].name, original, decoded))
     path = folder / f"{stem}.{name}.png"
-    losses = {} if written.fidelity is None else {listener.name: listener for listener in written.fidelity.listeners}
+    losses = (
+        {}
+        if written.fidelity is None
+        else {listener.name: listener for listener in written.fidelity.listeners}
+    )
     _draw(pairs, losses, tracks.sample_rate, f"{stem}, {registry.FORMATS[name].label}", path)
     return path
 
 
 def _draw(
-    pairs: Sequence[tuple[str, FloatArray, FloatArray]], losses: Mapping[str, ListenerFidelity], rate: int, title: str, path: Path
+    pairs: Sequence[tuple[str, FloatArray, FloatArray]],
+    losses: Mapping[str, ListenerFidelity],
+    rate: int,
+    title: str,
+    path: Path,
 ) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -66,8 +83,15 @@ def _draw(
             row[1].plot(*_spectrum(samples, rate), label=label, linewidth=0.9)
         row[1].set_xlim(0, min(SHOWN_HERTZ, rate / 2))
         _wave(row[2], decoded - original, rate, "difference", "C3")
-        row[2].set_ylim(*(choose(row[k].get_ylim()[end] for k in (0, 2)) for end, choose in ((0, min), (1, max))))
-    for axis, heading in zip(axes[0], ("wave", "spectrum [dB]", "decoded less original"), strict=True):
+        row[2].set_ylim(
+            *(
+                choose(row[k].get_ylim()[end] for k in (0, 2))
+                for end, choose in ((0, min), (1, max))
+            )
+        )
+    for axis, heading in zip(
+        axes[0], ("wave", "spectrum [dB]", "decoded less original"), strict=True
+    ):
         axis.set_title(heading)
     for axis, unit in zip(axes[-1], ("s", "Hz", "s"), strict=True):
         axis.set_xlabel(unit)
@@ -77,10 +101,17 @@ def _draw(
 
 def _mark(axis: Any, found: ListenerFidelity) -> None:
     """The change of level, and lines at the onsets that are missing or invented."""
-    axis.text(0.01, 0.97, f"{found.level:+z.1f} dB", transform=axis.transAxes, va="top", fontweight="bold")
-    for times, label, colour in ((found.missing, "missing onset", "C3"), (found.invented, "invented onset", "C4")):
+    axis.text(
+        0.01, 0.97, f"{found.level:+z.1f} dB", transform=axis.transAxes, va="top", fontweight="bold"
+    )
+    for times, label, colour in (
+        (found.missing, "missing onset", "C3"),
+        (found.invented, "invented onset", "C4"),
+    ):
         for number, time in enumerate(times):
-            axis.axvline(time, color=colour, linestyle="--", linewidth=1.2, label=None if number else label)
+            axis.axvline(
+                time, color=colour, linestyle="--", linewidth=1.2, label=None if number else label
+            )
     if found.missing or found.invented:
         axis.legend(loc="upper right")
 
@@ -89,11 +120,21 @@ def _wave(axis: Any, samples: FloatArray, rate: int, label: str, colour: str) ->
     step = max(-(-len(samples) // COLUMNS), 1)
     parts = np.pad(samples, (0, -len(samples) % step), mode="edge").reshape(-1, step)
     times = np.arange(len(parts)) * step / rate
-    axis.fill_between(times, parts.min(axis=1), parts.max(axis=1), label=label, color=colour, alpha=0.6, linewidth=0.6)
+    axis.fill_between(
+        times,
+        parts.min(axis=1),
+        parts.max(axis=1),
+        label=label,
+        color=colour,
+        alpha=0.6,
+        linewidth=0.6,
+    )
 
 
 def _spectrum(samples: FloatArray, rate: int) -> tuple[FloatArray, FloatArray]:
     """Frequencies [Hz], and the mean power of Hann windows in decibels."""
     padded = np.pad(samples, (0, -len(samples) % WINDOW)).reshape(-1, WINDOW)
     power = (np.abs(np.fft.rfft(padded * np.hanning(WINDOW), axis=1)) ** 2).mean(axis=0) / WINDOW**2
-    return np.asarray(np.fft.rfftfreq(WINDOW, 1 / rate), dtype=np.float64), np.asarray(10 * np.log10(np.maximum(power, 1e-14)))
+    return np.asarray(np.fft.rfftfreq(WINDOW, 1 / rate), dtype=np.float64), np.asarray(
+        10 * np.log10(np.maximum(power, 1e-14))
+    )

@@ -1,4 +1,5 @@
-"""Playing a range of frames of a Blender file: the samples of all listeners, the impacts and the run times."""
+"""Playing a range of frames of a Blender file: the samples of all listeners, the impacts and the
+run times."""
 
 from __future__ import annotations
 
@@ -21,8 +22,8 @@ from ..core.scene.values import Source
 
 @dataclass(frozen=True, slots=True)
 class ImpactFelt:
-    """A temporary source at the frame where it began: the amplitudes with which it arrives at the listeners, and the objects of its
-    best paths."""
+    """A temporary source at the frame where it began: the amplitudes with which it arrives at the
+    listeners, and the objects of its best paths."""
 
     source: Source
     amplitudes: FloatArray
@@ -31,8 +32,8 @@ class ImpactFelt:
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """The result of playing a range of frames. ``samples`` (l, n) of ``listeners``; ``start`` [s] of the first sample; per frame (f,)
-    Blender's own and the tracer's milliseconds."""
+    """The result of playing a range of frames. ``samples`` (l, n) of ``listeners``; ``start`` [s]
+    of the first sample; per frame (f,) Blender's own and the tracer's milliseconds."""
 
     listeners: tuple[str, ...]
     body_parts: tuple[str, ...]
@@ -48,16 +49,26 @@ class Played:
 
     def tracks(self) -> Tracks:
         """The samples with the impacts among them."""
-        felt = [(impact.source.onset - self.start, strengths(impact.source, impact.amplitudes)) for impact in self.impacts]
+        felt = [
+            (impact.source.onset - self.start, strengths(impact.source, impact.amplitudes))
+            for impact in self.impacts
+        ]
         listeners = (
-            ListenerTrack(name, body_part, sorted_impacts((time, row[number]) for time, row in felt))
-            for number, (name, body_part) in enumerate(zip(self.listeners, self.body_parts, strict=True))
+            ListenerTrack(
+                name, body_part, sorted_impacts((time, row[number]) for time, row in felt)
+            )
+            for number, (name, body_part) in enumerate(
+                zip(self.listeners, self.body_parts, strict=True)
+            )
         )
         return Tracks(tuple(listeners), round(self.sample_rate), self.samples, self.start)
 
 
-def play(scene: Scene, start: int, end: int, progress: Callable[[int], None] = lambda frame: None) -> Played:
-    """Play the frames ``start`` to ``end``, see `steps`. ``progress`` is called with every frame."""
+def play(
+    scene: Scene, start: int, end: int, progress: Callable[[int], None] = lambda frame: None
+) -> Played:
+    """Play the frames ``start`` to ``end``, see `steps`. ``progress`` is called with every
+    frame."""
     blocks: list[FloatArray] = []
     blender, tracing = [], []
     impacts: list[ImpactFelt] = []
@@ -101,6 +112,10 @@ def _new_impacts(result: FrameResult) -> list[ImpactFelt]:
     """The temporary sources that this frame began."""
     first = len(result.sources) - len(result.impacts)
     return [
-        ImpactFelt(result.sources[s], result.amplitudes[s], tuple(result.path_objects(s, i) for i in range(len(result.listeners))))
+        ImpactFelt(
+            result.sources[s],
+            result.amplitudes[s],
+            tuple(result.path_objects(s, i) for i in range(len(result.listeners))),
+        )
         for s in range(first, len(result.sources))
     ]

@@ -26,7 +26,11 @@ def run(args: argparse.Namespace) -> int:
     scene = load(args.scene)
     warn_of_unknown(args.scene, scene.unknown)
     modalities = modalities_from_dict(scene.document, scene.content, args.scene)
-    chosen = {key: value for key in ("strategy", "mode", "threshold", "tolerance") if (value := getattr(args, key)) is not None}
+    chosen = {
+        key: value
+        for key in ("strategy", "mode", "threshold", "tolerance")
+        if (value := getattr(args, key)) is not None
+    }
     if "max_connections" in args:  # none is a value
         chosen["max_connections"] = args.max_connections
     scene = scene.with_settings(**chosen)
@@ -43,7 +47,11 @@ def run(args: argparse.Namespace) -> int:
     printed = report(scene.content, graph, result, seconds)
     if args.felt:
         sounding = Sounding(0.0, scene.content.sources, scene.content.listeners, result)
-        printed["felt"] = [part for column in range(len(scene.content.listeners)) for part in _who_is_felt(sounding, column)]
+        printed["felt"] = [
+            part
+            for column in range(len(scene.content.listeners))
+            for part in _who_is_felt(sounding, column)
+        ]
     if felt:
         printed["modalities"] = {item.modality.name: felt_report(item) for item in felt}
     print(json.dumps(printed, indent=1, ensure_ascii=False, allow_nan=False))
@@ -51,7 +59,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _who_is_felt(sounding: Sounding, listener: int) -> list[dict[str, Any]]:
-    """The sources that reach a listener: margin [dB] of each alone above the threshold of feeling, and its masker."""
+    """The sources that reach a listener: margin [dB] of each alone above the threshold of feeling,
+    and its masker."""
     found = felt_sources(sounding, listener)
     return [
         {
@@ -67,15 +76,21 @@ def _who_is_felt(sounding: Sounding, listener: int) -> list[dict[str, Any]]:
 
 def felt_report(felt: Felt) -> dict[str, Any]:
     """The values of a modality other than vibration at the listeners, in its unit."""
-    values = [{"listener": name, "value": float(value)} for name, value in zip(felt.listeners, felt.values, strict=True)]
+    values = [
+        {"listener": name, "value": float(value)}
+        for name, value in zip(felt.listeners, felt.values, strict=True)
+    ]
     return {"unit": felt.modality.source_value.unit, "felt": values}
 
 
-def report(scene: HapticScene, graph: HapticGraph, result: Propagation, seconds: dict[str, float]) -> dict[str, Any]:
-    """The printed object, with all pairs. ``gain`` includes the source's amplitude, ``path_gain`` does not; ``level`` [dB of full scale] is
-    the RMS of the first second that the listener would be played of this source alone, None for silence. Band gains (in the order of
-    `core.scene.bands`), the delay of the best path [s] and (delay, gain) of the strongest paths if the scene uses them; these gains include
-    the amplitude."""
+def report(
+    scene: HapticScene, graph: HapticGraph, result: Propagation, seconds: dict[str, float]
+) -> dict[str, Any]:
+    """The printed object, with all pairs. ``gain`` includes the source's amplitude, ``path_gain``
+    does not; ``level`` [dB of full scale] is the RMS of the first second that the listener would be
+    played of this source alone, None for silence. Band gains (in the order of `core.scene.bands`),
+    the delay of the best path [s] and (delay, gain) of the strongest paths if the scene uses them;
+    these gains include the amplitude."""
     pairs = []
     played = levels_alone(scene.sources, scene.listeners, result)
     for row, source in enumerate(graph.sources):
@@ -87,9 +102,13 @@ def report(scene: HapticScene, graph: HapticGraph, result: Propagation, seconds:
                 "gain": source.amplitude * float(result.gain[row, column]),
                 "path_gain": float(result.gain[row, column]),
                 "level": level if (level := float(played[row, column])) > -math.inf else None,
-                "error_bound": source.amplitude * bound if (bound := float(result.error_bound[row, column])) < math.inf else None,
+                "error_bound": source.amplitude * bound
+                if (bound := float(result.error_bound[row, column])) < math.inf
+                else None,
                 "limited": bool(result.limited[row, column]),
-                "silenced": bool(result.silenced[row, column]) or source.amplitude == 0 or listener.gain == 0,
+                "silenced": bool(result.silenced[row, column])
+                or source.amplitude == 0
+                or listener.gain == 0,
                 "paths": None if paths < 0 else paths,
                 "path": list(objects_on(graph, result.best_path.get((row, column), ()))),
             }
@@ -97,7 +116,10 @@ def report(scene: HapticScene, graph: HapticGraph, result: Propagation, seconds:
                 pair["band_gains"] = (source.amplitude * result.band_gain[row, column]).tolist()
             if result.delay is not None:
                 pair["delay"] = float(result.delay[row, column])
-                pair["taps"] = [[delay, source.amplitude * gain] for delay, gain in result.taps.get((row, column), ())]
+                pair["taps"] = [
+                    [delay, source.amplitude * gain]
+                    for delay, gain in result.taps.get((row, column), ())
+                ]
             pairs.append(pair)
     statistics: dict[str, Any] = {**seconds, **result.statistics}
     if result.warnings:

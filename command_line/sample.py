@@ -1,4 +1,5 @@
-"""``haptic-tracing sample NAME``: builds a sample scene, bakes its rigid bodies and saves it as a Blender file."""
+"""``haptic-tracing sample NAME``: builds a sample scene, bakes its rigid bodies and saves it as a
+Blender file."""
 
 from __future__ import annotations
 
@@ -28,7 +29,9 @@ def run(args: argparse.Namespace) -> int:
         SAMPLES[args.name].build(scene, args.count)
         if not args.no_bake:
             _bake_rigid_bodies(scene)
-        bpy.ops.wm.save_as_mainfile(filepath=str(output.resolve()), compress=True, check_existing=False)
+        bpy.ops.wm.save_as_mainfile(
+            filepath=str(output.resolve()), compress=True, check_existing=False
+        )
     except RuntimeError as error:
         raise ValueError(f"{output}: {str(error).strip().removeprefix('Error: ')}") from None
     finally:

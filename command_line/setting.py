@@ -1,4 +1,5 @@
-"""``--set PATH=VALUE``: properties of an open Blender file by their paths, as the Info editor and tooltips name them."""
+"""``--set PATH=VALUE``: properties of an open Blender file by their paths, as the Info editor and
+tooltips name them."""
 
 from __future__ import annotations
 
@@ -12,17 +13,20 @@ def assign(scene: Scene, setting: str) -> None:
     """Set one property.
 
     Args:
-        scene: The scene for paths that begin with ``scene``; other paths begin at ``bpy.data``, such as
-            ``objects["Bench"].haptics.kappa``.
+        scene: The scene for paths that begin with ``scene``; other paths begin at ``bpy.data``,
+            such as ``objects["Bench"].haptics.kappa``.
         setting: ``PATH=VALUE``. A path is looked up, never executed.
 
     Raises:
-        ValueError: the path does not exist, the value has the wrong type or is out of range, or the property is animated or read-only.
+        ValueError: the path does not exist, the value has the wrong type or is out of range, or the
+            property is animated or read-only.
     """
     path, equals, text = setting.partition("=")
     if not equals:
         raise ValueError(f"--set {setting}: expected PATH=VALUE")
-    root, inside = (scene, path.removeprefix("scene.")) if path.startswith("scene.") else (bpy.data, path)
+    root, inside = (
+        (scene, path.removeprefix("scene.")) if path.startswith("scene.") else (bpy.data, path)
+    )
     holder, dot, name = inside.rpartition(".")
     try:
         owner: Any = root.path_resolve(holder) if dot else root
@@ -46,7 +50,9 @@ def assign(scene: Scene, setting: str) -> None:
 def _parsed(setting: str, described: Any, text: str) -> bool | int | float | str:
     """``text`` as a value of the property ``described``."""
     numbers: dict[str, type[int] | type[float]] = {"INT": int, "FLOAT": float}
-    single = described.type in ("BOOLEAN", "STRING", "ENUM", *numbers) and not getattr(described, "is_array", False)
+    single = described.type in ("BOOLEAN", "STRING", "ENUM", *numbers) and not getattr(
+        described, "is_array", False
+    )
     if described.is_readonly or not single:
         raise ValueError(f"--set {setting}: only single values that can be edited can be set")
     if described.type == "BOOLEAN":
@@ -60,5 +66,7 @@ def _parsed(setting: str, described: Any, text: str) -> bool | int | float | str
     except ValueError:
         raise ValueError(f"--set {setting}: must be a number") from None
     if not described.hard_min <= value <= described.hard_max:
-        raise ValueError(f"--set {setting}: must be from {described.hard_min:g} to {described.hard_max:g}")
+        raise ValueError(
+            f"--set {setting}: must be from {described.hard_min:g} to {described.hard_max:g}"
+        )
     return value

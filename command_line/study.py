@@ -1,4 +1,5 @@
-"""``haptic-tracing study``: renders the paper's ride in the modes HT, SD, MD and MN, and writes a report of their differences."""
+"""``haptic-tracing study``: renders the paper's ride in the modes HT, SD, MD and MN, and writes a
+report of their differences."""
 
 from __future__ import annotations
 
@@ -35,19 +36,27 @@ def run(args: argparse.Namespace) -> int:
     args.out.mkdir(parents=True, exist_ok=True)
     notes = []
     with frame_bar(last - first + 1, "Tracing") as advance:
-        ride, varied = baking.bake_ride(scene, first, last, lambda frame: advance(), variations() if args.sensitivity else ())
+        ride, varied = baking.bake_ride(
+            scene, first, last, lambda frame: advance(), variations() if args.sensitivity else ()
+        )
     checks = checks_of(ride)
     pictures = {}
     if args.pictures > 0 and starts_gpu():
         pictures = baking.draw_frames(scene, baking.lively_frames(ride, args.pictures))
     elif args.pictures > 0:
-        notes.append("There are no pictures of the ride: off-screen drawing needs Blender 5.2 or a window, and OpenGL.")
+        notes.append(
+            "There are no pictures of the ride: off-screen drawing needs Blender 5.2 or a "
+            "window, and OpenGL."
+        )
     rides = {} if args.no_materials else _other_materials(scene, first, last)
     figures = []
     if plots.can_plot():
         figures = list(plots.plots(ride))
     else:
-        notes.append("There are no plots: matplotlib is not installed (pip install 'haptic-tracing[report]').")
+        notes.append(
+            "There are no plots: matplotlib is not installed (pip install "
+            "'haptic-tracing[report]')."
+        )
     written = [] if args.no_tracks else _write_tracks(args.out, ride)
     written += [args.out / "study.json", args.out / "report.html"]
     write_numbers(written[-2], ride, checks, rides)
@@ -61,7 +70,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _other_materials(scene: Scene, first: int, last: int) -> dict[str, Ride]:
-    """The ride by variant: with measured materials, and with contacts by impedance as well. The scene keeps both changes."""
+    """The ride by variant: with measured materials, and with contacts by impedance as well. The
+    scene keeps both changes."""
     rides = {}
     for way in physical_scenes.WAYS[1:]:
         physical_scenes.make(scene, way)

@@ -1,4 +1,5 @@
-"""``haptic-tracing trace FILE.blend``: plays a tagged Blender file and writes the listeners' tracks."""
+"""``haptic-tracing trace FILE.blend``: plays a tagged Blender file and writes the listeners'
+tracks."""
 
 from __future__ import annotations
 
@@ -45,7 +46,8 @@ def start_blender() -> None:
 
 
 def open_file(file: str) -> Scene:
-    """Open a Blender file without running its scripts, and return its scene. Raises ValueError if it cannot be opened."""
+    """Open a Blender file without running its scripts, and return its scene. Raises ValueError if
+    it cannot be opened."""
     path = Path(file).resolve()
     if not path.is_file():
         raise ValueError(f"{file}: there is no such file")
@@ -57,7 +59,8 @@ def open_file(file: str) -> Scene:
 
 
 def trace_and_report(args: argparse.Namespace, name: str) -> int:
-    """Play the open file's scene, write haptic scene, WAV and picture into the folder, print the results and the run times."""
+    """Play the open file's scene, write haptic scene, WAV and picture into the folder, print the
+    results and the run times."""
     scene = bpy.context.scene
     start = scene.frame_start if args.start is None else args.start
     end = scene.frame_end if args.end is None else args.end
@@ -88,7 +91,9 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     print_impacts(played.impacts, played.listeners)
     print_statistics(played)
     for path in written:
-        shown = f"frames {start} to {end}" if path.suffix == ".wav" or args.whole else f"frame {end}"
+        shown = (
+            f"frames {start} to {end}" if path.suffix == ".wav" or args.whole else f"frame {end}"
+        )
         print(f"wrote {path}" + (f" ({shown})" if path.suffix != ".png" else ""))
     return 0
 
@@ -96,7 +101,12 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
 def print_gains(result: FrameResult) -> None:
     """Print the table (source, listener, gain of the paths, dB, best path) of a frame."""
     rows = [
-        (source.name, listener.name, *_gain_cells(float(result.gains[s, i])), " > ".join(result.path_objects(s, i)))
+        (
+            source.name,
+            listener.name,
+            *_gain_cells(float(result.gains[s, i])),
+            " > ".join(result.path_objects(s, i)),
+        )
         for s, source in enumerate(result.sources)
         for i, listener in enumerate(result.listeners)
     ]
@@ -107,8 +117,16 @@ def print_gains(result: FrameResult) -> None:
 def print_felt(result: FrameResult) -> None:
     """Print the felt and the masked sources of each listener of a frame, with their maskers."""
     rows = [
-        (felt.listener, item.source.name, f"{item.margin:+.0f} dB", f"masked by {item.masker}" if item.state == "masked" else item.state)
-        for felt in (felt_sources(shown_sounding(result), i, result.sample_rate) for i in range(len(result.listeners)))
+        (
+            felt.listener,
+            item.source.name,
+            f"{item.margin:+.0f} dB",
+            f"masked by {item.masker}" if item.state == "masked" else item.state,
+        )
+        for felt in (
+            felt_sources(shown_sounding(result), i, result.sample_rate)
+            for i in range(len(result.listeners))
+        )
         for item in felt.sources
     ]
     if rows:
@@ -123,8 +141,18 @@ def print_impacts(impacts: Sequence[ImpactFelt], listeners: Sequence[str]) -> No
     rows = []
     for impact in impacts:
         i = int(impact.amplitudes.argmax()) if len(listeners) else -1
-        felt = (listeners[i], *_gain_cells(float(impact.amplitudes[i])), " > ".join(impact.paths[i])) if i >= 0 else ("", "", "", "")
-        rows.append((f"{impact.source.onset:.3f} s", f"{impact.source.object} and {impact.source.second_object}", *felt))
+        felt = (
+            (listeners[i], *_gain_cells(float(impact.amplitudes[i])), " > ".join(impact.paths[i]))
+            if i >= 0
+            else ("", "", "", "")
+        )
+        rows.append(
+            (
+                f"{impact.source.onset:.3f} s",
+                f"{impact.source.object} and {impact.source.second_object}",
+                *felt,
+            )
+        )
     print("\nImpacts")
     _print_table(("time", "objects", "felt most at", "amplitude", "dB", "best path"), rows)
 
@@ -132,12 +160,21 @@ def print_impacts(impacts: Sequence[ImpactFelt], listeners: Sequence[str]) -> No
 def print_statistics(played: Played) -> None:
     """Print the counts of the last frame, and the time per frame compared with Blender's own."""
     print("\nStatistics of the last frame")
-    _print_table(("", ""), [(key.replace("_", " "), f"{value:g}") for key, value in played.last.statistics.items()])
+    _print_table(
+        ("", ""),
+        [(key.replace("_", " "), f"{value:g}") for key, value in played.last.statistics.items()],
+    )
     print("\nMilliseconds per frame")
     times = {"Blender": played.blender_milliseconds, "tracing": played.tracing_milliseconds}
-    rows = [(name, *(f"{np.percentile(values, part):.2f}" for part in (50, 95, 100))) for name, values in times.items()]
+    rows = [
+        (name, *(f"{np.percentile(values, part):.2f}" for part in (50, 95, 100)))
+        for name, values in times.items()
+    ]
     own, tracing = (float(np.median(values)) for values in times.values())
-    _print_table(("", "median", "95 %", "longest"), [*rows, ("ratio", f"{tracing / max(own, 1e-9):.3f}", "", "")])
+    _print_table(
+        ("", "median", "95 %", "longest"),
+        [*rows, ("ratio", f"{tracing / max(own, 1e-9):.3f}", "", "")],
+    )
 
 
 def _gain_cells(gain: float) -> tuple[str, str]:
@@ -147,4 +184,7 @@ def _gain_cells(gain: float) -> tuple[str, str]:
 def _print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     widths = [max(len(row[i]) for row in (heads, *rows)) for i in range(len(heads))]
     for row in (heads, *rows) if any(heads) else rows:
-        print("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+        print(
+            "  "
+            + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        )

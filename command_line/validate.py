@@ -1,4 +1,5 @@
-"""``haptic-tracing validate``: compares the model with published measurements, as a page with a picture."""
+"""``haptic-tracing validate``: compares the model with published measurements, as a page with a
+picture."""
 
 from __future__ import annotations
 
@@ -9,7 +10,8 @@ from ..study.validation_page import body_picture, page, picture
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print a line for each series; write the page and its picture if a folder is given. Exit code 0."""
+    """Print a line for each series; write the page and its picture if a folder is given. Exit code
+    0."""
     for series in all_series():
         print(f"{series.verdict:7}  {series.kind:10}  {series.name}")
     if args.out is not None:

@@ -1,9 +1,10 @@
-"""The conformance files: what a run-time server must answer, computed here by closed forms, without Haptic Tracing.
+"""The conformance files: what a run-time server must answer, computed here by closed forms, without
+Haptic Tracing.
 
 python conformance/make.py      write them beside this script
 
-Each file is a conversation: messages to send, and what must come back. Levels are in decibels of full scale (tolerance 0.01 dB), null for
-silence; impacts have a time (1 ms) and an energy (1 %).
+Each file is a conversation: messages to send, and what must come back. Levels are in decibels of
+full scale (tolerance 0.01 dB), null for silence; impacts have a time (1 ms) and an energy (1 %).
 """
 
 import json
@@ -18,7 +19,10 @@ G = 9.81
 RATE = 50
 LOSS = {"function": "exponential", "alpha": ALPHA}
 STILL = [1, 0, 0, 0]
-TONE = {"signal": "sine", "frequency": 80}  # whole periods in the quarter of a second that levels are taken over
+TONE = {
+    "signal": "sine",
+    "frequency": 80,
+}  # whole periods in the quarter of a second that levels are taken over
 
 
 def item(name, **more):
@@ -32,8 +36,19 @@ def box(name, size, place, **more):
 def floor_and_crate(**more):
     """A crate of 1 m on the ground, a tone on the ground 3 m from it, and a hand on top of it."""
     return {
-        "objects": [box("ground", [20, 20, 1], [0, 0, -0.5], motion="static"), box("crate", [1, 1, 1], [0, 0, 0.5], mass=5)],
-        "sources": [{"name": "drill", "object": "ground", "position": [3, 0, 0], "amplitude": 0.5, "signal": TONE}],
+        "objects": [
+            box("ground", [20, 20, 1], [0, 0, -0.5], motion="static"),
+            box("crate", [1, 1, 1], [0, 0, 0.5], mass=5),
+        ],
+        "sources": [
+            {
+                "name": "drill",
+                "object": "ground",
+                "position": [3, 0, 0],
+                "amplitude": 0.5,
+                "signal": TONE,
+            }
+        ],
         "listeners": [{"name": "hand", "object": "crate", "position": [0, 0, 1], "gain": 2}],
         **more,
     }
@@ -45,12 +60,18 @@ def level(gain, amplitude=0.5, of_listener=2.0):
 
 
 def hello(scene, **more):
-    return {"send": {"type": "hello", "version": 1, "scene": scene, **more}, "expect": {"type": "scene"}}
+    return {
+        "send": {"type": "hello", "version": 1, "scene": scene, **more},
+        "expect": {"type": "scene"},
+    }
 
 
 def steps(count, first=0, last=None, **each):
     """Steps at `RATE` a second, of which only the last has expectations."""
-    sent = [{"send": {"type": "step", "time": round((first + k) / RATE, 9), **each}} for k in range(count)]
+    sent = [
+        {"send": {"type": "step", "time": round((first + k) / RATE, 9), **each}}
+        for k in range(count)
+    ]
     if last is not None:
         sent[-1]["expect"] = {"type": "frame", **last}
     return sent
@@ -58,13 +79,25 @@ def steps(count, first=0, last=None, **each):
 
 def felt(gain, listener="hand", source="drill", **more):
     """What a listener feels that one tone reaches with ``gain``, 0 for silence."""
-    return {"levels": {listener: {"level": level(gain, **more) if gain else None, "gains": {source: gain}}}}
+    return {
+        "levels": {
+            listener: {"level": level(gain, **more) if gain else None, "gains": {source: gain}}
+        }
+    }
 
 
 def tone():
     bar = {
         "objects": [item("bar")],
-        "sources": [{"name": "drill", "object": "bar", "position": [0, 0, 0], "amplitude": 0.5, "signal": TONE}],
+        "sources": [
+            {
+                "name": "drill",
+                "object": "bar",
+                "position": [0, 0, 0],
+                "amplitude": 0.5,
+                "signal": TONE,
+            }
+        ],
         "listeners": [{"name": "hand", "object": "bar", "position": [2, 0, 0], "gain": 2}],
     }
     gain = math.exp(-ALPHA * 2)
@@ -85,10 +118,22 @@ def chain():
     scene = {
         "objects": [item(name) for name in links],
         "contacts": [
-            {"objects": [a, b], "positions": [[k + 1, 0, 0]] * 2, "transmission": {"function": "constant", "gain": 0.9}}
+            {
+                "objects": [a, b],
+                "positions": [[k + 1, 0, 0]] * 2,
+                "transmission": {"function": "constant", "gain": 0.9},
+            }
             for k, (a, b) in enumerate(pairwise(links))
         ],
-        "sources": [{"name": "drill", "object": links[0], "position": [0, 0, 0], "amplitude": 0.5, "signal": TONE}],
+        "sources": [
+            {
+                "name": "drill",
+                "object": links[0],
+                "position": [0, 0, 0],
+                "amplitude": 0.5,
+                "signal": TONE,
+            }
+        ],
         "listeners": [{"name": "hand", "object": links[-1], "position": [6, 0, 0], "gain": 2}],
     }
     return [hello(scene), *steps(40, last=felt(math.exp(-ALPHA * 6) * 0.9**5))]
@@ -97,11 +142,26 @@ def chain():
 def loop():
     """Two ways round a ring of four: the best path takes the shorter one."""
     corners = {"south": (0, 0), "east": (3, 0), "north": (3, 3), "west": (0, 5)}
-    touching = [("south", "east", (2, 0)), ("east", "north", (3, 2)), ("north", "west", (1, 4)), ("west", "south", (0, 2))]
+    touching = [
+        ("south", "east", (2, 0)),
+        ("east", "north", (3, 2)),
+        ("north", "west", (1, 4)),
+        ("west", "south", (0, 2)),
+    ]
     scene = {
         "objects": [item(name) for name in corners],
-        "contacts": [{"objects": [a, b], "positions": [[*place, 0]] * 2} for a, b, place in touching],
-        "sources": [{"name": "drill", "object": "south", "position": [0, 0, 0], "amplitude": 0.5, "signal": TONE}],
+        "contacts": [
+            {"objects": [a, b], "positions": [[*place, 0]] * 2} for a, b, place in touching
+        ],
+        "sources": [
+            {
+                "name": "drill",
+                "object": "south",
+                "position": [0, 0, 0],
+                "amplitude": 0.5,
+                "signal": TONE,
+            }
+        ],
         "listeners": [{"name": "hand", "object": "north", "position": [3, 3, 0], "gain": 2}],
         "settings": {"strategy": "best_path"},
     }
@@ -111,9 +171,12 @@ def loop():
 
 
 def boxes():
-    """A crate on the ground touches it at its middle; lifted, it is silent; moved, it is nearer; turned by 90 degrees, its hand moves."""
+    """A crate on the ground touches it at its middle; lifted, it is silent; moved, it is nearer;
+    turned by 90 degrees, its hand moves."""
     turn = [math.sqrt(0.5), 0, 0, math.sqrt(0.5)]
-    scene = floor_and_crate(listeners=[{"name": "hand", "object": "crate", "position": [0.4, 0, 1], "gain": 2}])
+    scene = floor_and_crate(
+        listeners=[{"name": "hand", "object": "crate", "position": [0.4, 0, 1], "gain": 2}]
+    )
 
     def at(pose, first, gain):
         return steps(30, first, felt(gain), poses={"crate": pose})
@@ -132,18 +195,31 @@ def fall(height, frame_rate, seconds, convert=lambda x, y, z: [x, y, z, *STILL])
     """Steps of a crate that falls onto the ground."""
     for k in range(round(seconds * frame_rate)):
         time = k / frame_rate
-        yield {"send": {"type": "step", "time": time, "poses": {"crate": convert(0, 0, max(height - G / 2 * time**2, 0) + 0.5)}}}
+        yield {
+            "send": {
+                "type": "step",
+                "time": time,
+                "poses": {"crate": convert(0, 0, max(height - G / 2 * time**2, 0) + 0.5)},
+            }
+        }
 
 
 def with_impact(exchange, height):
-    """The exchange with the expectation that one impact comes, in the step in which it happens, and none elsewhere."""
+    """The exchange with the expectation that one impact comes, in the step in which it happens, and
+    none elsewhere."""
     when = math.sqrt(2 * height / G)
     for one in exchange:
         now = one["send"].get("time")
         if now is not None:
             one["expect"] = {"type": "frame", "impacts": []}
-            if when <= now and when is not None and not any(e.get("expect", {}).get("impacts") for e in exchange):
-                one["expect"]["impacts"] = [{"objects": ["ground", "crate"], "time": when, "energy": 5 * G * height}]
+            if (
+                when <= now
+                and when is not None
+                and not any(e.get("expect", {}).get("impacts") for e in exchange)
+            ):
+                one["expect"]["impacts"] = [
+                    {"objects": ["ground", "crate"], "time": when, "energy": 5 * G * height}
+                ]
     return exchange
 
 
@@ -158,17 +234,35 @@ def axes_of_unity():
 
 
 def impact_of_the_engine():
-    """An impact that the engine reports, with half the energy that gives the full amplitude (100 J)."""
+    """An impact that the engine reports, with half the energy that gives the full amplitude (100
+    J)."""
     gain = math.exp(-ALPHA * 1)
     hit = {"objects": ["ground", "crate"], "position": [0, 0, 0], "time": 0.61, "energy": 50}
     slow = {"objects": ["ground", "crate"], "position": [0, 0, 0], "time": 0.63, "normal_speed": 4}
-    expected = [{"objects": ["ground", "crate"], "time": 0.61, "energy": 50, "amplitude": 0.5, "gains": {"hand": gain}}]
+    expected = [
+        {
+            "objects": ["ground", "crate"],
+            "time": 0.61,
+            "energy": 50,
+            "amplitude": 0.5,
+            "gains": {"hand": gain},
+        }
+    ]
     return [
         hello(floor_and_crate(sources=[])),
         *steps(31),
-        {"send": {"type": "step", "time": 0.62, "impacts": [hit]}, "expect": {"type": "frame", "impacts": expected}},
-        {"send": {"type": "step", "time": 0.64, "impacts": [slow]}, "expect": {"type": "frame", "impacts": [{"energy": 5 * 4**2 / 2}]}},
-        {"send": {"type": "step", "time": 0.66, "impacts": []}, "expect": {"type": "frame", "impacts": []}},
+        {
+            "send": {"type": "step", "time": 0.62, "impacts": [hit]},
+            "expect": {"type": "frame", "impacts": expected},
+        },
+        {
+            "send": {"type": "step", "time": 0.64, "impacts": [slow]},
+            "expect": {"type": "frame", "impacts": [{"energy": 5 * 4**2 / 2}]},
+        },
+        {
+            "send": {"type": "step", "time": 0.66, "impacts": []},
+            "expect": {"type": "frame", "impacts": []},
+        },
     ]
 
 
@@ -180,9 +274,15 @@ def spawn_and_removal():
     return [
         hello(floor_and_crate()),
         *steps(1),
-        {"send": {"type": "add", "object": upper, "listener": foot}, "expect": {"type": "scene", **names}},
+        {
+            "send": {"type": "add", "object": upper, "listener": foot},
+            "expect": {"type": "scene", **names},
+        },
         *steps(30, 1, felt(math.exp(-ALPHA * 5), "foot")),
-        {"send": {"type": "remove", "object": "crate"}, "expect": {"type": "scene", "objects": ["ground", "upper"], "listeners": ["foot"]}},
+        {
+            "send": {"type": "remove", "object": "crate"},
+            "expect": {"type": "scene", "objects": ["ground", "upper"], "listeners": ["foot"]},
+        },
         *steps(30, 31, felt(0.0, "foot")),
     ]
 
@@ -219,14 +319,28 @@ def mistakes():
         wrong({"type": "dance"}, "/type"),
         wrong({"type": "step"}, "/time"),
         wrong({"type": "step", "time": 0, "poses": {"moon": [0, 0, 0, *STILL]}}, "/poses/moon"),
-        wrong({"type": "step", "time": 0, "poses": {"crate": [0, 0, 0, 0, 0, 0, 0]}}, "/poses/crate"),
+        wrong(
+            {"type": "step", "time": 0, "poses": {"crate": [0, 0, 0, 0, 0, 0, 0]}}, "/poses/crate"
+        ),
         wrong({"type": "remove", "source": "moon"}, "/source"),
         *steps(30, last=felt(math.exp(-ALPHA * 4))),
         {"send": {"type": "stop"}, "expect": {"type": "stopped"}},
     ]
 
 
-FILES = (tone, chain, loop, boxes, impact, axes_of_unity, impact_of_the_engine, spawn_and_removal, one_shot, back_in_time, mistakes)
+FILES = (
+    tone,
+    chain,
+    loop,
+    boxes,
+    impact,
+    axes_of_unity,
+    impact_of_the_engine,
+    spawn_and_removal,
+    one_shot,
+    back_in_time,
+    mistakes,
+)
 
 
 def written():
@@ -234,7 +348,10 @@ def written():
     for make in FILES:
         title = (make.__doc__ or make.__name__).split("\n")[0]
         lines = ",\n  ".join(json.dumps(one) for one in make())
-        yield f"{make.__name__}.json", f'{{"title": {json.dumps(title)},\n "exchange": [\n  {lines}\n ]}}\n'
+        yield (
+            f"{make.__name__}.json",
+            f'{{"title": {json.dumps(title)},\n "exchange": [\n  {lines}\n ]}}\n',
+        )
 
 
 if __name__ == "__main__":

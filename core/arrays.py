@@ -1,6 +1,8 @@
-"""Array types of all stages, operations on runs, groups and graphs of numbers, and on records. Docstrings give shapes, as in ``(n, 3)``.
+"""Array types of all stages, operations on runs, groups and graphs of numbers, and on records.
+Docstrings give shapes, as in ``(n, 3)``.
 
-A record is a dataclass whose fields are arrays with the same last axis, along which its rows lie, or None.
+A record is a dataclass whose fields are arrays with the same last axis, along which its rows lie,
+or None.
 """
 
 from __future__ import annotations
@@ -36,7 +38,8 @@ def ranges(first: IntArray, size: IntArray) -> IntArray:
 
 
 def portions(size: IntArray, most: int) -> list[IntArray]:
-    """Indices of items of these sizes (n,) in order, divided into groups whose sizes add up to about ``most``."""
+    """Indices of items of these sizes (n,) in order, divided into groups whose sizes add up to
+    about ``most``."""
     if size.sum() < most:
         return [np.arange(len(size))]
     return np.split(np.arange(len(size)), np.flatnonzero(np.diff(size.cumsum() // most)) + 1)
@@ -45,12 +48,15 @@ def portions(size: IntArray, most: int) -> list[IntArray]:
 def added_by(number: IntArray, values: FloatArray, count: int) -> FloatArray:
     """Sums (..., count) of values (..., n) by their ``number`` (n,)."""
     rows = values.reshape(math.prod(values.shape[:-1]), values.shape[-1])
-    sums = np.array([np.bincount(number, weights=row, minlength=count) for row in rows], dtype=np.float64)
+    sums = np.array(
+        [np.bincount(number, weights=row, minlength=count) for row in rows], dtype=np.float64
+    )
     return sums.reshape(*values.shape[:-1], count)
 
 
 def connected(pairs: IntArray, count: int) -> IntArray:
-    """For each of ``count`` vertices the lowest number in its connected component; ``pairs`` (k, 2) are the edges."""
+    """For each of ``count`` vertices the lowest number in its connected component; ``pairs`` (k, 2)
+    are the edges."""
     label = np.arange(count)
     while (label[pairs[:, 0]] != label[pairs[:, 1]]).any():
         joined = label[pairs]
@@ -70,8 +76,13 @@ def joined(records: Sequence[_Record]) -> _Record:
     """The rows of several records, one after the other."""
     if len(records) == 1:
         return records[0]
-    columns: list[list[Any]] = [[getattr(record, f.name) for record in records] for f in fields(records[0])]  # type: ignore[arg-type]
-    return type(records[0])(*(None if parts[0] is None else np.concatenate(parts, axis=-1) for parts in columns))
+    columns: list[list[Any]] = [
+        [getattr(record, f.name) for record in records]
+        for f in fields(records[0])  # type: ignore[arg-type]
+    ]
+    return type(records[0])(
+        *(None if parts[0] is None else np.concatenate(parts, axis=-1) for parts in columns)
+    )
 
 
 def replace_rows(record: _Record, rows: IntArray, by: _Record) -> None:

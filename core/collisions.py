@@ -1,4 +1,5 @@
-"""Collision detection of one frame: contacts between objects by their numbers in the graph, impacts, and temporary sources."""
+"""Collision detection of one frame: contacts between objects by their numbers in the graph,
+impacts, and temporary sources."""
 
 from __future__ import annotations
 
@@ -30,21 +31,25 @@ from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, TriggerKind
 
 EXACT_FRAMES = 32
-"""Frames whose number is a multiple of this are `Frame.exact`: later frames can be traced from there with bit-identical results."""
+"""Frames whose number is a multiple of this are `Frame.exact`: later frames can be traced from
+there with bit-identical results."""
 
 
 @dataclass(frozen=True, slots=True)
 class Frame:
     """The state of a scene at one frame.
 
-    ``time`` [s]; the tracer renders the samples from the previous frame's time to this one's, so that an impact between the two is placed
-    at its time. ``continuous``: this frame follows the one traced last; otherwise contact history, velocities and active signals are
-    dropped. Either bodies are given, with rigid world ``transforms`` (n, 4, 4) of ``bodies``, which are ``objects`` in the same order; or
-    ``contacts``, which number the objects by their sorted names. ``authored`` contacts replace detected ones. ``recall``: a frame that is
-    not continuous has the impacts of its last continuous trace, see `CollisionDetector`. ``exact``: contacts and gains are recomputed also
-    after motions below the tolerance of rest. ``duration`` [s]: of a frame that is not continuous, for triggers at given times.
-    ``heard``: its samples are rendered. ``struck``: the impacts since the previous frame, which number the bodies (or the ``objects`` where
-    ``contacts`` are given, ``transforms`` being theirs); None: they are found.
+    ``time`` [s]; the tracer renders the samples from the previous frame's time to this one's, so
+    that an impact between the two is placed at its time. ``continuous``: this frame follows the one
+    traced last; otherwise contact history, velocities and active signals are dropped. Either bodies
+    are given, with rigid world ``transforms`` (n, 4, 4) of ``bodies``, which are ``objects`` in the
+    same order; or ``contacts``, which number the objects by their sorted names. ``authored``
+    contacts replace detected ones. ``recall``: a frame that is not continuous has the impacts of
+    its last continuous trace, see `CollisionDetector`. ``exact``: contacts and gains are recomputed
+    also after motions below the tolerance of rest. ``duration`` [s]: of a frame that is not
+    continuous, for triggers at given times. ``heard``: its samples are rendered. ``struck``: the
+    impacts since the previous frame, which number the bodies (or the ``objects`` where ``contacts``
+    are given, ``transforms`` being theirs); None: they are found.
     """
 
     number: int
@@ -72,9 +77,9 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
-    """Collisions of one frame. ``sources``: temporary sources of triggers (``shots``), of active impacts, and of sliding and rolling.
-    ``frames``: the frames of reference of the objects, None if propagation does not need them. ``start`` [s]: that of the frame if its
-    impacts are recalled."""
+    """Collisions of one frame. ``sources``: temporary sources of triggers (``shots``), of active
+    impacts, and of sliding and rolling. ``frames``: the frames of reference of the objects, None if
+    propagation does not need them. ``start`` [s]: that of the frame if its impacts are recalled."""
 
     contacts: ContactSet
     frames: ObjectFrames | None = None
@@ -90,12 +95,15 @@ class Collisions:
 class CollisionDetector:
     """Detects the collisions of consecutive frames.
 
-    ``lazy``: contacts are detected only in heaps of bodies that hold a listener and a sound; gains and impacts are unaffected.
+    ``lazy``: contacts are detected only in heaps of bodies that hold a listener and a sound; gains
+    and impacts are unaffected.
 
-    Impacts need two consecutive frames. They are stored for at most `MOST_FRAMES` frames: a frame with ``recall``, reached by a jump or
-    detected again after an edit, has the same impacts and the same sliding and rolling as before, so that modes, gains, materials and
-    strategies are compared on the same impact. All stored impacts are dropped when bodies, shapes, masses, motions, or rules of contacts
-    and impacts change, when a struck body has moved, and by `forget_impacts`, which is called after edits of animation and physics.
+    Impacts need two consecutive frames. They are stored for at most `MOST_FRAMES` frames: a frame
+    with ``recall``, reached by a jump or detected again after an edit, has the same impacts and the
+    same sliding and rolling as before, so that modes, gains, materials and strategies are compared
+    on the same impact. All stored impacts are dropped when bodies, shapes, masses, motions, or
+    rules of contacts and impacts change, when a struck body has moved, and by `forget_impacts`,
+    which is called after edits of animation and physics.
     """
 
     def __init__(self, settings: ContactSettings, lazy: bool) -> None:
@@ -112,15 +120,20 @@ class CollisionDetector:
         self._passed: tuple[ObjectTable, TransmissionRules] | None = None
         self._remembered: dict[int, FrameImpacts] = {}
         self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
-        self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()  # bodies, and the same without materials
-        self._known: tuple[ContactSettings | None, ContactSettings] = None, settings  # the settings, and `_tracked` made of them
+        # Bodies, and the same without materials.
+        self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()
+        # The settings, and `_tracked` made of them.
+        self._known: tuple[ContactSettings | None, ContactSettings] = None, settings
         self._last: Frame | None = None
 
     @property
     def _tracked(self) -> ContactSettings:
         """The settings that affect the detection of contacts and impacts."""
         if self._known[0] is not self.settings:
-            rows = tuple(replace(row, does=ImpactRule(limits=row.does.limits)) for row in self.settings.impact_table.rows)
+            rows = tuple(
+                replace(row, does=ImpactRule(limits=row.does.limits))
+                for row in self.settings.impact_table.rows
+            )
             settings = replace(
                 self.settings,
                 impacts=True,
@@ -159,23 +172,37 @@ class CollisionDetector:
         self._last = None
 
     def take_over(self, interrupted: CollisionDetector) -> None:
-        """Take over the settings and the stored impacts of an interrupted detector, but not its contacts."""
+        """Take over the settings and the stored impacts of an interrupted detector, but not its
+        contacts."""
         self.settings, self.lazy = interrupted.settings, interrupted.lazy
         self._remembered, self._rules = interrupted._remembered, interrupted._rules
 
     def stands(self, frame: Frame) -> bool:
         """Whether ``frame`` is the one that was detected last, with the same poses and shapes."""
-        if self._last is None or self._tracker is None or frame.transforms is None or self._tracker.settings != self._tracked:
+        if (
+            self._last is None
+            or self._tracker is None
+            or frame.transforms is None
+            or self._tracker.settings != self._tracked
+        ):
             return False
         last = self._last
-        alike = (last.number, last.time) == (frame.number, frame.time) and (last.bodies is frame.bodies or last.bodies == frame.bodies)
-        return alike and last.transforms is not None and np.array_equal(last.transforms, frame.transforms)
+        alike = (last.number, last.time) == (frame.number, frame.time) and (
+            last.bodies is frame.bodies or last.bodies == frame.bodies
+        )
+        return (
+            alike
+            and last.transforms is not None
+            and np.array_equal(last.transforms, frame.transforms)
+        )
 
     def history(self) -> bytes:
         """The state of contacts and impacts that later frames depend on."""
         arrays = () if self._tracker is None else self._tracker.history()
         sources = repr((self._sources.names, self._shots.sounding)) + self._rubbing.history()
-        return b"".join([sources.encode(), *(np.ascontiguousarray(array).tobytes() for array in arrays)])
+        return b"".join(
+            [sources.encode(), *(np.ascontiguousarray(array).tobytes() for array in arrays)]
+        )
 
     def reset(self) -> None:
         """Drop contact history, velocities and active impacts."""
@@ -194,8 +221,11 @@ class CollisionDetector:
         """Extend temporary sources by their largest delays at the listeners [s], given by name."""
         self._sources.late = self._shots.late = late
 
-    def detect(self, frame: Frame, table: ObjectTable, previous: float | None, again: bool = False) -> Collisions:
-        """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the time of the frame before it, if any.
+    def detect(
+        self, frame: Frame, table: ObjectTable, previous: float | None, again: bool = False
+    ) -> Collisions:
+        """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the
+        time of the frame before it, if any.
 
         again: it `stands`; contacts are detected again, without an effect on later frames.
         """
@@ -212,14 +242,31 @@ class CollisionDetector:
         if again or (frame.recall and previous is None):
             self._sources.clear()
             kept = self._recalled(frame.number, frame.transforms)
-        recalled = () if kept is None or not self.settings.impacts else self._sources.recall(kept, self._templates(frame))
+        recalled = (
+            ()
+            if kept is None or not self.settings.impacts
+            else self._sources.recall(kept, self._templates(frame))
+        )
         rules = self._transmissions(table)
-        hits = any(trigger.on is TriggerKind.HIT for source in frame.sources for trigger in source.triggers or ())
-        # All contacts are needed where forces (each depends on all others), triggers or textures use contacts without a signal.
-        lazy = self.lazy and frame.authored is None and not rules.uses_force and not hits and not self.settings.textures.rows
+        hits = any(
+            trigger.on is TriggerKind.HIT
+            for source in frame.sources
+            for trigger in source.triggers or ()
+        )
+        # All contacts are needed where forces (each depends on all others), triggers or textures
+        # use contacts without a signal.
+        lazy = (
+            self.lazy
+            and frame.authored is None
+            and not rules.uses_force
+            and not hits
+            and not self.settings.textures.rows
+        )
         ends = self._ends(frame) if lazy else None
         searched = frame.struck is None and (self.settings.impacts or hits)
-        found = tracker.update(frame.time, frame.transforms, ends, frame.continuous, searched, frame.exact)
+        found = tracker.update(
+            frame.time, frame.transforms, ends, frame.continuous, searched, frame.exact
+        )
         contacts = self._numbered(found, frame.authored, rules)
         broad = found.statistics.broad_seconds
         struck = found.impacts if frame.struck is None else frame.struck
@@ -229,11 +276,18 @@ class CollisionDetector:
         shots = self._one_shots(frame, previous, kept, struck, again)
         rubbing = self._rub(frame, frame.transforms, found, previous, kept, again)
         if previous is not None and not again:
-            self._remember(frame.number, self._sources.kept(previous, frame.transforms, self._shots.sounding, self._rubbing.kept))
+            self._remember(
+                frame.number,
+                self._sources.kept(
+                    previous, frame.transforms, self._shots.sounding, self._rubbing.kept
+                ),
+            )
         self._last = frame
         return Collisions(
             contacts=contacts,
-            frames=self._numbering.frames(frame.transforms) if _asks_for_frames(frame.settings, contacts) else None,
+            frames=self._numbering.frames(frame.transforms)
+            if _asks_for_frames(frame.settings, contacts)
+            else None,
             impacts=impacts or recalled,
             sources=shots + rubbing + self._sources.sources(frame.transforms),
             statistics={
@@ -250,7 +304,11 @@ class CollisionDetector:
     def _given(self, frame: Frame, table: ObjectTable, previous: float | None) -> Collisions:
         """Return the collisions of a frame whose contacts are given."""
         contacts = ContactSet.empty() if frame.contacts is None else frame.contacts
-        frames = ObjectFrames.of_objects(table.objects) if _asks_for_frames(frame.settings, contacts) else None
+        frames = (
+            ObjectFrames.of_objects(table.objects)
+            if _asks_for_frames(frame.settings, contacts)
+            else None
+        )
         struck = frame.struck or ()
         sources = self._one_shots(frame, previous, None, struck)
         if frame.transforms is None or previous is None:
@@ -262,23 +320,41 @@ class CollisionDetector:
         return Collisions(contacts, frames, struck, sources, shots=self._shots.sounding)
 
     def _rub(
-        self, frame: Frame, transforms: FloatArray, found: FrameContacts, previous: float | None, kept: FrameImpacts | None, again: bool
+        self,
+        frame: Frame,
+        transforms: FloatArray,
+        found: FrameContacts,
+        previous: float | None,
+        kept: FrameImpacts | None,
+        again: bool,
     ) -> tuple[Source, ...]:
-        """Return the sources of sliding and rolling since ``previous`` [s], or those of a frame that is ``kept``."""
+        """Return the sources of sliding and rolling since ``previous`` [s], or those of a frame
+        that is ``kept``."""
         if not self.settings.textures.rows:
             self._rubbing.clear()
             return ()
         if not again:
-            span, middles = None if previous is None else (previous, frame.time), self._numbering.middles
-            self._rubbing.follow(frame.number, span, frame.bodies, found.contacts, transforms, middles, self.settings)
+            span, middles = (
+                None if previous is None else (previous, frame.time),
+                self._numbering.middles,
+            )
+            self._rubbing.follow(
+                frame.number, span, frame.bodies, found.contacts, transforms, middles, self.settings
+            )
         if kept is not None and kept.rubbed is not None:
             self._rubbing.recall(kept.rubbed)
         return self._rubbing.sources(frame.bodies, self.settings.textures)
 
     def _one_shots(
-        self, frame: Frame, previous: float | None, kept: FrameImpacts | None, impacts: Sequence[Impact], again: bool = False
+        self,
+        frame: Frame,
+        previous: float | None,
+        kept: FrameImpacts | None,
+        impacts: Sequence[Impact],
+        again: bool = False,
     ) -> tuple[Source, ...]:
-        """Find the triggers since ``previous`` [s], or recall those ``kept``. Returns the temporary sources that they make."""
+        """Find the triggers since ``previous`` [s], or recall those ``kept``. Returns the temporary
+        sources that they make."""
         sources = [source for source in frame.sources if source.triggers]
         if not sources:
             self._shots.clear()
@@ -287,9 +363,21 @@ class CollisionDetector:
             self._shots.recall(() if kept is None else kept.shots, sources)
         if not again:
             names = frame.moving
-            hits = [((names[a], names[b]), impact.time, impact.amplitude) for impact in impacts for a, b in (impact.objects,)]
+            hits = [
+                ((names[a], names[b]), impact.time, impact.amplitude)
+                for impact in impacts
+                for a, b in (impact.objects,)
+            ]
             self._shots.follow(sources, previous, frame.time, _places(frame), hits)
-        start = next(time for time in (None if kept is None else kept.start, previous, frame.time - frame.duration) if time is not None)
+        start = next(
+            time
+            for time in (
+                None if kept is None else kept.start,
+                previous,
+                frame.time - frame.duration,
+            )
+            if time is not None
+        )
         return self._shots.sources(sources, start, frame.time, frame.objects, self.settings)
 
     def _recalled(self, number: int, transforms: FloatArray) -> FrameImpacts | None:
@@ -318,7 +406,9 @@ class CollisionDetector:
         if self._rules != rules:
             self.forget_impacts()
             self._rules = rules
-        same = tracker is not None and (tracker.bodies is bodies or [b.name for b in tracker.bodies] == [b.name for b in bodies])
+        same = tracker is not None and (
+            tracker.bodies is bodies or [b.name for b in tracker.bodies] == [b.name for b in bodies]
+        )
         if tracker is None or tracker.settings != self._tracked or not same:
             tracker = self._tracker = ContactTracker(bodies, self._tracked)
             self._sources.clear()
@@ -333,28 +423,56 @@ class CollisionDetector:
         return tracker
 
     def _transmissions(self, table: ObjectTable) -> TransmissionRules:
-        """Return the functions of contacts by the rules of the scene, the same object while rules and objects are unchanged."""
+        """Return the functions of contacts by the rules of the scene, the same object while rules
+        and objects are unchanged."""
         rows = self.settings.transmission_table
-        if self._passed is None or self._passed[0] is not table or self._passed[1].table is not rows:
-            self._passed = table, TransmissionRules(rows, [(item.name, item.material) for item in table.objects])
+        if (
+            self._passed is None
+            or self._passed[0] is not table
+            or self._passed[1].table is not rows
+        ):
+            self._passed = (
+                table,
+                TransmissionRules(rows, [(item.name, item.material) for item in table.objects]),
+            )
             self._found = None
         return self._passed[1]
 
-    def _numbered(self, found: FrameContacts, authored: AuthoredContacts | None, rules: TransmissionRules) -> ContactSet:
-        """Return the contacts between objects instead of bodies, the authored ones in place of those detected."""
-        if self._found is None or found.contacts is not self._found.contacts or authored is not self._authored:
-            self._contacts = rules.over(replace(found.contacts, pairs=self._numbering.objects[found.contacts.pairs]))
+    def _numbered(
+        self, found: FrameContacts, authored: AuthoredContacts | None, rules: TransmissionRules
+    ) -> ContactSet:
+        """Return the contacts between objects instead of bodies, the authored ones in place of
+        those detected."""
+        if (
+            self._found is None
+            or found.contacts is not self._found.contacts
+            or authored is not self._authored
+        ):
+            self._contacts = rules.over(
+                replace(found.contacts, pairs=self._numbering.objects[found.contacts.pairs])
+            )
             if authored is not None:
                 self._contacts = authored.over(self._contacts)
         self._found, self._authored = found, authored
         return self._contacts
 
     def _ends(self, frame: Frame) -> Ends:
-        """Return the bodies with listeners and those with active sources; without propagation through contacts, none."""
-        row, heard, sounding = self._numbering.row, *np.zeros((2, len(frame.bodies)), dtype=np.bool_)
+        """Return the bodies with listeners and those with active sources; without propagation
+        through contacts, none."""
+        row, heard, sounding = (
+            self._numbering.row,
+            *np.zeros((2, len(frame.bodies)), dtype=np.bool_),
+        )
         if frame.settings.mode in (Mode.HT, Mode.SD):
-            names = [name for source in frame.sources if source.amplitude > 0 for name in (source.object, source.second_object)]
-            heard[[row[listener.object] for listener in frame.listeners if listener.object in row]] = True
+            names = [
+                name
+                for source in frame.sources
+                if source.amplitude > 0
+                for name in (source.object, source.second_object)
+            ]
+            heard[
+                [row[listener.object] for listener in frame.listeners if listener.object in row]
+            ] = True
             sounding[[row[name] for name in names if name in row]] = True
             sounding[self._sources.bodies] = True
             sounding[[body for impact in frame.struck or () for body in impact.objects]] = True
@@ -375,8 +493,11 @@ class _Numbering:
         self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
 
     def frames(self, transforms: FloatArray) -> ObjectFrames:
-        """Return the frames of reference of the objects for rigid ``transforms`` (n, 4, 4) of the bodies."""
-        return ObjectFrames.unknown(len(self.table.names)).placed(self.objects, self.middles, transforms)
+        """Return the frames of reference of the objects for rigid ``transforms`` (n, 4, 4) of the
+        bodies."""
+        return ObjectFrames.unknown(len(self.table.names)).placed(
+            self.objects, self.middles, transforms
+        )
 
     @cached_property
     def middles(self) -> FloatArray:
@@ -388,8 +509,12 @@ def _places(frame: Frame) -> dict[str, FloatArray]:
     """The positions (3,) of the objects' origins, by name."""
     if frame.transforms is not None:
         return dict(zip(frame.moving, frame.transforms[:, :3, 3], strict=True))
-    return {item.name: np.array(item.pose.position) for item in frame.objects if item.pose is not None}
+    return {
+        item.name: np.array(item.pose.position) for item in frame.objects if item.pose is not None
+    }
 
 
 def _asks_for_frames(settings: Settings, contacts: ContactSet) -> bool:
-    return settings.strategy is Strategy.ENERGY_BALANCE or any(function.uses_force for function in contacts.transmissions)
+    return settings.strategy is Strategy.ENERGY_BALANCE or any(
+        function.uses_force for function in contacts.transmissions
+    )

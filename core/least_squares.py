@@ -14,15 +14,24 @@ _HALVINGS = 40
 _ROUNDING = 4 * np.finfo(np.float64).eps
 
 
-def bounded_least_squares(matrix: FloatArray, target: FloatArray, low: FloatArray, high: FloatArray, softness: float = 1e-9) -> FloatArray:
-    """The ``x`` (n,) in [low, high] (n,) that minimises ``|x|^2 + |matrix x - target|^2 / softness``; matrix (m, n), target (m,).
+def bounded_least_squares(
+    matrix: FloatArray,
+    target: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    softness: float = 1e-9,
+) -> FloatArray:
+    """The ``x`` (n,) in [low, high] (n,) that minimises ``|x|^2 + |matrix x - target|^2 /
+    softness``; matrix (m, n), target (m,).
 
-    This is approximately the smallest solution of the equations, or, if there is none, the nearest point to one. Newton's method on the
-    dual problem of m unknowns, which is concave and piecewise quadratic.
+    This is approximately the smallest solution of the equations, or, if there is none, the nearest
+    point to one. Newton's method on the dual problem of m unknowns, which is concave and piecewise
+    quadratic.
     """
     dual = np.zeros(len(target))
     size = float(np.abs(target).max(initial=0.0)) or 1.0
-    rounding = _ROUNDING * (np.abs(matrix) @ np.abs(matrix.T))  # of the equations, where the dual is 1: below it no step leads further
+    # Of the equations, where the dual is 1: below it no step leads further.
+    rounding = _ROUNDING * (np.abs(matrix) @ np.abs(matrix.T))
 
     def gradient(dual: FloatArray) -> FloatArray:
         return np.asarray(target - matrix @ np.clip(dual @ matrix, low, high) - softness * dual)
@@ -34,10 +43,13 @@ def bounded_least_squares(matrix: FloatArray, target: FloatArray, low: FloatArra
         pull = dual @ matrix
         inner = matrix[:, (pull >= low) & (pull <= high)]
         step = np.linalg.solve(inner @ inner.T + softness * np.eye(len(target)), rest)
-        whole = bool(step @ gradient(dual + step) >= 0)  # otherwise the highest value along the step lies before its end
+        # Otherwise the highest value along the step lies before its end.
+        whole = bool(step @ gradient(dual + step) >= 0)
         length, reach = float(whole), 1.0
         for _ in range(0 if whole else _HALVINGS):
             middle = (length + reach) / 2
-            length, reach = (middle, reach) if step @ gradient(dual + middle * step) >= 0 else (length, middle)
+            length, reach = (
+                (middle, reach) if step @ gradient(dual + middle * step) >= 0 else (length, middle)
+            )
         dual = dual + length * step
     return np.asarray(np.clip(dual @ matrix, low, high))

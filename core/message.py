@@ -8,9 +8,11 @@ from dataclasses import dataclass
 
 @enum.unique
 class Cause(enum.Enum):
-    """Kinds of messages: reasons for silence, warnings of a traced frame, losses between listeners and actuators, faults of formulas.
+    """Kinds of messages: reasons for silence, warnings of a traced frame, losses between listeners
+    and actuators, faults of formulas.
 
-    The value is the English sentence with placeholders for the arguments; other languages have a table by the causes' names.
+    The value is the English sentence with placeholders for the arguments; other languages have a
+    table by the causes' names.
     """
 
     # What keeps a source from a listener: the source, the mode, what arrives
@@ -19,23 +21,34 @@ class Cause(enum.Enum):
     ZERO_AMPLITUDE = "'{source}' has amplitude 0"
     WAITING = "'{source}' waits for a trigger"
     FINISHED = "the signal of '{source}' ended at {end}"
-    NEAREST_LISTENER_ONLY = "in mode SD only '{listener}', the listener nearest to '{source}', feels it"
+    NEAREST_LISTENER_ONLY = (
+        "in mode SD only '{listener}', the listener nearest to '{source}', feels it"
+    )
     LOCALISED = "with Localise at 1 only '{listener}', the listener nearest to '{source}', feels it"
     LISTENER_GAIN = "the gain of '{listener}' is 0"
     NOT_RENDERED = "only this one frame was traced: play to feel what arrives"
     PAUSE = "'{source}' reaches it with a gain of {gain}, but is silent at this moment"
-    NOT_FELT = "'{source}' reaches it with a gain of {gain}; the level of {level} is {margin} under the threshold of feeling at {frequency}"
+    NOT_FELT = (
+        "'{source}' reaches it with a gain of {gain}; the level of {level} is {margin} "
+        "under the threshold of feeling at {frequency}"
+    )
     # Gaps between objects
-    NO_CONTACT = "no contact leads from '{source}' on '{carrier}' to '{object}', which '{listener}' is on"
+    NO_CONTACT = (
+        "no contact leads from '{source}' on '{carrier}' to '{object}', which '{listener}' is on"
+    )
     GAP = "no contact leads from '{source}' to it: '{first}' and '{second}' are {distance} apart"
-    NARROW_GAP = "no contact leads from '{source}' to it: '{first}' and '{second}' are {distance} apart; objects touch below {tolerance}"
+    NARROW_GAP = (
+        "no contact leads from '{source}' to it: '{first}' and '{second}' are "
+        "{distance} apart; objects touch below {tolerance}"
+    )
     SEVERAL_GAPS = (
         "no contact leads from '{source}' to it: there are {count} gaps on the way, "
         "the widest of {distance} between '{first}' and '{second}'"
     )
     # Losses on the path
     BELOW_THRESHOLD = (
-        "the best path, {path}, has a gain of {gain}, below the threshold of {threshold}: '{object}' loses the most, {loss} over {distance}"
+        "the best path, {path}, has a gain of {gain}, below the threshold of "
+        "{threshold}: '{object}' loses the most, {loss} over {distance}"
     )
     TOO_FAR = "'{source}' is {distance} away: {gain} is below the threshold of {threshold}"
     TOO_LONG = "the path {path} has {count} connections, but Max Connections is {most}"
@@ -47,37 +60,68 @@ class Cause(enum.Enum):
     NO_SIMPLE_PATH = "the path {path} would cross an object twice in a row"
     # Warnings of a frame
     TRANSFORM_NOT_FINITE = "'{object}' is left out: its transform is not finite"
-    AMPLIFICATION = "some gains are above 1: paths were searched by their number of connections; the energy balance counts such gains as 1"
-    PATH_BUDGET = "the search ended at its limit before the best paths were certain: see the error bounds"
+    AMPLIFICATION = (
+        "some gains are above 1: paths were searched by their number of connections; "
+        "the energy balance counts such gains as 1"
+    )
+    PATH_BUDGET = (
+        "the search ended at its limit before the best paths were certain: see the error bounds"
+    )
     SUM_SET_BY_THRESHOLD = (
-        "the sum over all paths from '{source}' depends on Threshold: weaker paths add up without bound "
-        "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not depend on it"
+        "the sum over all paths from '{source}' depends on Threshold: weaker paths add up "
+        "without bound "
+        "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not "
+        "depend on it"
     )
     SUM_SET_BY_CONNECTIONS = (
-        "the sum over all paths from '{source}' depends on Max Connections: longer paths add up without bound "
-        "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not depend on it"
+        "the sum over all paths from '{source}' depends on Max Connections: longer paths add up "
+        "without bound "
+        "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not "
+        "depend on it"
     )
-    SUM_TRUNCATED = "the limits leave out more than the tolerance of a sum over all paths from '{source}': see the error bounds"
-    SUM_DIVERGES = "a sum over paths grows without bound: its gain is a lower bound; the strategy Energy Balance suits such a scene"
-    SUM_BUDGET = "the search ended at its limit before a sum over paths was certain: its gain is a lower bound, see the error bounds"
+    SUM_TRUNCATED = (
+        "the limits leave out more than the tolerance of a sum over all paths from "
+        "'{source}': see the error bounds"
+    )
+    SUM_DIVERGES = (
+        "a sum over paths grows without bound: its gain is a lower bound; the "
+        "strategy Energy Balance suits such a scene"
+    )
+    SUM_BUDGET = (
+        "the search ended at its limit before a sum over paths was certain: its gain is "
+        "a lower bound, see the error bounds"
+    )
     GAIN_OVERFLOW = "a gain is too large for a number: it is given as 1e300, a lower bound"
     FORCE_UNKNOWN = (
-        "the force between '{first}' and '{second}' is unknown: bodies need a mass and must rest on their supports, "
-        "and at most 150 may be connected; contacts that count as under the reference force: {count}"
+        "the force between '{first}' and '{second}' is unknown: bodies need a mass and must rest "
+        "on their supports, "
+        "and at most 150 may be connected; contacts that count as under the reference force: "
+        "{count}"
     )
     # Parameters that a fit to recordings leaves undetermined
-    FIT_ALIKE = "'{object}' attenuates all frequencies alike, so its loss can't be separated from the gain of the contact"
+    FIT_ALIKE = (
+        "'{object}' attenuates all frequencies alike, so its loss can't be separated "
+        "from the gain of the contact"
+    )
     FIT_SMALL = "'{object}' attenuates by at most {loss} dB: a loss below 3 dB is not determined"
     FIT_UNCERTAIN = "the loss of '{object}' is uncertain by {percent} %"
     FIT_CONTACT_UNCERTAIN = "the gain of the contact is uncertain by {error}"
-    FIT_AMPLIFIES = "the contact would have to amplify by {gain}: the recordings are not calibrated alike"
+    FIT_AMPLIFIES = (
+        "the contact would have to amplify by {gain}: the recordings are not calibrated alike"
+    )
     # Losses between listeners and actuators
     NO_ACTUATOR = "not felt: no device has an actuator at {body_part}"
     NO_BODY_PART = "not felt: no actuator is chosen, and the listener has no body part"
     ACTUATOR_GONE = "not felt through {actuators}: not connected"
     SHARED_ACTUATOR = "felt together with {listeners}: they share {actuator} of {device}"
-    OUT_OF_BAND = "its signal ({low} to {high}) is outside what {actuator} of {device} can play ({lowest} to {highest})"
-    PARTLY_OUT_OF_BAND = "its signal ({low} to {high}) is partly outside what {actuator} of {device} can play ({lowest} to {highest})"
+    OUT_OF_BAND = (
+        "its signal ({low} to {high}) is outside what {actuator} of {device} can play "
+        "({lowest} to {highest})"
+    )
+    PARTLY_OUT_OF_BAND = (
+        "its signal ({low} to {high}) is partly outside what {actuator} of "
+        "{device} can play ({lowest} to {highest})"
+    )
     STRENGTH_ONLY = "{actuator} of {device} plays strength, not frequency"
     LATE = "{actuator} of {device} answers after {delay}; more than {limit} is noticed"
     # Formulas that are not accepted
@@ -98,7 +142,9 @@ class Cause(enum.Enum):
     FORMULA_X_IN_POWER = "x can't stand in a power: the formula must be proportional to x"
     FORMULA_X_IN_CONDITION = "a condition can't depend on x"
     FORMULA_X_IN_FUNCTION = "x can't stand inside {name}(): the formula must be proportional to x"
-    FORMULA_MIXED_TERMS = "terms with and without x are mixed: the formula must be proportional to x"
+    FORMULA_MIXED_TERMS = (
+        "terms with and without x are mixed: the formula must be proportional to x"
+    )
     # What a formula does
     FORMULA_CONTACT_VARIABLE = "{name} is 0 inside an object: only a contact has one"
     FORMULA_NOT_FINITE = "no finite value at {distance} m; divided by zero?"
@@ -137,7 +183,8 @@ Argument = str | int | Metres | Decibels | Hertz | Seconds | Chain | Names
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A cause with its arguments by name. ``object``: the Blender or scene object to look at, "" for none."""
+    """A cause with its arguments by name. ``object``: the Blender or scene object to look at, ""
+    for none."""
 
     cause: Cause
     arguments: tuple[tuple[str, Argument], ...] = ()
@@ -157,8 +204,11 @@ _LONGEST_CHAIN = 6
 
 
 def sentence(message: Message, template: str | None = None) -> str:
-    """A message as a sentence without a full stop: in English, or by the ``template`` of another language."""
-    return (template or message.cause.value).format_map({name: written(value) for name, value in message.arguments})
+    """A message as a sentence without a full stop: in English, or by the ``template`` of another
+    language."""
+    return (template or message.cause.value).format_map(
+        {name: written(value) for name, value in message.arguments}
+    )
 
 
 def written(value: Argument) -> str:
@@ -173,7 +223,9 @@ def written(value: Argument) -> str:
         case Seconds():
             return f"{1000 * value:.0f} ms" if abs(value) < 0.1 else f"{value:.2f} s"
         case Chain():
-            return " > ".join(value if len(value) <= _LONGEST_CHAIN else (*value[:3], "...", *value[-2:]))
+            return " > ".join(
+                value if len(value) <= _LONGEST_CHAIN else (*value[:3], "...", *value[-2:])
+            )
         case Names():
             return ", ".join(value)
     return str(value)

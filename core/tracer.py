@@ -1,6 +1,7 @@
 """The haptic tracer: the paper's algorithm, once per frame.
 
-    detect collisions -> update graph -> for each source: propagate -> for each listener: mix, render
+    detect collisions -> update graph -> for each source: propagate -> for each listener: mix,
+    render
 
 Live preview, bake, export, command line and tests use the same tracer, so that their results agree.
 """
@@ -26,7 +27,8 @@ __all__ = ["Frame", "Tracer"]
 
 
 class Tracer:
-    """Steps through the frames of a scene. The arguments are those of `CollisionDetector`; ``sample_rate`` [Hz] is that of the samples."""
+    """Steps through the frames of a scene. The arguments are those of `CollisionDetector`;
+    ``sample_rate`` [Hz] is that of the samples."""
 
     def __init__(
         self,
@@ -50,31 +52,49 @@ class Tracer:
         self._mixdown.reset()
 
     def checksum(self) -> str:
-        """Checksum of the state that later frames depend on, except samples. Tracers with equal checksums continue with bit-identical
-        results."""
+        """Checksum of the state that later frames depend on, except samples. Tracers with equal
+        checksums continue with bit-identical results."""
         gains = b"" if self._propagated is None else self._propagated.propagation.gain.tobytes()
         return sha256(repr(self._time).encode() + gains + self.collisions.history()).hexdigest()
 
     def step(self, frame: Frame) -> FrameResult:
-        """Trace one frame. Raises ValueError, which names the object, if a designer's expression gives no valid gain.
+        """Trace one frame. Raises ValueError, which names the object, if a designer's expression
+        gives no valid gain.
 
-        A frame that is traced again (`CollisionDetector.stands`) is not rendered; later frames continue from its first rendering.
+        A frame that is traced again (`CollisionDetector.stands`) is not rendered; later frames
+        continue from its first rendering.
         """
         again = frame.recall and self.collisions.stands(frame)
-        if not again and (not frame.continuous or (self._time is not None and frame.time <= self._time)):
+        if not again and (
+            not frame.continuous or (self._time is not None and frame.time <= self._time)
+        ):
             self.reset()
         table = self._object_table(frame)
         collisions = self.collisions.detect(frame, table, self._time, again)
         if not again:
-            self._start = next(t for t in (collisions.start, self._time, frame.time) if t is not None)
+            self._start = next(
+                t for t in (collisions.start, self._time, frame.time) if t is not None
+            )
         watch = _Stopwatch(dict(collisions.milliseconds))
-        sources = tuple(source for source in frame.sources if source.triggers is None) + collisions.sources
-        inputs = Inputs(table, collisions.contacts, sources, frame.listeners, frame.settings, collisions.frames)
+        sources = (
+            tuple(source for source in frame.sources if source.triggers is None)
+            + collisions.sources
+        )
+        inputs = Inputs(
+            table, collisions.contacts, sources, frame.listeners, frame.settings, collisions.frames
+        )
         propagated = self._propagate(inputs, frame.exact, watch)
         self.collisions.hold(propagated.propagation.latest([source.name for source in sources]))
         block = None
         if not again:
-            block = self._mixdown.render(self._time, frame.time, inputs.sources, frame.listeners, propagated.propagation, frame.heard)
+            block = self._mixdown.render(
+                self._time,
+                frame.time,
+                inputs.sources,
+                frame.listeners,
+                propagated.propagation,
+                frame.heard,
+            )
         watch.lap("mix")
         self._time = frame.time
         graph, propagation = propagated.graph, propagated.propagation
@@ -107,13 +127,23 @@ class Tracer:
         return self._table
 
     def _propagate(self, inputs: Inputs, exact: bool, watch: _Stopwatch) -> Propagated:
-        """Return graph and gains; those of the last frame if its inputs were the same (``exact``: bit-identical)."""
+        """Return graph and gains; those of the last frame if its inputs were the same (``exact``:
+        bit-identical)."""
         known = self._propagated
         if known is None or not known.inputs.same_as(inputs, 0.0 if exact else STILL):
             gravity = self.collisions.settings.gravity
-            graph = build_graph(inputs.table, inputs.contacts, inputs.sources, inputs.listeners, inputs.frames, gravity)
+            graph = build_graph(
+                inputs.table,
+                inputs.contacts,
+                inputs.sources,
+                inputs.listeners,
+                inputs.frames,
+                gravity,
+            )
             watch.lap("graph")
-            known = self._propagated = Propagated(inputs, graph, propagate(graph, inputs.settings, sounding_only=True))
+            known = self._propagated = Propagated(
+                inputs, graph, propagate(graph, inputs.settings, sounding_only=True)
+            )
         else:
             watch.lap("graph")
         watch.lap("propagate")

@@ -1,4 +1,5 @@
-"""Writes the schema of haptic scenes, from it docs/schema.md (every property with its values and what it means), and the table of formats.
+"""Writes the schema of haptic scenes, from it docs/schema.md (every property with its values and
+what it means), and the table of formats.
 
 python docs/write_schema_page.py      (part of `make docs`)
 """
@@ -42,13 +43,16 @@ def formats(text: str) -> str:
     head = "| name | written | read | carries |\n|---|---|---|---|\n"
     before, after = text.split(head)
     rows = (
-        f"| `{form.name}` | {', '.join(f'`{name}`' for name in form.files.split())} | {'yes' if form.is_read else ''} | {form.carries} |\n"
+        f"| `{form.name}` | {', '.join(f'`{name}`' for name in form.files.split())} | "
+        f"{'yes' if form.is_read else ''} | {form.carries} |\n"
         for form in FORMATS.values()
     )
     return before + head + "".join(rows) + "\n" + after.split("\n\n", 1)[1]
 
 
-def _section(name: str, definition: dict[str, Any], defined: dict[str, Any], title: str) -> Iterator[str]:
+def _section(
+    name: str, definition: dict[str, Any], defined: dict[str, Any], title: str
+) -> Iterator[str]:
     yield f"## {title}\n"
     if "description" in definition:
         yield definition["description"] + "\n"
@@ -78,7 +82,9 @@ def _values(value: dict[str, Any], defined: dict[str, Any]) -> str:
     words = " or ".join(kinds)
     if "array" in kinds and "items" in value:
         counts = _range(value.get("minItems"), value.get("maxItems"))
-        words = words.replace("array", f"array of {counts} {_values(value['items'], defined)}".replace("  ", " "))
+        words = words.replace(
+            "array", f"array of {counts} {_values(value['items'], defined)}".replace("  ", " ")
+        )
     others = value.get("additionalProperties")
     if isinstance(others, dict) and others != {"$ref": "#/$defs/json"}:
         words += f" of {_values(others, defined)}"

@@ -1,10 +1,12 @@
-"""mypy plugin that adds the registered properties of this extension to the stubs of Blender (fake-bpy-module).
+"""mypy plugin that adds the registered properties of this extension to the stubs of Blender
+(fake-bpy-module).
 
-- A property is an annotation that holds a call, ``amplitude: FloatProperty(...)`` or that of a function declared to return one. Its type is
-  that of its values.
+- A property is an annotation that holds a call, ``amplitude: FloatProperty(...)`` or that of a
+  function declared to return one. Its type is that of its values.
 - A group that `holding` a class of the core decorates has members for its fields.
 - Node groups, objects and scenes have `haptics`, as ``addon/registration/properties.py`` says.
-- The stubs declare most members as optional. `NEVER_NONE` exist whenever the extension runs, the context's object if `poll` checks it.
+- The stubs declare most members as optional. `NEVER_NONE` exist whenever the extension runs, the
+  context's object if `poll` checks it.
 - Members with too narrow types in the stubs have any type, or that of text.
 """
 
@@ -27,8 +29,24 @@ from mypy.nodes import (
     TypeInfo,
     Var,
 )
-from mypy.plugin import AnalyzeTypeContext, AttributeContext, ClassDefContext, FunctionContext, Plugin
-from mypy.types import AnyType, CallableType, Instance, NoneType, Type, TypeOfAny, UnboundType, UnionType, get_proper_type
+from mypy.plugin import (
+    AnalyzeTypeContext,
+    AttributeContext,
+    ClassDefContext,
+    FunctionContext,
+    Plugin,
+)
+from mypy.types import (
+    AnyType,
+    CallableType,
+    Instance,
+    NoneType,
+    Type,
+    TypeOfAny,
+    UnboundType,
+    UnionType,
+    get_proper_type,
+)
 from mypy.types_utils import remove_optional
 
 ADDON = "haptic_tracing.addon"
@@ -38,29 +56,83 @@ HAPTICS = {
     "Scene": f"{ADDON}.properties.scene.HapticSceneProperties",
 }
 """The property group in `haptics`, by the type of Blender that has it."""
-VALUES = {"BoolProperty": "bool", "EnumProperty": "str", "FloatProperty": "float", "IntProperty": "int", "StringProperty": "str"}
+VALUES = {
+    "BoolProperty": "bool",
+    "EnumProperty": "str",
+    "FloatProperty": "float",
+    "IntProperty": "int",
+    "StringProperty": "str",
+}
 """The type of a property's values, by the function that defines the property."""
 NEVER_NONE = {
     *(
         f"Context.{name}"
-        for name in ("scene", "view_layer", "window_manager", "preferences", "collection", "selected_objects", "workspace")
+        for name in (
+            "scene",
+            "view_layer",
+            "window_manager",
+            "preferences",
+            "collection",
+            "selected_objects",
+            "workspace",
+        )
     ),
-    *(f"Context.{name}" for name in ("area", "region", "region_data")),  # used where the extension draws
-    *(f"{owner}.layout" for owner in ("Header", "Menu", "Operator", "Panel", "UIPopover", "UIPopupMenu")),
-    *("Depsgraph.scene", "Depsgraph.view_layer", "KeyMapItem.properties", "Scene.view_settings", "Window.screen"),
-    *("Material.node_tree", "World.node_tree", "RigidBodyWorld.collection", "RigidBodyWorld.constraints", "RigidBodyWorld.point_cache"),
+    *(
+        f"Context.{name}" for name in ("area", "region", "region_data")
+    ),  # used where the extension draws
+    *(
+        f"{owner}.layout"
+        for owner in ("Header", "Menu", "Operator", "Panel", "UIPopover", "UIPopupMenu")
+    ),
+    *(
+        "Depsgraph.scene",
+        "Depsgraph.view_layer",
+        "KeyMapItem.properties",
+        "Scene.view_settings",
+        "Window.screen",
+    ),
+    *(
+        "Material.node_tree",
+        "World.node_tree",
+        "RigidBodyWorld.collection",
+        "RigidBodyWorld.constraints",
+        "RigidBodyWorld.point_cache",
+    ),
     "FCurve.driver",  # asked of the curves in `AnimData.drivers`
 }
 VARYING = {
-    *("AreaSpaces.active", "Context.space_data", "Object.data", "Object.pose", "bpy_struct.id_data"),
-    *("ColorManagedViewSettings.look", "ColorManagedViewSettings.view_transform", "RenderSettings.engine", "Scene.cycles"),
+    *(
+        "AreaSpaces.active",
+        "Context.space_data",
+        "Object.data",
+        "Object.pose",
+        "bpy_struct.id_data",
+    ),
+    *(
+        "ColorManagedViewSettings.look",
+        "ColorManagedViewSettings.view_transform",
+        "RenderSettings.engine",
+        "Scene.cycles",
+    ),
     *("Keyframe.interpolation", "Object.empty_display_type"),
 }
-"""Members of any type: what they are depends on what they belong to, on Blender's version or other extensions; or a text is assigned."""
-DERIVED = {"Attribute", "Constraint", "Curve", "Gizmo", "Light", "Node", "NodeSocket", "Property", "Space"}
+"""Members of any type: what they are depends on what they belong to, on Blender's version or other
+extensions; or a text is assigned."""
+DERIVED = {
+    "Attribute",
+    "Constraint",
+    "Curve",
+    "Gizmo",
+    "Light",
+    "Node",
+    "NodeSocket",
+    "Property",
+    "Space",
+}
 """Types of which Blender returns derived ones, with more members."""
 UNFINISHED = {"ContextTempOverride", "bpy_prop_array"}
-"""Types of which the stubs do not say that ``with`` enters them, or that tuples can be assigned to them."""
+"""Types of which the stubs do not say that ``with`` enters them, or that tuples can be assigned to
+them."""
 TEXTS = {
     "EventTypeItems",
     "IconItems",
@@ -80,17 +152,23 @@ class BlenderTypes(Plugin):
 
     def get_additional_deps(self, file: MypyFile) -> list[tuple[int, str, int]]:
         """The property groups, for modules that reach them by `haptics` alone."""
-        if not file.fullname.startswith("haptic_tracing.") or file.fullname.startswith(f"{ADDON}.properties"):
+        if not file.fullname.startswith("haptic_tracing.") or file.fullname.startswith(
+            f"{ADDON}.properties"
+        ):
             return []
         is_user = Path(file.path).is_file() and ".haptics" in Path(file.path).read_text("utf-8")
         return [(10, group.rpartition(".")[0], -1) for group in HAPTICS.values()] if is_user else []
 
-    def get_customize_class_mro_hook(self, fullname: str) -> Callable[[ClassDefContext], None] | None:
+    def get_customize_class_mro_hook(
+        self, fullname: str
+    ) -> Callable[[ClassDefContext], None] | None:
         """What changes a class before its body is analyzed."""
         module, _, name = fullname.rpartition(".")
         if module.startswith(ADDON):
             return _write_types
-        if fullname == "bpy_extras.io_utils.ExportHelper" or (module == "bpy.types" and name in DERIVED):
+        if fullname == "bpy_extras.io_utils.ExportHelper" or (
+            module == "bpy.types" and name in DERIVED
+        ):
             return _allow_more
         if module != "bpy.types":
             return None
@@ -114,7 +192,8 @@ class BlenderTypes(Plugin):
         return None
 
     def get_function_hook(self, fullname: str) -> Callable[[FunctionContext], Type] | None:
-        """Return the type of a property's values for a call that defines it, so that functions may be declared to return that."""
+        """Return the type of a property's values for a call that defines it, so that functions may
+        be declared to return that."""
         module, _, name = fullname.rpartition(".")
         if module != "bpy.props" or not name.endswith("Property"):
             return None
@@ -138,23 +217,40 @@ class BlenderTypes(Plugin):
 
     def _group(self, fullname: str, context: AttributeContext) -> Type:
         found = self.lookup_fully_qualified(fullname)
-        return Instance(found.node, []) if found is not None and isinstance(found.node, TypeInfo) else context.default_attr_type
+        return (
+            Instance(found.node, [])
+            if found is not None and isinstance(found.node, TypeInfo)
+            else context.default_attr_type
+        )
 
 
 def _polled(context: AttributeContext) -> Type:
-    """The type of the context's object: not None in methods of a class whose own `poll` has asked for it."""
+    """The type of the context's object: not None in methods of a class whose own `poll` has asked
+    for it."""
     assert isinstance(context.api, TypeChecker)
     info, method = context.api.scope.current_class(), context.api.scope.top_level_function()
-    poll = info.get("poll") if info is not None and method is not None and method.name != "poll" else None
-    is_asked = poll is not None and poll.node is not None and not poll.node.fullname.startswith("bpy.")
+    poll = (
+        info.get("poll")
+        if info is not None and method is not None and method.name != "poll"
+        else None
+    )
+    is_asked = (
+        poll is not None and poll.node is not None and not poll.node.fullname.startswith("bpy.")
+    )
     return remove_optional(context.default_attr_type) if is_asked else context.default_attr_type
 
 
 def _return_items(context: ClassDefContext) -> None:
     """Let `get` of a collection return its items, not only the default."""
     for statement in context.cls.defs.body:
-        if isinstance(statement, FuncDef) and statement.name == "get" and isinstance(statement.type, CallableType):
-            statement.type.ret_type = UnionType([UnboundType(context.cls.type_vars[0].name), statement.type.ret_type])
+        if (
+            isinstance(statement, FuncDef)
+            and statement.name == "get"
+            and isinstance(statement.type, CallableType)
+        ):
+            statement.type.ret_type = UnionType(
+                [UnboundType(context.cls.type_vars[0].name), statement.type.ret_type]
+            )
 
 
 def _allow_more(context: ClassDefContext) -> None:
@@ -176,21 +272,39 @@ def _pass_context(context: ClassDefContext) -> None:
         method = statement.func if isinstance(statement, Decorator) else statement
         if isinstance(method, FuncDef) and isinstance(method.type, CallableType):
             arguments = zip(method.type.arg_names, method.type.arg_types, strict=True)
-            method.type.arg_types = [_some(kind) if name in {"context", "event"} else kind for name, kind in arguments]
+            method.type.arg_types = [
+                _some(kind) if name in {"context", "event"} else kind for name, kind in arguments
+            ]
 
 
 def _some(kind: Type) -> Type:
     """A type that is not analyzed yet, without its None."""
     if not isinstance(kind, UnionType):
         return kind
-    return UnionType([_some(item) for item in kind.items if not (isinstance(item, UnboundType) and item.name == "None")], kind.line)
+    return UnionType(
+        [
+            _some(item)
+            for item in kind.items
+            if not (isinstance(item, UnboundType) and item.name == "None")
+        ],
+        kind.line,
+    )
 
 
 def _add_declared(context: ClassDefContext) -> bool:
-    """Give a property group members for the fields of the class that it holds, by the names that the decorator says."""
+    """Give a property group members for the fields of the class that it holds, by the names that
+    the decorator says."""
     call, group = context.reason, context.cls.info
-    assert isinstance(call, CallExpr) and isinstance(call.args[0], NameExpr) and isinstance(call.args[0].node, TypeInfo)
-    names = {key: value.value for key, value in zip(call.arg_names, call.args, strict=True) if isinstance(value, StrExpr)}
+    assert (
+        isinstance(call, CallExpr)
+        and isinstance(call.args[0], NameExpr)
+        and isinstance(call.args[0].node, TypeInfo)
+    )
+    names = {
+        key: value.value
+        for key, value in zip(call.arg_names, call.args, strict=True)
+        if isinstance(value, StrExpr)
+    }
     for name, symbol in call.args[0].node.names.items():
         if isinstance(symbol.node, Var) and names.get(name, name) not in group.names:
             if symbol.node.type is None:
@@ -206,7 +320,11 @@ def _held(kind: Type, context: ClassDefContext) -> Type:
     kind = get_proper_type(remove_optional(kind))
     if isinstance(kind, Instance) and kind.type.has_base("builtins.str"):
         return context.api.named_type("builtins.str")
-    return kind if isinstance(kind, Instance) and kind.type.module_name == "builtins" else AnyType(TypeOfAny.explicit)
+    return (
+        kind
+        if isinstance(kind, Instance) and kind.type.module_name == "builtins"
+        else AnyType(TypeOfAny.explicit)
+    )
 
 
 def _write_types(context: ClassDefContext) -> None:
@@ -222,32 +340,52 @@ def _write_types(context: ClassDefContext) -> None:
 @cache
 def _calls(path: str) -> dict[tuple[int, str], ast.Call]:
     """The calls in annotations of a module, by line and name."""
-    nodes = [node for node in ast.walk(ast.parse(Path(path).read_text("utf-8"))) if isinstance(node, ast.AnnAssign)]
-    return {(node.lineno, ast.unparse(node.target)): node.annotation for node in nodes if isinstance(node.annotation, ast.Call)}
+    nodes = [
+        node
+        for node in ast.walk(ast.parse(Path(path).read_text("utf-8")))
+        if isinstance(node, ast.AnnAssign)
+    ]
+    return {
+        (node.lineno, ast.unparse(node.target)): node.annotation
+        for node in nodes
+        if isinstance(node.annotation, ast.Call)
+    }
 
 
 def _written(call: ast.Call, context: ClassDefContext) -> Type:
-    """A call as a type: ``PointerProperty(type=Object)`` as ``PointerProperty[Object]``, else what the function is declared to return."""
+    """A call as a type: ``PointerProperty(type=Object)`` as ``PointerProperty[Object]``, else what
+    the function is declared to return."""
     name = ast.unparse(call.func)
     found = context.api.lookup_qualified(name, context.cls)
-    if found is None or not isinstance(found.node, FuncDef) or not isinstance(found.node.type, CallableType):
+    if (
+        found is None
+        or not isinstance(found.node, FuncDef)
+        or not isinstance(found.node.type, CallableType)
+    ):
         return AnyType(TypeOfAny.explicit)
     if found.node.fullname.startswith("bpy.props."):
         kinds = [ast.unparse(keyword.value) for keyword in call.keywords if keyword.arg == "type"]
         groups = [context.api.lookup_qualified(kind, context.cls) for kind in kinds]
-        is_made = any(group is not None and isinstance(group.node, Var) for group in groups)  # at run time, as those of modalities
+        # At run time, as those of modalities.
+        is_made = any(group is not None and isinstance(group.node, Var) for group in groups)
         return UnboundType(name, [] if is_made else [UnboundType(kind) for kind in kinds])
     returned = found.node.type.ret_type
     if isinstance(returned, UnboundType) and returned.name in VALUES:
         return context.api.named_type(f"builtins.{VALUES[returned.name]}")
-    is_readable = not isinstance(returned, UnboundType) or found.node.fullname.rpartition(".")[0] == context.cls.info.module_name
+    is_readable = (
+        not isinstance(returned, UnboundType)
+        or found.node.fullname.rpartition(".")[0] == context.cls.info.module_name
+    )
     return returned if is_readable else AnyType(TypeOfAny.explicit)
 
 
 def _value_type(context: AnalyzeTypeContext) -> Type:
-    """The type of a property's values: ``FloatProperty`` is float, ``PointerProperty[Object]`` an object or None."""
+    """The type of a property's values: ``FloatProperty`` is float, ``PointerProperty[Object]`` an
+    object or None."""
     name = context.type.name.rpartition(".")[2]
-    kinds: list[Type] = [get_proper_type(context.api.analyze_type(kind)) for kind in context.type.args]
+    kinds: list[Type] = [
+        get_proper_type(context.api.analyze_type(kind)) for kind in context.type.args
+    ]
     if name in VALUES:
         return context.api.named_type(f"builtins.{VALUES[name]}", [])
     if name == "CollectionProperty" and kinds:

@@ -1,4 +1,5 @@
-"""Build the extension: one zip per platform in dist/ (or in the folder named), by Blender's own builder and validated by it.
+"""Build the extension: one zip per platform in dist/ (or in the folder named), by Blender's own
+builder and validated by it.
 
 Run it with an interpreter that has the bpy wheel: the builder, blender_ext.py, comes with it.
 """
@@ -24,9 +25,12 @@ def blender_scripts() -> Path:
 
 
 def extension_command(*arguments: str) -> None:
-    """`blender --command extension ARGUMENTS`, without a Blender; ends the program with Blender's message where it fails."""
+    """`blender --command extension ARGUMENTS`, without a Blender; ends the program with Blender's
+    message where it fails."""
     script = blender_scripts() / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
-    answer = subprocess.run([sys.executable, str(script), *arguments], capture_output=True, text=True)
+    answer = subprocess.run(
+        [sys.executable, str(script), *arguments], capture_output=True, text=True
+    )
     if answer.returncode:
         raise SystemExit(f"extension {arguments[0]}: {answer.stdout}{answer.stderr}".strip())
 
@@ -35,13 +39,24 @@ def build(output: Path) -> list[Path]:
     """Write and validate the zips; returns their paths."""
     problems = wheels.missing_wheels()
     if problems:
-        raise SystemExit(f"missing from wheels/: {', '.join(problems)}; fetch them with packaging/wheels.py")
+        raise SystemExit(
+            f"missing from wheels/: {', '.join(problems)}; fetch them with packaging/wheels.py"
+        )
     manual.write(ROOT / "docs", ROOT / "manual")
     tags = blender_scripts() / "modules" / "_bpy_internal" / "extensions" / "tags.py"
     output.mkdir(parents=True, exist_ok=True)
     for old in output.glob("haptic_tracing-*.zip"):
         old.unlink()
-    extension_command("build", "--source-dir", str(ROOT), "--output-dir", str(output), "--split-platforms", "--valid-tags", str(tags))
+    extension_command(
+        "build",
+        "--source-dir",
+        str(ROOT),
+        "--output-dir",
+        str(output),
+        "--split-platforms",
+        "--valid-tags",
+        str(tags),
+    )
     zips = sorted(output.glob("haptic_tracing-*.zip"))
     for path in zips:
         extension_command("validate", "--valid-tags", str(tags), str(path))
@@ -50,4 +65,7 @@ def build(output: Path) -> list[Path]:
 
 if __name__ == "__main__":
     for path in build(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "dist"):
-        print(f"{path.relative_to(ROOT) if path.is_relative_to(ROOT) else path}  {path.stat().st_size / 1e6:.1f} MB, validated")
+        print(
+            f"{path.relative_to(ROOT) if path.is_relative_to(ROOT) else path}  "
+            f"{path.stat().st_size / 1e6:.1f} MB, validated"
+        )

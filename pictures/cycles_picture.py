@@ -1,4 +1,5 @@
-"""Pictures without a GPU: scene and graph rendered by Cycles, labels and legend painted over them."""
+"""Pictures without a GPU: scene and graph rendered by Cycles, labels and legend painted over
+them."""
 
 from __future__ import annotations
 
@@ -31,7 +32,9 @@ SAMPLES = 20
 GRAPH_SAMPLES = 12  # enough for smooth edges, as nothing scatters light
 
 
-def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int], *, meters: bool = False) -> NDArray[np.uint8]:
+def rendered_picture(
+    scene: Scene, result: FrameResult, size: tuple[int, int], *, meters: bool = False
+) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first. The scene is not changed."""
     data = render_data(result, read_settings(scene), shown_options(scene))
     scale = picture_scale(size)
@@ -45,7 +48,19 @@ def rendered_picture(scene: Scene, result: FrameResult, size: tuple[int, int], *
         else:
             canvas = _rendered_among(scene, solid, size)[..., :3]
     hud = meters_above(scene, result, size, scale) if meters else None
-    paint(canvas, placed_annotations(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width, hud.bounds if hud else ()), scale)
+    paint(
+        canvas,
+        placed_annotations(
+            data,
+            projection @ view,
+            size,
+            scale,
+            (0.0, 0.0, *size),
+            text_width,
+            hud.bounds if hud else (),
+        ),
+        scale,
+    )
     if hud is not None:
         paint(canvas, hud, scale)
     return np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8)
@@ -55,7 +70,9 @@ def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatA
     """The graph alone on a transparent background, in its own scene with a copy of the camera."""
     alone = bpy.data.scenes.new("Haptic Graph picture")
     camera = bpy.data.objects.new("Haptic Graph camera", scene.camera.data)
-    camera.matrix_world = scene.camera.evaluated_get(scene.view_layers[0].depsgraph).matrix_world.copy()
+    camera.matrix_world = scene.camera.evaluated_get(
+        scene.view_layers[0].depsgraph
+    ).matrix_world.copy()
     graph = add_graph(alone.collection, solid)
     alone.collection.objects.link(camera)
     alone.camera = camera
@@ -83,7 +100,8 @@ def _rendered_among(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatA
 
 
 def rendered(scene: Scene, size: tuple[int, int], samples: int, *, denoise: bool) -> FloatArray:
-    """Display values (height, width, 4), bottom row first, as Cycles renders the scene on the CPU."""
+    """Display values (height, width, 4), bottom row first, as Cycles renders the scene on the
+    CPU."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"
         with _render_settings(scene, size, path, samples, denoise), _quiet():
@@ -112,7 +130,9 @@ def _quiet() -> Iterator[None]:
 
 
 @contextmanager
-def _render_settings(scene: Scene, size: tuple[int, int], path: Path, samples: int, denoise: bool) -> Iterator[None]:
+def _render_settings(
+    scene: Scene, size: tuple[int, int], path: Path, samples: int, denoise: bool
+) -> Iterator[None]:
     render = scene.render
     wanted: list[tuple[Any, dict[str, Any]]] = [
         (
@@ -129,11 +149,21 @@ def _render_settings(scene: Scene, size: tuple[int, int], path: Path, samples: i
                 "use_file_extension": False,
             },
         ),
-        (scene.cycles, {"device": "CPU", "samples": samples, "use_adaptive_sampling": True, "use_denoising": denoise}),
+        (
+            scene.cycles,
+            {
+                "device": "CPU",
+                "samples": samples,
+                "use_adaptive_sampling": True,
+                "use_denoising": denoise,
+            },
+        ),
     ]
     if hasattr(render.image_settings, "media_type"):
         wanted.append((render.image_settings, {"media_type": "IMAGE"}))
-    wanted.append((render.image_settings, {"file_format": "PNG", "color_mode": "RGBA", "color_depth": "8"}))
+    wanted.append(
+        (render.image_settings, {"file_format": "PNG", "color_mode": "RGBA", "color_depth": "8"})
+    )
     before = [(owner, {key: getattr(owner, key) for key in values}) for owner, values in wanted]
     try:
         for owner, values in wanted:

@@ -1,4 +1,5 @@
-"""A picture of a scene with its haptic graph over it, seen from the scene's camera, without a window."""
+"""A picture of a scene with its haptic graph over it, seen from the scene's camera, without a
+window."""
 
 from __future__ import annotations
 
@@ -34,9 +35,17 @@ SMOOTHING = 2
 """Factor by which pictures are drawn larger and averaged down, for smooth edges."""
 
 
-def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tuple[int, int] = (1280, 720), *, meters: bool = False) -> None:
-    """Write a PNG of ``size`` pixels: the viewport with the graph over it where the GPU can draw off-screen, else both rendered by Cycles.
-    ``meters``: how much each listener feels, at the upper left.
+def draw_picture(
+    scene: Scene,
+    result: FrameResult,
+    path: str | Path,
+    size: tuple[int, int] = (1280, 720),
+    *,
+    meters: bool = False,
+) -> None:
+    """Write a PNG of ``size`` pixels: the viewport with the graph over it where the GPU can draw
+    off-screen, else both rendered by Cycles. ``meters``: how much each listener feels, at the upper
+    left.
 
     Raises ValueError if the scene has no camera.
     """
@@ -50,12 +59,16 @@ def draw_picture(scene: Scene, result: FrameResult, path: str | Path, size: tupl
 
 
 def starts_gpu() -> bool:
-    """True if off-screen drawing is possible: with a window, and from Blender 5.2 on without one if OpenGL or Vulkan is available."""
+    """True if off-screen drawing is possible: with a window, and from Blender 5.2 on without one if
+    OpenGL or Vulkan is available."""
     if not bpy.app.background:
         return True
-    # Blender asks for OpenGL 4.6 first. Mesa's software driver offers 4.5, and each refusal would print EGL_BAD_MATCH.
+    # Blender asks for OpenGL 4.6 first. Mesa's software driver offers 4.5, and each refusal would
+    # print EGL_BAD_MATCH.
     os.environ.setdefault("MESA_GL_VERSION_OVERRIDE", "4.6")
-    if not compatibility.can_draw_off_screen() or (sys.platform == "linux" and not _has_surfaceless_egl()):
+    if not compatibility.can_draw_off_screen() or (
+        sys.platform == "linux" and not _has_surfaceless_egl()
+    ):
         return False
     try:
         gpu.init()
@@ -80,25 +93,56 @@ def _has_surfaceless_egl() -> bool:
 
 
 def viewport_picture(
-    scene: Scene, result: FrameResult, size: tuple[int, int], options: Options | None = None, *, meters: bool = False
+    scene: Scene,
+    result: FrameResult,
+    size: tuple[int, int],
+    options: Options | None = None,
+    *,
+    meters: bool = False,
 ) -> NDArray[np.uint8]:
-    """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the graph over it."""
-    drawing = overlay.Drawing.of(overlay.GraphShapes.of(result, read_settings(scene), options or shown_options(scene)))
+    """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the
+    graph over it."""
+    drawing = overlay.Drawing.of(
+        overlay.GraphShapes.of(result, read_settings(scene), options or shown_options(scene))
+    )
     width, height = (SMOOTHING * side for side in size)
     scale = SMOOTHING * picture_scale(size)
     view, projection = camera_view(scene, (width, height))
     off_screen = GPUOffScreen(width, height)
     try:
         with _plain_viewport(scene) as (space, region):
-            off_screen.draw_view3d(scene, scene.view_layers[0], space, region, view, projection, do_color_management=True)
+            off_screen.draw_view3d(
+                scene,
+                scene.view_layers[0],
+                space,
+                region,
+                view,
+                projection,
+                do_color_management=True,
+            )
         with off_screen.bind():
-            overlay.draw_graph(drawing, projection, view, (width, height), scale, xray=scene.haptics.xray, flow=None)
+            overlay.draw_graph(
+                drawing,
+                projection,
+                view,
+                (width, height),
+                scale,
+                xray=scene.haptics.xray,
+                flow=None,
+            )
             hud = meters_above(scene, result, (width, height), scale) if meters else None
-            perspective, free = np.array(projection @ view, dtype=np.float64), (0.0, 0.0, float(width), float(height))
-            overlay.draw_annotations(drawing, perspective, (width, height), scale, free, hud.bounds if hud else ())
+            perspective, free = (
+                np.array(projection @ view, dtype=np.float64),
+                (0.0, 0.0, float(width), float(height)),
+            )
+            overlay.draw_annotations(
+                drawing, perspective, (width, height), scale, free, hud.bounds if hud else ()
+            )
             if hud is not None:
                 draw_hud(hud, (width, height), scale)
-            buffer = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, "UBYTE")
+            buffer = gpu.state.active_framebuffer_get().read_color(
+                0, 0, width, height, 4, 0, "UBYTE"
+            )
     finally:
         off_screen.free()
         overlay.forget()
@@ -121,7 +165,8 @@ def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
 
 @contextmanager
 def _plain_viewport(scene: Scene) -> Iterator[tuple[Any, Any]]:
-    """A 3D viewport and its region, set for a picture: solid shading with shadows and cavities, nothing of the user interface."""
+    """A 3D viewport and its region, set for a picture: solid shading with shadows and cavities,
+    nothing of the user interface."""
     area = next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
     region = next(region for region in area.regions if region.type == "WINDOW")
     space = area.spaces.active
@@ -146,7 +191,10 @@ def _plain_viewport(scene: Scene) -> Iterator[tuple[Any, Any]]:
     }
     system = bpy.context.preferences.system
     wanted[system] = {"viewport_aa": "OFF"}  # averaging down smooths as well, much faster
-    before = {owner: {key: _value(getattr(owner, key)) for key in values} for owner, values in wanted.items()}
+    before = {
+        owner: {key: _value(getattr(owner, key)) for key in values}
+        for owner, values in wanted.items()
+    }
     try:
         _set(wanted)
         yield space, region

@@ -1,4 +1,5 @@
-"""Painting of labels and legend into an array of pixels without a GPU: the shapes of `shader`, texts by the outlines of Blender's font."""
+"""Painting of labels and legend into an array of pixels without a GPU: the shapes of `shader`,
+texts by the outlines of Blender's font."""
 
 from __future__ import annotations
 
@@ -28,23 +29,33 @@ Canvas = FloatArray
 def paint(canvas: Canvas, items: Hud, scale: float) -> None:
     """Paint ``items`` over ``canvas``. ``scale``: pixels per point."""
     lines = items.lines
-    for (start, end), colour, width, shape in zip(lines.position, lines.colour, lines.width, lines.shape, strict=True):
+    for (start, end), colour, width, shape in zip(
+        lines.position, lines.colour, lines.width, lines.shape, strict=True
+    ):
         if shape == Shape.PLATE:
             _paint_plate(canvas, start[:2], end[:2], colour, width * scale / 2)
         else:
             _paint_line(canvas, start[:2], end[:2], colour[0], width * scale / 2)
     points = items.points
-    for position, colour, size, shape in zip(points.position, points.colour, points.size, points.shape, strict=True):
+    for position, colour, size, shape in zip(
+        points.position, points.colour, points.size, points.shape, strict=True
+    ):
         _paint_symbol(canvas, position[:2], colour[:3], size * scale / 2, Shape(int(shape)), scale)
     for text in items.texts:
         _paint_text(canvas, text)
 
 
-def _paint_plate(canvas: Canvas, low: FloatArray, high: FloatArray, colour: FloatArray, radius: float) -> None:
+def _paint_plate(
+    canvas: Canvas, low: FloatArray, high: FloatArray, colour: FloatArray, radius: float
+) -> None:
     def distance(x: FloatArray, y: FloatArray) -> FloatArray:
         across = np.abs(x - (low[0] + high[0]) / 2) - (high[0] - low[0]) / 2 + radius
         up = np.abs(y - (low[1] + high[1]) / 2) - (high[1] - low[1]) / 2 + radius
-        return np.hypot(np.maximum(across, 0), np.maximum(up, 0)) + np.minimum(np.maximum(across, up), 0) - radius
+        return (
+            np.hypot(np.maximum(across, 0), np.maximum(up, 0))
+            + np.minimum(np.maximum(across, up), 0)
+            - radius
+        )
 
     def shade(x: FloatArray, y: FloatArray) -> FloatArray:
         part = np.clip((x - low[0]) / max(high[0] - low[0], 1e-9), 0, 1)
@@ -53,7 +64,9 @@ def _paint_plate(canvas: Canvas, low: FloatArray, high: FloatArray, colour: Floa
     _fill(canvas, low - 1, high + 1, distance, shade, float(colour[0, 3]))
 
 
-def _paint_line(canvas: Canvas, start: FloatArray, end: FloatArray, colour: FloatArray, radius: float) -> None:
+def _paint_line(
+    canvas: Canvas, start: FloatArray, end: FloatArray, colour: FloatArray, radius: float
+) -> None:
     along = end - start
     squared = max(float(along @ along), 1e-12)
 
@@ -62,10 +75,24 @@ def _paint_line(canvas: Canvas, start: FloatArray, end: FloatArray, colour: Floa
         return np.hypot(x - start[0] - t * along[0], y - start[1] - t * along[1]) - radius
 
     reach = radius + 1
-    _fill(canvas, np.minimum(start, end) - reach, np.maximum(start, end) + reach, distance, colour[:3], float(colour[3]))
+    _fill(
+        canvas,
+        np.minimum(start, end) - reach,
+        np.maximum(start, end) + reach,
+        distance,
+        colour[:3],
+        float(colour[3]),
+    )
 
 
-def _paint_symbol(canvas: Canvas, centre: FloatArray, colour: FloatArray, radius: float, shape: Shape, scale: float) -> None:
+def _paint_symbol(
+    canvas: Canvas,
+    centre: FloatArray,
+    colour: FloatArray,
+    radius: float,
+    shape: Shape,
+    scale: float,
+) -> None:
     for inset, layer, opacity in layers(shape, colour):
         inner = radius - inset * scale
         if inner <= 0:
@@ -84,7 +111,9 @@ def _disc(x: FloatArray, y: FloatArray, radius: float) -> FloatArray:
 def _diamond(x: FloatArray, y: FloatArray, radius: float) -> FloatArray:
     corner = 0.22 * radius
     x, y = np.abs(x), np.abs(y)
-    return np.maximum((x + y - radius + corner) * 0.70710678 - 0.29289 * corner, np.maximum(x, y) - radius)
+    return np.maximum(
+        (x + y - radius + corner) * 0.70710678 - 0.29289 * corner, np.maximum(x, y) - radius
+    )
 
 
 def _burst(x: FloatArray, y: FloatArray, radius: float) -> FloatArray:
@@ -108,8 +137,12 @@ def _fill(
     colour: FloatArray | Callable[[FloatArray, FloatArray], FloatArray],
     opacity: float,
 ) -> None:
-    """Paint a shape given by its signed ``distance`` [pixels, negative inside], within the corners ``low`` and ``high``."""
-    (left, bottom), (right, top) = np.maximum(np.floor(low), 0).astype(int), np.ceil(high).astype(int)
+    """Paint a shape given by its signed ``distance`` [pixels, negative inside], within the corners
+    ``low`` and ``high``."""
+    (left, bottom), (right, top) = (
+        np.maximum(np.floor(low), 0).astype(int),
+        np.ceil(high).astype(int),
+    )
     part = canvas[bottom:top, left:right]
     y, x = np.mgrid[bottom : bottom + part.shape[0], left : left + part.shape[1]] + 0.5
     cover = (opacity * np.clip(0.5 - distance(x, y), 0, 1))[..., None]
@@ -125,7 +158,10 @@ def _paint_text(canvas: Canvas, text: Text) -> None:
     high = np.ceil(placed.max(axis=(0, 1))).astype(int) + 1
     part = canvas[low[1] : high[1], low[0] : high[0]]
     inside = _wound((placed - low) * _FINE, (part.shape[0] * _FINE, part.shape[1] * _FINE))
-    cover = inside.reshape(part.shape[0], _FINE, part.shape[1], _FINE).mean(axis=(1, 3))[..., None] ** _WEIGHT
+    cover = (
+        inside.reshape(part.shape[0], _FINE, part.shape[1], _FINE).mean(axis=(1, 3))[..., None]
+        ** _WEIGHT
+    )
     part += cover * (np.array(text.colour) - part)
 
 
@@ -135,7 +171,8 @@ def text_width(words: str, size: float) -> float:
 
 
 def _wound(edges: FloatArray, shape: tuple[int, int]) -> BoolArray:
-    """Samples (rows, columns) that closed outlines of directed ``edges`` (n, 2, 2) wind around; outlines may overlap.
+    """Samples (rows, columns) that closed outlines of directed ``edges`` (n, 2, 2) wind around;
+    outlines may overlap.
 
     An edge that a sample's row crosses to the left of it adds or takes one turn, by its direction.
     """
@@ -154,7 +191,8 @@ def _wound(edges: FloatArray, shape: tuple[int, int]) -> BoolArray:
 
 @cache
 def _outline(words: str) -> tuple[FloatArray, float]:
-    """Directed edges (n, 2, 2) of a text set from its origin, and its width, in the units of its outlines."""
+    """Directed edges (n, 2, 2) of a text set from its origin, and its width, in the units of its
+    outlines."""
     known = set(bpy.data.fonts)
     curve = bpy.data.curves.new("Haptic text", "FONT")
     curve.body, curve.font = words, _font()
@@ -176,14 +214,25 @@ def _outline(words: str) -> tuple[FloatArray, float]:
 
 def _flattened(points: Any) -> FloatArray:
     """Corners (n, 2) along a closed Bezier curve."""
-    knot, before, after = (np.array([getattr(p, key)[:2] for p in points]) for key in ("co", "handle_left", "handle_right"))
+    knot, before, after = (
+        np.array([getattr(p, key)[:2] for p in points])
+        for key in ("co", "handle_left", "handle_right")
+    )
     end, arriving = np.roll(knot, -1, axis=0), np.roll(before, -1, axis=0)
     t = (np.arange(_STEPS) / _STEPS)[None, :, None]
     start, leaving, arriving, end = (part[:, None, :] for part in (knot, after, arriving, end))
-    curve = (1 - t) ** 3 * start + 3 * (1 - t) ** 2 * t * leaving + 3 * (1 - t) * t**2 * arriving + t**3 * end
+    curve = (
+        (1 - t) ** 3 * start
+        + 3 * (1 - t) ** 2 * t * leaving
+        + 3 * (1 - t) * t**2 * arriving
+        + t**3 * end
+    )
     return curve.reshape(-1, 2)
 
 
 def _font() -> VectorFont:
     """The font of Blender's user interface."""
-    return bpy.data.fonts.load(str(Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "fonts" / "Inter.woff2"), check_existing=True)
+    return bpy.data.fonts.load(
+        str(Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "fonts" / "Inter.woff2"),
+        check_existing=True,
+    )

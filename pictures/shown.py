@@ -24,6 +24,13 @@ def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale
     """The meters at the upper left of a picture."""
     shown = levels(result, still_samples(result, LEVEL_SECONDS), LEVEL_SECONDS)
     margin = 12 * scale
-    items = meter_hud(shown, None, (0.35 * size[0], 0.5 * size[1]), scale, text_width, iface_("Mode {}").format(scene.haptics.mode))
+    items = meter_hud(
+        shown,
+        None,
+        (0.35 * size[0], 0.5 * size[1]),
+        scale,
+        text_width,
+        iface_("Mode {}").format(scene.haptics.mode),
+    )
     high = max((top for _, _, _, top in items.bounds), default=0.0)
     return items.moved(round(margin), round(size[1] - margin - high))

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 class Sample:
     """A sample scene: its name in commands, its title in menus, one sentence on what it shows.
 
-    ``objects``: approximate number of objects. ``count``: default number of repeated items if that can be chosen, else None. ``variation``:
-    relative variation of its impacts. ``about``: the body parts that should feel it. ``body``: how its
-    people feel, as in *Bodies*; "" in a scene with the paper's function.
+    ``objects``: approximate number of objects. ``count``: default number of repeated items if that
+    can be chosen, else None. ``variation``: relative variation of its impacts. ``about``: the body
+    parts that should feel it. ``body``: how its people feel, as in *Bodies*; "" in a scene with the
+    paper's function.
     """
 
     name: str
@@ -34,9 +35,11 @@ class Sample:
     body: str = "MEASURED"
 
     def build(self, scene: Scene, count: int | None = None) -> None:
-        """Fill the empty ``scene``; ``count``: number of repeated items instead of the default. Raises ValueError if it cannot be
-        chosen."""
-        module, materials = (import_module(f".{name}", __name__) for name in (self.name, "materials"))
+        """Fill the empty ``scene``; ``count``: number of repeated items instead of the default.
+        Raises ValueError if it cannot be chosen."""
+        module, materials = (
+            import_module(f".{name}", __name__) for name in (self.name, "materials")
+        )
         if count is None:
             module.build(scene)
         elif self.count is None:
@@ -89,11 +92,19 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
                 "rails",
                 "Rails",
                 104,
-                "A far locomotive is felt through rails rather than soil; the path leaves the ground and comes back",
+                "A far locomotive is felt through rails rather than soil; the path leaves the "
+                "ground and comes back",
                 about=("hand", "middle_back", "upper_leg"),
                 body="FELT_ALL_OVER",
             ),
-            Sample("domino_wall", "Wall of Dominoes", 1039, "A thousand impacts, one after the other", 1000, about=("hand", "upper_leg")),
+            Sample(
+                "domino_wall",
+                "Wall of Dominoes",
+                1039,
+                "A thousand impacts, one after the other",
+                1000,
+                about=("hand", "upper_leg"),
+            ),
             Sample(
                 "pile",
                 "Pile",
@@ -114,7 +125,8 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
                 "sliding_and_rolling",
                 "Sliding and Rolling",
                 52,
-                "A file, a ball, a shoe, a crate and a wheel sound at their contacts, at the period of what they pass over",
+                "A file, a ball, a shoe, a crate and a wheel sound at their contacts, at the "
+                "period of what they pass over",
                 about=("hand", "upper_leg"),
                 body="FELT_ALL_OVER",
             ),
@@ -133,7 +145,8 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
 
 
 def build_sample(name: str, count: int | None = None) -> Scene:
-    """Build a sample in a new scene, which the window then shows. Raises ValueError, which lists the known names, for any other."""
+    """Build a sample in a new scene, which the window then shows. Raises ValueError, which lists
+    the known names, for any other."""
     import bpy
 
     if name not in SAMPLES:

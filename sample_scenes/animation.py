@@ -14,9 +14,13 @@ CONSTANT, LINEAR, BEZIER = "CONSTANT", "LINEAR", "BEZIER"
 
 
 def animate(owner: Any, path: str, keys: Mapping[Any, Value], interpolation: str = LINEAR) -> None:
-    """Keys of a property (``location``, ``energy``) by frame: numbers, or one tuple per frame for a property of several channels."""
+    """Keys of a property (``location``, ``energy``) by frame: numbers, or one tuple per frame for a
+    property of several channels."""
     frames = sorted(keys)
-    channels = [[value] if isinstance(value, int | float) else list(value) for value in (keys[frame] for frame in frames)]
+    channels = [
+        [value] if isinstance(value, int | float) else list(value)
+        for value in (keys[frame] for frame in frames)
+    ]
     for index in range(len(channels[0])):
         curve = _curve(owner, path, index)
         curve.keyframe_points.add(len(frames))

@@ -1,5 +1,5 @@
-"""An artist's mannequin as the user's avatar: sixteen haptic body parts that touch at their joints, and listeners: the ten of the
-paper unless others are named.
+"""An artist's mannequin as the user's avatar: sixteen haptic body parts that touch at their joints,
+and listeners: the ten of the paper unless others are named.
 
 It faces -Y, so that its left is +X.
 """
@@ -53,7 +53,8 @@ ANKLE_HEIGHT = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP - SUNK
 
 @dataclass(frozen=True, slots=True)
 class Hand:
-    """Where a hand is: the middle of the palm's surface, the direction of the fingers and that of the back of the hand."""
+    """Where a hand is: the middle of the palm's surface, the direction of the fingers and that of
+    the back of the hand."""
 
     palm: Vector
     fingers: Vector
@@ -66,10 +67,12 @@ class Hand:
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """Where the limbs bend and end: those of the left, mirrored for the right unless ``right_hand`` says otherwise.
+    """Where the limbs bend and end: those of the left, mirrored for the right unless ``right_hand``
+    says otherwise.
 
-    All in metres, relative to the avatar's origin. hips: centre of the hips. lean: how far the trunk leans back from upright, in radians.
-    hip_joint: where the thigh begins, relative to the hips. slump: how much further back the trunk is than the hips.
+    All in metres, relative to the avatar's origin. hips: centre of the hips. lean: how far the
+    trunk leans back from upright, in radians. hip_joint: where the thigh begins, relative to the
+    hips. slump: how much further back the trunk is than the hips.
     """
 
     hips: Vector
@@ -88,8 +91,8 @@ class Posture:
 
 @dataclass(frozen=True, slots=True)
 class Avatar:
-    """The root that carries all parts, the parts by name (``Hand.L``), the listeners by body part (``hand.L``), the joints (``elbow.L``)
-    relative to the root."""
+    """The root that carries all parts, the parts by name (``Hand.L``), the listeners by body part
+    (``hand.L``), the joints (``elbow.L``) relative to the root."""
 
     root: Object
     parts: Mapping[str, Object]
@@ -98,16 +101,20 @@ class Avatar:
 
 
 def seated(seat: float, lean: float, hand: Hand | None = None) -> Posture:
-    """Sitting on a seat at height ``seat``, the back against a rest that leans back by ``lean``, feet on the ground, hands on the thighs.
+    """Sitting on a seat at height ``seat``, the back against a rest that leans back by ``lean``,
+    feet on the ground, hands on the thighs.
 
-    The origin is on the ground below the line where seat and rest meet. ``hand``: the left hand, where it is elsewhere.
+    The origin is on the ground below the line where seat and rest meet. ``hand``: the left hand,
+    where it is elsewhere.
     """
     # The backrest carries the shoulders and leaves the hips free.
     hips = Vector((0.0, -0.132, seat + HIPS[2] / 2 - SUNK))
     hip_joint = Vector((0.088, 0.008 - HIPS[1] / 2, THIGH_RADIUS - HIPS[2] / 2))
     knee = hips + hip_joint + Vector((0.05, -0.42, KNEE_RADIUS - THIGH_RADIUS))
     ankle = Vector((knee.x, knee.y - 0.03, ANKLE_HEIGHT))
-    on_thigh = Hand(Vector((0.130, -0.45, seat + 2 * _thigh_radius(0.5) + 0.001)), Vector((-0.10, -1.0, -0.30)))
+    on_thigh = Hand(
+        Vector((0.130, -0.45, seat + 2 * _thigh_radius(0.5) + 0.001)), Vector((-0.10, -1.0, -0.30))
+    )
     return Posture(hips, hip_joint, knee, ankle, hand or on_thigh, lean=lean, slump=0.034)
 
 
@@ -132,10 +139,11 @@ def build_avatar(
     gain: float = 1.0,
     listening: Sequence[str] = PAPER_LISTENERS,
 ) -> Avatar:
-    """Put the avatar into ``scene``, its haptic parts under one empty, turned by ``heading`` about z.
+    """Put the avatar into ``scene``, its haptic parts under one empty, turned by ``heading`` about
+    z.
 
-    ``moving``: that empty, or what carries it, will be animated. ``gain``: of its listeners. ``listening``: the body parts with a
-    listener, of the twelve default ones.
+    ``moving``: that empty, or what carries it, will be animated. ``gain``: of its listeners.
+    ``listening``: the body parts with a listener, of the twelve default ones.
     """
     root = place_empty(scene, "Avatar", location, parent, "ARROWS", 0.25, heading)
     materials = (surface("Avatar Body", "#e9e2d6", 0.45), surface("Avatar Joints", "#2f5d73", 0.4))
@@ -155,18 +163,28 @@ def build_avatar(
     listeners: dict[str, Object] = {}
     for listener in listening:
         carrier, spot = anchors[listener]
-        empty = place_empty(scene, listener, spot - parts[carrier].location, parts[carrier], "SPHERE", BODY_PART[listener].radius)
+        empty = place_empty(
+            scene,
+            listener,
+            spot - parts[carrier].location,
+            parts[carrier],
+            "SPHERE",
+            BODY_PART[listener].radius,
+        )
         listeners[listener] = make_listener(empty, listener, BODY_PART[listener].radius, gain)
     return Avatar(root, parts, listeners, joints)
 
 
 def _trunk_frame(posture: Posture) -> Callable[[float, float, float], Vector]:
-    """Maps (left, forward, up) from the hips' centre, along the leaning trunk, to the avatar's frame."""
+    """Maps (left, forward, up) from the hips' centre, along the leaning trunk, to the avatar's
+    frame."""
     sine, cosine = math.sin(posture.lean), math.cos(posture.lean)
 
     def point(left: float, forward: float, up: float) -> Vector:
         forward -= posture.slump
-        return posture.hips + Vector((left, -forward * cosine + up * sine, forward * sine + up * cosine))
+        return posture.hips + Vector(
+            (left, -forward * cosine + up * sine, forward * sine + up * cosine)
+        )
 
     return point
 
@@ -178,7 +196,9 @@ def _trunk(posture: Posture) -> dict[str, Geometry]:
     def set_at(geometry: Geometry, forward: float, up: float) -> Geometry:
         return geometry.transformed(Matrix.Translation(point(0.0, forward, up)) @ turn)
 
-    neck = along(limb(0.12, 0.052, 0.047), Vector((0, 0.01, -0.165)), Vector((0, 0.012, -0.06))).painted(JOINT)
+    neck = along(
+        limb(0.12, 0.052, 0.047), Vector((0, 0.01, -0.165)), Vector((0, 0.012, -0.06))
+    ).painted(JOINT)
     skull = joined((superellipsoid((0.165, 0.205, 0.245), 0.85), neck))
     return {
         "Hips": superellipsoid(HIPS, 0.55).moved(*posture.hips),
@@ -197,7 +217,9 @@ def _joints(posture: Posture) -> dict[str, Vector]:
         shoulder = _trunk_frame(posture)(side * 0.217, 0.0, 0.515)
         wrist = hand.palm + back * HAND[2] / 2 - fingers * (HAND[1] / 2 + WRIST_RADIUS - OVERLAP)
         joints[f"shoulder.{letter}"] = shoulder
-        joints[f"elbow.{letter}"] = _bend(shoulder, wrist, UPPER_ARM, FOREARM, Vector((side * 0.75, 1.0, -0.6)))
+        joints[f"elbow.{letter}"] = _bend(
+            shoulder, wrist, UPPER_ARM, FOREARM, Vector((side * 0.75, 1.0, -0.6))
+        )
         joints[f"wrist.{letter}"] = wrist
         joints[f"hip.{letter}"] = _sided(posture.hips + posture.hip_joint, side)
         joints[f"knee.{letter}"] = _sided(posture.knee, side)
@@ -221,26 +243,44 @@ def _anchors(posture: Posture, joints: Mapping[str, Vector]) -> dict[str, tuple[
         anchors[f"ear.{letter}"] = ("Head", point(side * 0.085, 0.015, 0.735))
         anchors[f"upper_back.{letter}"] = ("Chest", point(side * 0.095, -0.105, 0.47))
         anchors[f"middle_back.{letter}"] = ("Belly", point(side * 0.075, -0.08, 0.19))
-        anchors[f"hand.{letter}"] = (f"Hand.{letter}", hand.palm + _hand_axes(hand)[1] * HAND[2] / 2)
-        anchors[f"foot.{letter}"] = (f"Foot.{letter}", joints[f"ankle.{letter}"] + Vector((0.0, -0.075, -ANKLE_HEIGHT)))
-        anchors[f"upper_leg.{letter}"] = (f"Upper Leg.{letter}", thigh - _thigh_front(joints, letter) * _thigh_radius(0.45))
+        anchors[f"hand.{letter}"] = (
+            f"Hand.{letter}",
+            hand.palm + _hand_axes(hand)[1] * HAND[2] / 2,
+        )
+        anchors[f"foot.{letter}"] = (
+            f"Foot.{letter}",
+            joints[f"ankle.{letter}"] + Vector((0.0, -0.075, -ANKLE_HEIGHT)),
+        )
+        anchors[f"upper_leg.{letter}"] = (
+            f"Upper Leg.{letter}",
+            thigh - _thigh_front(joints, letter) * _thigh_radius(0.45),
+        )
     return anchors
 
 
 def _thigh_front(joints: Mapping[str, Vector], letter: str) -> Vector:
-    """Unit vector from the middle of the thigh out of its front: up when sitting, forward when standing."""
+    """Unit vector from the middle of the thigh out of its front: up when sitting, forward when
+    standing."""
     along_thigh = (joints[f"knee.{letter}"] - joints[f"hip.{letter}"]).normalized()
-    return (Vector((0.0, -1.0, 1.0)) - along_thigh * along_thigh.dot(Vector((0.0, -1.0, 1.0)))).normalized()
+    return (
+        Vector((0.0, -1.0, 1.0)) - along_thigh * along_thigh.dot(Vector((0.0, -1.0, 1.0)))
+    ).normalized()
 
 
-def _arm(posture: Posture, joints: Mapping[str, Vector], side: float, letter: str) -> dict[str, Geometry]:
-    shoulder, elbow, wrist = (joints[f"{joint}.{letter}"] for joint in ("shoulder", "elbow", "wrist"))
+def _arm(
+    posture: Posture, joints: Mapping[str, Vector], side: float, letter: str
+) -> dict[str, Geometry]:
+    shoulder, elbow, wrist = (
+        joints[f"{joint}.{letter}"] for joint in ("shoulder", "elbow", "wrist")
+    )
     hand = posture.hand_of(side)
     fingers, back = _hand_axes(hand)
     turn = Matrix((fingers.cross(back), fingers, back)).transposed().to_4x4()
     centre = hand.palm + back * HAND[2] / 2
     return {
-        f"Upper Arm.{letter}": _segment(shoulder, elbow, SHOULDER_RADIUS, ELBOW_RADIUS, 0.048, 0.039, ball_at_start=True),
+        f"Upper Arm.{letter}": _segment(
+            shoulder, elbow, SHOULDER_RADIUS, ELBOW_RADIUS, 0.048, 0.039, ball_at_start=True
+        ),
         f"Forearm.{letter}": _segment(elbow, wrist, ELBOW_RADIUS, WRIST_RADIUS, 0.040, 0.028),
         f"Hand.{letter}": superellipsoid(HAND, 0.65).transformed(Matrix.Translation(centre) @ turn),
     }
@@ -252,18 +292,32 @@ def _leg(joints: Mapping[str, Vector], letter: str) -> dict[str, Geometry]:
     return {
         f"Upper Leg.{letter}": _segment(hip, knee, 0.0, KNEE_RADIUS, THIGH_RADIUS, 0.058),
         f"Lower Leg.{letter}": _segment(knee, ankle, KNEE_RADIUS, ANKLE_RADIUS, 0.053, 0.036),
-        f"Foot.{letter}": superellipsoid((0.092, 0.25, FOOT_HEIGHT), 0.6).moved(ankle.x, ankle.y - 0.075, sole + FOOT_HEIGHT / 2),
+        f"Foot.{letter}": superellipsoid((0.092, 0.25, FOOT_HEIGHT), 0.6).moved(
+            ankle.x, ankle.y - 0.075, sole + FOOT_HEIGHT / 2
+        ),
     }
 
 
 def _segment(
-    start: Vector, end: Vector, start_ball: float, end_ball: float, start_radius: float, end_radius: float, ball_at_start: bool = False
+    start: Vector,
+    end: Vector,
+    start_ball: float,
+    end_ball: float,
+    start_radius: float,
+    end_radius: float,
+    ball_at_start: bool = False,
 ) -> Geometry:
-    """A limb between two joints: a taper that stops short of the balls, with the ball at its far end (and the near one) attached."""
+    """A limb between two joints: a taper that stops short of the balls, with the ball at its far
+    end (and the near one) attached."""
     direction = (end - start).normalized()
-    low = start + direction * max(start_ball - (OVERLAP if not ball_at_start else 0.6 * start_ball), 0.0)
+    low = start + direction * max(
+        start_ball - (OVERLAP if not ball_at_start else 0.6 * start_ball), 0.0
+    )
     high = end - direction * 0.6 * end_ball
-    parts = [along(limb((high - low).length, start_radius, end_radius), low, high), sphere(end_ball, 20, 10).moved(*end).painted(JOINT)]
+    parts = [
+        along(limb((high - low).length, start_radius, end_radius), low, high),
+        sphere(end_ball, 20, 10).moved(*end).painted(JOINT),
+    ]
     if ball_at_start:
         parts.append(sphere(start_ball, 20, 10).moved(*start).painted(JOINT))
     return joined(parts)
@@ -278,7 +332,8 @@ def _thigh_radius(part: float) -> float:
 
 
 def _bend(start: Vector, end: Vector, first: float, second: float, towards: Vector) -> Vector:
-    """The joint of a limb of two bones from ``start`` to ``end``, bent ``towards`` a side. Where the limb is too short it is stretched."""
+    """The joint of a limb of two bones from ``start`` to ``end``, bent ``towards`` a side. Where
+    the limb is too short it is stretched."""
     span = end - start
     length = span.length
     direction = span / length

@@ -26,4 +26,6 @@ def crate_shape(edge: float) -> Geometry:
 
 def crate_materials() -> tuple[Material, Material]:
     """Of the boards and of the frame."""
-    return surface("Crate Board", "#c99a5b", 0.7, mottle=0.3, mottle_scale=8.0), surface("Crate Frame", "#9a6a36", 0.7)
+    return surface("Crate Board", "#c99a5b", 0.7, mottle=0.3, mottle_scale=8.0), surface(
+        "Crate Frame", "#9a6a36", 0.7
+    )

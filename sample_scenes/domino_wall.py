@@ -1,4 +1,5 @@
-"""A thousand impacts: dominoes in a spiral of four arms, each felled by the one before, felt through the ground on a bench.
+"""A thousand impacts: dominoes in a spiral of four arms, each felled by the one before, felt
+through the ground on a bench.
 
 ``count`` dominoes make ``count - ARMS`` impacts.
 """
@@ -45,14 +46,18 @@ def build(scene: Scene, count: int = COUNT) -> None:
     _add_ground(scene, radius)
     _add_dominoes(scene, arm)
     bench = (0.0, radius + 1.05, 0.0)
-    wood, metal = surface("Bench Wood", "#b9804a", 0.55, mottle=0.35, mottle_scale=9.0), surface("Dark Metal", "#33383d", 0.4, 0.8)
+    wood, metal = (
+        surface("Bench Wood", "#b9804a", 0.55, mottle=0.35, mottle_scale=9.0),
+        surface("Dark Metal", "#33383d", 0.4, 0.8),
+    )
     add_bench(scene, bench, wood, metal, height=SEAT_HEIGHT, lean=LEAN)
     build_avatar(scene, seated(SEAT_HEIGHT, LEAN), bench, gain=TURNED_UP)
     _add_surroundings(scene, radius)
 
 
 def spiral(count: int) -> list[tuple[float, float, float]]:
-    """Where the dominoes of the first arm stand and which way they fall (x, y, angle), from the outer end inwards, at equal distances."""
+    """Where the dominoes of the first arm stand and which way they fall (x, y, angle), from the
+    outer end inwards, at equal distances."""
     growth = ARMS * ARM_SPACING / (2 * math.pi)
     turn = INNER_RADIUS / growth
     inwards = []
@@ -83,7 +88,9 @@ def _add_dominoes(scene: Scene, arm: list[tuple[float, float, float]]) -> None:
     """``Domino A001`` is the first of the first arm."""
     meshes = [to_mesh(f"Domino {k + 1}", box(DOMINO, 0.004), (_colour(k),)) for k in range(COLOURS)]
     for letter in range(ARMS):
-        for number, (x, y, along) in enumerate((_turned(spot, 2 * math.pi * letter / ARMS) for spot in arm), 1):
+        for number, (x, y, along) in enumerate(
+            (_turned(spot, 2 * math.pi * letter / ARMS) for spot in arm), 1
+        ):
             mesh = meshes[(3 * letter + number // 12) % COLOURS]
             tilt = FIRST_TILT if number == 1 else 0.0
             name = f"Domino {chr(ord('A') + letter)}{number:03d}"
@@ -94,7 +101,8 @@ def _add_dominoes(scene: Scene, arm: list[tuple[float, float, float]]) -> None:
 
 
 def _standing(x: float, y: float, along: float, tilt: float) -> Point:
-    """The middle of a domino that stands on the ground, tilted forward about its lower front edge."""
+    """The middle of a domino that stands on the ground, tilted forward about its lower front
+    edge."""
     half_thickness, half_height = DOMINO[0] / 2, DOMINO[2] / 2
     forward = half_thickness - half_thickness * math.cos(tilt) + half_height * math.sin(tilt)
     up = half_thickness * math.sin(tilt) + half_height * math.cos(tilt)
@@ -103,12 +111,26 @@ def _standing(x: float, y: float, along: float, tilt: float) -> Point:
 
 def _colour(number: int) -> Material:
     channels = colorsys.hsv_to_rgb(number / COLOURS, 0.62, 0.86)
-    return surface(f"Domino Colour {number + 1}", "#" + "".join(f"{round(255 * channel):02x}" for channel in channels), 0.35)
+    return surface(
+        f"Domino Colour {number + 1}",
+        "#" + "".join(f"{round(255 * channel):02x}" for channel in channels),
+        0.35,
+    )
 
 
 def _add_surroundings(scene: Scene, radius: float) -> Object:
     size = radius + 1.0
-    add_backdrop(scene, surface("Backdrop", "#4c5560", 0.95), 16 * size, -5 * size, 3.2 * size, -0.2, 3 * size)
+    add_backdrop(
+        scene,
+        surface("Backdrop", "#4c5560", 0.95),
+        16 * size,
+        -5 * size,
+        3.2 * size,
+        -0.2,
+        3 * size,
+    )
     add_world(scene, "#c3cad6", 0.35)
     add_three_point_light(scene, (0.0, 0.3, 0.2), 1.35 * size)
-    return add_camera(scene, (-0.35 * size, -2.05 * size, 1.45 * size), (0.0, 0.12 * size, 0.05 * size), 40.0)
+    return add_camera(
+        scene, (-0.35 * size, -2.05 * size, 1.45 * size), (0.0, 0.12 * size, 0.05 * size), 40.0
+    )

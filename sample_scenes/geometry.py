@@ -1,4 +1,5 @@
-"""Shapes as plain vertices and faces, put together by ``+`` and made a Blender mesh at the end. Lengths in metres, angles in radians."""
+"""Shapes as plain vertices and faces, put together by ``+`` and made a Blender mesh at the end.
+Lengths in metres, angles in radians."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ SUNK = 0.002
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """Faces over vertices; ``paints`` holds the index of each face's material. ``a + b`` is both of them, side by side."""
+    """Faces over vertices; ``paints`` holds the index of each face's material. ``a + b`` is both of
+    them, side by side."""
 
     vertices: tuple[Point, ...]
     faces: tuple[tuple[int, ...], ...]
@@ -30,11 +32,15 @@ class Geometry:
     def __add__(self, other: Geometry) -> Geometry:
         offset = len(self.vertices)
         moved = tuple(tuple(index + offset for index in face) for face in other.faces)
-        return Geometry(self.vertices + other.vertices, self.faces + moved, self.paints + other.paints)
+        return Geometry(
+            self.vertices + other.vertices, self.faces + moved, self.paints + other.paints
+        )
 
     def transformed(self, matrix: Matrix) -> Geometry:
         """All vertices transformed by ``matrix``."""
-        return replace(self, vertices=tuple(tuple(matrix @ Vector(vertex)) for vertex in self.vertices))
+        return replace(
+            self, vertices=tuple(tuple(matrix @ Vector(vertex)) for vertex in self.vertices)
+        )
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Geometry:
         """Shifted by an offset."""
@@ -63,10 +69,16 @@ def joined(parts: Iterable[Geometry]) -> Geometry:
 
 
 def box(size: Point, chamfer: float = 0.0) -> Geometry:
-    """A box about the origin; ``chamfer`` cuts its edges and corners without changing its extent."""
+    """A box about the origin; ``chamfer`` cuts its edges and corners without changing its
+    extent."""
     half = tuple(side / 2 for side in size)
     if chamfer <= 0:
-        corners = tuple((x * half[0], y * half[1], z * half[2]) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1))
+        corners = tuple(
+            (x * half[0], y * half[1], z * half[2])
+            for z in (-1, 1)
+            for y in (-1, 1)
+            for x in (-1, 1)
+        )
         faces = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
         return Geometry(corners, faces, (0,) * 6)
     inner = tuple(h - min(chamfer, 0.49 * 2 * min(half)) for h in half)
@@ -78,7 +90,9 @@ def box(size: Point, chamfer: float = 0.0) -> Geometry:
                 signs = (x, y, z)
                 for axis in range(3):
                     index[(*signs, axis)] = len(vertices)
-                    dx, dy, dz = (s * (half[k] if k == axis else inner[k]) for k, s in enumerate(signs))
+                    dx, dy, dz = (
+                        s * (half[k] if k == axis else inner[k]) for k, s in enumerate(signs)
+                    )
                     vertices.append((dx, dy, dz))
     faces_out: list[tuple[int, ...]] = []
     for axis in range(3):
@@ -106,7 +120,8 @@ def box(size: Point, chamfer: float = 0.0) -> Geometry:
 
 
 def lathe(profile: Sequence[tuple[float, float]], segments: int = 24) -> Geometry:
-    """The solid that a profile of (radius, z), from low to high z, sweeps about the z axis. Radius 0 is a pole; open ends are closed."""
+    """The solid that a profile of (radius, z), from low to high z, sweeps about the z axis. Radius
+    0 is a pole; open ends are closed."""
     vertices: list[Point] = []
     rings: list[list[int]] = []
     for radius, z in profile:
@@ -117,7 +132,12 @@ def lathe(profile: Sequence[tuple[float, float]], segments: int = 24) -> Geometr
     faces: list[tuple[int, ...]] = []
     for low, high in pairwise(rings):
         for k in range(segments):
-            ring = [low[k % len(low)], low[(k + 1) % len(low)], high[(k + 1) % len(high)], high[k % len(high)]]
+            ring = [
+                low[k % len(low)],
+                low[(k + 1) % len(low)],
+                high[(k + 1) % len(high)],
+                high[k % len(high)],
+            ]
             face = tuple(dict.fromkeys(ring))
             if len(face) > 2:
                 faces.append(face)
@@ -133,22 +153,36 @@ def cylinder(radius: float, height: float, segments: int = 24, chamfer: float = 
     h = height / 2
     if chamfer <= 0:
         return lathe(((radius, -h), (radius, h)), segments)
-    return lathe(((radius - chamfer, -h), (radius, chamfer - h), (radius, h - chamfer), (radius - chamfer, h)), segments)
+    return lathe(
+        (
+            (radius - chamfer, -h),
+            (radius, chamfer - h),
+            (radius, h - chamfer),
+            (radius - chamfer, h),
+        ),
+        segments,
+    )
 
 
 def sphere(radius: float, segments: int = 24, rings: int = 12) -> Geometry:
     """A sphere about the origin."""
     return lathe(
         [
-            (0.0 if k in (0, rings) else radius * math.sin(math.pi * k / rings), -radius * math.cos(math.pi * k / rings))
+            (
+                0.0 if k in (0, rings) else radius * math.sin(math.pi * k / rings),
+                -radius * math.cos(math.pi * k / rings),
+            )
             for k in range(rings + 1)
         ],
         segments,
     )
 
 
-def superellipsoid(size: Point, roundness: float = 0.6, segments: int = 24, rings: int = 14) -> Geometry:
-    """A convex body that fills a box of ``size`` about the origin: an ellipsoid at roundness 1, towards the box itself near 0."""
+def superellipsoid(
+    size: Point, roundness: float = 0.6, segments: int = 24, rings: int = 14
+) -> Geometry:
+    """A convex body that fills a box of ``size`` about the origin: an ellipsoid at roundness 1,
+    towards the box itself near 0."""
 
     def power(value: float) -> float:
         return math.copysign(abs(value) ** roundness, value)
@@ -169,8 +203,11 @@ def superellipsoid(size: Point, roundness: float = 0.6, segments: int = 24, ring
     return replace(ball, vertices=tuple(vertices))
 
 
-def limb(length: float, start: float, end: float, bulge: float = 0.0, segments: int = 20) -> Geometry:
-    """A tapered rod with round ends from the origin up to z = ``length``: radius ``start`` below, ``end`` above, ``bulge`` more between."""
+def limb(
+    length: float, start: float, end: float, bulge: float = 0.0, segments: int = 20
+) -> Geometry:
+    """A tapered rod with round ends from the origin up to z = ``length``: radius ``start`` below,
+    ``end`` above, ``bulge`` more between."""
     steps = 6
     profile: list[tuple[float, float]] = [(0.0, 0.0)]
     for k in range(1, steps + 1):
@@ -179,7 +216,12 @@ def limb(length: float, start: float, end: float, bulge: float = 0.0, segments: 
     low, high = start * 0.6, length - end * 0.6
     for k in range(1, 5):
         part = k / 5
-        profile.append((start + (end - start) * part + bulge * math.sin(math.pi * part), low + (high - low) * part))
+        profile.append(
+            (
+                start + (end - start) * part + bulge * math.sin(math.pi * part),
+                low + (high - low) * part,
+            )
+        )
     for k in range(steps):
         turn = math.pi / 2 * k / steps
         profile.append((end * math.cos(turn), high + end * 0.6 * math.sin(turn)))

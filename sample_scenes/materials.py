@@ -27,14 +27,16 @@ WEAK_BRIGHTNESS = 0.6
 
 
 def tag(scene: Scene, obj: Object, substance: Substance) -> Object:
-    """Make ``obj`` a haptic object of a material of the library of ``scene``, with the preset's values."""
+    """Make ``obj`` a haptic object of a material of the library of ``scene``, with the preset's
+    values."""
     obj.haptics.enabled = True
     library.apply([obj], library.preset_in(scene, substance))
     return obj
 
 
 def measure(scene: Scene, body: str) -> None:
-    """Give the objects of ``scene`` the measured functions of their materials; ``body``: how people feel, as in *Bodies*."""
+    """Give the objects of ``scene`` the measured functions of their materials; ``body``: how people
+    feel, as in *Bodies*."""
     bpy.context.view_layer.update()
     objects = [obj for obj in scene.objects if obj.haptics.enabled]
     library.use_physical(scene, objects, False)
@@ -42,7 +44,8 @@ def measure(scene: Scene, body: str) -> None:
 
 
 def isolate(scene: Scene, substance: Substance, stiffness: float, load: float) -> None:
-    """Make contacts of a substance resilient layers of a ``stiffness`` [N/m] that carry ``load`` kilograms."""
+    """Make contacts of a substance resilient layers of a ``stiffness`` [N/m] that carry ``load``
+    kilograms."""
     rule = scene.haptics.transmission_table.items.add()
     rule.first_kind, rule.first, rule.function = "MATERIAL", substance.title, "resilient"
     rule.stiffness, rule.load = stiffness, load
@@ -56,7 +59,8 @@ def vary_impacts(scene: Scene, variation: float) -> None:
 
 
 def node_tree(owner: Material | World) -> NodeTree:
-    """The shader nodes of a material or world, which has them from the start in newer versions only."""
+    """The shader nodes of a material or world, which has them from the start in newer versions
+    only."""
     if owner.node_tree is None:
         owner.use_nodes = True
     return owner.node_tree
@@ -65,7 +69,9 @@ def node_tree(owner: Material | World) -> NodeTree:
 def linear_colour(code: str) -> tuple[float, float, float, float]:
     """An sRGB colour such as ``#e0a030`` in the linear values that Blender computes with."""
     channels = (int(code[k : k + 2], 16) / 255 for k in (1, 3, 5))
-    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels)
+    red, green, blue = (
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels
+    )
     return (red, green, blue, 1.0)
 
 
@@ -81,8 +87,8 @@ def surface(
 ) -> Material:
     """A new material, which looks alike in the solid viewport.
 
-    colour: sRGB. glow: strength of the light it gives off. mottle: how far, in [0, 1], a noise of ``mottle_scale`` blotches per metre
-    darkens it.
+    colour: sRGB. glow: strength of the light it gives off. mottle: how far, in [0, 1], a noise of
+    ``mottle_scale`` blotches per metre darkens it.
     """
     material = bpy.data.materials.new(name)
     # The viewport's studio light is dimmer than the scenes' own.

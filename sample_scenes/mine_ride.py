@@ -1,8 +1,9 @@
 """The ride of the paper's study: 2 min 30 s through a mine on a cart, in six sections of 25 s.
 
-The user sits in the cart with the ten default listeners. 15 stalactites fall; a wind blows up through a bridge; two elves shoot with
-blowguns; a shock wave passes from left to right; two carts cross, one before and one behind; nine walls are broken through.
-Everything moves by keys, so that the ride is the same in every version.
+The user sits in the cart with the ten default listeners. 15 stalactites fall; a wind blows up
+through a bridge; two elves shoot with blowguns; a shock wave passes from left to right; two carts
+cross, one before and one behind; nine walls are broken through. Everything moves by keys, so that
+the ride is the same in every version.
 """
 
 from __future__ import annotations
@@ -102,7 +103,9 @@ def build(scene: Scene) -> None:
     animate(cart.root, "location", {frame: (x, 0.0, 0.0) for frame, x in ride.items()})
     roll(cart, ride)
     posture = seated(SEAT_HEIGHT, LEAN)
-    avatar = build_avatar(scene, posture, (BACK_X, 0.0, FLOOR), math.pi / 2, moving=True, parent=cart.root)
+    avatar = build_avatar(
+        scene, posture, (BACK_X, 0.0, FLOOR), math.pi / 2, moving=True, parent=cart.root
+    )
     _add_stalactites(scene)
     _add_wind(scene)
     _add_elves(scene, avatar)
@@ -127,13 +130,31 @@ def _add_stalactites(scene: Scene) -> None:
         frames = draw.randrange(15, 18)
         x = distance_at(lands) + draw.uniform(-0.6, 1.4)
         y = draw.choice((-1.0, 1.0)) * draw.uniform(0.85, 1.2)
-        waist = ((0.0, 0.0), (0.12 * radius, 0.06 * length), (0.34 * radius, 0.35 * length), (0.62 * radius, 0.70 * length))
+        waist = (
+            (0.0, 0.0),
+            (0.12 * radius, 0.06 * length),
+            (0.34 * radius, 0.35 * length),
+            (0.62 * radius, 0.70 * length),
+        )
         shape = lathe((*waist, (radius, 0.96 * length), (0.8 * radius, length)), 11)
-        stalactite = place(scene, f"Stalactite {number:02d}", shape, (rock,), (x, y, -0.008), (0.0, 0.0, draw.uniform(0.0, 6.0)))
+        stalactite = place(
+            scene,
+            f"Stalactite {number:02d}",
+            shape,
+            (rock,),
+            (x, y, -0.008),
+            (0.0, 0.0, draw.uniform(0.0, 6.0)),
+        )
         make_moving(scene, stalactite, STONE, mass)
         on_ground = stalactite.location.copy()
-        heights = {lands - frames + k: GRAVITY / 2 * ((frames / FRAME_RATE) ** 2 - (k / FRAME_RATE) ** 2) for k in range(frames + 1)}
-        keys = {float(frame): (on_ground.x, on_ground.y, on_ground.z + height) for frame, height in heights.items()}
+        heights = {
+            lands - frames + k: GRAVITY / 2 * ((frames / FRAME_RATE) ** 2 - (k / FRAME_RATE) ** 2)
+            for k in range(frames + 1)
+        }
+        keys = {
+            float(frame): (on_ground.x, on_ground.y, on_ground.z + height)
+            for frame, height in heights.items()
+        }
         animate(stalactite, "location", keys)
 
 
@@ -143,13 +164,16 @@ AIR_TOP = FLOOR + SEAT_HEIGHT + 0.08
 
 
 def _add_wind(scene: Scene) -> None:
-    """Air over the chasm, up to the rider's legs, with a source that follows the cart below the bridge and blows now more, now less."""
+    """Air over the chasm, up to the rider's legs, with a source that follows the cart below the
+    bridge and blows now more, now less."""
     section = SECTIONS[1]
     low, high = BRIDGE
     air = place(
         scene,
         "Updraft",
-        box((high - low - 6.0, 2.2, AIR_TOP + 4.0)).moved((low + high) / 2, 0.0, (AIR_TOP - 4.0) / 2),
+        box((high - low - 6.0, 2.2, AIR_TOP + 4.0)).moved(
+            (low + high) / 2, 0.0, (AIR_TOP - 4.0) / 2
+        ),
         (surface("Updraft", "#bfe3f2"),),
     )
     make_medium(air, 0.35)
@@ -174,12 +198,26 @@ def _add_streaks(scene: Scene, section: Section) -> None:
     materials = (surface("Leaf Gold", "#d9a441", 0.6), surface("Leaf Red", "#c4572f", 0.6))
     for number in range(1, 25):
         start = section.first + 40 + 22 * number
-        x, y = distance_at(start + 12) + draw.uniform(-1.5, 3.0), draw.choice((-1.0, 1.0)) * draw.uniform(0.8, 1.9)
+        x, y = (
+            distance_at(start + 12) + draw.uniform(-1.5, 3.0),
+            draw.choice((-1.0, 1.0)) * draw.uniform(0.8, 1.9),
+        )
         flying = place(scene, f"Leaf {number}", leaf, (materials[number % 2],))
-        path = {start + 6 * k: (x + 0.25 * math.sin(1.7 * k + number), y + 0.2 * math.cos(2.1 * k), -6.0 + 2.2 * k) for k in range(8)}
+        path = {
+            start + 6 * k: (
+                x + 0.25 * math.sin(1.7 * k + number),
+                y + 0.2 * math.cos(2.1 * k),
+                -6.0 + 2.2 * k,
+            )
+            for k in range(8)
+        }
         animate(flying, "location", path, BEZIER)
         animate(flying, "rotation_euler", {start: (0.0, 0.0, 0.0), start + 42: (9.0, 7.0, 5.0)})
-        animate(flying, "scale", {start - 1: (0, 0, 0), start: (1, 1, 1), start + 42: (1, 1, 1), start + 43: (0, 0, 0)})
+        animate(
+            flying,
+            "scale",
+            {start - 1: (0, 0, 0), start: (1, 1, 1), start + 42: (1, 1, 1), start + 43: (0, 0, 0)},
+        )
 
 
 # Section 3
@@ -199,10 +237,17 @@ def _add_elves(scene: Scene, avatar: Avatar) -> None:
     for side, letter in ((1.0, "L"), (-1.0, "R")):
         elf = place(scene, f"Elf.{letter}", _elf(side), (skin, cloth, hair, tube))
         low, high = section.first - 24, section.last + 24
-        steps = {frame: (_elf_x(frame), side * 2.1, 0.10 * abs(math.sin(frame / 4.0))) for frame in range(low, high + 1, 3)}
+        steps = {
+            frame: (_elf_x(frame), side * 2.1, 0.10 * abs(math.sin(frame / 4.0)))
+            for frame in range(low, high + 1, 3)
+        }
         # `place` put the origin into the middle of the figure.
         middle = elf.location.copy()
-        animate(elf, "location", {float(frame): tuple(Vector(spot) + middle) for frame, spot in steps.items()})
+        animate(
+            elf,
+            "location",
+            {float(frame): tuple(Vector(spot) + middle) for frame, spot in steps.items()},
+        )
         mouths[letter] = Vector((0.0, side * (2.1 - 0.62), 1.16))
     number = 0
     for start in range(section.first + 60, section.last - 30, VOLLEY):
@@ -224,18 +269,29 @@ def _elf_x(frame: float) -> float:
 def _elf(side: float) -> Geometry:
     """A small figure on the ground at the origin that aims its blowgun across the track."""
     legs = [rod((x, 0.0, 0.0), (x, 0.0, 0.42), 0.06, 10) for x in (-0.09, 0.09)]
-    boots = [superellipsoid((0.13, 0.24, 0.12), 0.7, 12, 8).moved(x, -side * 0.05, 0.06).painted(3) for x in (-0.09, 0.09)]
+    boots = [
+        superellipsoid((0.13, 0.24, 0.12), 0.7, 12, 8).moved(x, -side * 0.05, 0.06).painted(3)
+        for x in (-0.09, 0.09)
+    ]
     coat = lathe(((0.24, 0.34), (0.17, 0.70), (0.13, 0.98), (0.06, 1.02)), 16).painted(1)
     head = sphere(0.155, 18, 12).moved(z=1.15)
-    ears = [lathe(((0.05, 0.0), (0.0, 0.17)), 8).turned(turn * math.pi / 2, "Y").moved(turn * 0.13, 0.0, 1.17) for turn in (-1, 1)]
+    ears = [
+        lathe(((0.05, 0.0), (0.0, 0.17)), 8)
+        .turned(turn * math.pi / 2, "Y")
+        .moved(turn * 0.13, 0.0, 1.17)
+        for turn in (-1, 1)
+    ]
     hat = lathe(((0.175, 1.22), (0.13, 1.33), (0.07, 1.50), (0.0, 1.72)), 16).painted(2)
     gun = rod((0.0, -side * 0.13, 1.13), (0.0, -side * 0.60, 1.16), 0.028, 12).painted(3)
-    arms = [rod((x, 0.0, 0.92), (0.0, -side * 0.34, 1.12), 0.045, 10).painted(1) for x in (-0.15, 0.15)]
+    arms = [
+        rod((x, 0.0, 0.92), (0.0, -side * 0.34, 1.12), 0.045, 10).painted(1) for x in (-0.15, 0.15)
+    ]
     return joined([*legs, *boots, coat, head, *ears, hat, gun, *arms])
 
 
 def _surface_point(avatar: Avatar, part: str, origin: Vector) -> Vector:
-    """Where a line from ``origin`` towards the middle of a part of the body meets its surface, relative to the cart's root."""
+    """Where a line from ``origin`` towards the middle of a part of the body meets its surface,
+    relative to the cart's root."""
     obj = avatar.parts[part]
     turn = Matrix.Rotation(math.pi / 2, 4, "Z")
     middle = avatar.root.location + (turn @ obj.location)
@@ -246,8 +302,11 @@ def _surface_point(avatar: Avatar, part: str, origin: Vector) -> Vector:
     return tree.ray_cast(origin, towards)[0]
 
 
-def _add_dart(scene: Scene, number: int, felt: bpy.types.Material, mouth: Vector, target: Vector, hit: int) -> None:
-    """A soft ball that waits beside the elf, is shot straight, touches the moving user at frame ``hit`` and drops beside the track."""
+def _add_dart(
+    scene: Scene, number: int, felt: bpy.types.Material, mouth: Vector, target: Vector, hit: int
+) -> None:
+    """A soft ball that waits beside the elf, is shot straight, touches the moving user at frame
+    ``hit`` and drops beside the track."""
     dart = place(scene, f"Projectile {number:02d}", sphere(DART_RADIUS, 14, 8), (felt,))
     make_moving(scene, dart, FABRIC, DART_MASS, "SPHERE")
     away = (mouth + Vector((_ELF_AHEAD, 0.0, 0.0)) - target).normalized()
@@ -258,7 +317,10 @@ def _add_dart(scene: Scene, number: int, felt: bpy.types.Material, mouth: Vector
     # Until then it flies along with the elf in a row with the others, so that no two touch.
     in_row = Vector((0.16 + 0.09 * (number // 2), side * 0.85, -0.35))
     waiting = SECTIONS[2].first - 24
-    keys = {float(frame): tuple(mouth + in_row + Vector((_elf_x(frame), 0.0, 0.0))) for frame in (waiting, shot - 10)}
+    keys = {
+        float(frame): tuple(mouth + in_row + Vector((_elf_x(frame), 0.0, 0.0)))
+        for frame in (waiting, shot - 10)
+    }
     keys |= {float(shot): tuple(begin), float(hit): tuple(end)}
     # It bounces off, up and ahead, over the side of the cart to the ground.
     for k in (1, 2, 4, 6, 8, 10, 12, 15, 18):
@@ -277,23 +339,44 @@ SHOCK = SECTIONS[3].first + 260  # frame of the explosion
 
 
 def _add_shock_wave(scene: Scene, cart: Object) -> None:
-    """An explosion at the left wall; the front of its shock wave, a haptic sheet, crosses the user from left to right."""
+    """An explosion at the left wall; the front of its shock wave, a haptic sheet, crosses the user
+    from left to right."""
     seconds = 2 * FRONT_REACH / FRONT_SPEED
     add_explosion(scene, Vector((distance_at(SHOCK) + 3.2, 2.6, 1.2)), SHOCK)
-    sheet = place(scene, "Shock Front", box((1.5, 0.10, 1.0)), (surface("Shock Front", "#ffe2b8"),), parent=cart)
+    sheet = place(
+        scene,
+        "Shock Front",
+        box((1.5, 0.10, 1.0)),
+        (surface("Shock Front", "#ffe2b8"),),
+        parent=cart,
+    )
     make_moving(scene, sheet, STONE, FRONT_MASS, "BOX")
     sheet.display_type = "WIRE"
     sheet.hide_render = True
     arcs = []
     for k in range(9):
-        bend = [(0.75 * math.sin(t), -0.25 * (1 - math.cos(t)), -0.5 + k / 8) for t in (math.pi / 2 * (m / 6 - 1) for m in range(13))]
+        bend = [
+            (0.75 * math.sin(t), -0.25 * (1 - math.cos(t)), -0.5 + k / 8)
+            for t in (math.pi / 2 * (m / 6 - 1) for m in range(13))
+        ]
         arcs += [rod(bend[m], bend[m + 1], 0.012, 6) for m in range(12)]
-    seen = place(scene, "Shock Arcs", joined(arcs), (surface("Shock Arcs", "#ffd9a0", 0.6, glow=2.5),), parent=sheet)
+    seen = place(
+        scene,
+        "Shock Arcs",
+        joined(arcs),
+        (surface("Shock Arcs", "#ffd9a0", 0.6, glow=2.5),),
+        parent=sheet,
+    )
     begin, end = float(SHOCK + 4), SHOCK + 4 + seconds * FRAME_RATE
     # Before and after it rides along at the wall, where it touches nothing.
-    ends = {when: (0.30, side * FRONT_REACH, FLOOR + 1.18) for when, side in ((1.0, 1.0), (begin, 1.0), (end, -1.0))}
+    ends = {
+        when: (0.30, side * FRONT_REACH, FLOOR + 1.18)
+        for when, side in ((1.0, 1.0), (begin, 1.0), (end, -1.0))
+    }
     animate(sheet, "location", ends)
-    animate(seen, "scale", {begin - 1: (0, 0, 0), begin: (1, 1, 1), end: (1, 1, 1), end + 1: (0, 0, 0)})
+    animate(
+        seen, "scale", {begin - 1: (0, 0, 0), begin: (1, 1, 1), end: (1, 1, 1), end + 1: (0, 0, 0)}
+    )
 
 
 # Section 5
@@ -318,7 +401,11 @@ def _add_crossing_carts(scene: Scene) -> None:
         roll(cart, {when: y + reach for when, y in way.items()})
         rumble = place_empty(scene, f"{name} Rumble", (0.0, 0.0, 0.0), cart.wheelsets[0], size=0.2)
         make_source(rumble, "NOISE", amplitude=0.0)
-        animate(rumble, "haptics.source.amplitude", {1.0: 0.0, begin: 0.0, begin + 6: 1.0, end - 6: 1.0, end: 0.0})
+        animate(
+            rumble,
+            "haptics.source.amplitude",
+            {1.0: 0.0, begin: 0.0, begin + 6: 1.0, end - 6: 1.0, end: 0.0},
+        )
 
 
 def _add_cross_rails(scene: Scene, name: str, x: float) -> None:
@@ -329,7 +416,13 @@ def _add_cross_rails(scene: Scene, name: str, x: float) -> None:
     for number, (low, high) in enumerate(pieces, 1):
         for side, letter in ((1.0, "L"), (-1.0, "R")):
             shape = rail_shape(high - low).turned(math.pi / 2, "Z")
-            rail = place(scene, f"{name} Rail {number}.{letter}", shape, (steel,), (x + side * gap, low, RAIL_FOOT_HEIGHT))
+            rail = place(
+                scene,
+                f"{name} Rail {number}.{letter}",
+                shape,
+                (steel,),
+                (x + side * gap, low, RAIL_FOOT_HEIGHT),
+            )
             make_static(scene, rail, STEEL, "BOX")
 
 
@@ -340,9 +433,14 @@ def _add_ore(scene: Scene, name: str, cart: Cart) -> None:
     for _ in range(40):
         size = draw.uniform(0.16, 0.30)
         lump = superellipsoid((size, size, size * 0.8), 0.7, 9, 6).turned(draw.uniform(0, 3), "Z")
-        lump = lump.moved(draw.uniform(-0.65, 0.65), draw.uniform(-0.42, 0.42), FLOOR + draw.uniform(0.2, 0.52))
+        lump = lump.moved(
+            draw.uniform(-0.65, 0.65), draw.uniform(-0.42, 0.42), FLOOR + draw.uniform(0.2, 0.52)
+        )
         lumps.append(lump.painted(draw.randrange(2)))
-    materials = (surface(f"{name} Ore", "#5b5a5e", 0.9), surface(f"{name} Gold", "#d0a544", 0.35, 0.9))
+    materials = (
+        surface(f"{name} Ore", "#5b5a5e", 0.9),
+        surface(f"{name} Gold", "#d0a544", 0.35, 0.9),
+    )
     place(scene, f"{name} Load", joined(lumps), materials, parent=cart.root)
 
 
@@ -350,14 +448,17 @@ def _add_ore(scene: Scene, name: str, cart: Cart) -> None:
 
 
 def wall_frame(number: int) -> int:
-    """When the user reaches wall ``number``, from 0 to 8: the legs first, the trunk a fifth of a second later."""
+    """When the user reaches wall ``number``, from 0 to 8: the legs first, the trunk a fifth of a
+    second later."""
     return SECTIONS[5].first + 40 + WALL_PERIOD * number
 
 
 def _add_walls(scene: Scene) -> None:
-    """Nine haptic panels above the cart's rim, which stand still; what is seen of them breaks when the user comes.
+    """Nine haptic panels above the cart's rim, which stand still; what is seen of them breaks when
+    the user comes.
 
-    They are so thick that hands, trunk and head are in one at the same time: then it hands on to all what strikes one of them.
+    They are so thick that hands, trunk and head are in one at the same time: then it hands on to
+    all what strikes one of them.
     """
     looks = {
         "Stone": surface("Wall Stone", "#8d8a86", 0.9, mottle=0.4, mottle_scale=5.0),
@@ -369,20 +470,53 @@ def _add_walls(scene: Scene) -> None:
     for number, (kind, substance) in enumerate(WALLS):
         x = distance_at(wall_frame(number)) + 0.04 + WALL_THICKNESS / 2
         name = f"{kind} Wall {number % 3 + 1}"
-        panel = place(scene, name, box((WALL_THICKNESS, 2 * WALL_HALF_WIDTH, height)), (looks[kind],), (x, 0.0, WALL_BOTTOM + height / 2))
+        panel = place(
+            scene,
+            name,
+            box((WALL_THICKNESS, 2 * WALL_HALF_WIDTH, height)),
+            (looks[kind],),
+            (x, 0.0, WALL_BOTTOM + height / 2),
+        )
         make_static(scene, panel, substance, "BOX")
         panel.display_type = "WIRE"
         panel.hide_render = True
-        frame = [box((0.2, 0.16, 2.9), 0.02).moved(0.0, side * (WALL_HALF_WIDTH + 0.1), 1.4) for side in (-1, 1)]
-        frame.append(box((0.22, 2 * WALL_HALF_WIDTH + 0.5, 0.18), 0.02).moved(0.0, 0.0, WALL_TOP + 0.1))
-        place(scene, f"{name} Frame", joined(frame), (looks["Wood"] if kind == "Wood" else looks["Stone"],), (x, 0.0, 0.0))
+        frame = [
+            box((0.2, 0.16, 2.9), 0.02).moved(0.0, side * (WALL_HALF_WIDTH + 0.1), 1.4)
+            for side in (-1, 1)
+        ]
+        frame.append(
+            box((0.22, 2 * WALL_HALF_WIDTH + 0.5, 0.18), 0.02).moved(0.0, 0.0, WALL_TOP + 0.1)
+        )
+        place(
+            scene,
+            f"{name} Frame",
+            joined(frame),
+            (looks["Wood"] if kind == "Wood" else looks["Stone"],),
+            (x, 0.0, 0.0),
+        )
         if kind == "Ribbon":
             _add_ribbons(scene, name, looks[kind], x, wall_frame(number))
         else:
-            _add_pieces(scene, name, looks[kind], x, wall_frame(number), draw, (6, 3) if kind == "Stone" else (9, 1))
+            _add_pieces(
+                scene,
+                name,
+                looks[kind],
+                x,
+                wall_frame(number),
+                draw,
+                (6, 3) if kind == "Stone" else (9, 1),
+            )
 
 
-def _add_pieces(scene: Scene, name: str, look: bpy.types.Material, x: float, frame: int, draw: Random, counts: tuple[int, int]) -> None:
+def _add_pieces(
+    scene: Scene,
+    name: str,
+    look: bpy.types.Material,
+    x: float,
+    frame: int,
+    draw: Random,
+    counts: tuple[int, int],
+) -> None:
     """Blocks or planks that fly off when the wall is hit: nothing haptic."""
     columns, rows = counts
     width, height = 2 * WALL_HALF_WIDTH / columns, (WALL_TOP - WALL_BOTTOM) / rows
@@ -390,16 +524,24 @@ def _add_pieces(scene: Scene, name: str, look: bpy.types.Material, x: float, fra
     original = place(scene, f"{name} Piece 1", shape, (look,))
     for k in range(columns * rows):
         column, row = k % columns, k // columns
-        spot = Vector((x, (column + 0.5) * width - WALL_HALF_WIDTH, WALL_BOTTOM + (row + 0.5) * height))
+        spot = Vector(
+            (x, (column + 0.5) * width - WALL_HALF_WIDTH, WALL_BOTTOM + (row + 0.5) * height)
+        )
         piece = place_mesh(scene, f"{name} Piece {k + 1}", original.data, spot) if k else original
-        speed = Vector((draw.uniform(2.2, 4.0), spot.y * 1.6 + draw.uniform(-0.4, 0.4), draw.uniform(0.2, 1.8)))
+        speed = Vector(
+            (draw.uniform(2.2, 4.0), spot.y * 1.6 + draw.uniform(-0.4, 0.4), draw.uniform(0.2, 1.8))
+        )
         spin = Vector([draw.uniform(-5, 5) for _ in range(3)])
         moves, turns = {float(frame - 1): tuple(spot)}, {float(frame - 1): (0.0, 0.0, 0.0)}
         for step in (1, 3, 5, 8, 11, 14, 18):
             seconds = step / FRAME_RATE
             z = spot.z + speed.z * seconds - GRAVITY / 2 * seconds**2
             lying = z < 0.10
-            moves[float(frame - 1 + step)] = (spot.x + speed.x * seconds, spot.y + speed.y * seconds, max(z, 0.08))
+            moves[float(frame - 1 + step)] = (
+                spot.x + speed.x * seconds,
+                spot.y + speed.y * seconds,
+                max(z, 0.08),
+            )
             turns[float(frame - 1 + step)] = tuple(spin * seconds)
             if lying:
                 break
@@ -412,15 +554,27 @@ def _add_ribbons(scene: Scene, name: str, look: bpy.types.Material, x: float, fr
     count = 12
     width, length = 2 * WALL_HALF_WIDTH / count, WALL_TOP - WALL_BOTTOM + 0.12
     for k in range(count):
-        hinge = place_empty(scene, f"{name} Hinge {k + 1}", (x, (k + 0.5) * width - WALL_HALF_WIDTH, WALL_TOP), size=0.05)
+        hinge = place_empty(
+            scene,
+            f"{name} Hinge {k + 1}",
+            (x, (k + 0.5) * width - WALL_HALF_WIDTH, WALL_TOP),
+            size=0.05,
+        )
         strip = box((0.012, width - 0.02, length)).moved(z=-length / 2)
         place(scene, f"{name} Strip {k + 1}", strip, (look,), parent=hinge)
         near = math.exp(-(((k + 0.5) * width - WALL_HALF_WIDTH) ** 2) / 0.35)
         swing = {frame - 2.0: 0.0, frame + 4.0: -1.25 * near, frame + 10.0: -1.1 * near}
         for n in range(1, 6):
-            swing[frame + 10.0 + 8 * n] = (0.5 * near + 0.05) * math.cos(math.pi * n) * math.exp(-0.5 * n)
+            swing[frame + 10.0 + 8 * n] = (
+                (0.5 * near + 0.05) * math.cos(math.pi * n) * math.exp(-0.5 * n)
+            )
         swing[frame + 60.0] = 0.0
-        animate(hinge, "rotation_euler", {when: (0.0, angle, 0.0) for when, angle in swing.items()}, BEZIER)
+        animate(
+            hinge,
+            "rotation_euler",
+            {when: (0.0, angle, 0.0) for when, angle in swing.items()},
+            BEZIER,
+        )
 
 
 # Camera and light
@@ -467,7 +621,25 @@ def _add_camera_and_light(scene: Scene, cart: Object) -> None:
     ):
         light = add_area_light(scene, name, location, (0.0, 0.0, 1.3), power, 1.0, colour)
         light.parent = cart
-    lantern = joined((box((0.14, 0.14, 0.03)).moved(z=0.13), box((0.14, 0.14, 0.03)).moved(z=-0.13), sphere(0.07, 14, 8).painted(1)))
-    pole = rod((-0.26, 0.0, -0.55), (-0.10, 0.0, 0.2), 0.018, 8) + rod((-0.10, 0.0, 0.2), (0.0, 0.0, 0.14), 0.014, 8)
-    iron, glow = surface("Cart Lantern Iron", "#2c2a26", 0.6), surface("Cart Lantern Glow", "#ffcf87", 0.5, glow=12.0)
-    place(scene, "Lantern", joined((lantern, pole)), (iron, glow), (1.12, 0.45, 1.5 - SUNK), parent=cart)
+    lantern = joined(
+        (
+            box((0.14, 0.14, 0.03)).moved(z=0.13),
+            box((0.14, 0.14, 0.03)).moved(z=-0.13),
+            sphere(0.07, 14, 8).painted(1),
+        )
+    )
+    pole = rod((-0.26, 0.0, -0.55), (-0.10, 0.0, 0.2), 0.018, 8) + rod(
+        (-0.10, 0.0, 0.2), (0.0, 0.0, 0.14), 0.014, 8
+    )
+    iron, glow = (
+        surface("Cart Lantern Iron", "#2c2a26", 0.6),
+        surface("Cart Lantern Glow", "#ffcf87", 0.5, glow=12.0),
+    )
+    place(
+        scene,
+        "Lantern",
+        joined((lantern, pole)),
+        (iron, glow),
+        (1.12, 0.45, 1.5 - SUNK),
+        parent=cart,
+    )

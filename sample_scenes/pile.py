@@ -45,15 +45,28 @@ def build(scene: Scene, count: int = COUNT) -> None:
 
 def _add_shaking_table(scene: Scene, side: float) -> Object:
     """A motor below a plate on four springs, at 100 Hz: the source."""
-    steel, blue = surface("Bare Steel", "#9a9fa4", 0.3, 1.0), surface("Machine Blue", "#2f5d8a", 0.4)
+    steel, blue = (
+        surface("Bare Steel", "#9a9fa4", 0.3, 1.0),
+        surface("Machine Blue", "#2f5d8a", 0.4),
+    )
     black = surface("Rubber", "#1d1d1f", 0.85)
     plate = box((side, side, 0.06), 0.01).moved(z=TABLE_HEIGHT - 0.03)
-    motor = cylinder(0.13, 0.36, 28, 0.02).turned(math.pi / 2, "Y").moved(z=TABLE_HEIGHT - 0.19).painted(1)
+    motor = (
+        cylinder(0.13, 0.36, 28, 0.02)
+        .turned(math.pi / 2, "Y")
+        .moved(z=TABLE_HEIGHT - 0.19)
+        .painted(1)
+    )
     fin = cylinder(0.145, 0.012, 28).turned(math.pi / 2, "Y").painted(1)
     fins = [fin.moved(-0.12 + 0.06 * k, 0.0, TABLE_HEIGHT - 0.19) for k in range(5)]
-    table = place(scene, "Shaking Table", joined([plate, motor, *fins]), (steel, blue), (0.0, 0.0, 0.0))
+    table = place(
+        scene, "Shaking Table", joined([plate, motor, *fins]), (steel, blue), (0.0, 0.0, 0.0)
+    )
     make_static(scene, table, STEEL)
-    pad, cap = cylinder(0.05, 0.03, 20, 0.006).moved(z=0.015).painted(1), cylinder(0.05, 0.02, 20, 0.005).moved(z=SPRING_LENGTH - 0.01)
+    pad, cap = (
+        cylinder(0.05, 0.03, 20, 0.006).moved(z=0.015).painted(1),
+        cylinder(0.05, 0.02, 20, 0.005).moved(z=SPRING_LENGTH - 0.01),
+    )
     spring = joined((pad, _coil(), cap))
     offset = side / 2 - 0.09
     for x, across in ((offset, "L"), (-offset, "R")):
@@ -68,30 +81,55 @@ def _coil() -> Geometry:
     points = []
     for k in range(turns * steps + 1):
         angle = 2 * math.pi * k / steps
-        points.append((radius * math.cos(angle), radius * math.sin(angle), low + (high - low) * k / (turns * steps)))
+        points.append(
+            (
+                radius * math.cos(angle),
+                radius * math.sin(angle),
+                low + (high - low) * k / (turns * steps),
+            )
+        )
     return joined(rod(a, b, 0.008, 6) for a, b in pairwise(points))
 
 
 def _add_tray(scene: Scene, side: float) -> None:
     """A floor and four walls, each a haptic object."""
-    wood, board = surface("Tray Floor", "#c7a273", 0.6, mottle=0.25, mottle_scale=8.0), surface("Tray Board", "#a8835a", 0.6, mottle=0.25)
+    wood, board = (
+        surface("Tray Floor", "#c7a273", 0.6, mottle=0.25, mottle_scale=8.0),
+        surface("Tray Board", "#a8835a", 0.6, mottle=0.25),
+    )
     outer, middle = side + 2 * WALL, (side + WALL) / 2
     low = WALL - 2 * SUNK
     parts: dict[str, tuple[Geometry, tuple[float, float, float]]] = {
         "Tray Floor": (box((outer, outer, WALL), 0.004), (0.0, 0.0, WALL / 2 - SUNK)),
         "Tray Wall Front": (box((outer, WALL, FRONT), 0.004), (0.0, -middle, low + FRONT / 2)),
         "Tray Wall Back": (box((outer, WALL, HEIGHT), 0.004), (0.0, middle, low + HEIGHT / 2)),
-        "Tray Wall.L": (box((WALL, side + 2 * SUNK, HEIGHT), 0.004), (middle, 0.0, low + HEIGHT / 2)),
-        "Tray Wall.R": (box((WALL, side + 2 * SUNK, HEIGHT), 0.004), (-middle, 0.0, low + HEIGHT / 2)),
+        "Tray Wall.L": (
+            box((WALL, side + 2 * SUNK, HEIGHT), 0.004),
+            (middle, 0.0, low + HEIGHT / 2),
+        ),
+        "Tray Wall.R": (
+            box((WALL, side + 2 * SUNK, HEIGHT), 0.004),
+            (-middle, 0.0, low + HEIGHT / 2),
+        ),
     }
     for name, (shape, (px, py, pz)) in parts.items():
         make_static(
-            scene, place(scene, name, shape, (wood if name == "Tray Floor" else board,), (px, py, TABLE_HEIGHT + pz)), SOFTWOOD, "BOX"
+            scene,
+            place(
+                scene,
+                name,
+                shape,
+                (wood if name == "Tray Floor" else board,),
+                (px, py, TABLE_HEIGHT + pz),
+            ),
+            SOFTWOOD,
+            "BOX",
         )
 
 
 def _add_things(scene: Scene, count: int, side: float) -> None:
-    """Boxes, balls, cylinders and cones in layers above the tray, turned at random, the same each time."""
+    """Boxes, balls, cylinders and cones in layers above the tray, turned at random, the same each
+    time."""
     draw = Random(5)
     kinds = _kinds()
     columns = int((side - 0.04) / PITCH)
@@ -107,13 +145,21 @@ def _add_things(scene: Scene, count: int, side: float) -> None:
         )
         kind, shape, meshes = kinds[draw.randrange(len(kinds))]
         turn = (draw.uniform(0.0, 6.28), draw.uniform(0.0, 6.28), draw.uniform(0.0, 6.28))
-        thing = place_mesh(scene, f"{kind} {number + 1:04d}", meshes[draw.randrange(len(meshes))], spot, turn)
+        thing = place_mesh(
+            scene, f"{kind} {number + 1:04d}", meshes[draw.randrange(len(meshes))], spot, turn
+        )
         make_dynamic(scene, thing, SOFTWOOD, 0.6, shape, friction=0.5, restitution=0.1)
 
 
 def _kinds() -> list[tuple[str, str, list[Mesh]]]:
     """Name, collision shape and the meshes of each kind of thing."""
-    colours = {"Coral": "#e0705a", "Sand": "#e3b15f", "Sage": "#7fa36a", "Sea": "#4f8fa8", "Plum": "#84648f"}
+    colours = {
+        "Coral": "#e0705a",
+        "Sand": "#e3b15f",
+        "Sage": "#7fa36a",
+        "Sea": "#4f8fa8",
+        "Plum": "#84648f",
+    }
     paints = [surface(f"Paint {name}", code, 0.35) for name, code in colours.items()]
     half = SIZE / 2
     shapes = (
@@ -122,11 +168,24 @@ def _kinds() -> list[tuple[str, str, list[Mesh]]]:
         ("Cylinder", "CYLINDER", cylinder(half * 0.75, SIZE, 24, 0.004)),
         ("Cone", "CONE", lathe(((half, -half), (0.0, half)), 24)),
     )
-    return [(name, shape, [to_mesh(f"{name} {paint.name}", geometry, (paint,)) for paint in paints]) for name, shape, geometry in shapes]
+    return [
+        (name, shape, [to_mesh(f"{name} {paint.name}", geometry, (paint,)) for paint in paints])
+        for name, shape, geometry in shapes
+    ]
 
 
 def _add_surroundings(scene: Scene, scale: float) -> Object:
-    add_backdrop(scene, surface("Backdrop", "#59616b", 0.95), 30.0 * scale, -9.0 * scale, 6.5 * scale, -0.12, 7.0 * scale)
+    add_backdrop(
+        scene,
+        surface("Backdrop", "#59616b", 0.95),
+        30.0 * scale,
+        -9.0 * scale,
+        6.5 * scale,
+        -0.12,
+        7.0 * scale,
+    )
     add_world(scene, "#c3cad6", 0.3)
     add_three_point_light(scene, (0.0, 0.1, 0.8), 3.2 * scale)
-    return add_camera(scene, (-1.6 * scale, -4.0 * scale, 0.3 + 2.9 * scale), (0.03, 0.12 * scale, 0.78), 40.0)
+    return add_camera(
+        scene, (-1.6 * scale, -4.0 * scale, 0.3 + 2.9 * scale), (0.03, 0.12 * scale, 0.78), 40.0
+    )

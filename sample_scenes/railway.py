@@ -20,17 +20,33 @@ RAIL_TOP = SLEEPER[2] + RAIL_HEIGHT - 2 * SUNK
 def add_sleepers(scene: Scene, name: str, wood: Material, xs: list[float]) -> list[Object]:
     """Sleepers across x on the ground at z = 0."""
     shape = box(SLEEPER, 0.012).moved(z=SLEEPER[2] / 2)
-    sleepers = [place(scene, f"{name} {number}", shape, (wood,), (x, 0.0, -SUNK)) for number, x in enumerate(xs, 1)]
+    sleepers = [
+        place(scene, f"{name} {number}", shape, (wood,), (x, 0.0, -SUNK))
+        for number, x in enumerate(xs, 1)
+    ]
     return [make_static(scene, sleeper, HARDWOOD, "BOX") for sleeper in sleepers]
 
 
 def add_rails(
-    scene: Scene, name: str, steel: Material, low: float, high: float, gauge: float = GAUGE, height: float = SLEEPER[2] - 2 * SUNK
+    scene: Scene,
+    name: str,
+    steel: Material,
+    low: float,
+    high: float,
+    gauge: float = GAUGE,
+    height: float = SLEEPER[2] - 2 * SUNK,
 ) -> list[Object]:
-    """A pair of rails along x, their feet at ``height``, as on sleepers: ``name.L`` on the side of +Y."""
+    """A pair of rails along x, their feet at ``height``, as on sleepers: ``name.L`` on the side of
+    +Y."""
     rails = []
     for side, letter in ((1.0, "L"), (-1.0, "R")):
-        rail = place(scene, f"{name}.{letter}", rail_shape(high - low), (steel,), (low, side * (gauge + RAIL_HEAD) / 2, height))
+        rail = place(
+            scene,
+            f"{name}.{letter}",
+            rail_shape(high - low),
+            (steel,),
+            (low, side * (gauge + RAIL_HEAD) / 2, height),
+        )
         rails.append(make_static(scene, rail, STEEL, "BOX"))
     return rails
 
@@ -56,7 +72,9 @@ def wheelset(radius: float, gauge: float = GAUGE) -> Geometry:
     rail_y = (gauge + RAIL_HEAD) / 2
     wheel = cylinder(radius, 0.11, 32, 0.012).turned(math.pi / 2, "X")
     hub = cylinder(0.3 * radius, 0.16, 20, 0.01).turned(math.pi / 2, "X")
-    sides = [part.moved(y=side * rail_y) for side in (-1.0, 1.0) for part in (wheel, hub.painted(1))]
+    sides = [
+        part.moved(y=side * rail_y) for side in (-1.0, 1.0) for part in (wheel, hub.painted(1))
+    ]
     return joined([*sides, rod((0.0, -rail_y, 0.0), (0.0, rail_y, 0.0), 0.3 * radius).painted(1)])
 
 

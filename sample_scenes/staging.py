@@ -48,17 +48,26 @@ def place(
     rotation: Point = (0.0, 0.0, 0.0),
     parent: Object | None = None,
 ) -> Object:
-    """A new mesh object in ``scene``: ``geometry`` turned by ``rotation`` (XYZ, radians) and moved by ``location``, relative to ``parent``.
+    """A new mesh object in ``scene``: ``geometry`` turned by ``rotation`` (XYZ, radians) and moved
+    by ``location``, relative to ``parent``.
 
-    Its origin is the centre of its bounding box, since that is where rigid bodies have the centre of their boxes, cylinders and cones.
+    Its origin is the centre of its bounding box, since that is where rigid bodies have the centre
+    of their boxes, cylinders and cones.
     """
     centre = geometry.centre()
     mesh = to_mesh(name, geometry.moved(*(-centre)), materials)
-    return place_mesh(scene, name, mesh, Vector(location) + Euler(rotation).to_matrix() @ centre, rotation, parent)
+    return place_mesh(
+        scene, name, mesh, Vector(location) + Euler(rotation).to_matrix() @ centre, rotation, parent
+    )
 
 
 def place_mesh(
-    scene: Scene, name: str, mesh: Mesh, location: Point | Vector, rotation: Point = (0.0, 0.0, 0.0), parent: Object | None = None
+    scene: Scene,
+    name: str,
+    mesh: Mesh,
+    location: Point | Vector,
+    rotation: Point = (0.0, 0.0, 0.0),
+    parent: Object | None = None,
 ) -> Object:
     """A new object in ``scene`` of a mesh that others may share."""
     obj = bpy.data.objects.new(name, mesh)
@@ -110,7 +119,13 @@ def _rigid_body(scene: Scene, obj: Object, shape: str) -> bpy.types.RigidBodyObj
     return body
 
 
-def make_static(scene: Scene, obj: Object, substance: Substance, shape: str = "CONVEX_HULL", friction: float = 0.6) -> Object:
+def make_static(
+    scene: Scene,
+    obj: Object,
+    substance: Substance,
+    shape: str = "CONVEX_HULL",
+    friction: float = 0.6,
+) -> Object:
     """A haptic object that stands still."""
     body = _rigid_body(scene, obj, shape)
     body.type = "PASSIVE"
@@ -119,8 +134,11 @@ def make_static(scene: Scene, obj: Object, substance: Substance, shape: str = "C
     return tag(scene, obj, substance)
 
 
-def make_moving(scene: Scene, obj: Object, substance: Substance, mass: float, shape: str = "CONVEX_HULL") -> Object:
-    """A haptic object that follows its animation, or that of its parent. ``mass`` in kg counts for the energy of its impacts."""
+def make_moving(
+    scene: Scene, obj: Object, substance: Substance, mass: float, shape: str = "CONVEX_HULL"
+) -> Object:
+    """A haptic object that follows its animation, or that of its parent. ``mass`` in kg counts for
+    the energy of its impacts."""
     body = _rigid_body(scene, obj, shape)
     body.type = "PASSIVE"
     body.kinematic = True
@@ -130,7 +148,13 @@ def make_moving(scene: Scene, obj: Object, substance: Substance, mass: float, sh
 
 
 def make_dynamic(
-    scene: Scene, obj: Object, substance: Substance, mass: float, shape: str = "BOX", friction: float = 0.6, restitution: float = 0.2
+    scene: Scene,
+    obj: Object,
+    substance: Substance,
+    mass: float,
+    shape: str = "BOX",
+    friction: float = 0.6,
+    restitution: float = 0.2,
 ) -> Object:
     """A haptic object that falls and collides."""
     body = _rigid_body(scene, obj, shape)
@@ -142,7 +166,8 @@ def make_dynamic(
 
 
 def make_medium(obj: Object, alpha: float) -> Object:
-    """A volume, drawn as wires, that touches what it overlaps and fades signals by ``alpha`` per metre."""
+    """A volume, drawn as wires, that touches what it overlaps and fades signals by ``alpha`` per
+    metre."""
     obj.display_type = "WIRE"
     obj.hide_render = True
     obj.visible_shadow = False
@@ -153,22 +178,27 @@ def make_medium(obj: Object, alpha: float) -> Object:
 
 
 def spread_as_front(medium: Object, radius: float, speed: float) -> Object:
-    """Make a medium transmit a blast with the gain ``radius`` / (``radius`` + distance) [m] at ``speed`` [m/s]."""
+    """Make a medium transmit a blast with the gain ``radius`` / (``radius`` + distance) [m] at
+    ``speed`` [m/s]."""
     spread_all_around(medium.haptics, radius)
     medium.haptics.wave_speed = speed
     return medium
 
 
 def make_blast(obj: Object, frame: int, seconds: float) -> Object:
-    """A source that plays once, at ``frame``: the pressure of a blast whose overpressure lasts so many ``seconds``."""
+    """A source that plays once, at ``frame``: the pressure of a blast whose overpressure lasts so
+    many ``seconds``."""
     source = make_source(obj, "BLAST").haptics.source
     source.decay, source.one_shot = seconds, True
     animate(obj, "haptics.source.trigger", {float(frame): 1.0}, CONSTANT)
     return obj
 
 
-def make_source(obj: Object, signal: str, frequency: float = 60.0, amplitude: float = 1.0) -> Object:
-    """A persistent source at the origin of ``obj``: signal is ``SINE``, ``PULSE`` or ``NOISE``, frequency in Hz, amplitude in [0, 1]."""
+def make_source(
+    obj: Object, signal: str, frequency: float = 60.0, amplitude: float = 1.0
+) -> Object:
+    """A persistent source at the origin of ``obj``: signal is ``SINE``, ``PULSE`` or ``NOISE``,
+    frequency in Hz, amplitude in [0, 1]."""
     source = obj.haptics.source
     source.enabled = True
     source.signal = signal
@@ -178,8 +208,8 @@ def make_source(obj: Object, signal: str, frequency: float = 60.0, amplitude: fl
 
 
 def make_listener(obj: Object, body_part: str, radius: float, gain: float = 1.0) -> Object:
-    """A listener at the origin of ``obj``, which represents a body part with a bounding radius in metres; ``gain``: that of the
-    listener."""
+    """A listener at the origin of ``obj``, which represents a body part with a bounding radius in
+    metres; ``gain``: that of the listener."""
     listener = obj.haptics.listener
     listener.enabled = True
     listener.limiter = False  # the paper clips the mix at the ceiling

@@ -1,1 +1,2 @@
-"""The paper's study: the mine ride rendered in four modes, measures of their differences, and a report."""
+"""The paper's study: the mine ride rendered in four modes, measures of their differences, and a
+report."""

@@ -33,7 +33,8 @@ RUN_UP = 8
 
 
 class ModeRendering:
-    """Renders the consecutive frames of a tracer in another mode, as the tracer itself would in that mode.
+    """Renders the consecutive frames of a tracer in another mode, as the tracer itself would in
+    that mode.
 
     Contacts, impacts and sources are the same in all modes, so they are found only once.
     """
@@ -44,12 +45,15 @@ class ModeRendering:
         self._time: float | None = None
 
     def of(self, result: FrameResult, settings: Settings) -> FrameResult:
-        """The frame in this mode, with the other ``settings`` unchanged. A reset of the tracer also resets this rendering."""
+        """The frame in this mode, with the other ``settings`` unchanged. A reset of the tracer also
+        resets this rendering."""
         if result.block is None:
             self._mixdown.reset()
             self._time = None
         propagation = propagate(result.graph, replace(settings, mode=self.mode), sounding_only=True)
-        block = self._mixdown.render(self._time, result.time, result.sources, result.listeners, propagation)
+        block = self._mixdown.render(
+            self._time, result.time, result.sources, result.listeners, propagation
+        )
         self._time = result.time
         return replace(
             result,
@@ -73,15 +77,20 @@ class _Varied:
     def add(self, results: dict[Mode, FrameResult], settings: Settings) -> None:
         """Add a frame, given its results in all modes."""
         traced = results[Mode.HT]
-        result = self._rendering.of(replace(traced, graph=self._graphs.of(traced.graph)), self.variation.settings(settings))
+        result = self._rendering.of(
+            replace(traced, graph=self._graphs.of(traced.graph)), self.variation.settings(settings)
+        )
         self._levels.add(result)
         self._soundings += _soundings({**results, Mode.HT: result})
 
     def ride(self, own: Ride) -> Ride:
-        """``own`` with the levels and amplitudes of this rendering; its tracks stay those of the ride itself."""
+        """``own`` with the levels and amplitudes of this rendering; its tracks stay those of the
+        ride itself."""
         rms, peak = self._levels.arrays()
         rendition = replace(own.renditions[Mode.HT], rms=rms, peak=peak)
-        return replace(own, renditions={**own.renditions, Mode.HT: rendition}, soundings=tuple(self._soundings))
+        return replace(
+            own, renditions={**own.renditions, Mode.HT: rendition}, soundings=tuple(self._soundings)
+        )
 
 
 def bake_ride(
@@ -91,9 +100,11 @@ def bake_ride(
     progress: Callable[[int], None] = lambda frame: None,
     variations: Sequence[Variation] = (),
 ) -> tuple[Ride, tuple[tuple[Variation, Ride], ...]]:
-    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`, and in HT under each variation.
+    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`, and in HT
+    under each variation.
 
-    ``progress`` is called with the number of every frame. Raises ValueError if a frame cannot be traced.
+    ``progress`` is called with the number of every frame. Raises ValueError if a frame cannot be
+    traced.
     """
     scene.haptics.mode = "HT"
     if scene.rigidbody_world is not None:
@@ -110,7 +121,10 @@ def bake_ride(
             traced = step.result
             reading = session.of(scene).reading
             assert reading is not None
-            results = {Mode.HT: traced} | {mode: rendering.of(traced, reading.settings) for mode, rendering in renderings.items()}
+            results = {Mode.HT: traced} | {
+                mode: rendering.of(traced, reading.settings)
+                for mode, rendering in renderings.items()
+            }
             for mode, result in results.items():
                 recorders[mode].add(result)
             soundings += _soundings(results)
@@ -118,7 +132,9 @@ def bake_ride(
                 one.add(results, reading.settings)
             if not frames:
                 listeners = tuple(item.body_part or item.name for item in traced.listeners)
-                positions = np.array([item.position for item in traced.listeners], dtype=np.float64).reshape(-1, 3)
+                positions = np.array(
+                    [item.position for item in traced.listeners], dtype=np.float64
+                ).reshape(-1, 3)
             frames.append(traced.number)
             progress(traced.number)
     ride = Ride(
@@ -133,24 +149,32 @@ def bake_ride(
             for section in SECTIONS
             if section.first <= last and section.last >= first
         ),
-        largest_difference={mode: recorder.levels.largest_difference for mode, recorder in recorders.items()},
+        largest_difference={
+            mode: recorder.levels.largest_difference for mode, recorder in recorders.items()
+        },
     )
     return ride, tuple((one.variation, one.ride(ride)) for one in varied)
 
 
 def lively_frames(ride: Ride, count: int) -> list[int]:
-    """At most ``count`` frames of every section: that with the highest levels in each of as many equal parts, silent parts left out."""
+    """At most ``count`` frames of every section: that with the highest levels in each of as many
+    equal parts, silent parts left out."""
     felt = ride.renditions[Mode.HT].peak.sum(axis=1)
     chosen = []
     for _, _, first, last in ride.sections:
         rows = ride.rows(first, last)
         parts = np.array_split(np.arange(rows.start, rows.stop), count)
-        chosen += [int(ride.frames[part[felt[part].argmax()]]) for part in parts if felt[part].any()]
+        chosen += [
+            int(ride.frames[part[felt[part].argmax()]]) for part in parts if felt[part].any()
+        ]
     return chosen
 
 
-def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (480, 300)) -> dict[int, bytes]:
-    """PNG by frame: the ride as its camera sees it, with the best paths over it. Needs a GPU (`picture.starts_gpu`)."""
+def draw_frames(
+    scene: Scene, frames: Sequence[int], size: tuple[int, int] = (480, 300)
+) -> dict[int, bytes]:
+    """PNG by frame: the ride as its camera sees it, with the best paths over it. Needs a GPU
+    (`picture.starts_gpu`)."""
     pictures = {}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"
@@ -159,13 +183,22 @@ def draw_frames(scene: Scene, frames: Sequence[int], size: tuple[int, int] = (48
             for step in timeline.steps(scene, max(frame - RUN_UP, scene.frame_start), frame):
                 if step.result.number == frame:
                     with suspended():
-                        write_png(path, viewport_picture(scene, step.result, size, Options(show_intra=False, show_labels=False)))
+                        write_png(
+                            path,
+                            viewport_picture(
+                                scene,
+                                step.result,
+                                size,
+                                Options(show_intra=False, show_labels=False),
+                            ),
+                        )
             pictures[frame] = path.read_bytes()
     return pictures
 
 
 class _Levels:
-    """Collects the levels of frames. ``largest_difference``: between two listeners' samples at any time."""
+    """Collects the levels of frames. ``largest_difference``: between two listeners' samples at any
+    time."""
 
     def __init__(self) -> None:
         self._rms: list[FloatArray] = []
@@ -177,7 +210,9 @@ class _Levels:
         if block.shape[1]:
             self._rms.append(np.sqrt((block**2).mean(axis=1)))
             self._peak.append(np.abs(block).max(axis=1))
-            self.largest_difference = max(self.largest_difference, float(np.ptp(block, axis=0).max()))
+            self.largest_difference = max(
+                self.largest_difference, float(np.ptp(block, axis=0).max())
+            )
         else:
             self._rms.append(np.zeros(len(block)))
             self._peak.append(np.zeros(len(block)))
@@ -215,19 +250,26 @@ def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
             Sounding(
                 frame=traced.number,
                 name=source.name,
-                objects=(source.object,) if source.second_object is None else (source.object, source.second_object),
+                objects=(source.object,)
+                if source.second_object is None
+                else (source.object, source.second_object),
                 began=began,
                 amplitude=source.amplitude,
-                distance=np.min([np.linalg.norm(places - side, axis=1) for side in _sides(source)], axis=0),
+                distance=np.min(
+                    [np.linalg.norm(places - side, axis=1) for side in _sides(source)], axis=0
+                ),
                 amplitudes=np.array([_felt_amplitudes(results[mode], row) for mode in MODES]),
-                paths=tuple(traced.path_objects(row, k) for k in range(len(traced.listeners))) if began else (),
+                paths=tuple(traced.path_objects(row, k) for k in range(len(traced.listeners)))
+                if began
+                else (),
             )
         )
     return found
 
 
 def _felt_amplitudes(result: FrameResult, row: int) -> FloatArray:
-    """The amplitudes (l,) with which a source arrives; those of frequency bands weighted by the felt share of its signal in each."""
+    """The amplitudes (l,) with which a source arrives; those of frequency bands weighted by the
+    felt share of its signal in each."""
     bands = result.propagation.band_gain
     if bands is None:
         return np.asarray(result.amplitudes[row])
@@ -238,4 +280,6 @@ def _felt_amplitudes(result: FrameResult, row: int) -> FloatArray:
 
 def _sides(source: Source) -> tuple[FloatArray, ...]:
     """Positions of a source: on its object, or on both objects of an impact."""
-    return tuple(np.array(place) for place in (source.position, source.second_position) if place is not None)
+    return tuple(
+        np.array(place) for place in (source.position, source.second_position) if place is not None
+    )

@@ -20,12 +20,14 @@ PLACES: Mapping[str, tuple[float, float, float]] = {
     "hand": (31.0, 81.0, 6.5),
     "upper_leg": (9.5, 92.0, 7.5),
 }
-"""By part, without its side: distance from the midline, height from above, radius, in a picture of 100 x 128."""
+"""By part, without its side: distance from the midline, height from above, radius, in a picture of
+100 x 128."""
 
 _FIGURE = (
     '<circle cx="50" cy="15" r="11"/><path d="M50 24V34"/>'
     '<path class="trunk" d="M33 34Q50 28 67 34L64 76Q50 82 36 76Z"/>'
-    '<path class="limb" d="M32 38L24 60L19 80M68 38L76 60L81 80"/><path class="leg" d="M41 78V122M59 78V122"/>'
+    '<path class="limb" d="M32 38L24 60L19 80M68 38L76 60L81 80"/><path class="leg" d="M41 '
+    '78V122M59 78V122"/>'
 )
 
 
@@ -44,7 +46,8 @@ def shade_numbers(level: FloatArray) -> np.ndarray:
 
 
 def body_map(listeners: Sequence[str], level: FloatArray | None = None) -> str:
-    """An SVG element with a disc per listener that has a place on the map, coloured by ``level`` (l,)."""
+    """An SVG element with a disc per listener that has a place on the map, coloured by ``level``
+    (l,)."""
     colours = shades()
     numbers = np.zeros(len(listeners), dtype=np.uint8) if level is None else shade_numbers(level)
     discs = []
@@ -55,5 +58,11 @@ def body_map(listeners: Sequence[str], level: FloatArray | None = None) -> str:
         reach, y, radius = PLACES[part]
         x = 50 + (reach if side == "R" else -reach)
         title = escape(listener.replace("_", " "))
-        discs.append(f'<circle class="disc" cx="{x:g}" cy="{y:g}" r="{radius:g}" fill="{colours[number]}"><title>{title}</title></circle>')
-    return f'<svg class="body" viewBox="0 0 100 128" role="img"><g class="figure">{_FIGURE}</g>{"".join(discs)}</svg>'
+        discs.append(
+            f'<circle class="disc" cx="{x:g}" cy="{y:g}" r="{radius:g}" '
+            f'fill="{colours[number]}"><title>{title}</title></circle>'
+        )
+    return (
+        '<svg class="body" viewBox="0 0 100 128" role="img"><g '
+        f'class="figure">{_FIGURE}</g>{"".join(discs)}</svg>'
+    )

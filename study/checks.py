@@ -1,6 +1,7 @@
 """Checks of the four modes: properties that hold by definition, and measured differences.
 
-The paper gives no numbers for any of this; its results are ratings, which cannot be computed (`FINDINGS`).
+The paper gives no numbers for any of this; its results are ratings, which cannot be computed
+(`FINDINGS`).
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """A statement, the measurement in words, and whether it holds; None if the frames contain nothing to measure."""
+    """A statement, the measurement in words, and whether it holds; None if the frames contain
+    nothing to measure."""
 
     name: str
     statement: str
@@ -60,8 +62,18 @@ def checks_of(ride: Ride) -> tuple[Check, ...]:
 
 def measured_checks(ride: Ride) -> tuple[Check, ...]:
     """The checks that depend on the scene's values, by section at the end."""
-    sections = [check for section in ride.sections for check in (has_pattern(ride, section), wider_than_distance(ride, section))]
-    return (differs_by_material(ride), both_legs(ride), left_to_right(ride), wider_range(ride), *sections)
+    sections = [
+        check
+        for section in ride.sections
+        for check in (has_pattern(ride, section), wider_than_distance(ride, section))
+    ]
+    return (
+        differs_by_material(ride),
+        both_legs(ride),
+        left_to_right(ride),
+        wider_range(ride),
+        *sections,
+    )
 
 
 def single_actuator(ride: Ride) -> Check:
@@ -70,7 +82,9 @@ def single_actuator(ride: Ride) -> Check:
     if not ride.soundings:
         return Check.without_data(name, statement)
     most = max(int((s.amplitudes[SD] > 0).sum()) for s in ride.soundings)
-    return Check(name, statement, f"at most {most} in {len(ride.soundings)} source frames", most == 1)
+    return Check(
+        name, statement, f"at most {most} in {len(ride.soundings)} source frames", most == 1
+    )
 
 
 def nearest_actuator(ride: Ride) -> Check:
@@ -80,7 +94,12 @@ def nearest_actuator(ride: Ride) -> Check:
     if not driven:
         return Check.without_data(name, statement)
     further = [float(s.distance[s.amplitudes[SD].argmax()] - s.distance.min()) for s in driven]
-    return Check(name, statement, f"never more than {max(further) * 1000:.3f} mm further than the nearest", max(further) < 1e-9)
+    return Check(
+        name,
+        statement,
+        f"never more than {max(further) * 1000:.3f} mm further than the nearest",
+        max(further) < 1e-9,
+    )
 
 
 def all_alike(ride: Ride) -> Check:
@@ -90,12 +109,20 @@ def all_alike(ride: Ride) -> Check:
         return Check.without_data(name, statement)
     others = ", ".join(f"{mode} {ride.largest_difference[mode]:.3f}" for mode in MODES[:3])
     value = ride.largest_difference[Mode.MN]
-    return Check(name, statement, f"largest difference between two actuators {value:g} of full scale ({others})", value == 0.0)
+    return Check(
+        name,
+        statement,
+        f"largest difference between two actuators {value:g} of full scale ({others})",
+        value == 0.0,
+    )
 
 
 def distance_only(ride: Ride) -> Check:
     """Gains in MD are those of the paper's equation 4 at the straight distance."""
-    name, statement = "MD: by distance only", f"Every gain is e^(-{DISTANCE_ONLY.alpha:g} d) of the source, whatever lies between."
+    name, statement = (
+        "MD: by distance only",
+        f"Every gain is e^(-{DISTANCE_ONLY.alpha:g} d) of the source, whatever lies between.",
+    )
     if not ride.soundings:
         return Check.without_data(name, statement)
     worst = 0.0
@@ -106,7 +133,8 @@ def distance_only(ride: Ride) -> Check:
 
 
 def wall_amplitudes(ride: Ride) -> dict[str, FloatArray]:
-    """By wall, in the order of the ride: (4, l) the sum of the amplitudes of its impacts at each listener, by `MODES`."""
+    """By wall, in the order of the ride: (4, l) the sum of the amplitudes of its impacts at each
+    listener, by `MODES`."""
     walls: dict[str, FloatArray] = {}
     for s in ride.soundings:
         for name in s.objects if s.began else ():
@@ -124,41 +152,55 @@ def walls_felt(ride: Ride, mode: int) -> dict[str, list[FloatArray]]:
 
 
 def _difference(walls: Sequence[FloatArray]) -> float:
-    """The largest difference in decibels between amplitudes (l,) of walls at an actuator; infinite if only some are felt there."""
+    """The largest difference in decibels between amplitudes (l,) of walls at an actuator; infinite
+    if only some are felt there."""
     lowest, highest = np.min(walls, axis=0), np.max(walls, axis=0)
     with np.errstate(divide="ignore"):
         return float(20 * np.log10(highest[highest > 0] / lowest[highest > 0]).max(initial=0.0))
 
 
 def _differences(felt: dict[str, list[FloatArray]]) -> tuple[float, float]:
-    """The largest difference in decibels at an actuator between walls of the same material, and the smallest between materials, each
-    where the two differ most."""
+    """The largest difference in decibels at an actuator between walls of the same material, and the
+    smallest between materials, each where the two differ most."""
     within = max(_difference(walls) for walls in felt.values())
-    between = min(_difference([np.mean(first, axis=0), np.mean(second, axis=0)]) for first, second in combinations(felt.values(), 2))
+    between = min(
+        _difference([np.mean(first, axis=0), np.mean(second, axis=0)])
+        for first, second in combinations(felt.values(), 2)
+    )
     return within, between
 
 
 def _actuators_apart(felt: dict[str, list[FloatArray]]) -> str:
-    """At how many actuators two materials differ by more than the highest difference threshold, in words."""
+    """At how many actuators two materials differ by more than the highest difference threshold, in
+    words."""
     counts = []
     for (one, first), (other, second) in combinations(felt.items(), 2):
         pairs = zip(np.mean(first, axis=0), np.mean(second, axis=0), strict=True)
-        apart = sum(are_felt_different(_difference([np.array([a]), np.array([b])])) for a, b in pairs)
+        apart = sum(
+            are_felt_different(_difference([np.array([a]), np.array([b])])) for a, b in pairs
+        )
         counts.append(f"{apart} actuators ({one.lower()} and {other.lower()})")
     return ", ".join(counts)
 
 
 def differs_by_material(ride: Ride) -> Check:
     """In HT walls of different materials differ more than those of the same."""
-    name, statement = "HT: by material", "Walls of stone, wood and ribbons are felt differently, those of one material alike."
+    name, statement = (
+        "HT: by material",
+        "Walls of stone, wood and ribbons are felt differently, those of one material alike.",
+    )
     felt = walls_felt(ride, HT)
     if len(felt) < len(MATERIALS):
         return Check.without_data(name, statement)
     within, between = _differences(felt)
     apart = _actuators_apart(felt)
-    means = ", ".join(f"{material.lower()} {np.mean([amplitudes.mean() for amplitudes in felt[material]]):.3f}" for material in MATERIALS)
+    means = ", ".join(
+        f"{material.lower()} {np.mean([amplitudes.mean() for amplitudes in felt[material]]):.3f}"
+        for material in MATERIALS
+    )
     measured = (
-        f"mean amplitude {means}; at some actuator any two materials differ by {between:.1f} dB or more, "
+        f"mean amplitude {means}; at some actuator any two materials differ by {between:.1f} dB "
+        "or more, "
         f"walls of one by {within:.2f} dB or less; "
         f"everybody feels the difference at {apart}"
     )
@@ -172,7 +214,12 @@ def alike_by_material(ride: Ride, mode: Mode) -> Check:
     if len(felt) < len(MATERIALS):
         return Check.without_data(name, statement)
     difference = _difference([amplitudes for group in felt.values() for amplitudes in group])
-    return Check(name, statement, f"largest difference between two walls at an actuator {difference:.2f} dB", are_felt_alike(difference))
+    return Check(
+        name,
+        statement,
+        f"largest difference between two walls at an actuator {difference:.2f} dB",
+        are_felt_alike(difference),
+    )
 
 
 def stalactites(ride: Ride) -> tuple[Sounding, ...]:
@@ -187,17 +234,30 @@ def legs_of(ride: Ride) -> list[int]:
 
 def both_legs(ride: Ride) -> Check:
     """In HT a falling stalactite is felt in both legs, through the ground and the rails."""
-    name, statement = "HT: both legs", "A stalactite that falls is felt in both legs alike, through the ground."
+    name, statement = (
+        "HT: both legs",
+        "A stalactite that falls is felt in both legs alike, through the ground.",
+    )
     falls = stalactites(ride)
     if not falls:
         return Check.without_data(name, statement)
     legs = legs_of(ride)
-    difference = max(_difference([s.amplitudes[HT][[legs[0]]], s.amplitudes[HT][[legs[1]]]]) for s in falls)
+    difference = max(
+        _difference([s.amplitudes[HT][[legs[0]]], s.amplitudes[HT][[legs[1]]]]) for s in falls
+    )
     silent = any(not s.amplitudes[HT][legs].any() for s in falls)
     ways = [s.paths[leg] for s in falls for leg in legs]
     through = sum(any(part.startswith(("Ground", "Bridge")) for part in way) for way in ways)
-    measured = f"{len(falls)} stalactites; legs differ by {difference:.2f} dB or less; {through} of {len(ways)} paths by the ground"
-    return Check(name, statement, measured, are_felt_alike(difference) and not silent and through == len(ways))
+    measured = (
+        f"{len(falls)} stalactites; legs differ by {difference:.2f} dB or less; {through} "
+        f"of {len(ways)} paths by the ground"
+    )
+    return Check(
+        name,
+        statement,
+        measured,
+        are_felt_alike(difference) and not silent and through == len(ways),
+    )
 
 
 def one_leg(ride: Ride) -> Check:
@@ -228,7 +288,10 @@ def shock_balance(ride: Ride, mode: Mode) -> tuple[float, float] | None:
 
 def left_to_right(ride: Ride) -> Check:
     """In HT the shock wave goes from left to right."""
-    name, statement = "HT: from left to right", "The shock wave begins on the left and ends on the right."
+    name, statement = (
+        "HT: from left to right",
+        "The shock wave begins on the left and ends on the right.",
+    )
     found = shock_balance(ride, Mode.HT)
     if found is None:
         return Check.without_data(name, statement)
@@ -242,18 +305,29 @@ def no_direction(ride: Ride) -> Check:
     found = shock_balance(ride, Mode.MN)
     if found is None:
         return Check.without_data(name, statement)
-    return Check(name, statement, f"balance {found[0]:+.2f} and {found[1]:+.2f}", found == (0.0, 0.0))
+    return Check(
+        name, statement, f"balance {found[0]:+.2f} and {found[1]:+.2f}", found == (0.0, 0.0)
+    )
 
 
 def wider_range(ride: Ride) -> Check:
-    """HT has a wider range and more entropy of intensity than the other modes that drive many actuators."""
-    name, statement = "HT: more shades", "Of those that drive many actuators, HT has the widest range and variety of intensity."
+    """HT has a wider range and more entropy of intensity than the other modes that drive many
+    actuators."""
+    name, statement = (
+        "HT: more shades",
+        "Of those that drive many actuators, HT has the widest range and variety of intensity.",
+    )
     if len(ride.sections) < SECTION_COUNT:
         return Check.without_data(name, statement)
     ranges = {mode: dynamic_range(ride.effects(mode)) for mode in MODES}
     bits = {mode: variety(ride.effects(mode)) for mode in MODES}
-    measured = "; ".join(f"{mode} {ranges[mode]:.1f} dB, {bits[mode]:.2f} bits" for mode in (Mode.HT, Mode.MD, Mode.MN))
-    holds = all(ranges[Mode.HT] > ranges[mode] and bits[Mode.HT] > bits[mode] for mode in (Mode.MD, Mode.MN))
+    measured = "; ".join(
+        f"{mode} {ranges[mode]:.1f} dB, {bits[mode]:.2f} bits"
+        for mode in (Mode.HT, Mode.MD, Mode.MN)
+    )
+    holds = all(
+        ranges[Mode.HT] > ranges[mode] and bits[Mode.HT] > bits[mode] for mode in (Mode.MD, Mode.MN)
+    )
     return Check(name, statement, measured, holds)
 
 
@@ -266,7 +340,8 @@ def has_pattern(ride: Ride, section: SectionFrames) -> Check:
     _, title, first, last = section
     name, statement = (
         f"{title}: a pattern",
-        "In HT some effect drives two actuators so differently that everybody feels it, or one and not another.",
+        "In HT some effect drives two actuators so differently that everybody feels it, or one "
+        "and not another.",
     )
     effects = ride.effects(Mode.HT, first, last)
     effects = effects[(effects > ACTIVE).any(axis=1)]
@@ -275,37 +350,68 @@ def has_pattern(ride: Ride, section: SectionFrames) -> Check:
     apart = 0
     for amplitudes in effects:
         active = amplitudes[amplitudes > ACTIVE]
-        apart += len(active) < len(amplitudes) or are_felt_different(_difference([active.min(keepdims=True), active.max(keepdims=True)]))
-    return Check(name, statement, f"{apart} of {len(effects)} effects; {patterns(effects):.2f} bits of patterns", apart > 0)
+        apart += len(active) < len(amplitudes) or are_felt_different(
+            _difference([active.min(keepdims=True), active.max(keepdims=True)])
+        )
+    return Check(
+        name,
+        statement,
+        f"{apart} of {len(effects)} effects; {patterns(effects):.2f} bits of patterns",
+        apart > 0,
+    )
 
 
 def wider_than_distance(ride: Ride, section: SectionFrames) -> Check:
     """Whether the levels of HT have a wider range than those of MD in a section."""
     _, title, first, last = section
-    name, statement = f"{title}: more range", "The levels of HT range further than those by distance alone."
+    name, statement = (
+        f"{title}: more range",
+        "The levels of HT range further than those by distance alone.",
+    )
     ranges = [dynamic_range(ride.effects(mode, first, last)) for mode in (Mode.HT, Mode.MD)]
     if not all(ride.effects(mode, first, last).size for mode in (Mode.HT, Mode.MD)):
         return Check.without_data(name, statement)
-    return Check(name, statement, f"HT {ranges[0]:.1f} dB, MD {ranges[1]:.1f} dB", ranges[0] > ranges[1])
+    return Check(
+        name, statement, f"HT {ranges[0]:.1f} dB, MD {ranges[1]:.1f} dB", ranges[0] > ranges[1]
+    )
 
 
 FINDINGS = (
-    ("Preferred rendering", "HT 19, MD 10, MN 8, SD 4 people (their sum is 41; one of the 41 was left out of the analysis)"),
-    ("Realism", "differs between the modes: Friedman, chi-square(3, 40) = 15.5, p < 0.01; SD below MD and HT"),
-    ("Expressivity", "differs between the modes: Friedman, chi-square(3, 40) = 14.1, p < 0.01; HT above MN and MD, SD above MN"),
+    (
+        "Preferred rendering",
+        "HT 19, MD 10, MN 8, SD 4 people (their sum is 41; one of the 41 was left out of the "
+        "analysis)",
+    ),
+    (
+        "Realism",
+        "differs between the modes: Friedman, chi-square(3, 40) = 15.5, p < 0.01; SD below MD "
+        "and HT",
+    ),
+    (
+        "Expressivity",
+        "differs between the modes: Friedman, chi-square(3, 40) = 14.1, p < 0.01; HT above MN "
+        "and MD, SD above MN",
+    ),
     ("Harmony, involvement", "no significant difference"),
 )
 """The paper's results from questionnaires, with its numbers."""
 
 LIMITS = (
-    "Levels are shares of full scale. How strong they are on skin depends on the devices, which were not measured.",
-    "Difference thresholds (1.65 to 2.98 dB) were measured on fingertips; thighs, back and ears feel less well.",
-    "κ and ρ of the library's materials are chosen by design, so that neighbours differ; none is tuned for the ride. Measured "
+    "Levels are shares of full scale. How strong they are on skin depends on the devices, which "
+    "were not measured.",
+    "Difference thresholds (1.65 to 2.98 dB) were measured on fingertips; thighs, back and ears "
+    "feel less well.",
+    "κ and ρ of the library's materials are chosen by design, so that neighbours differ; none is "
+    "tuned for the ride. Measured "
     "materials stand beside them.",
-    "Places, masses and sources of the ride were arranged so that sections show what the paper describes: stalactites fall close to the "
-    "cart, the wind reaches the legs only, carts cross at 2.8 m, 40 J count as a blow of full strength. The air of the wind fades by "
+    "Places, masses and sources of the ride were arranged so that sections show what the paper "
+    "describes: stalactites fall close to the "
+    "cart, the wind reaches the legs only, carts cross at 2.8 m, 40 J count as a blow of full "
+    "strength. The air of the wind fades by "
     "0.35 per metre, which is chosen: the library has no damping of air that a skin would notice.",
-    "The ride is a scene of its own with the sections that the paper describes: the paper's geometry and signals are not public.",
-    "Contacts are those that the ride's own values reach: a variation that lets vibration go further may miss some.",
+    "The ride is a scene of its own with the sections that the paper describes: the paper's "
+    "geometry and signals are not public.",
+    "Contacts are those that the ride's own values reach: a variation that lets vibration go "
+    "further may miss some.",
 )
 """Limits of these numbers."""

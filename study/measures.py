@@ -32,8 +32,9 @@ def active_count(peak: FloatArray) -> IntArray:
 
 
 def spatial_spread(rms: FloatArray, positions: FloatArray) -> FloatArray:
-    """Spatial spread of the vibration per frame (f,): root of the mean square distance in metres of the ``positions`` (l, 3)
-    from their centre, weighted by level; 0 if at most one actuator is active."""
+    """Spatial spread of the vibration per frame (f,): root of the mean square distance in metres of
+    the ``positions`` (l, 3) from their centre, weighted by level; 0 if at most one actuator is
+    active."""
     total = rms.sum(axis=1)
     weight = rms / np.where(total > 0, total, 1.0)[:, None]
     centre = weight @ positions
@@ -42,7 +43,8 @@ def spatial_spread(rms: FloatArray, positions: FloatArray) -> FloatArray:
 
 
 def balance(rms: FloatArray, listeners: Sequence[str]) -> FloatArray:
-    """Left-right balance per frame (f,): -1 if only listeners of the left feel something, 1 for the right, 0 if both are equal."""
+    """Left-right balance per frame (f,): -1 if only listeners of the left feel something, 1 for the
+    right, 0 if both are equal."""
     left = rms[:, [name.endswith(".L") for name in listeners]].sum(axis=1)
     right = rms[:, [name.endswith(".R") for name in listeners]].sum(axis=1)
     total = left + right
@@ -50,7 +52,8 @@ def balance(rms: FloatArray, listeners: Sequence[str]) -> FloatArray:
 
 
 def dynamic_range(levels: FloatArray) -> float:
-    """Decibels between the 95th and the 5th percentile of the effects' ``levels`` (e, l) at active actuators; 0 where none is active."""
+    """Decibels between the 95th and the 5th percentile of the effects' ``levels`` (e, l) at active
+    actuators; 0 where none is active."""
     active = levels[levels > ACTIVE]
     if not len(active):
         return 0.0
@@ -59,14 +62,16 @@ def dynamic_range(levels: FloatArray) -> float:
 
 
 def variety(levels: FloatArray) -> float:
-    """Entropy of the intensity of active actuators in bits: that of ``levels`` (e, l) in classes of `CLASS_WIDTH`."""
+    """Entropy of the intensity of active actuators in bits: that of ``levels`` (e, l) in classes of
+    `CLASS_WIDTH`."""
     active = levels[levels > ACTIVE]
     return _entropy(np.floor(20 * np.log10(active) / CLASS_WIDTH)) if len(active) else 0.0
 
 
 def patterns(levels: FloatArray) -> float:
-    """Entropy of the spatial patterns of effects, relative to their strongest actuator, in bits: that of rows of
-    ``levels`` (e, l) in classes of `CLASS_WIDTH`; 0 if all effects differ only in strength."""
+    """Entropy of the spatial patterns of effects, relative to their strongest actuator, in bits:
+    that of rows of ``levels`` (e, l) in classes of `CLASS_WIDTH`; 0 if all effects differ only in
+    strength."""
     felt = levels[(levels > ACTIVE).any(axis=1)]
     if not len(felt):
         return 0.0
@@ -96,15 +101,24 @@ def felt_shares(signal: Signal) -> FloatArray:
 
 
 def highest_sensation(samples: NDArray[np.floating], sample_rate: float) -> FloatArray:
-    """The largest sensation level (l,) [dB] of each listener's ``samples`` (l, n) in windows of `WINDOW`."""
+    """The largest sensation level (l,) [dB] of each listener's ``samples`` (l, n) in windows of
+    `WINDOW`."""
     width = round(WINDOW * sample_rate)
     ends = range(min(width, samples.shape[1]), samples.shape[1] + 1, max(width // 8, 1))
-    found = [sensation_level(np.asarray(samples[:, max(end - width, 0) : end], dtype=np.float64), sample_rate) for end in ends]
+    found = [
+        sensation_level(
+            np.asarray(samples[:, max(end - width, 0) : end], dtype=np.float64), sample_rate
+        )
+        for end in ends
+    ]
     return np.asarray(np.max(found, axis=0)) if samples.shape[1] else np.full(len(samples), -np.inf)
 
 
-def spectrogram(samples: NDArray[np.floating], sample_rate: float, width: int = 1024) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Power of the listeners' ``samples`` (l, n) together, in decibels of a full-scale sine's: seconds (t,), hertz (h,), (h, t).
+def spectrogram(
+    samples: NDArray[np.floating], sample_rate: float, width: int = 1024
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Power of the listeners' ``samples`` (l, n) together, in decibels of a full-scale sine's:
+    seconds (t,), hertz (h,), (h, t).
 
     Hann windows of ``width`` samples, half overlapping; floor at -100 dB.
     """
@@ -118,4 +132,8 @@ def spectrogram(samples: NDArray[np.floating], sample_rate: float, width: int = 
         power[:, k] = (np.abs(np.fft.rfft(piece * window)) ** 2).sum(axis=0)
     power /= len(samples) * (window.sum() / 2) ** 2
     seconds = (np.arange(count) * hop + width / 2) / sample_rate
-    return seconds, np.asarray(frequencies, dtype=np.float64), 10 * np.log10(np.maximum(power, 1e-10))
+    return (
+        seconds,
+        np.asarray(frequencies, dtype=np.float64),
+        10 * np.log10(np.maximum(power, 1e-10)),
+    )

@@ -1,5 +1,5 @@
-"""The ten listeners of three samples with the paper's function, with measured materials, and with these and contacts by impedance; and
-the twelve of a new body, measured and felt all over.
+"""The ten listeners of three samples with the paper's function, with measured materials, and with
+these and contacts by impedance; and the twelve of a new body, measured and felt all over.
 
 ``python -m haptic_tracing.study.physical_scenes`` prints the tables of `docs/functions.md`.
 """
@@ -45,7 +45,8 @@ PITCHES = (30, 80, 150, 250)
 
 
 def levels(module: str, frame: int) -> tuple[list[str], np.ndarray]:
-    """Names of the listeners (l,), and their levels [dB of full scale] (l, ways) during a second of the sources as they are in a frame."""
+    """Names of the listeners (l,), and their levels [dB of full scale] (l, ways) during a second of
+    the sources as they are in a frame."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     import_module(f"haptic_tracing.sample_scenes.{module}").build(scene)
@@ -67,7 +68,9 @@ def levels(module: str, frame: int) -> tuple[list[str], np.ndarray]:
 def make(scene: Scene, way: str) -> None:
     """Change a sample from the previous one of `WAYS` to this one."""
     if way == WAYS[1]:
-        library.make_physical([obj for obj in scene.objects if obj.haptics.enabled and not obj.haptics.medium], False)
+        library.make_physical(
+            [obj for obj in scene.objects if obj.haptics.enabled and not obj.haptics.medium], False
+        )
     elif way == WAYS[2]:
         rule = scene.haptics.transmission_table.items.add()
         rule.first_kind = rule.second_kind = "ANY"
@@ -75,8 +78,9 @@ def make(scene: Scene, way: str) -> None:
 
 
 def body_levels(case: str) -> np.ndarray:
-    """Decibels above the threshold of feeling (2, f, 12) at the twelve listeners of a new body at each of `PITCHES`, by `WAYS_OF_BODIES`.
-    The shaker stands a metre away on the floor, or is touched."""
+    """Decibels above the threshold of feeling (2, f, 12) at the twelve listeners of a new body at
+    each of `PITCHES`, by `WAYS_OF_BODIES`. The shaker stands a metre away on the floor, or is
+    touched."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene, posture = bpy.context.scene, BODIES[case]
     _block("Concrete Floor", (6, 6, 0.2), (0, 0, -0.1))
@@ -86,7 +90,11 @@ def body_levels(case: str) -> np.ndarray:
         bpy.ops.haptic.add_default_listeners()
     else:
         build_avatar(scene, posture, listening=DEFAULT_LISTENERS)
-    shaker = _block("Steel Shaker", (0.24, 0.24, 0.3) if "sit" in case else (0.08, 0.12, 0.3), SHAKERS.get(case, (1, 0, 0.149)))
+    shaker = _block(
+        "Steel Shaker",
+        (0.24, 0.24, 0.3) if "sit" in case else (0.08, 0.12, 0.3),
+        SHAKERS.get(case, (1, 0, 0.149)),
+    )
     bpy.ops.haptic.add_source(signal="SINE")
     bpy.ops.haptic.set_model()
     found = []
@@ -102,7 +110,9 @@ def body_levels(case: str) -> np.ndarray:
     return np.array(found).reshape(len(WAYS_OF_BODIES), len(PITCHES), -1)
 
 
-def _block(name: str, size: tuple[float, float, float], place: tuple[float, float, float]) -> Object:
+def _block(
+    name: str, size: tuple[float, float, float], place: tuple[float, float, float]
+) -> Object:
     """A block, which is the active and only selected object."""
     bpy.ops.mesh.primitive_cube_add(size=1, location=place)
     block = bpy.context.object
@@ -114,11 +124,15 @@ def _block(name: str, size: tuple[float, float, float], place: tuple[float, floa
 
 
 def body_rows() -> list[str]:
-    """The table of new bodies: how many of twelve feel it at each of `PITCHES`, and the strongest there."""
+    """The table of new bodies: how many of twelve feel it at each of `PITCHES`, and the strongest
+    there."""
     head = " | ".join(f"{way}, {pitch} Hz" for way in WAYS_OF_BODIES.values() for pitch in PITCHES)
     rows = [f"| a new body | {head} |", f"|---|{'---|' * 2 * len(PITCHES)}"]
     for case in BODIES:
-        cells = (f"{(level > 0).sum()} ({level.max():+.0f} dB)" for level in body_levels(case).reshape(2 * len(PITCHES), -1))
+        cells = (
+            f"{(level > 0).sum()} ({level.max():+.0f} dB)"
+            for level in body_levels(case).reshape(2 * len(PITCHES), -1)
+        )
         rows.append(f"| {case} | {' | '.join(cells)} |")
     return rows
 
@@ -129,9 +143,13 @@ def main() -> None:
         names, table = levels(module, frame)
         print(f"\n| {module}, frame {frame} | {' | '.join(WAYS)} |\n|---|{'---|' * len(WAYS)}")
         with np.errstate(invalid="ignore"):
-            rows = [*zip(names, table, strict=True), ("strongest to weakest", table.max(axis=0) - table.min(axis=0))]
+            rows = [
+                *zip(names, table, strict=True),
+                ("strongest to weakest", table.max(axis=0) - table.min(axis=0)),
+            ]
         for name, row in rows:
-            print(f"| {name} | {' | '.join(f'{value:.1f}' if np.isfinite(value) else 'silent' for value in row)} |")
+            cells = (f"{value:.1f}" if np.isfinite(value) else "silent" for value in row)
+            print(f"| {name} | {' | '.join(cells)} |")
     print("\n" + "\n".join(body_rows()))
 
 

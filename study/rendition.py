@@ -26,9 +26,10 @@ TITLES: Mapping[Mode, str] = {
 class Sounding:
     """An active source in a frame.
 
-    ``objects``: the one it is on, or the two that struck each other. ``began``: it is temporary, and this is its first frame.
-    ``distance`` (l,) in metres, straight from its nearer side. ``amplitudes`` (4, l) that arrive, by `MODES`. ``paths``: objects of the
-    best path in HT to each listener, where it began, else empty.
+    ``objects``: the one it is on, or the two that struck each other. ``began``: it is temporary,
+    and this is its first frame. ``distance`` (l,) in metres, straight from its nearer side.
+    ``amplitudes`` (4, l) that arrive, by `MODES`. ``paths``: objects of the best path in HT to each
+    listener, where it began, else empty.
     """
 
     frame: int
@@ -48,7 +49,8 @@ class Sounding:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rendition:
-    """The ride in one mode. ``rms`` and ``peak`` (f, l) of each frame's samples at each listener; ``tracks``: the samples."""
+    """The ride in one mode. ``rms`` and ``peak`` (f, l) of each frame's samples at each listener;
+    ``tracks``: the samples."""
 
     mode: Mode
     rms: FloatArray
@@ -60,9 +62,9 @@ class Rendition:
 class Ride:
     """A range of the ride's frames in all modes.
 
-    ``frames`` (f,) are numbers. ``listeners`` are body parts; ``positions`` (l, 3) [m] where they were in the first frame. ``sections``:
-    name, title, first and last frame of those in the range. ``largest_difference``: between any two listeners' samples
-    at any time, by mode.
+    ``frames`` (f,) are numbers. ``listeners`` are body parts; ``positions`` (l, 3) [m] where they
+    were in the first frame. ``sections``: name, title, first and last frame of those in the range.
+    ``largest_difference``: between any two listeners' samples at any time, by mode.
     """
 
     frames: IntArray
@@ -76,17 +78,28 @@ class Ride:
 
     def rows(self, first: int, last: int) -> slice:
         """Where the frames from ``first`` to ``last`` are in ``frames``."""
-        return slice(int(np.searchsorted(self.frames, first)), int(np.searchsorted(self.frames, last, side="right")))
+        return slice(
+            int(np.searchsorted(self.frames, first)),
+            int(np.searchsorted(self.frames, last, side="right")),
+        )
 
     def began(self, *words: str) -> tuple[Sounding, ...]:
-        """Impacts in which an object takes part whose name begins with one of ``words``, in the order of time."""
-        return tuple(s for s in self.soundings if s.began and any(name.startswith(words) for name in s.objects))
+        """Impacts in which an object takes part whose name begins with one of ``words``, in the
+        order of time."""
+        return tuple(
+            s
+            for s in self.soundings
+            if s.began and any(name.startswith(words) for name in s.objects)
+        )
 
     def effects(self, mode: Mode, first: int = 0, last: int = 2**31) -> FloatArray:
-        """Amplitudes (e, l) that arrive, of consecutive effects: every impact at its beginning, every other source once per second."""
+        """Amplitudes (e, l) that arrive, of consecutive effects: every impact at its beginning,
+        every other source once per second."""
         each = round(self.frame_rate)
         number = MODES.index(mode)
         rows = [
-            s.amplitudes[number] for s in self.soundings if first <= s.frame <= last and (s.began or (s.persists and s.frame % each == 0))
+            s.amplitudes[number]
+            for s in self.soundings
+            if first <= s.frame <= last and (s.began or (s.persists and s.frame % each == 0))
         ]
         return np.array(rows, dtype=np.float64).reshape(-1, len(self.listeners))

@@ -22,7 +22,14 @@ from .side_by_side import TITLES as WAYS
 from .side_by_side import felt_verdict, numbers, reasons, sensations, wall_verdict, walls_apart
 
 NONE: Mapping[str, Ride] = MappingProxyType({})
-MEASURES = ("active", "most active", "spread [m]", "range [dB]", "variety [bits]", "patterns [bits]")
+MEASURES = (
+    "active",
+    "most active",
+    "spread [m]",
+    "range [dB]",
+    "variety [bits]",
+    "patterns [bits]",
+)
 
 
 def measures_of(ride: Ride) -> list[dict[str, Any]]:
@@ -46,18 +53,28 @@ def measures_of(ride: Ride) -> list[dict[str, Any]]:
                 variety(effects),
                 patterns(effects),
             )
-            rows.append({"section": title, "mode": str(mode), **dict(zip(MEASURES, values, strict=True))})
+            rows.append(
+                {"section": title, "mode": str(mode), **dict(zip(MEASURES, values, strict=True))}
+            )
     return rows
 
 
-def write_numbers(path: Path, ride: Ride, checks: Sequence[Check], rides: Mapping[str, Ride] = NONE) -> None:
+def write_numbers(
+    path: Path, ride: Ride, checks: Sequence[Check], rides: Mapping[str, Ride] = NONE
+) -> None:
     """Write checks, measures and impacts, and what is measured on ``rides`` by way, as JSON."""
     document = {
         "frames": [int(ride.frames[0]), int(ride.frames[-1])],
         "frame_rate": ride.frame_rate,
         "listeners": list(ride.listeners),
         "checks": [
-            {"name": c.name, "by_definition": c.by_definition, "statement": c.statement, "measured": c.measured, "holds": c.holds}
+            {
+                "name": c.name,
+                "by_definition": c.by_definition,
+                "statement": c.statement,
+                "measured": c.measured,
+                "holds": c.holds,
+            }
             for c in checks
         ],
         "measures": measures_of(ride),
@@ -67,7 +84,10 @@ def write_numbers(path: Path, ride: Ride, checks: Sequence[Check], rides: Mappin
                 "frame": s.frame,
                 "objects": list(s.objects),
                 "amplitude": s.amplitude,
-                "amplitudes": {str(mode): s.amplitudes[number].round(6).tolist() for number, mode in enumerate(MODES)},
+                "amplitudes": {
+                    str(mode): s.amplitudes[number].round(6).tolist()
+                    for number, mode in enumerate(MODES)
+                },
             }
             for s in ride.soundings
             if s.began
@@ -86,13 +106,18 @@ def write_report(
     varied: Sequence[tuple[Variation, Ride]] = (),
     rides: Mapping[str, Ride] = NONE,
 ) -> None:
-    """Write the report. ``figures``: title, caption and PNG; ``pictures``: PNG by frame; ``notes``: missing parts and the reasons;
-    ``varied``: the ride under variations; ``rides``: with other materials, by way."""
+    """Write the report. ``figures``: title, caption and PNG; ``pictures``: PNG by frame; ``notes``:
+    missing parts and the reasons; ``varied``: the ride under variations; ``rides``: with other
+    materials, by way."""
     body = [
         "<h1>The study's ride, rendered in four ways</h1>",
-        f"<p>Frames {ride.frames[0]} to {ride.frames[-1]} of the mine ride ({len(ride.frames) / ride.frame_rate:.1f} s). "
-        "Contacts, impacts and sources are the same in all four; what differs is how they reach the ten actuators.</p>",
-        f"<dl class=modes>{''.join(f'<dt>{mode}</dt><dd>{escape(TITLES[mode])}</dd>' for mode in MODES)}</dl>",
+        f"<p>Frames {ride.frames[0]} to {ride.frames[-1]} of the mine ride "
+        f"({len(ride.frames) / ride.frame_rate:.1f} s). "
+        "Contacts, impacts and sources are the same in all four; what differs is how they reach "
+        "the ten actuators.</p>",
+        "<dl class=modes>",
+        *(f"<dt>{mode}</dt><dd>{escape(TITLES[mode])}</dd>" for mode in MODES),
+        "</dl>",
         *(f"<p class=note>{escape(note)}</p>" for note in notes),
         "<h2>By definition: the modes do what they should</h2>",
         _checks_table([check for check in checks if check.by_definition]),
@@ -100,7 +125,8 @@ def write_report(
         _checks_table([check for check in checks if not check.by_definition]),
         *_materials({"paper": ride, **rides}),
         "<h2>Not reproducible here: what people said</h2>",
-        "<p>The paper's results are ratings by 40 people. No rendering can compute them; they stand here as published.</p>",
+        "<p>The paper's results are ratings by 40 people. No rendering can compute them; they "
+        "stand here as published.</p>",
         _pairs_table(("", "The paper"), FINDINGS),
         "<h2>Limits</h2>",
         f"<ul>{''.join(f'<li>{escape(limit)}</li>' for limit in LIMITS)}</ul>",
@@ -111,20 +137,36 @@ def write_report(
         _strip(ride, pictures),
         "<h2>Measures</h2>",
         _measures_table(ride),
-        "<p class=note>active: mean number of actuators driven above 1 % of full scale while any is; spread: how far over the body the "
-        "vibration reaches; range: from the 5th to the 95th percentile of the levels that effects have at active actuators; variety: "
-        "entropy of those levels in classes of 2.98 dB, the highest difference threshold; patterns: entropy of the actuators' levels "
+        "<p class=note>active: mean number of actuators driven above 1 % of full scale while any "
+        "is; spread: how far over the body the "
+        "vibration reaches; range: from the 5th to the 95th percentile of the levels that "
+        "effects have at active actuators; variety: "
+        "entropy of those levels in classes of 2.98 dB, the highest difference threshold; "
+        "patterns: entropy of the actuators' levels "
         "beside the strongest.</p>",
     ]
     for title, caption, png in figures:
-        body.append(f"<h2>{escape(title)}</h2><figure><img src='{_data(png)}' alt=''><figcaption>{escape(caption)}</figcaption></figure>")
-    head = f"<meta charset=utf-8><title>Haptic Tracing: study</title><style>{_text('report.css')}</style>"
-    write_bytes(path, f"<!doctype html><html lang=en><head>{head}</head><body>{''.join(body)}</body></html>\n".encode())
+        body.append(
+            f"<h2>{escape(title)}</h2><figure><img src='{_data(png)}' "
+            f"alt=''><figcaption>{escape(caption)}</figcaption></figure>"
+        )
+    head = (
+        "<meta charset=utf-8><title>Haptic Tracing: "
+        f"study</title><style>{_text('report.css')}</style>"
+    )
+    write_bytes(
+        path,
+        "<!doctype html><html "
+        f"lang=en><head>{head}</head><body>{''.join(body)}</body></html>\n".encode(),
+    )
 
 
 def _checks_table(checks: Sequence[Check]) -> str:
     sign = {True: "<td class=yes>holds", False: "<td class=no>does not hold", None: "<td>no data"}
-    rows = (f"<tr>{sign[c.holds]}<td><b>{escape(c.name)}</b><td>{escape(c.statement)}<td>{escape(c.measured)}</tr>" for c in checks)
+    rows = (
+        f"<tr>{sign[c.holds]}<td><b>{escape(c.name)}</b><td>{escape(c.statement)}<td>{escape(c.measured)}</tr>"
+        for c in checks
+    )
     return f"<table><tr><th><th><th>Statement<th>Measured</tr>{''.join(rows)}</table>"
 
 
@@ -139,24 +181,45 @@ def _materials(rides: Mapping[str, Ride]) -> list[str]:
     sign = {True: "<td>", False: "<td class=fails>does not hold: ", None: "<td>"}
     columns = [measured_checks(ride) for ride in rides.values()]
     checks = [
-        f"<tr><td><b>{escape(row[0].name)}</b><br>{escape(row[0].statement)}{''.join(sign[c.holds] + escape(c.measured) for c in row)}</tr>"
+        f"<tr><td><b>{escape(row[0].name)}</b><br>{escape(row[0].statement)}"
+        f"{''.join(sign[c.holds] + escape(c.measured) for c in row)}</tr>"
         for row in zip(*columns, strict=True)
     ]
 
     def table(first: str, rows: list[list[tuple[str, str]]]) -> str:
-        lines = (f"<tr><td>{escape(row[0][0])}{''.join(f'<td>{escape(verdict)}' for _, verdict in row)}</tr>" for row in rows)
+        lines = (
+            f"<tr><td>{escape(row[0][0])}"
+            f"{''.join(f'<td>{escape(verdict)}' for _, verdict in row)}</tr>"
+            for row in rows
+        )
         return f"<table><tr><th>{first}{heads}</tr>{''.join(lines)}</table>"
 
-    felt = zip(*([(title, felt_verdict(levels)) for title, levels in sensations(ride)] for ride in rides.values()), strict=True)
-    walls = zip(*([(pair, wall_verdict(apart)) for pair, apart in walls_apart(ride)] for ride in rides.values()), strict=True)
+    felt = zip(
+        *(
+            [(title, felt_verdict(levels)) for title, levels in sensations(ride)]
+            for ride in rides.values()
+        ),
+        strict=True,
+    )
+    walls = zip(
+        *(
+            [(pair, wall_verdict(apart)) for pair, apart in walls_apart(ride)]
+            for ride in rides.values()
+        ),
+        strict=True,
+    )
     return [
         "<h2>By material: the paper's function and measured materials</h2>",
-        "<p>The same ride with the library's κ and ρ, with measured loss factors and speeds of the same materials, and with these and "
-        "contacts by impedance. Blows play the templates of what strikes what. No material was tuned; what is said here may turn out "
+        "<p>The same ride with the library's κ and ρ, with measured loss factors and speeds of "
+        "the same materials, and with these and "
+        "contacts by impedance. Blows play the templates of what strikes what. No material was "
+        "tuned; what is said here may turn out "
         "either way.</p>",
-        "<p>What is felt: the strongest actuator above the threshold of feeling, and at how many of them anything is:</p>",
+        "<p>What is felt: the strongest actuator above the threshold of feeling, and at how many "
+        "of them anything is:</p>",
         table("Section", [list(row) for row in felt]),
-        "<p>Walls of different materials, in difference thresholds (everybody feels 2.98 dB, nobody 1.65 dB):</p>",
+        "<p>Walls of different materials, in difference thresholds (everybody feels 2.98 dB, "
+        "nobody 1.65 dB):</p>",
         table("Walls", [list(row) for row in walls]),
         "<p>The checks by measurement:</p>",
         f"<table><tr><th>Statement{heads}</tr>{''.join(checks)}</table>",
@@ -166,22 +229,34 @@ def _materials(rides: Mapping[str, Ride]) -> list[str]:
 
 
 def _sensitivity(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> list[str]:
-    """The values of the materials, the checks by measurement under each variation, and levels by strategy."""
+    """The values of the materials, the checks by measurement under each variation, and levels by
+    strategy."""
     if not varied:
         return []
     names = [check.name for check in measured_checks(ride)]
     sign = {True: "<td class=yes>yes", False: "<td class=no>no", None: "<td>-"}
     lines = []
-    for one, label, other in [("as it is", "", ride), *((variation.name, variation.label, changed) for variation, changed in varied)]:
+    for one, label, other in [
+        ("as it is", "", ride),
+        *((variation.name, variation.label, changed) for variation, changed in varied),
+    ]:
         cells = "".join(sign[check.holds] for check in measured_checks(other))
         lines.append(f"<tr><td>{escape(one)}<td>{escape(label)}{cells}</tr>")
     heads = "".join(f"<th>{escape(name)}" for name in names)
-    chosen = [(item.title, f"κ {item.kappa:g}, ρ {item.rho:g}: K = {item.k:.2f}, {20 * np.log10(item.k):.1f} dB") for item in CHOSEN]
+    chosen = [
+        (
+            item.title,
+            f"κ {item.kappa:g}, ρ {item.rho:g}: K = {item.k:.2f}, {20 * np.log10(item.k):.1f} dB",
+        )
+        for item in CHOSEN
+    ]
     return [
         "<h2>Sensitivity</h2>",
-        "<p>No material was tuned for this ride. Those of the library are chosen by design, so that neighbours differ:</p>",
+        "<p>No material was tuned for this ride. Those of the library are chosen by design, so "
+        "that neighbours differ:</p>",
         _pairs_table(("Material", "Value"), chosen),
-        "<p>Which checks by measurement hold where a material takes half or double as many decibels, and by strategy:</p>",
+        "<p>Which checks by measurement hold where a material takes half or double as many "
+        "decibels, and by strategy:</p>",
         f"<table class=numbers><tr><th>Varied<th>To{heads}</tr>{''.join(lines)}</table>",
         "<p>Levels at the listeners over the whole range in decibels of full scale:</p>",
         _levels_table(ride, varied),
@@ -189,21 +264,37 @@ def _sensitivity(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> list[s
 
 
 def _levels_table(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> str:
-    rows = [("best path, the default", ride), *((variation.label, other) for variation, other in varied if variation.strategy is not None)]
+    rows = [
+        ("best path, the default", ride),
+        *(
+            (variation.label, other)
+            for variation, other in varied
+            if variation.strategy is not None
+        ),
+    ]
     lines = []
     for label, other in rows:
         with np.errstate(divide="ignore"):
             levels = 10 * np.log10((other.renditions[MODES[0]].rms ** 2).mean(axis=0))
-        lines.append(f"<tr><td>{escape(label)}{''.join(f'<td>{level:.1f}' for level in levels)}</tr>")
+        lines.append(
+            f"<tr><td>{escape(label)}{''.join(f'<td>{level:.1f}' for level in levels)}</tr>"
+        )
     heads = "".join(f"<th>{escape(name)}" for name in ride.listeners)
     return f"<table class=numbers><tr><th>Strategy{heads}</tr>{''.join(lines)}</table>"
 
 
 def _measures_table(ride: Ride) -> str:
-    lines = ["<table class=numbers><tr><th>Section<th>Mode", *(f"<th>{escape(name)}" for name in MEASURES), "</tr>"]
+    lines = [
+        "<table class=numbers><tr><th>Section<th>Mode",
+        *(f"<th>{escape(name)}" for name in MEASURES),
+        "</tr>",
+    ]
     for row in measures_of(ride):
         first = row["mode"] == MODES[0]
-        lines.append(f"<tr{' class=first' if first else ''}><td>{escape(row['section']) if first else ''}<td>{row['mode']}")
+        lines.append(
+            f"<tr{' class=first' if first else ''}>"
+            f"<td>{escape(row['section']) if first else ''}<td>{row['mode']}"
+        )
         for name in MEASURES:
             value = row[name]
             lines.append(f"<td>{value}" if isinstance(value, int) else f"<td>{value:.2f}")
@@ -212,16 +303,28 @@ def _measures_table(ride: Ride) -> str:
 
 
 def _strip(ride: Ride, pictures: Mapping[int, bytes]) -> str:
-    """The liveliest frame of every section, or those that there are pictures of: picture and body maps."""
+    """The liveliest frame of every section, or those that there are pictures of: picture and body
+    maps."""
     rows = []
     for _, title, first, last in ride.sections:
-        chosen = [frame for frame in sorted(pictures) if first <= frame <= last] or [_liveliest(ride, first, last)]
+        chosen = [frame for frame in sorted(pictures) if first <= frame <= last] or [
+            _liveliest(ride, first, last)
+        ]
         for frame in chosen:
             row = int(np.searchsorted(ride.frames, frame))
-            maps = "".join(f"<td>{body_map(ride.listeners, ride.renditions[mode].peak[row])}" for mode in MODES)
-            picture = f"<img src='{_data(pictures[frame])}' alt='frame {frame}'>" if frame in pictures else ""
+            maps = "".join(
+                f"<td>{body_map(ride.listeners, ride.renditions[mode].peak[row])}" for mode in MODES
+            )
+            picture = (
+                f"<img src='{_data(pictures[frame])}' alt='frame {frame}'>"
+                if frame in pictures
+                else ""
+            )
             seconds = (frame - 1) / ride.frame_rate
-            rows.append(f"<tr><th>{escape(title)}<br><small>{seconds:.1f} s, frame {frame}</small><td class=picture>{picture}{maps}</tr>")
+            rows.append(
+                f"<tr><th>{escape(title)}<br><small>{seconds:.1f} s, frame {frame}</small><td "
+                f"class=picture>{picture}{maps}</tr>"
+            )
     heads = "".join(f"<th>{mode}" for mode in MODES)
     return f"<table class=strip><tr><th><th>{heads}</tr>{''.join(rows)}</table>{_legend()}"
 
@@ -234,7 +337,9 @@ def _liveliest(ride: Ride, first: int, last: int) -> int:
 def _legend() -> str:
     stops = ",".join(shades()[1::9])
     bar = f"<span style='background:linear-gradient(90deg,{stops})'></span>"
-    return f"<p class=legend>-46 dB {bar} full scale, peak of the frame; bodies seen from behind</p>"
+    return (
+        f"<p class=legend>-46 dB {bar} full scale, peak of the frame; bodies seen from behind</p>"
+    )
 
 
 def _player(ride: Ride, pictures: Mapping[int, bytes]) -> str:
@@ -250,12 +355,16 @@ def _player(ride: Ride, pictures: Mapping[int, bytes]) -> str:
         "shades": shades(),
         "levels": base64.b64encode(levels.tobytes()).decode(),
     }
-    maps = "".join(f"<div class=map data-mode={number}><b>{mode}</b>{body_map(ride.listeners)}</div>" for number, mode in enumerate(MODES))
+    maps = "".join(
+        f"<div class=map data-mode={number}><b>{mode}</b>{body_map(ride.listeners)}</div>"
+        for number, mode in enumerate(MODES)
+    )
     # "<" could end the script.
     text = json.dumps(data).replace("<", "\\u003c")
     return (
         f"<div id=player><img id=view alt=''>{maps}<div id=controls><button id=play>Play</button>"
-        f"<input id=time type=range min=0 max={len(ride.frames) - 1} value=0><span id=where></span></div></div>"
+        f"<input id=time type=range min=0 max={len(ride.frames) - 1} value=0><span "
+        "id=where></span></div></div>"
         f"<script>const ride={text};\n{_text('player.js')}</script>"
     )
 

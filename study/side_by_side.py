@@ -1,7 +1,8 @@
-"""The ride with the paper's function, with measured materials, and with these and contacts by impedance, side by side.
+"""The ride with the paper's function, with measured materials, and with these and contacts by
+impedance, side by side.
 
-No material is tuned: objects have the library's values, and impacts the templates of their materials. All statements are measurements,
-whether or not they agree with the paper.
+No material is tuned: objects have the library's values, and impacts the templates of their
+materials. All statements are measurements, whether or not they agree with the paper.
 """
 
 from __future__ import annotations
@@ -38,58 +39,98 @@ def sensations(ride: Ride) -> list[tuple[str, FloatArray]]:
     tracks = ride.renditions[MODES[HT]].tracks
     found = []
     for _, title, first, last in ride.sections:
-        begin, end = (round((frame - ride.frames[0]) / ride.frame_rate * tracks.sample_rate) for frame in (first, last + 1))
+        begin, end = (
+            round((frame - ride.frames[0]) / ride.frame_rate * tracks.sample_rate)
+            for frame in (first, last + 1)
+        )
         found.append((title, highest_sensation(tracks.samples[:, begin:end], tracks.sample_rate)))
     return found
 
 
 def walls_apart(ride: Ride) -> list[tuple[str, FloatArray]]:
-    """For each two kinds of walls, at every listener (l,) by how many decibels the first is felt more in HT; () without walls of both."""
+    """For each two kinds of walls, at every listener (l,) by how many decibels the first is felt
+    more in HT; () without walls of both."""
     felt = {name: np.mean(amplitudes, axis=0) for name, amplitudes in walls_felt(ride, HT).items()}
     with np.errstate(divide="ignore", invalid="ignore"):
-        return [(f"{one} and {other}", 20 * np.log10(felt[one] / felt[other])) for one, other in itertools.combinations(felt, 2)]
+        return [
+            (f"{one} and {other}", 20 * np.log10(felt[one] / felt[other]))
+            for one, other in itertools.combinations(felt, 2)
+        ]
 
 
 def wall_verdict(difference: FloatArray) -> str:
-    """Number of listeners (l,) at which everybody feels a ``difference`` in decibels, and at which nobody does."""
+    """Number of listeners (l,) at which everybody feels a ``difference`` in decibels, and at which
+    nobody does."""
     lowest, highest = DIFFERENCE_THRESHOLDS
     size = np.abs(difference[~np.isnan(difference)])
     largest = f"{size.max():.1f} dB at most" if len(size) else "silent"
-    return f"{largest}; everybody feels it at {int((size > highest).sum())} of {len(difference)}, nobody at {int((size < lowest).sum())}"
+    return (
+        f"{largest}; everybody feels it at {int((size > highest).sum())} of "
+        f"{len(difference)}, nobody at {int((size < lowest).sum())}"
+    )
 
 
 def felt_verdict(levels: FloatArray) -> str:
     """The strongest of the sensation levels (l,) [dB], and the number that are felt."""
     strongest = float(np.max(levels))
-    return f"{strongest:+.1f} dB; {int((levels > 0).sum())} of {len(levels)} felt" if math.isfinite(strongest) else "silent"
+    return (
+        f"{strongest:+.1f} dB; {int((levels > 0).sum())} of {len(levels)} felt"
+        if math.isfinite(strongest)
+        else "silent"
+    )
 
 
 def reasons() -> Iterator[str]:
     """The losses of materials and contacts, computed from the values of the ride."""
-    losses = ", ".join(f"{name} {20 * math.log10(MATERIALS[name].k):.1f}" for name in ("stone", "steel", "hardwood", "flesh"))
+    losses = ", ".join(
+        f"{name} {20 * math.log10(MATERIALS[name].k):.1f}"
+        for name in ("stone", "steel", "hardwood", "flesh")
+    )
     yield (
-        f"The paper's function takes a part of the signal in every body, whatever its size ({losses} dB, and more with distance). From a "
+        "The paper's function takes a part of the signal in every body, whatever its size "
+        f"({losses} dB, and more with distance). From a "
         "blow on the ground to a leg there are ground, rail, wheels, floor, seat and leg."
     )
     limb = physical("flesh", _LIMB, part="upper_leg")
-    decays = ", ".join(f"{20 * math.log10(math.e) * limb.material_damping(hertz):.0f} dB/m at {hertz:g} Hz" for hertz in (31.25, 100, 250))
-    yield f"A thigh of measured flesh damps {decays}: what skin feels best gets no further than where the body touches the cart."
+    decays = ", ".join(
+        f"{20 * math.log10(math.e) * limb.material_damping(hertz):.0f} dB/m at {hertz:g} Hz"
+        for hertz in (31.25, 100, 250)
+    )
+    yield (
+        f"A thigh of measured flesh damps {decays}: what skin feels best gets no further than "
+        "where the body touches the cart."
+    )
     plate = physical("stone", (0.35, 2.9, 1.57))
     lost = 20 * math.log10(math.e) * plate.material_damping(100) * 2.9
-    yield f"Measured walls lose {lost:.2g} dB of 100 Hz over their whole width: what they are made of can't be told from their damping."
+    yield (
+        f"Measured walls lose {lost:.2g} dB of 100 Hz over their whole width: what they are "
+        "made of can't be told from their damping."
+    )
     drops = []
     for one, other in (("stone", "steel"), ("steel", "hardwood"), ("hardwood", "flesh")):
         first, second = (MATERIALS[name].density * DAMPING[name].speed for name in (one, other))
-        drops.append(f"{one} to {other} {20 * math.log10(2 * math.sqrt(first * second) / (first + second)):.1f} dB")
+        drops.append(
+            f"{one} to {other} "
+            f"{20 * math.log10(2 * math.sqrt(first * second) / (first + second)):.1f} dB"
+        )
     yield f"Contacts by impedance take {', '.join(drops)}, at every change of matter."
-    blows = ", ".join(f"{first} on {second} {_full_blow(first, second):+.1f} dB" for first, second in _BLOWS)
+    blows = ", ".join(
+        f"{first} on {second} {_full_blow(first, second):+.1f} dB" for first, second in _BLOWS
+    )
     yield (
-        f"A blow of full scale lies above the threshold by: {blows}. Flesh is so soft that a blow lasts 15 to 27 ms whatever strikes it, "
+        f"A blow of full scale lies above the threshold by: {blows}. Flesh is so soft that a "
+        "blow lasts 15 to 27 ms whatever strikes it, "
         "which is a push below 50 Hz."
     )
 
 
-_BLOWS = (("stone", "stone"), ("wood", "flesh"), ("stone", "flesh"), ("ribbon", "flesh"), ("fabric", "flesh"))
+_BLOWS = (
+    ("stone", "stone"),
+    ("wood", "flesh"),
+    ("stone", "flesh"),
+    ("ribbon", "flesh"),
+    ("fabric", "flesh"),
+)
 
 
 def _full_blow(first: str, second: str) -> float:

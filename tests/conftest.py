@@ -1,4 +1,5 @@
-"""Property-based tests: the same examples on every run, or many more of them from random seeds. And how the tests spare the processor."""
+"""Property-based tests: the same examples on every run, or many more of them from random seeds. And
+how the tests spare the processor."""
 
 from __future__ import annotations
 
@@ -14,10 +15,12 @@ from hypothesis import settings
 
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 
-# The folders' own conftest files import bpy. Workers have folders of their own: they write preferences at the same time.
+# The folders' own conftest files import bpy. Workers have folders of their own: they write
+# preferences at the same time.
 own_temporary_folder.make(anew=IS_WORKER)
 
-# The matrices are small: threads of BLAS would only wait for each other, at full load. What depends on their number sets it itself.
+# The matrices are small: threads of BLAS would only wait for each other, at full load. What depends
+# on their number sets it itself.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 gc.disable()  # until everything is collected: what is imported stays
@@ -27,9 +30,23 @@ settings.load_profile("same examples")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--times-examples", type=int, default=1, metavar="N", help="N times the examples of each property, from random seeds")
-    parser.addoption("--stress-seeds", type=int, default=1, metavar="N", help="random orders of operations in test_stress.py")
-    parser.addoption("--stress-operations", type=int, default=300, metavar="N", help="operations in each of them")
+    parser.addoption(
+        "--times-examples",
+        type=int,
+        default=1,
+        metavar="N",
+        help="N times the examples of each property, from random seeds",
+    )
+    parser.addoption(
+        "--stress-seeds",
+        type=int,
+        default=1,
+        metavar="N",
+        help="random orders of operations in test_stress.py",
+    )
+    parser.addoption(
+        "--stress-operations", type=int, default=300, metavar="N", help="operations in each of them"
+    )
 
 
 @pytest.fixture(scope="session")
@@ -48,14 +65,19 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     changed = set()
     for item in items:
         function = getattr(item, "obj", None)
-        if getattr(function, "is_hypothesis_test", False) and function not in changed:  # parametrised tests share their function
+        if (
+            getattr(function, "is_hypothesis_test", False) and function not in changed
+        ):  # parametrised tests share their function
             usual = function._hypothesis_internal_use_settings
-            function._hypothesis_internal_use_settings = settings(usual, max_examples=times * usual.max_examples, derandomize=False)
+            function._hypothesis_internal_use_settings = settings(
+                usual, max_examples=times * usual.max_examples, derandomize=False
+            )
             changed.add(function)
 
 
 def pytest_collection_finish() -> None:
-    """What is imported and collected stays to the end: the garbage collector need not look at it again and again."""
+    """What is imported and collected stays to the end: the garbage collector need not look at it
+    again and again."""
     gc.collect()
     gc.freeze()
     gc.enable()
@@ -64,15 +86,31 @@ def pytest_collection_finish() -> None:
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """How many old files give the same bits, and the largest difference."""
-    reports = [report for outcome in ("passed", "failed") for report in terminalreporter.getreports(outcome)]
-    found = [value for report in reports if report.when == "call" for key, value in report.user_properties if key == "old file"]
+    reports = [
+        report
+        for outcome in ("passed", "failed")
+        for report in terminalreporter.getreports(outcome)
+    ]
+    found = [
+        value
+        for report in reports
+        if report.when == "call"
+        for key, value in report.user_properties
+        if key == "old file"
+    ]
     if found:
         name, _, decibels = max(found, key=lambda item: item[2])
         same = sum(equal for _, equal, _ in found)
-        terminalreporter.write_line(f"old files: {same} of {len(found)} give the same bits; largest difference {decibels:.3f} dB ({name})")
+        terminalreporter.write_line(
+            f"old files: {same} of {len(found)} give the same bits; largest difference "
+            f"{decibels:.3f} dB ({name})"
+        )
 
 
 def pytest_sessionfinish() -> None:
-    """Commands that ran in this process asked for the add-on to be disabled at its end: their tests have done so."""
-    if trace := sys.modules.get("haptic_tracing.command_line.trace"):  # Blender may have reloaded the package since, with other functions
+    """Commands that ran in this process asked for the add-on to be disabled at its end: their tests
+    have done so."""
+    if trace := sys.modules.get(
+        "haptic_tracing.command_line.trace"
+    ):  # Blender may have reloaded the package since, with other functions
         atexit.unregister(trace.unregister)

@@ -15,7 +15,8 @@ from ...core.scene.skeleton import Bone, Place, partner, places
 from ...core.scene.values import Listener
 from ..scene_reader.collision_shapes import vertices_of
 
-# Positions of the parts of a standing body in its bounding box: from the middle to the side (left is +x), from front (-y) to back, height.
+# Positions of the parts of a standing body in its bounding box: from the middle to the side (left
+# is +x), from front (-y) to back, height.
 _PLACES = {
     "head": (0.0, 0.5, 0.93),
     "ear": (0.15, 0.5, 0.93),
@@ -38,12 +39,17 @@ _FEET = 0.05
 
 def listeners_on(body: Object) -> dict[str, Object]:
     """The listeners of a body or armature, by body part."""
-    return {child.haptics.listener.body_part: child for child in body.children if child.haptics.listener.enabled}
+    return {
+        child.haptics.listener.body_part: child
+        for child in body.children
+        if child.haptics.listener.enabled
+    }
 
 
 def place_on_mesh(body: Object, parts: Sequence[BodyPart], collection: Collection) -> None:
-    """Place empties as listeners at the parts of a standing body that fills the bounding box of ``body``; feet in the box of what is as low
-    as they are, however far its arms reach. Raises ValueError where it has no surface."""
+    """Place empties as listeners at the parts of a standing body that fills the bounding box of
+    ``body``; feet in the box of what is as low as they are, however far its arms reach. Raises
+    ValueError where it has no surface."""
     corners = vertices_of(body, bpy.context.evaluated_depsgraph_get(), "FINAL")
     bottom, top = corners[:, 2].min(), corners[:, 2].max()
     lowest = corners[corners[:, 2] <= bottom + _FEET * (top - bottom)]
@@ -58,23 +64,33 @@ def place_on_mesh(body: Object, parts: Sequence[BodyPart], collection: Collectio
         attach(listener, body, "", body.matrix_world @ local)
 
 
-def place_on_bones(armature: Object, parts: Sequence[BodyPart], collection: Collection) -> list[BodyPart]:
-    """Place empties as listeners, each parented to the bone of its part. Returns the parts without a bone.
+def place_on_bones(
+    armature: Object, parts: Sequence[BodyPart], collection: Collection
+) -> list[BodyPart]:
+    """Place empties as listeners, each parented to the bone of its part. Returns the parts without
+    a bone.
 
     Raises ValueError if it is not the armature of a body.
     """
-    at_rest = [Bone(bone.name, tuple(bone.head_local), tuple(bone.tail_local)) for bone in armature.data.bones]  # in armature space
+    # In armature space.
+    at_rest = [
+        Bone(bone.name, tuple(bone.head_local), tuple(bone.tail_local))
+        for bone in armature.data.bones
+    ]
     found: Mapping[str, Place] = places(at_rest, parts)
     for part in parts:
         place = found.get(part.name)
         if place is not None:
             listener = add_listener(part, f"{armature.name} {part.name}", collection)
-            attach(listener, armature, place.bone, posed(armature, place.bone, Vector(place.position)))
+            attach(
+                listener, armature, place.bone, posed(armature, place.bone, Vector(place.position))
+            )
     return [part for part in parts if part.name not in found]
 
 
 def posed(armature: Object, bone: str, rest: Vector) -> Vector:
-    """The current world position of a point of a bone; ``rest``: its position at rest, in armature space."""
+    """The current world position of a point of a bone; ``rest``: its position at rest, in armature
+    space."""
     local = armature.data.bones[bone].matrix_local.inverted() @ rest
     return armature.matrix_world @ armature.pose.bones[bone].matrix @ local
 
@@ -92,12 +108,17 @@ def add_listener(part: BodyPart, name: str, collection: Collection) -> Object:
 
 
 def attach(obj: Object, parent: Object, bone: str, place: Vector) -> None:
-    """Parent an object, to ``bone`` unless that is "", and move it to the world position ``place`` without rotation and scale."""
+    """Parent an object, to ``bone`` unless that is "", and move it to the world position ``place``
+    without rotation and scale."""
     carried = parent.matrix_world
     obj.parent = parent
     if bone:
         obj.parent_type, obj.parent_bone = "BONE", bone
-        carried = carried @ parent.pose.bones[bone].matrix @ Matrix.Translation((0, parent.data.bones[bone].length, 0))
+        carried = (
+            carried
+            @ parent.pose.bones[bone].matrix
+            @ Matrix.Translation((0, parent.data.bones[bone].length, 0))
+        )
     obj.matrix_parent_inverse = carried.inverted_safe()
     obj.matrix_basis = Matrix.Translation(place)
 
@@ -111,25 +132,37 @@ def armature_of(obj: Object) -> Object | None:
 
 def skins(armature: Object) -> list[Object]:
     """The meshes that an armature deforms, the largest first."""
-    moved = [obj for obj in armature.children_recursive if obj.type == "MESH" and obj.find_armature() == armature]
+    moved = [
+        obj
+        for obj in armature.children_recursive
+        if obj.type == "MESH" and obj.find_armature() == armature
+    ]
     return sorted(moved, key=lambda obj: -obj.dimensions.length)
 
 
 def mirrored(listener: Object) -> Object:
-    """The listener's partner on the other side of the body, with its settings; created if there is none."""
+    """The listener's partner on the other side of the body, with its settings; created if there is
+    none."""
     part = BODY_PART[listener.haptics.listener.body_part]
     other = BODY_PART[part.mirror]
     parent = listener.parent
     siblings = listeners_on(parent) if parent is not None else {}
     partner = siblings.get(other.name)
     if partner is None:
-        partner = add_listener(other, bpy.utils.flip_name(listener.name), listener.users_collection[0])
+        partner = add_listener(
+            other, bpy.utils.flip_name(listener.name), listener.users_collection[0]
+        )
         place = listener.matrix_world.translation
         if parent is None:
             partner.matrix_basis = Matrix.Translation(Vector((-place.x, place.y, place.z)))
         else:
             local = parent.matrix_world.inverted_safe() @ place
-            attach(partner, parent, _other_bone(parent, listener), parent.matrix_world @ Vector((-local.x, local.y, local.z)))
+            attach(
+                partner,
+                parent,
+                _other_bone(parent, listener),
+                parent.matrix_world @ Vector((-local.x, local.y, local.z)),
+            )
     for name in shown(Listener).keys() - {"body_part"}:
         setattr(partner.haptics.listener, name, getattr(listener.haptics.listener, name))
     return partner

@@ -22,41 +22,58 @@ _FLESH = MATERIALS["flesh"]
 
 
 def spread_all_around(haptics: Any, radius: float) -> None:
-    """Give a medium spherical spreading without loss: at a distance d [m], the gain is ``radius`` / (``radius`` + d)."""
+    """Give a medium spherical spreading without loss: at a distance d [m], the gain is ``radius`` /
+    (``radius`` + d)."""
     haptics.function, haptics.wave, haptics.reference_distance = "physical", "solid", radius
     haptics.loss_factor = haptics.absorption = haptics.extent = 0.0
-    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho  # so that a decay set later is not scaled
+    # So that a decay set later is not scaled.
+    haptics.material_k = (1.0 - haptics.kappa) * haptics.rho
 
 
 def preset_values(material: Material) -> dict[str, object]:
     """The values of a preset, in the form of the library."""
     values = {name: getattr(material, name) for name in SHARED if name != "use_bands"}
-    return {**values, "use_bands": False}  # initially only the paper's function, whose gains the overlay shows
+    return {
+        **values,
+        "use_bands": False,
+    }  # initially only the paper's function, whose gains the overlay shows
 
 
 def preset_in(scene: Scene, material: Material) -> HapticMaterial:
     """The library's material with the preset's title, added if missing."""
-    return scene.haptics.materials.items.get(material.title) or add_material(scene, material.title, preset_values(material))
+    return scene.haptics.materials.items.get(material.title) or add_material(
+        scene, material.title, preset_values(material)
+    )
 
 
 def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
-    """Assign a material to objects: they take its values, now and when it changes; physical ones also the damping of a preset."""
+    """Assign a material to objects: they take its values, now and when it changes; physical ones
+    also the damping of a preset."""
     name, values = item.name, values_of(item)
     for obj in progress(objects):
         materials.write_values(obj, values)
         if obj.haptics.material.name != name:
             known = preset_of(obj)
-            if known is not None and (known is _FLESH or DAMPING[known.name].ground) and obj.haptics.function == "physical":
+            if (
+                known is not None
+                and (known is _FLESH or DAMPING[known.name].ground)
+                and obj.haptics.function == "physical"
+            ):
                 obj.haptics.wave = "bounded"  # or the next material would stay a half-space
             obj.haptics.material.name = name
     make_physical(obj for obj in objects if obj.haptics.function == "physical")
 
 
 def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None:
-    """Make objects haptic, each of a preset or, with None, of the material that it has; unknown ones damp like plastic. Their function is
-    physical, unless one was chosen or the scene is as in the paper."""
+    """Make objects haptic, each of a preset or, with None, of the material that it has; unknown
+    ones damp like plastic. Their function is physical, unless one was chosen or the scene is as in
+    the paper."""
     is_physical = scene.haptics.strategy != "as_in_the_paper"
-    if is_physical and _FLESH in made_of.values() and _FLESH.title not in scene.haptics.materials.items:
+    if (
+        is_physical
+        and _FLESH in made_of.values()
+        and _FLESH.title not in scene.haptics.materials.items
+    ):
         _soften_flesh(scene)
     for obj in made_of:
         obj.haptics.enabled = True
@@ -84,7 +101,8 @@ def preset_of(obj: Object) -> Material | None:
 
 
 def make_physical(objects: Iterable[Object], in_a_building: bool = False) -> int:
-    """Give objects made of a preset the measured physical function; half-spaces stay such. Returns their number."""
+    """Give objects made of a preset the measured physical function; half-spaces stay such. Returns
+    their number."""
     known, depsgraph = 0, bpy.context.evaluated_depsgraph_get()
     for obj in objects:
         material = preset_of(obj)
@@ -94,24 +112,30 @@ def make_physical(objects: Iterable[Object], in_a_building: bool = False) -> int
     return known
 
 
-def _damp(obj: Object, material: Material, depsgraph: Depsgraph, in_a_building: bool = False) -> None:
+def _damp(
+    obj: Object, material: Material, depsgraph: Depsgraph, in_a_building: bool = False
+) -> None:
     """Give an object the measured damping of a material."""
     haptics = obj.haptics
     is_half_space = (haptics.function, haptics.wave) == ("physical", "surface")
     haptics.function = "physical"
     sizes = sizes_of(obj, depsgraph)
-    write_values(haptics, physical(material.name, sizes, in_a_building, part_in(obj.name), is_half_space))
+    write_values(
+        haptics, physical(material.name, sizes, in_a_building, part_in(obj.name), is_half_space)
+    )
 
 
 def use_physical(scene: Scene, objects: Iterable[Object], in_a_building: bool) -> int:
-    """Give objects made of presets the measured functions, and a scene the loss at contacts of flesh. Returns the number of objects."""
+    """Give objects made of presets the measured functions, and a scene the loss at contacts of
+    flesh. Returns the number of objects."""
     _harden_flesh(scene)
     _soften_flesh(scene)
     return make_physical(objects, in_a_building)
 
 
 def use_paper(scene: Scene, objects: Iterable[Object]) -> int:
-    """Give objects made of presets the paper's function, and let contacts of flesh pass on everything. Returns the number of objects."""
+    """Give objects made of presets the paper's function, and let contacts of flesh pass on
+    everything. Returns the number of objects."""
     _harden_flesh(scene)
     made = [obj for obj in objects if preset_of(obj) is not None]
     for obj in made:
@@ -120,10 +144,16 @@ def use_paper(scene: Scene, objects: Iterable[Object]) -> int:
 
 
 def _soften_flesh(scene: Scene) -> None:
-    """Add the rules for contacts of flesh: with anything the loss in skin and cloth, with flesh none."""
+    """Add the rules for contacts of flesh: with anything the loss in skin and cloth, with flesh
+    none."""
     for kind, name, function in (("ANY", "", "constant"), ("MATERIAL", _FLESH.title, "identity")):
         row = scene.haptics.transmission_table.items.add()
-        row.first_kind, row.first, row.second_kind, row.second = "MATERIAL", _FLESH.title, kind, name
+        row.first_kind, row.first, row.second_kind, row.second = (
+            "MATERIAL",
+            _FLESH.title,
+            kind,
+            name,
+        )
         row.function, row.constant = function, FLESH_CONTACT
 
 
@@ -132,13 +162,19 @@ def _harden_flesh(scene: Scene) -> None:
     rows = scene.haptics.transmission_table.items
     for index in reversed(range(len(rows))):
         row = rows[index]
-        if (row.first_kind, row.first) == ("MATERIAL", _FLESH.title) and (row.second_kind == "ANY" or row.second == _FLESH.title):
+        if (row.first_kind, row.first) == ("MATERIAL", _FLESH.title) and (
+            row.second_kind == "ANY" or row.second == _FLESH.title
+        ):
             rows.remove(index)
 
 
 def set_bodies(objects: Iterable[Object], body: str) -> int:
-    """Let those of ``objects`` that are made of flesh damp as measured, or be felt all over. Returns their number."""
-    bodies, depsgraph = [obj for obj in objects if preset_of(obj) is _FLESH], bpy.context.evaluated_depsgraph_get()
+    """Let those of ``objects`` that are made of flesh damp as measured, or be felt all over.
+    Returns their number."""
+    bodies, depsgraph = (
+        [obj for obj in objects if preset_of(obj) is _FLESH],
+        bpy.context.evaluated_depsgraph_get(),
+    )
     for obj in bodies:
         _damp(obj, _FLESH, depsgraph)
         if body == "FELT_ALL_OVER":
@@ -147,20 +183,30 @@ def set_bodies(objects: Iterable[Object], body: str) -> int:
 
 
 def targets(context: Context, target: str) -> list[Object]:
-    """The editable objects with a surface among the "selected" ones, their "children" or those of the "collection"."""
+    """The editable objects with a surface among the "selected" ones, their "children" or those of
+    the "collection"."""
     match target:
         case "CHILDREN":
-            found = {child for obj in context.selected_objects for child in (obj, *obj.children_recursive)}
+            found = {
+                child
+                for obj in context.selected_objects
+                for child in (obj, *obj.children_recursive)
+            }
             objects: Iterable[Object] = (obj for obj in context.view_layer.objects if obj in found)
         case "COLLECTION":
-            objects = context.object.users_collection[0].all_objects if context.object and context.object.users_collection else ()
+            objects = (
+                context.object.users_collection[0].all_objects
+                if context.object and context.object.users_collection
+                else ()
+            )
         case _:
             objects = context.selected_objects
     return list(objects)
 
 
 def guessed(obj: Object) -> Material | None:
-    """The probable material of an object, by the names of its surfaces, of itself and of its mesh, its shape and its mass."""
+    """The probable material of an object, by the names of its surfaces, of itself and of its mesh,
+    its shape and its mass."""
     names = [slot.material.name for slot in obj.material_slots if slot.material is not None]
     names += [obj.name] + ([obj.data.name] if obj.data is not None else [])
     body = obj.rigid_body
@@ -179,4 +225,6 @@ def _apply_presets(scene: Scene, made_of: Mapping[Object, Material | None]) -> N
     """Assign presets to objects, those of one preset at once."""
     for material in dict.fromkeys(made_of.values()):
         if material is not None:
-            apply([obj for obj, own in made_of.items() if own is material], preset_in(scene, material))
+            apply(
+                [obj for obj, own in made_of.items() if own is material], preset_in(scene, material)
+            )

@@ -25,18 +25,31 @@ _SIGNALS = (
     (SourceSignal("SINE", 30.0), "engine motor car truck tractor boat ship generator diesel auto"),
     (
         SourceSignal("SINE", 50.0),
-        "fridge transformer refrigerator compressor pump dishwasher washer washing fan ventilator machine maschine",
+        "fridge transformer refrigerator compressor pump dishwasher washer washing fan "
+        "ventilator machine maschine",
     ),
-    (SourceSignal("SINE", 150.0), "phone telephone buzzer razor toothbrush bee insect saw grinder handy"),
-    (SourceSignal("SINE", 80.0), "speaker subwoofer loudspeaker guitar bass bell string lautsprecher"),
-    (SourceSignal("NOISE"), "wind rain river waterfall water steam jet rocket explosion earthquake gravel fire avalanche sand"),
+    (
+        SourceSignal("SINE", 150.0),
+        "phone telephone buzzer razor toothbrush bee insect saw grinder handy",
+    ),
+    (
+        SourceSignal("SINE", 80.0),
+        "speaker subwoofer loudspeaker guitar bass bell string lautsprecher",
+    ),
+    (
+        SourceSignal("NOISE"),
+        "wind rain river waterfall water steam jet rocket explosion earthquake gravel fire "
+        "avalanche sand",
+    ),
 )
 _WORDS = {word: signal for signal, words in _SIGNALS for word in words.split()}
 
 
 def signal_for(name: str) -> SourceSignal:
     """The signal for an object of this name; a sine of 60 Hz for unknown names."""
-    for word in reversed(re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", name))):
+    for word in reversed(
+        re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", name))
+    ):
         known = _WORDS.get(word.lower()) or _WORDS.get(word.lower().removesuffix("s"))
         if known is not None:
             return known

@@ -1,4 +1,5 @@
-"""Sizes of bodies that waves spread in: those of the bounding box, and the wall of a hollow body."""
+"""Sizes of bodies that waves spread in: those of the bounding box, and the wall of a hollow
+body."""
 
 from __future__ import annotations
 
@@ -10,17 +11,23 @@ from ..blender.arrays import read_array
 
 
 def sizes_of(obj: Object, depsgraph: Depsgraph) -> tuple[float, float, float]:
-    """The three sizes [m] of a body, the greatest first. The least is that of its wall: by volume and area of a closed mesh; a mesh with
-    open edges is a sheet of at most 1 cm."""
+    """The three sizes [m] of a body, the greatest first. The least is that of its wall: by volume
+    and area of a closed mesh; a mesh with open edges is a sheet of at most 1 cm."""
     large, middle, small = sorted(obj.dimensions, reverse=True)
     mesh = obj.evaluated_get(depsgraph).data
     if isinstance(mesh, Mesh) and len(mesh.polygons):
         corners = read_array(mesh.vertices, "co", 3).astype(np.float64) * np.abs(obj.scale)
         mesh.calc_loop_triangles()
-        a, b, c = corners[read_array(mesh.loop_triangles, "vertices", 3, np.int32)].transpose(1, 0, 2)
+        a, b, c = corners[read_array(mesh.loop_triangles, "vertices", 3, np.int32)].transpose(
+            1, 0, 2
+        )
         area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
         volume = abs(float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6))
         faces = np.bincount(read_array(mesh.loops, "edge_index", 1, np.int32).ravel())
         is_closed = bool(np.isin(faces, (0, 2)).all())
-        small = wall_of((large, middle, small), volume, area) if is_closed else min(small or SHEET, SHEET)
+        small = (
+            wall_of((large, middle, small), volume, area)
+            if is_closed
+            else min(small or SHEET, SHEET)
+        )
     return large, middle, small

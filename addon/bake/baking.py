@@ -1,4 +1,5 @@
-"""A bake as a job in steps, so that Blender stays responsive: frame after frame, then the track, F-curves and sound strip."""
+"""A bake as a job in steps, so that Blender stays responsive: frame after frame, then the track,
+F-curves and sound strip."""
 
 from __future__ import annotations
 
@@ -20,10 +21,11 @@ from .track import TrackRecorder, check_size
 
 
 def bake_job(scene: Scene) -> Job:
-    """The bake of a scene's range. Until the last frame is traced the scene is unchanged, and cancelling restores its frame.
+    """The bake of a scene's range. Until the last frame is traced the scene is unchanged, and
+    cancelling restores its frame.
 
-    Raises ValueError, with a message for the user, if the range is empty; the steps raise it if a frame cannot be traced, if there is no
-    listener, and if the track would be too large.
+    Raises ValueError, with a message for the user, if the range is empty; the steps raise it if a
+    frame cannot be traced, if there is no listener, and if the track would be too large.
     """
     first, last = wanted_range(scene)
     if last < first:
@@ -49,9 +51,13 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
             if not recorder.frame_count:
                 if not result.listeners:
                     raise ValueError(_rpt("There is no listener: add one to feel something"))
-                check_size(len(result.listeners), last - first + 1, frame_duration, result.sample_rate)
+                check_size(
+                    len(result.listeners), last - first + 1, frame_duration, result.sample_rate
+                )
             kept = own.tracer.collisions.impacts_of(result.number)
-            recorder.add(result, "" if kept is None else text_of_impacts(result.number, kept, motion))
+            recorder.add(
+                result, "" if kept is None else text_of_impacts(result.number, kept, motion)
+            )
             yield
     track = recorder.track(digest, frame_duration)
     del recorder

@@ -18,8 +18,8 @@ _GROUP = "Haptics"
 
 
 def write_curves(scene: Scene, track: HapticTrack, index: int) -> bool:
-    """Write the F-curves of listener number ``index``; the key of a frame covers the samples up to that frame. Returns False if the
-    listener is missing or linked from a library."""
+    """Write the F-curves of listener number ``index``; the key of a frame covers the samples up to
+    that frame. Returns False if the listener is missing or linked from a library."""
     obj = _object(scene, track.listeners[index].name)
     if obj is None or not obj.is_editable:
         return False
@@ -38,11 +38,14 @@ def remove_curves(scene: Scene) -> None:
 
 
 def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Intensity and frequency (hertz) of a listener at every frame; in silence the frequency keeps its last value."""
+    """Intensity and frequency (hertz) of a listener at every frame; in silence the frequency keeps
+    its last value."""
     count = track.frame_count
     intensity, frequency = np.zeros(count), np.zeros(count)
     if count > 1 and track.samples.shape[1]:
-        found = coarse_envelope(Row(track.listener_samples(index), track.sample_rate), track.frame_duration)
+        found = coarse_envelope(
+            Row(track.listener_samples(index), track.sample_rate), track.frame_duration
+        )
         filled = min(len(found[0]), count - 1)
         intensity[1 : 1 + filled], frequency[1 : 1 + filled] = found[0][:filled], found[1][:filled]
     felt = intensity > 1e-5
@@ -53,4 +56,8 @@ def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[n
 
 def _object(scene: Scene, full_name: str) -> Object | None:
     obj = bpy.data.objects.get(full_name)
-    return obj if obj is not None and obj.name in scene.objects else next((o for o in scene.objects if o.name_full == full_name), None)
+    return (
+        obj
+        if obj is not None and obj.name in scene.objects
+        else next((o for o in scene.objects if o.name_full == full_name), None)
+    )

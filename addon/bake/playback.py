@@ -1,4 +1,5 @@
-"""Playback of a baked scene, whose frames come from the track while the timeline plays, and comparison of the track with the scene."""
+"""Playback of a baked scene, whose frames come from the track while the timeline plays, and
+comparison of the track with the scene."""
 
 from __future__ import annotations
 
@@ -27,13 +28,15 @@ from . import storage
 from .track import HapticTrack
 
 _ALIKE, _LEAST = 0.1, 1e-4
-"""Difference in decibels up to which arriving amplitudes are alike, and the amplitude above which they are compared."""
+"""Difference in decibels up to which arriving amplitudes are alike, and the amplitude above which
+they are compared."""
 _REST = 20.0  # pause after a comparison of scene and track, as a multiple of its duration
 
 
 @dataclass(slots=True)
 class _Compared:
-    """When a scene was last compared with its track, which is known by its stamp, how long that took, and what had changed."""
+    """When a scene was last compared with its track, which is known by its stamp, how long that
+    took, and what had changed."""
 
     stamp: str
     version: int
@@ -47,8 +50,8 @@ _to_compare: set[int] = set()  # session ids of scenes whose panel waits for a c
 
 
 def plays(scene: Scene) -> bool:
-    """Whether the current frame comes from the track: while the timeline plays, in the mode that was baked. While it stands, frames are
-    traced as the scene is now."""
+    """Whether the current frame comes from the track: while the timeline plays, in the mode that
+    was baked. While it stands, frames are traced as the scene is now."""
     track = storage.played_track(scene) if is_playing() else None
     if track is None or track.mode not in {"", scene.haptics.mode}:
         return False
@@ -68,7 +71,8 @@ def play(scene: Scene) -> bool:
 
 
 def impacts_of(scene: Scene) -> str:
-    """The baked impacts of the current frame while the timeline stands, for `session.begin`; "" if there are none."""
+    """The baked impacts of the current frame while the timeline stands, for `session.begin`; "" if
+    there are none."""
     track = None if is_playing() else storage.played_track(scene)
     return "" if track is None else track.impacts.get(scene.frame_current, "")
 
@@ -79,10 +83,11 @@ def is_from_track(result: FrameResult) -> bool:
 
 
 def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
-    """The changes since the bake found by the last comparison, and whether the shown frame is felt otherwise than it was baked; None before
-    the first comparison.
+    """The changes since the bake found by the last comparison, and whether the shown frame is felt
+    otherwise than it was baked; None before the first comparison.
 
-    For draw callbacks: after an edit, scene and track are compared after the redraw, with pauses between comparisons.
+    For draw callbacks: after an edit, scene and track are compared after the redraw, with pauses
+    between comparisons.
     """
     known = _compared.get(scene.session_uid)
     if known is not None and known.stamp != storage.stamp(scene):
@@ -95,25 +100,45 @@ def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
     if known is None:
         return None
     frame, track = scene.frame_current, storage.track_of(scene)
-    differs = None if track is None or simulation_start(scene, frame) < frame else _DIFFERS.latest(scene, track)
-    felt: tuple[Change, ...] = (("felt", frame),) if differs is not None and differs.is_current and differs.value else ()
+    differs = (
+        None
+        if track is None or simulation_start(scene, frame) < frame
+        else _DIFFERS.latest(scene, track)
+    )
+    felt: tuple[Change, ...] = (
+        (("felt", frame),) if differs is not None and differs.is_current and differs.value else ()
+    )
     return tuple(words_for(change) for change in (*known.changes, *felt))
 
 
 def _differs(traced: Traced, track: HapticTrack, before: bool | None = None) -> bool:
-    """Whether the sources that play all the time arrive with another amplitude than was baked in that frame: by more than `_ALIKE`."""
+    """Whether the sources that play all the time arrive with another amplitude than was baked in
+    that frame: by more than `_ALIKE`."""
     baked = track.result(traced.result.number)
     if baked is None or traced.reading is None:
         return False
-    lasting = {source.name for source in traced.reading.sources if source.triggers is None and source.kind is SourceKind.PERSISTENT}
-    now, then = ({pair: value for pair, value in _arriving(result) if pair[0] in lasting} for result in (traced.result, baked))
-    return now.keys() != then.keys() or any(abs(20 * math.log10(value / then[pair])) > _ALIKE for pair, value in now.items())
+    lasting = {
+        source.name
+        for source in traced.reading.sources
+        if source.triggers is None and source.kind is SourceKind.PERSISTENT
+    }
+    now, then = (
+        {pair: value for pair, value in _arriving(result) if pair[0] in lasting}
+        for result in (traced.result, baked)
+    )
+    return now.keys() != then.keys() or any(
+        abs(20 * math.log10(value / then[pair])) > _ALIKE for pair, value in now.items()
+    )
 
 
 def _arriving(result: FrameResult) -> Iterator[tuple[tuple[str, str], float]]:
-    """The amplitudes that arrive in a frame and may be felt, each with the names of its source and its listener."""
+    """The amplitudes that arrive in a frame and may be felt, each with the names of its source and
+    its listener."""
     for row, column in np.argwhere(result.amplitudes > _LEAST).tolist():
-        yield (result.sources[row].name, result.listeners[column].name), float(result.amplitudes[row, column])
+        yield (
+            (result.sources[row].name, result.listeners[column].name),
+            float(result.amplitudes[row, column]),
+        )
 
 
 _DIFFERS: Derived[HapticTrack, bool] = Derived(_differs)
@@ -160,7 +185,11 @@ def fitting_track(scene: Scene, start: int, end: int) -> HapticTrack | None:
 def wanted_range(scene: Scene) -> tuple[int, int]:
     """The frames to bake."""
     bake = scene.haptics.bake
-    return (bake.frame_start, bake.frame_end) if bake.use_range else (scene.frame_start, scene.frame_end)
+    return (
+        (bake.frame_start, bake.frame_end)
+        if bake.use_range
+        else (scene.frame_start, scene.frame_end)
+    )
 
 
 def forget() -> None:

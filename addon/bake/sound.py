@@ -1,4 +1,5 @@
-"""A track as a sound strip, packed into the file: the left side of the body on the left channel, the right side on the right."""
+"""A track as a sound strip, packed into the file: the left side of the body on the left channel,
+the right side on the right."""
 
 from __future__ import annotations
 
@@ -24,19 +25,24 @@ _CHUNK = 1 << 18
 
 
 def add_strip(scene: Scene, track: HapticTrack) -> Any:
-    """Add the sound strip on the lowest free channel, in place of an earlier one. Returns the strip.
+    """Add the sound strip on the lowest free channel, in place of an earlier one. Returns the
+    strip.
 
     Raises ValueError if Blender was built without sound.
     """
     channel = remove_strip(scene)
     editor = scene.sequence_editor or scene.sequence_editor_create()
     strips = compatibility.strips_of(editor)
-    first = track.frame_start + round((track.first_sample / track.sample_rate - track.start) / track.frame_duration)
+    first = track.frame_start + round(
+        (track.first_sample / track.sample_rate - track.start) / track.frame_duration
+    )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{NAME}.wav"
         write_stereo(track, path)
         try:
-            strip = strips.new_sound(NAME, str(path), channel or _free_channel(strips, track), first)
+            strip = strips.new_sound(
+                NAME, str(path), channel or _free_channel(strips, track), first
+            )
         except RuntimeError as error:
             raise ValueError(str(error).strip().removeprefix("Error: ")) from None
         strip.sound.pack()
@@ -48,7 +54,8 @@ def add_strip(scene: Scene, track: HapticTrack) -> Any:
 
 
 def remove_strip(scene: Scene) -> int:
-    """Remove the strip of an earlier bake, and its sound if nothing else uses it. Returns the strip's channel, or 0."""
+    """Remove the strip of an earlier bake, and its sound if nothing else uses it. Returns the
+    strip's channel, or 0."""
     sound = scene.haptics.bake.sound
     channel = 0
     if sound is None:
@@ -65,11 +72,16 @@ def remove_strip(scene: Scene) -> int:
 
 
 def write_stereo(track: HapticTrack, path: Path) -> None:
-    """Write a 16-bit WAV file: each channel is the sum of the listeners of its side, with those in the middle on both, scaled down if it
-    would clip."""
-    sides = np.array([stereo_gains(item.body_part) for item in track.listeners], dtype=np.float64).reshape(-1, 2)
+    """Write a 16-bit WAV file: each channel is the sum of the listeners of its side, with those in
+    the middle on both, scaled down if it would clip."""
+    sides = np.array(
+        [stereo_gains(item.body_part) for item in track.listeners], dtype=np.float64
+    ).reshape(-1, 2)
     weights = sides / np.sqrt(np.maximum((sides**2).sum(axis=0), 1.0))
-    pieces = [_mixed(track.samples[:, first : first + _CHUNK], weights) for first in range(0, max(track.samples.shape[1], 1), _CHUNK)]
+    pieces = [
+        _mixed(track.samples[:, first : first + _CHUNK], weights)
+        for first in range(0, max(track.samples.shape[1], 1), _CHUNK)
+    ]
     peak = max((float(np.abs(piece).max(initial=0.0)) for piece in pieces), default=0.0)
     factor = _HEADROOM * FULL_SCALE / max(peak, 1e-9) if peak > _HEADROOM else float(FULL_SCALE)
     with wave.open(str(path), "wb") as file:
@@ -88,5 +100,9 @@ def _mixed(samples: NDArray[np.int16], weights: FloatArray) -> NDArray[np.float3
 
 def _free_channel(strips: Any, track: HapticTrack) -> int:
     ends = ((strip.channel, *compatibility.strip_ends(strip)) for strip in strips)
-    taken = {channel for channel, start, end in ends if start <= track.frame_end and end >= track.frame_start}
+    taken = {
+        channel
+        for channel, start, end in ends
+        if start <= track.frame_end and end >= track.frame_start
+    }
     return next(channel for channel in range(1, 129) if channel not in taken or channel == 128)

@@ -1,5 +1,5 @@
-"""Storage of a track, as bytes in a property of a text datablock of the scene. A text is saved with the file, does not affect Blender's
-evaluation, and explains its content to a reader."""
+"""Storage of a track, as bytes in a property of a text datablock of the scene. A text is saved with
+the file, does not affect Blender's evaluation, and explains its content to a reader."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from .track import HapticTrack, TrackError, track_from_bytes
 
 _DATA, _STAMP = "haptic_track", "haptic_track_stamp"
 
-_read: dict[int, tuple[str, HapticTrack | None, str]] = {}  # by session id of the text: its stamp, and the track or the error
+# By session id of the text: its stamp, and the track or the error.
+_read: dict[int, tuple[str, HapticTrack | None, str]] = {}
 
 
 def keep(scene: Scene, track: HapticTrack) -> None:
@@ -101,13 +102,18 @@ def _decoded(data: Any) -> tuple[HapticTrack | None, str]:
 def _is_kept_elsewhere(text: Text, scene: Scene) -> bool:
     """Whether another scene has the bake in a text, or any scene as a take."""
     bakes = [(other, other.haptics.bake) for other in bpy.data.scenes]
-    return any((other != scene and bake.track == text) or any(take.track == text for take in bake.takes) for other, bake in bakes)
+    return any(
+        (other != scene and bake.track == text) or any(take.track == text for take in bake.takes)
+        for other, bake in bakes
+    )
 
 
 def _summary(scene: Scene, track: HapticTrack) -> str:
     lines = [
-        f"Haptic track of scene {scene.name}: frames {track.frame_start} to {track.frame_end}, {track.duration:.2f} s.",
-        f"{track.samples.shape[1]} samples a listener at {track.sample_rate} Hz, {len(track.sources)} sources.",
+        f"Haptic track of scene {scene.name}: frames {track.frame_start} to {track.frame_end}, "
+        f"{track.duration:.2f} s.",
+        f"{track.samples.shape[1]} samples a listener at {track.sample_rate} Hz, "
+        f"{len(track.sources)} sources.",
         "The track itself is a property of this text; baking again replaces it.",
         "",
         "Listeners:",

@@ -18,8 +18,8 @@ from .track import HapticTrack
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The RMS levels [dB of full scale] of a listener over the whole of two takes, minus infinity for silence; NaN for a take without the
-    listener."""
+    """The RMS levels [dB of full scale] of a listener over the whole of two takes, minus infinity
+    for silence; NaN for a take without the listener."""
 
     listener: str
     here: float
@@ -35,7 +35,11 @@ def keep(scene: Scene) -> None:
     if bake.track is not None and all(take.track != bake.track for take in bake.takes):
         take = bake.takes.add()
         names = {other.name for other in bake.takes}
-        take.name = next(name for name in (f"Take {number}" for number in range(1, len(names) + 2)) if name not in names)
+        take.name = next(
+            name
+            for name in (f"Take {number}" for number in range(1, len(names) + 2))
+            if name not in names
+        )
         take.track = bake.track
 
 
@@ -50,23 +54,35 @@ def play(scene: Scene, index: int) -> None:
 
 
 def differences(scene: Scene) -> Latest[tuple[Difference, ...]] | None:
-    """The differences between the current take and the one played before, without waiting; None before they are known."""
+    """The differences between the current take and the one played before, without waiting; None
+    before they are known."""
     texts = scene.haptics.bake.track, scene.haptics.bake.compared
     here, there = (storage.track_in(text) for text in texts)
     if here is None or there is None:
         return None
     key = tuple(storage.stamp_of(text) for text in texts)
-    return _kept.setdefault(scene.session_uid, Background()).latest(key, lambda before: _differences(here, there))
+    return _kept.setdefault(scene.session_uid, Background()).latest(
+        key, lambda before: _differences(here, there)
+    )
 
 
 def _differences(here: HapticTrack, there: HapticTrack) -> tuple[Difference, ...]:
-    levels = [dict(zip((item.name for item in track.listeners), _levels(track), strict=True)) for track in (here, there)]
-    return tuple(Difference(name, *(known.get(name, float("nan")) for known in levels)) for name in {**levels[0], **levels[1]})
+    levels = [
+        dict(zip((item.name for item in track.listeners), _levels(track), strict=True))
+        for track in (here, there)
+    ]
+    return tuple(
+        Difference(name, *(known.get(name, float("nan")) for known in levels))
+        for name in {**levels[0], **levels[1]}
+    )
 
 
 def _levels(track: HapticTrack) -> list[float]:
     with np.errstate(divide="ignore", invalid="ignore"):
-        return [20 * float(np.log10(vibration_rms(row, track.sample_rate) / FULL_SCALE)) for row in track.samples]
+        return [
+            20 * float(np.log10(vibration_rms(row, track.sample_rate) / FULL_SCALE))
+            for row in track.samples
+        ]
 
 
 file_changed.subscribe(_kept.clear)

@@ -1,7 +1,8 @@
-"""The haptic track: the signals of all listeners over a range of frames, as plain values that can be stored in a file.
+"""The haptic track: the signals of all listeners over a range of frames, as plain values that can
+be stored in a file.
 
-Independent of Blender. The bytes are `MAGIC`, the version, the length of the header, the header as JSON, then the arrays in order, each
-compressed by zlib. Everything read from a file is validated.
+Independent of Blender. The bytes are `MAGIC`, the version, the length of the header, the header as
+JSON, then the arrays in order, each compressed by zlib. Everything read from a file is validated.
 """
 
 from __future__ import annotations
@@ -61,7 +62,11 @@ class TrackSource:
 
     @property
     def kind(self) -> SourceKind:
-        return SourceKind.PERSISTENT if self.second_object is None and not self.onset else SourceKind.TEMPORARY
+        return (
+            SourceKind.PERSISTENT
+            if self.second_object is None and not self.onset
+            else SourceKind.TEMPORARY
+        )
 
 
 _ARRAYS = (
@@ -79,13 +84,15 @@ _ARRAYS = (
 
 @dataclass(frozen=True, eq=False)
 class HapticTrack:
-    """Frames ``frame_start`` to ``frame_start + f - 1``, ``frame_duration`` seconds each, the first at ``start`` seconds.
+    """Frames ``frame_start`` to ``frame_start + f - 1``, ``frame_duration`` seconds each, the first
+    at ``start`` seconds.
 
-    ``samples`` (l, n) int16 at ``sample_rate``, the first is sample number ``first_sample`` of the scene; frame k has
-    ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): positions of the listeners [m]. ``rows[k] : rows[k + 1]`` are the sources
-    active in frame k: ``row_source`` (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) including the
-    amplitude. ``digest``: checksums of the baked scene, see `scene_reader.digest`. ``impacts``: those of each frame that has any, see
-    `scene_reader.kept_impacts`.
+    ``samples`` (l, n) int16 at ``sample_rate``, the first is sample number ``first_sample`` of the
+    scene; frame k has ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): positions of
+    the listeners [m]. ``rows[k] : rows[k + 1]`` are the sources active in frame k: ``row_source``
+    (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) including
+    the amplitude. ``digest``: checksums of the baked scene, see `scene_reader.digest`. ``impacts``:
+    those of each frame that has any, see `scene_reader.kept_impacts`.
     """
 
     frame_start: int
@@ -134,7 +141,12 @@ class HapticTrack:
     def samples_until(self, frame: int, seconds: float) -> FloatArray:
         """The last ``seconds`` of all listeners up to the end of a frame, (l, n)."""
         last = int(self.offsets[frame - self.frame_start + 1])
-        return self.samples[:, max(last - round(seconds * self.sample_rate), 0) : last].astype(np.float64) / FULL_SCALE
+        return (
+            self.samples[:, max(last - round(seconds * self.sample_rate), 0) : last].astype(
+                np.float64
+            )
+            / FULL_SCALE
+        )
 
     def result(self, frame: int) -> FrameResult | None:
         """The result of a frame, without contacts and paths; None outside the range."""
@@ -143,9 +155,23 @@ class HapticTrack:
             return None
         first, last = self.offsets[k : k + 2].tolist()
         rows = slice(*self.rows[k : k + 2].tolist())
-        sources = tuple(map(self._source, self.row_source[rows].tolist(), self.row_amplitude[rows].tolist(), self.row_place[rows].tolist()))
+        sources = tuple(
+            map(
+                self._source,
+                self.row_source[rows].tolist(),
+                self.row_amplitude[rows].tolist(),
+                self.row_place[rows].tolist(),
+            )
+        )
         listeners = tuple(
-            Listener(item.name, item.name, tuple(place), item.body_part, radius=item.radius, s_max=item.s_max)
+            Listener(
+                item.name,
+                item.name,
+                tuple(place),
+                item.body_part,
+                radius=item.radius,
+                s_max=item.s_max,
+            )
             for item, place in zip(self.listeners, self.places[k].tolist(), strict=True)
         )
         gains = self.row_gain[rows].astype(np.float64)
@@ -158,15 +184,23 @@ class HapticTrack:
             graph=build_graph(
                 self._table,
                 ContactSet.empty(),
-                [Source(item.name, f"Source {k}", item.position, item.amplitude, item.kind) for k, item in enumerate(sources)],
-                [Listener(item.name, f"Listener {k}", item.position) for k, item in enumerate(listeners)],
+                [
+                    Source(item.name, f"Source {k}", item.position, item.amplitude, item.kind)
+                    for k, item in enumerate(sources)
+                ],
+                [
+                    Listener(item.name, f"Listener {k}", item.position)
+                    for k, item in enumerate(listeners)
+                ],
             ),
             propagation=Propagation.of_gains(gains),
             sources=sources,
             listeners=listeners,
             amplitudes=gains,
             impacts=(),
-            block=self.samples[:, first:last].astype(np.float64) / FULL_SCALE if last > first else None,
+            block=self.samples[:, first:last].astype(np.float64) / FULL_SCALE
+            if last > first
+            else None,
             first_sample=self.first_sample + first,
             sample_rate=float(self.sample_rate),
             milliseconds={},
@@ -177,14 +211,30 @@ class HapticTrack:
         item = self.sources[number]
         position = (place[0], place[1], place[2])
         return Source(
-            item.name, item.object, position, min(max(amplitude, 0.0), 1.0), item.kind, None, item.second_object, None, item.onset
-        )  # fmt: skip
+            item.name,
+            item.object,
+            position,
+            min(max(amplitude, 0.0), 1.0),
+            item.kind,
+            None,
+            item.second_object,
+            None,
+            item.onset,
+        )
 
     @cached_property
     def _table(self) -> ObjectTable:
-        """A table with an object of its own for every source and listener, without connections, so that none are drawn."""
+        """A table with an object of its own for every source and listener, without connections, so
+        that none are drawn."""
         count = max(len(self.listeners), int(np.diff(self.rows).max(initial=0)))
-        return ObjectTable.of([HapticObject(f"{kind} {k}", 0.0, 1.0) for kind in ("Listener", "Source") for k in range(count)], 0.1)
+        return ObjectTable.of(
+            [
+                HapticObject(f"{kind} {k}", 0.0, 1.0)
+                for kind in ("Listener", "Source")
+                for k in range(count)
+            ],
+            0.1,
+        )
 
     def to_bytes(self) -> bytes:
         """The track as bytes."""
@@ -197,13 +247,25 @@ class HapticTrack:
             "first_sample": self.first_sample,
             "samples": self.samples.shape[1],
             "rows": len(self.row_source),
-            "listeners": [[item.name, item.body_part, item.radius, item.s_max] for item in self.listeners],
-            "sources": [[item.name, item.object, item.second_object, item.onset] for item in self.sources],
+            "listeners": [
+                [item.name, item.body_part, item.radius, item.s_max] for item in self.listeners
+            ],
+            "sources": [
+                [item.name, item.object, item.second_object, item.onset] for item in self.sources
+            ],
             "digest": self.digest,
             "impacts": list(self.impacts.items()),
         }
-        packed = [zlib.compress(np.ascontiguousarray(getattr(self, name), dtype=kind).tobytes(), 4) for name, kind, _ in _ARRAYS]
-        text = zlib.compress(json.dumps({**header, "packed": [len(data) for data in packed]}, allow_nan=False).encode(), 6)
+        packed = [
+            zlib.compress(np.ascontiguousarray(getattr(self, name), dtype=kind).tobytes(), 4)
+            for name, kind, _ in _ARRAYS
+        ]
+        text = zlib.compress(
+            json.dumps(
+                {**header, "packed": [len(data) for data in packed]}, allow_nan=False
+            ).encode(),
+            6,
+        )
         return b"".join([MAGIC, struct.pack("<II", VERSION, len(text)), text, *packed])
 
 
@@ -213,12 +275,22 @@ def track_from_bytes(data: bytes) -> HapticTrack:
         raise TrackError("this is no haptic track")
     version, length = struct.unpack_from("<II", data, len(MAGIC))
     if version > VERSION:
-        raise TrackError(f"the haptic track has version {version}; this add-on reads up to {VERSION}: bake again")
+        raise TrackError(
+            f"the haptic track has version {version}; this add-on reads up to {VERSION}: bake again"
+        )
     place = len(MAGIC) + 8
     try:
         header = parse_json(_unpacked(data[place : place + length], MAX_HEADER), "haptic track")
         return _track(header, data, place + length)
-    except (ValueError, TypeError, KeyError, IndexError, OverflowError, AttributeError, zlib.error) as error:
+    except (
+        ValueError,
+        TypeError,
+        KeyError,
+        IndexError,
+        OverflowError,
+        AttributeError,
+        zlib.error,
+    ) as error:
         raise TrackError(f"the haptic track is damaged: bake again ({error})") from None
 
 
@@ -250,11 +322,18 @@ def _text(value: Any, empty: bool = False) -> str:
 
 def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
     listeners = tuple(
-        TrackListener(_text(name), _text(part, True), _number(radius, 0, 1e6), _number(s_max, 1e-9, 1))
+        TrackListener(
+            _text(name), _text(part, True), _number(radius, 0, 1e6), _number(s_max, 1e-9, 1)
+        )
         for name, part, radius, s_max in header["listeners"]
     )
     sources = tuple(
-        TrackSource(_text(name), _text(obj), None if second is None else _text(second), _number(onset, -1e9, 1e9))
+        TrackSource(
+            _text(name),
+            _text(obj),
+            None if second is None else _text(second),
+            _number(onset, -1e9, 1e9),
+        )
         for name, obj, second, onset in header["sources"]
     )
     width = _count(len(listeners), MAX_LISTENERS)
@@ -299,7 +378,8 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
 
 
 class TrackRecorder:
-    """Collects traced frames into a track: of each frame its samples as integers and a row per source."""
+    """Collects traced frames into a track: of each frame its samples as integers and a row per
+    source."""
 
     def __init__(self) -> None:
         self._first: FrameResult | None = None
@@ -335,7 +415,9 @@ class TrackRecorder:
             struck = (None, 0.0) if source.rubs else (source.second_object, source.onset)
             item = TrackSource(source.name, source.object, *struck)
             number = self._numbers.setdefault(item, len(self._numbers))
-            self._rows.append((number, source.amplitude, source.position, amplitudes.astype(np.float32)))
+            self._rows.append(
+                (number, source.amplitude, source.position, amplitudes.astype(np.float32))
+            )
         self._row_counts.append(len(result.sources))
 
     def track(self, digest: Mapping[str, Any], frame_duration: float) -> HapticTrack:
@@ -350,16 +432,23 @@ class TrackRecorder:
             start=self._first.time,
             sample_rate=round(self._first.sample_rate),
             first_sample=self._first_sample or 0,
-            listeners=tuple(TrackListener(item.name, item.body_part, item.radius, item.s_max) for item in listeners),
+            listeners=tuple(
+                TrackListener(item.name, item.body_part, item.radius, item.s_max)
+                for item in listeners
+            ),
             sources=tuple(self._numbers),
             samples=np.concatenate(self._blocks, axis=1),
             offsets=np.cumsum([0, *(block.shape[1] for block in self._blocks)], dtype=np.int64),
-            places=np.array(self._places, dtype=np.float32).reshape(len(self._places), len(listeners), 3),
+            places=np.array(self._places, dtype=np.float32).reshape(
+                len(self._places), len(listeners), 3
+            ),
             rows=np.cumsum([0, *self._row_counts], dtype=np.int64),
             row_source=np.array([row[0] for row in self._rows], dtype=np.int32),
             row_amplitude=np.array([row[1] for row in self._rows], dtype=np.float32),
             row_place=np.array([row[2] for row in self._rows], dtype=np.float32).reshape(count, 3),
-            row_gain=np.array([row[3] for row in self._rows], dtype=np.float32).reshape(count, len(listeners)),
+            row_gain=np.array([row[3] for row in self._rows], dtype=np.float32).reshape(
+                count, len(listeners)
+            ),
             digest=digest,
             impacts=self._impacts,
         )
@@ -370,6 +459,7 @@ def check_size(listeners: int, frames: int, frame_duration: float, sample_rate: 
     size = 2 * listeners * frames * frame_duration * sample_rate
     if size > MAX_BYTES or frames > MAX_FRAMES or listeners > MAX_LISTENERS:
         raise ValueError(
-            f"{frames} frames of {listeners} listeners are more than a file should keep ({size / 1e6:.0f} of {MAX_BYTES / 1e6:.0f} MB): "
+            f"{frames} frames of {listeners} listeners are more than a file should keep "
+            f"({size / 1e6:.0f} of {MAX_BYTES / 1e6:.0f} MB): "
             "bake fewer frames"
         )

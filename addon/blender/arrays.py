@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 _LINEAR = 1
 
 
-def read_array(items: Any, attribute: str, width: int, kind: DTypeLike = np.float32) -> NDArray[Any]:
+def read_array(
+    items: Any, attribute: str, width: int, kind: DTypeLike = np.float32
+) -> NDArray[Any]:
     """An attribute of ``width`` values of all items of a collection, shape (n, width)."""
     values = np.empty(len(items) * width, dtype=kind)
     items.foreach_get(attribute, values)
@@ -22,5 +24,7 @@ def write_keys(curve: Any, frames: ArrayLike, values: ArrayLike) -> None:
     places = np.column_stack([frames, values]).astype(np.float32)
     curve.keyframe_points.add(len(places))
     curve.keyframe_points.foreach_set("co", places.ravel())
-    curve.keyframe_points.foreach_set("interpolation", np.full(len(places), _LINEAR, dtype=np.int32))
+    curve.keyframe_points.foreach_set(
+        "interpolation", np.full(len(places), _LINEAR, dtype=np.int32)
+    )
     curve.update()

@@ -9,10 +9,12 @@ from typing import Any
 import bpy
 
 THREADS_ENDANGER_SCRIPTS = sys.version_info < (3, 12)
-"""Whether a script's operators can crash Blender while another thread runs Python (up to Blender 5.0).
+"""Whether a script's operators can crash Blender while another thread runs Python (up to Blender
+5.0).
 
-An operator that a script calls runs without the GIL, but looks up the members of an overridden context in a Python dictionary. It asks for
-the GIL only if no thread has it: up to Python 3.11 Blender can't tell its own thread from others.
+An operator that a script calls runs without the GIL, but looks up the members of an overridden
+context in a Python dictionary. It asks for the GIL only if no thread has it: up to Python 3.11
+Blender can't tell its own thread from others.
 """
 
 
@@ -34,8 +36,8 @@ _TRANSFORMS = ("location", "rotation_", "scale", "delta_", "hide_")
 
 
 def animated_paths(datablock: Any) -> tuple[str, ...] | None:
-    """The data paths, other than of its transform and visibility, that an action or drivers may animate; None if the NLA may animate
-    any."""
+    """The data paths, other than of its transform and visibility, that an action or drivers may
+    animate; None if the NLA may animate any."""
     data = datablock.animation_data
     if data is None:
         return ()
@@ -63,7 +65,8 @@ def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
 
 
 def _fcurve_owners(datablock: Any) -> list[Any]:
-    """The owners of a datablock's F-curves: its action, or the channelbags of its slot where actions have slots (Blender 4.4 on)."""
+    """The owners of a datablock's F-curves: its action, or the channelbags of its slot where
+    actions have slots (Blender 4.4 on)."""
     data = datablock.animation_data
     if data is None or data.action is None:
         return []
@@ -90,7 +93,9 @@ def ensure_fcurve(datablock: Any, data_path: str, group: str = "", index: int = 
     if ensure is not None:
         named = {"group_name": group} if group and "group_name" in ensure.parameters else {}
         return data.action.fcurve_ensure_for_datablock(datablock, data_path, index=index, **named)
-    return data.action.fcurves.find(data_path, index=index) or data.action.fcurves.new(data_path, index=index, action_group=group)
+    return data.action.fcurves.find(data_path, index=index) or data.action.fcurves.new(
+        data_path, index=index, action_group=group
+    )
 
 
 STRIPS = "strips" if "strips" in bpy.types.SequenceEditor.bl_rna.properties else "sequences"

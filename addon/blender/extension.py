@@ -11,7 +11,8 @@ ROOT = __package__.rsplit(".addon", 1)[0]
 
 
 def profile_folders() -> tuple[Path, ...]:
-    """The folder of the user's own device profiles: "devices" in the extension's folder, if the add-on is installed as an extension."""
+    """The folder of the user's own device profiles: "devices" in the extension's folder, if the
+    add-on is installed as an extension."""
     if not ROOT.startswith("bl_ext."):
         return ()
     return (Path(bpy.utils.extension_path_user(ROOT, path="devices")),)

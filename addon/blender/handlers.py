@@ -9,12 +9,14 @@ import bpy
 
 
 class Handlers(dict[str, Callable[..., None]]):
-    """Handlers by the names of their events; events that this Blender does not have are left out (``exit_pre`` came with 5.1)."""
+    """Handlers by the names of their events; events that this Blender does not have are left out
+    (``exit_pre`` came with 5.1)."""
 
     def add(self) -> None:
         """Add the handlers.
 
-        They are also removed when Python ends: Blender as a Python module ends later and would call them after their modules are cleared.
+        They are also removed when Python ends: Blender as a Python module ends later and would call
+        them after their modules are cleared.
         """
         atexit.register(self.remove)
         for event, handler in self.items():

@@ -1,4 +1,5 @@
-"""Long jobs: in steps between the events of Blender's window, with a progress bar and cancelled by ESC, or at once without a window."""
+"""Long jobs: in steps between the events of Blender's window, with a progress bar and cancelled by
+ESC, or at once without a window."""
 
 from __future__ import annotations
 
@@ -33,19 +34,28 @@ class Cancelled(Exception):
 
 
 class Job:
-    """Steps in Blender's thread, then writing in another: ``work`` yields ``total`` times, ``finish`` returns the reports.
+    """Steps in Blender's thread, then writing in another: ``work`` yields ``total`` times,
+    ``finish`` returns the reports.
 
-    ``finish`` gets the job, for `progress` and `ask`, and does not access Blender's data. Nothing is written before it, so that a cancelled
-    job leaves no files.
+    ``finish`` gets the job, for `progress` and `ask`, and does not access Blender's data. Nothing
+    is written before it, so that a cancelled job leaves no files.
     """
 
     in_window: ClassVar[Job | None] = None
     """The job that runs in the window."""
 
-    def __init__(self, label: str, total: int, work: Iterator[object], finish: Callable[[Job], list[Report]], undo: str = "") -> None:
+    def __init__(
+        self,
+        label: str,
+        total: int,
+        work: Iterator[object],
+        finish: Callable[[Job], list[Report]],
+        undo: str = "",
+    ) -> None:
         self.label, self.total, self.done = label, max(total, 1), 0
         self.undo = undo
-        """Name of the undo step of what the work changed in Blender's data, "" where it changed nothing."""
+        """Name of the undo step of what the work changed in Blender's data, "" where it changed
+        nothing."""
         self.asks = False
         """Whether there is a window in which a question can be answered."""
         self.question: tuple[str, ...] = ()
@@ -64,7 +74,9 @@ class Job:
     def state(self) -> str:
         """Description of the current activity."""
         if self._writing is None:
-            return _iface("{}: {} of {}").format(_iface(self.label), min(self.done, self.total), self.total)
+            return _iface("{}: {} of {}").format(
+                _iface(self.label), min(self.done, self.total), self.total
+            )
         return _iface("Writing")
 
     def advance(self, seconds: float) -> list[Report] | None:
@@ -81,7 +93,9 @@ class Job:
                 if time.perf_counter() >= until:
                     return None
             self._writing = Future()
-            Thread(target=self._write, args=(self._writing,), name="haptics writing", daemon=True).start()
+            Thread(
+                target=self._write, args=(self._writing,), name="haptics writing", daemon=True
+            ).start()
         wait([self._writing], WAIT)
         return self._writing.result() if self._writing.done() else None
 
@@ -127,12 +141,20 @@ def running() -> Job | None:
 
 def poll_idle(cls: type[Operator]) -> bool:
     """True if no job runs in the window."""
-    return permitted(cls, Job.in_window is None, "Wait for the running job, or press Esc to cancel it")
+    return permitted(
+        cls, Job.in_window is None, "Wait for the running job, or press Esc to cancel it"
+    )
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:
-    """Run a job for an operator: in steps if there is a window, else at once. ValueError and OSError are reported."""
-    if operator.options.is_invoke and not bpy.app.background and context.window is not None and job.total > 1:
+    """Run a job for an operator: in steps if there is a window, else at once. ValueError and
+    OSError are reported."""
+    if (
+        operator.options.is_invoke
+        and not bpy.app.background
+        and context.window is not None
+        and job.total > 1
+    ):
         if Job.in_window is not None:
             operator.report({"ERROR"}, _rpt("{} is not done yet").format(Job.in_window.label))
             return {"CANCELLED"}

@@ -11,11 +11,14 @@ UNDO = {"REGISTER", "UNDO"}
 SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
-LINKED = "The object is linked from a library: use Object > Library Override > Make, or make it local"
+LINKED = (
+    "The object is linked from a library: use Object > Library Override > Make, or make it local"
+)
 
 
 def is_editable(obj: Any) -> bool:
-    """Whether Blender lets the user edit the haptics of an object: it is of this file, or an override that is editable."""
+    """Whether Blender lets the user edit the haptics of an object: it is of this file, or an
+    override that is editable."""
     return not obj.haptics.is_property_readonly("enabled")
 
 
@@ -25,10 +28,20 @@ def editable(objects: Iterable[Object]) -> list[Object]:
 
 
 def linked_message(objects: Sequence[Object]) -> str:
-    """The message if all objects are linked from a library, by themselves or as the instance of a collection; "" if any is editable."""
-    if any(is_editable(obj) and (obj.instance_collection is None or obj.instance_collection.library is None) for obj in objects):
+    """The message if all objects are linked from a library, by themselves or as the instance of a
+    collection; "" if any is editable."""
+    if any(
+        is_editable(obj)
+        and (obj.instance_collection is None or obj.instance_collection.library is None)
+        for obj in objects
+    ):
         return ""
-    return "These objects are linked from a library: use Object > Library Override > Make, or make them local" if objects else ""
+    return (
+        "These objects are linked from a library: use Object > Library Override > Make, or make "
+        "them local"
+        if objects
+        else ""
+    )
 
 
 def permitted(cls: type[Operator], is_allowed: bool, message: str) -> bool:
@@ -45,13 +58,17 @@ def poll_object_mode(cls: type[Operator], context: Context) -> bool:
 
 def poll_selected(cls: type[Operator], context: Context) -> bool:
     """Object Mode, and at least one selected object."""
-    return poll_object_mode(cls, context) and permitted(cls, bool(context.selected_objects), "Select one or more objects first")
+    return poll_object_mode(cls, context) and permitted(
+        cls, bool(context.selected_objects), "Select one or more objects first"
+    )
 
 
 def poll_active(cls: type[Operator], context: Context) -> bool:
     """Object Mode, and an editable active object."""
     obj: Any = context.object
-    if not poll_object_mode(cls, context) or not permitted(cls, obj is not None, "Select an object first"):
+    if not poll_object_mode(cls, context) or not permitted(
+        cls, obj is not None, "Select an object first"
+    ):
         return False
     return permitted(cls, is_editable(obj), LINKED)
 
@@ -61,8 +78,9 @@ class Refused(ValueError):
 
 
 class Action:
-    """Mixin: an operator. Its name in Blender is that of its class, haptic.add_rule for HAPTIC_OT_add_rule, and ``apply`` does its work:
-    ValueError and OSError are reported; a return value is passed to Blender."""
+    """Mixin: an operator. Its name in Blender is that of its class, haptic.add_rule for
+    HAPTIC_OT_add_rule, and ``apply`` does its work: ValueError and OSError are reported; a return
+    value is passed to Blender."""
 
     bl_idname = ""
 

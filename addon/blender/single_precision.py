@@ -10,7 +10,8 @@ import numpy as np
 
 @lru_cache(4096)
 def shortest(value: float) -> float:
-    """The shortest decimal that is the same number in single precision: 0.1, not 0.10000000149011612."""
+    """The shortest decimal that is the same number in single precision: 0.1, not
+    0.10000000149011612."""
     return float(str(np.float32(value)))
 
 

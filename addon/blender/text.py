@@ -31,8 +31,8 @@ _SIDE = re.compile(r"[._ -](l|r|left|right)([._ -]\d+)*$", re.IGNORECASE)
 
 
 def shortened(words: str, width: float, size: float, measure: Measure) -> str:
-    """A text of at most ``width`` pixels, shortened in the middle if it is longer, and before the side of the body at its end if that has
-    room; "" if not even its ends fit."""
+    """A text of at most ``width`` pixels, shortened in the middle if it is longer, and before the
+    side of the body at its end if that has room; "" if not even its ends fit."""
     if measure(words, size) <= width:
         return words
     side = _SIDE.search(words)

@@ -12,7 +12,8 @@ SIDEBAR_TAB = "Haptics"
 
 
 def redraw_viewports() -> None:
-    """Request a redraw of every 3D viewport of every window, and of the timelines, which have a lane."""
+    """Request a redraw of every 3D viewport of every window, and of the timelines, which have a
+    lane."""
     for area in _areas("VIEW_3D", "DOPESHEET_EDITOR"):
         area.tag_redraw()
 

@@ -1,4 +1,5 @@
-"""Revision numbers, which grow with every change, so that readers can tell whether their copy is current."""
+"""Revision numbers, which grow with every change, so that readers can tell whether their copy is
+current."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Suspension of handlers while the add-on draws or renders, and while it steps through the frames of a scene itself."""
+"""Suspension of handlers while the add-on draws or renders, and while it steps through the frames
+of a scene itself."""
 
 from __future__ import annotations
 
@@ -34,7 +35,8 @@ def steps_any() -> bool:
 
 
 def stepped(scene: Scene) -> AbstractContextManager[None]:
-    """A context in which every frame of the scene is traced, independent of the preview settings, and edits are not traced."""
+    """A context in which every frame of the scene is traced, independent of the preview settings,
+    and edits are not traced."""
     return _listed(_stepped, scene.session_uid)
 
 

@@ -1,1 +1,2 @@
-"""Files: haptic scenes and tracks out of Blender, haptic scenes and signals into it, and haptics in glTF."""
+"""Files: haptic scenes and tracks out of Blender, haptic scenes and signals into it, and haptics in
+glTF."""

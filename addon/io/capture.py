@@ -35,7 +35,8 @@ class Capture:
         recorded: Whether the scene and its changes are captured.
         felt: Whether the samples of the listeners are captured.
         names: Names of the objects, sources and listeners to capture; None for all. All are traced.
-        read: Reads a frame of the range from a baked track instead of tracing it; only if the scene itself is not captured.
+        read: Reads a frame of the range from a baked track instead of tracing it; only if the scene
+            itself is not captured.
     """
 
     scene: bpy.types.Scene
@@ -58,9 +59,11 @@ class Capture:
         return self.end - self.start + 1
 
     def steps(self) -> Iterator[int]:
-        """Trace the frames; each is yielded after its trace. At the end or on closing, the scene's frame is restored.
+        """Trace the frames; each is yielded after its trace. At the end or on closing, the scene's
+        frame is restored.
 
-        Raises ValueError, with a message for the user, for a frame that cannot be traced, and for an empty range.
+        Raises ValueError, with a message for the user, for a frame that cannot be traced, and for
+        an empty range.
         """
         if self.frames < 1:
             raise ValueError(_rpt("The frame range {} to {} is empty").format(self.start, self.end))
@@ -77,12 +80,18 @@ class Capture:
         if self._recorder is None or self._first is None:
             return Export(name, tracks=tracks)
         first = self._first.need_scene()
-        scene = replace(self._recorder.scene(), settings=first.settings, extras=first.extras, rules=first.rules)
-        return replace(self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording())
+        scene = replace(
+            self._recorder.scene(), settings=first.settings, extras=first.extras, rules=first.rules
+        )
+        return replace(
+            self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording()
+        )
 
     def _results(self) -> Generator[FrameResult, None, None]:
         if self.read is None:
-            with closing(timeline.steps(self.scene, self.start, self.end, self._tracks is None)) as steps:
+            with closing(
+                timeline.steps(self.scene, self.start, self.end, self._tracks is None)
+            ) as steps:
                 for step in steps:
                     yield step.result
             return
@@ -104,8 +113,18 @@ class Capture:
         frame = frame if self.names is None else within(frame, self.names)
         if self._first is None:
             self._first = written_export("", self.scene, frame, self.names)
-        contacts = contacts_within(result.contacts, result.objects, {item.name for item in frame.objects})
-        self._recorder.add(result.number, frame.objects, frame.sources, frame.listeners, contacts, result.objects, result.shots)
+        contacts = contacts_within(
+            result.contacts, result.objects, {item.name for item in frame.objects}
+        )
+        self._recorder.add(
+            result.number,
+            frame.objects,
+            frame.sources,
+            frame.listeners,
+            contacts,
+            result.objects,
+            result.shots,
+        )
 
 
 def felt_within(result: FrameResult, names: Collection[str]) -> FrameResult:
@@ -119,8 +138,11 @@ def felt_within(result: FrameResult, names: Collection[str]) -> FrameResult:
     )
 
 
-def contacts_within(contacts: ContactSet, objects: Collection[str], names: Collection[str]) -> ContactSet:
-    """The contacts between objects of these names; ``objects`` are the names by the numbers in ``contacts``."""
+def contacts_within(
+    contacts: ContactSet, objects: Collection[str], names: Collection[str]
+) -> ContactSet:
+    """The contacts between objects of these names; ``objects`` are the names by the numbers in
+    ``contacts``."""
     inside = np.array([name in names for name in objects], dtype=np.bool_)
     if inside.all():
         return contacts
@@ -131,7 +153,23 @@ def expected(scene: bpy.types.Scene, ranged: bool, collection: str = "") -> Expo
     """The export without samples, which suffices to determine the losses of a format."""
     inside = bpy.data.collections.get(collection)
     objects = scene.objects if inside is None else inside.all_objects
-    listeners = tuple(ListenerTrack(obj.name_full, obj.haptics.listener.part) for obj in objects if obj.haptics.listener.enabled)
-    tracks = Tracks(listeners, 8000, np.zeros((len(listeners), 1))) if ranged and listeners else None
-    modalities = tuple(ModalityScene(item) for item in SHOWN if getattr(scene.haptics.modalities, item.name).enabled)
-    return Export("scene", HapticScene(), tracks, Recording(1.0, 1, ()) if ranged else None, modalities=modalities)
+    listeners = tuple(
+        ListenerTrack(obj.name_full, obj.haptics.listener.part)
+        for obj in objects
+        if obj.haptics.listener.enabled
+    )
+    tracks = (
+        Tracks(listeners, 8000, np.zeros((len(listeners), 1))) if ranged and listeners else None
+    )
+    modalities = tuple(
+        ModalityScene(item)
+        for item in SHOWN
+        if getattr(scene.haptics.modalities, item.name).enabled
+    )
+    return Export(
+        "scene",
+        HapticScene(),
+        tracks,
+        Recording(1.0, 1, ()) if ranged else None,
+        modalities=modalities,
+    )

@@ -1,7 +1,9 @@
-"""Conversion between the devices of a scene file, with the signals of their actuators, and the choices of listeners.
+"""Conversion between the devices of a scene file, with the signals of their actuators, and the
+choices of listeners.
 
-A listener with the automatic choice is written with the actuators at its body part of all devices with a known profile, so that readers
-need not implement the choice; when it is read again, the same actuators become the automatic choice.
+A listener with the automatic choice is written with the actuators at its body part of all devices
+with a known profile, so that readers need not implement the choice; when it is read again, the same
+actuators become the automatic choice.
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ from ..properties.sound import device_profiles
 from ..scene_reader.imported import stored, text_of
 
 ADJUSTED = ("gain", "floor", "curve", "ceiling", "offset")
-"""Properties of a device that are written to its extras, under `EXTRAS`, if they differ from their defaults."""
+"""Properties of a device that are written to its extras, under `EXTRAS`, if they differ from their
+defaults."""
 EXTRAS = "blender"
 
 
@@ -32,10 +35,16 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
     choices = {item.name: _choice(bpy.data.objects.get(item.name)) for item in listeners}
     named = {place.device for choice in choices.values() for place in places_of(choice) or ()}
     names = sorted({*settings.keys(), *named} - {""})
-    kept = {name: stored(settings[name].imported if name in settings else "", "device") for name in names}
+    kept = {
+        name: stored(settings[name].imported if name in settings else "", "device")
+        for name in names
+    }
     profiles = {name: known.get("profile") or profile_name(name) for name, known in kept.items()}
     found = automatic({item.name: item.body_part for item in listeners}, profiles)
-    felt = {name: found[name] if choice == AUTOMATIC else places_of(choice) or [] for name, choice in choices.items()}
+    felt = {
+        name: found[name] if choice == AUTOMATIC else places_of(choice) or []
+        for name, choice in choices.items()
+    }
     return tuple(
         DeviceMapping(
             name=name,
@@ -52,7 +61,9 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
     )
 
 
-def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapping[str, Object]) -> None:
+def take_devices(
+    scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapping[str, Object]
+) -> None:
     """Add ``devices`` to a scene; ``listeners``: Blender's objects by their names in the file."""
     settings = scene.haptics.live_output.devices
     for device in devices:
@@ -70,7 +81,12 @@ def take_devices(scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapp
     for name, obj in listeners.items() if devices else ():
         if is_muted(obj):
             continue
-        places = [Place(device.name, item.actuator, item.gain) for device in devices for item in device.actuators if item.listener == name]
+        places = [
+            Place(device.name, item.actuator, item.gain)
+            for device in devices
+            for item in device.actuators
+            if item.listener == name
+        ]
         plain = set(places) == set(found[name]) and all(place.gain == 1.0 for place in places)
         obj.haptics.live_output.actuators = AUTOMATIC if plain else choice_of(places)
 
@@ -81,8 +97,11 @@ def is_muted(obj: Object | None) -> bool:
 
 
 def automatic(parts: Mapping[str, str], profiles: Mapping[str, str]) -> dict[str, list[Place]]:
-    """The automatic actuators of listeners (body part by name) on known devices (profile by name)."""
-    known = {name: _profiles()[profile] for name, profile in profiles.items() if profile in _profiles()}
+    """The automatic actuators of listeners (body part by name) on known devices (profile by
+    name)."""
+    known = {
+        name: _profiles()[profile] for name, profile in profiles.items() if profile in _profiles()
+    }
     weights = map_listeners(parts, known).weights
     return {
         listener: [
@@ -96,7 +115,8 @@ def automatic(parts: Mapping[str, str], profiles: Mapping[str, str]) -> dict[str
 
 
 def profile_name(device: str) -> str:
-    """The profile of a device, whose name begins with it; without a profile, the name of the device."""
+    """The profile of a device, whose name begins with it; without a profile, the name of the
+    device."""
     fitting = [name for name in _profiles() if device == name or device.startswith(f"{name} ")]
     return max(fitting, key=len, default=device)
 
@@ -113,5 +133,9 @@ def _adjusted(settings: Any) -> dict[str, Any]:
     if settings is None:
         return {}
     defaults = {key: shortest(settings.bl_rna.properties[key].default) for key in ADJUSTED}
-    used = {key: value for key in ADJUSTED if (value := shortest(getattr(settings, key))) != defaults[key]}
+    used = {
+        key: value
+        for key in ADJUSTED
+        if (value := shortest(getattr(settings, key))) != defaults[key]
+    }
     return {EXTRAS: used} if used else {}

@@ -29,23 +29,35 @@ _KINDS = ("AUTO", "AUTO_CLAMPED", "VECTOR")
 
 
 def drawn(name: str, signal: Signal) -> NodeTree | None:
-    """A new node group with this signal as a drawing, None if the limits of the properties do not allow it."""
+    """A new node group with this signal as a drawing, None if the limits of the properties do not
+    allow it."""
     drawing = Drawing.of(signal)
-    if drawing is None or not EMPHASIS_SECONDS <= drawing.duration <= LONGEST or len(drawing.emphases) > MOST_EMPHASES:
+    if (
+        drawing is None
+        or not EMPHASIS_SECONDS <= drawing.duration <= LONGEST
+        or len(drawing.emphases) > MOST_EMPHASES
+    ):
         return None
     hertz = drawing.frequency.values
-    fits = HERTZ[0] <= hertz.min() and hertz.max() <= HERTZ[1] and len(hertz) + len(drawing.amplitude.values) <= _MOST_POINTS
+    fits = (
+        HERTZ[0] <= hertz.min()
+        and hertz.max() <= HERTZ[1]
+        and len(hertz) + len(drawing.amplitude.values) <= _MOST_POINTS
+    )
     return _new(name, drawing) if fits else None
 
 
 def drawn_like(obj: Object, scene: Scene) -> NodeTree:
-    """A new node group with the signal of a source, as far as it can be drawn, otherwise a swell of its frequency."""
+    """A new node group with the signal of a source, as far as it can be drawn, otherwise a swell of
+    its frequency."""
     try:
         tree = drawn(obj.name, signal_of(obj, scene))
     except (OSError, ValueError):
         tree = None
     hertz = Automation((0.0,), (obj.haptics.source.frequency,))
-    return tree or _new(obj.name, Drawing(Automation((0.0, 0.05, 0.3, 1.0), (0.0, 1.0, 0.6, 0.0)), hertz))
+    return tree or _new(
+        obj.name, Drawing(Automation((0.0, 0.05, 0.3, 1.0), (0.0, 1.0, 0.6, 0.0)), hertz)
+    )
 
 
 def has_fcurves(obj: Object) -> bool:
@@ -56,10 +68,20 @@ def has_fcurves(obj: Object) -> bool:
 def _new(name: str, drawing: Drawing) -> NodeTree:
     tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
     properties, hertz = tree.haptics, drawing.frequency.values
-    properties.is_signal, properties.duration, properties.loops = True, drawing.duration, drawing.loops
-    properties.lowest, properties.highest = (min(properties.lowest, hertz.min()), max(properties.highest, hertz.max()))
+    properties.is_signal, properties.duration, properties.loops = (
+        True,
+        drawing.duration,
+        drawing.loops,
+    )
+    properties.lowest, properties.highest = (
+        min(properties.lowest, hertz.min()),
+        max(properties.highest, hertz.max()),
+    )
     low, high = properties.lowest, properties.highest
-    curves = (AMPLITUDE, drawing.amplitude, drawing.amplitude.values), (FREQUENCY, drawing.frequency, (hertz - low) / (high - low))
+    curves = (
+        (AMPLITUDE, drawing.amplitude, drawing.amplitude.values),
+        (FREQUENCY, drawing.frequency, (hertz - low) / (high - low)),
+    )
     for kind, curve, shares in curves:
         node = tree.nodes.new("ShaderNodeFloatCurve")
         node.name = kind
@@ -67,12 +89,17 @@ def _new(name: str, drawing: Drawing) -> NodeTree:
         write_points(node.mapping, np.column_stack([curve.times / drawing.duration, shares]))
     for emphasis in drawing.emphases:
         item = properties.emphases.add()
-        item.place, item.strength, item.sharpness = emphasis.time / drawing.duration, emphasis.strength, emphasis.sharpness
+        item.place, item.strength, item.sharpness = (
+            emphasis.time / drawing.duration,
+            emphasis.strength,
+            emphasis.sharpness,
+        )
     return tree
 
 
 def write_points(mapping: Any, places: FloatArray, kinds: Sequence[str] = ()) -> None:
-    """Replace the points of a curve by ``places`` (n, 2), n >= 1, with the handle types ``kinds``, corners by default."""
+    """Replace the points of a curve by ``places`` (n, 2), n >= 1, with the handle types ``kinds``,
+    corners by default."""
     if len(places) == 1:
         places = np.array([[0.0, places[0, 1]], [1.0, places[0, 1]]])
     places = places.astype(np.float32)
@@ -84,26 +111,41 @@ def write_points(mapping: Any, places: FloatArray, kinds: Sequence[str] = ()) ->
     while len(points) < len(places):
         points.new(1.0, 0.0)
     for k, (point, place) in enumerate(zip(points, places.tolist(), strict=True)):
-        point.location, point.handle_type, point.select = place, kinds[k] if kinds else "VECTOR", False
+        point.location, point.handle_type, point.select = (
+            place,
+            kinds[k] if kinds else "VECTOR",
+            False,
+        )
     mapping.update()
 
 
-def shape_envelope(tree: NodeTree, attack: float, decay: float, sustain: float, release: float) -> None:
-    """Draw an envelope of straight lines over the whole signal, which is extended if it is too short; times in seconds, ``sustain`` from 0
-    to 1."""
+def shape_envelope(
+    tree: NodeTree, attack: float, decay: float, sustain: float, release: float
+) -> None:
+    """Draw an envelope of straight lines over the whole signal, which is extended if it is too
+    short; times in seconds, ``sustain`` from 0 to 1."""
     tree.haptics.duration = max(tree.haptics.duration, attack + decay + release)
     hold = max(tree.haptics.duration - attack - decay - release, 0.0)
-    corners = np.column_stack([np.cumsum([0.0, attack, decay, hold, release]) / tree.haptics.duration, [0.0, 1.0, sustain, sustain, 0.0]])
+    corners = np.column_stack(
+        [
+            np.cumsum([0.0, attack, decay, hold, release]) / tree.haptics.duration,
+            [0.0, 1.0, sustain, sustain, 0.0],
+        ]
+    )
     write_points(mapping_of(tree, AMPLITUDE), corners[int(attack == 0.0) : 5 - int(release == 0.0)])
 
 
 def signal_of(obj: Object, scene: Scene) -> Signal:
     """The signal of a source. Raises ValueError or OSError if it cannot be read."""
-    return read_source(obj, obj.name_full, animated.AnimatedCurves().of_source(obj, scene)).signal or DEFAULT_PERSISTENT
+    return (
+        read_source(obj, obj.name_full, animated.AnimatedCurves().of_source(obj, scene)).signal
+        or DEFAULT_PERSISTENT
+    )
 
 
 def to_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
-    """Convert the curves of an object's ``drawing`` to F-curves from the scene's first frame on, with a key for each point."""
+    """Convert the curves of an object's ``drawing`` to F-curves from the scene's first frame on,
+    with a key for each point."""
     frames = drawing.duration / frame_seconds(scene)
     for name, path in PATHS.items():
         points, kinds = points_of(mapping_of(drawing.id_data, name))
@@ -123,7 +165,8 @@ def to_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
 
 
 def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
-    """Convert F-curves to the curves of an object's ``drawing`` over its duration; its frequency range is extended as needed."""
+    """Convert F-curves to the curves of an object's ``drawing`` over its duration; its frequency
+    range is extended as needed."""
     for name, path in PATHS.items():
         curve = animated.animating(obj, path)
         if curve is None:
@@ -132,24 +175,38 @@ def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
         seconds = (points[:, 0] - scene.frame_start) * frame_seconds(scene)
         if seconds[0] < 0.0 or seconds[-1] > drawing.duration * (1.0 + 1e-6):
             lines = animated.corners(curve)
-            part = cut(Automation((lines[:, 0] - scene.frame_start) * frame_seconds(scene), lines[:, 1]), drawing.duration)
+            part = cut(
+                Automation((lines[:, 0] - scene.frame_start) * frame_seconds(scene), lines[:, 1]),
+                drawing.duration,
+            )
             seconds, points, kinds = part.times, np.column_stack([part.times, part.values]), []
         low, high = 0.0, 1.0
         if name == FREQUENCY:
-            drawing.lowest, drawing.highest = min(drawing.lowest, points[:, 1].min()), max(drawing.highest, points[:, 1].max())
+            drawing.lowest, drawing.highest = (
+                min(drawing.lowest, points[:, 1].min()),
+                max(drawing.highest, points[:, 1].max()),
+            )
             low, high = drawing.lowest, drawing.highest
         write_points(
-            mapping_of(drawing.id_data, name), np.column_stack([seconds / drawing.duration, (points[:, 1] - low) / (high - low)]), kinds
+            mapping_of(drawing.id_data, name),
+            np.column_stack([seconds / drawing.duration, (points[:, 1] - low) / (high - low)]),
+            kinds,
         )
     remove_fcurves(obj, list(PATHS.values()))
 
 
 def _keys(curve: Any) -> tuple[FloatArray, list[str]]:
-    """Frames and values of the points (n, 2) of a drawn curve, and their handle types; only corners if other handle types were used."""
+    """Frames and values of the points (n, 2) of a drawn curve, and their handle types; only corners
+    if other handle types were used."""
     keys = list(curve.keyframe_points)
     kinds = [key.handle_right_type for key in keys]
-    straight = ["LINEAR" if kind == after == "VECTOR" else "BEZIER" for kind, after in pairwise(kinds)]
-    fits = all(key.handle_left_type == kind and kind in _KINDS for key, kind in zip(keys, kinds, strict=True))
+    straight = [
+        "LINEAR" if kind == after == "VECTOR" else "BEZIER" for kind, after in pairwise(kinds)
+    ]
+    fits = all(
+        key.handle_left_type == kind and kind in _KINDS
+        for key, kind in zip(keys, kinds, strict=True)
+    )
     if fits and straight == [key.interpolation for key in keys[:-1]]:
         return np.array([tuple(key.co) for key in keys]), kinds
     return animated.corners(curve), []

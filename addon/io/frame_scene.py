@@ -1,7 +1,7 @@
 """The haptic scene of a traced frame, with the exact numbers of the trace.
 
-A frame that is written, imported and written again gives identical bytes, because objects and contacts that are where a file put them are
-traced with the numbers of the file.
+A frame that is written, imported and written again gives identical bytes, because objects and
+contacts that are where a file put them are traced with the numbers of the file.
 """
 
 from __future__ import annotations
@@ -17,7 +17,15 @@ from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
 from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
-from ...core.scene.values import Contact, HapticObject, HapticScene, Listener, Source, SourceKind, TriggerKind
+from ...core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Source,
+    SourceKind,
+    TriggerKind,
+)
 from ..blender.single_precision import shortest
 from ..properties.modalities import SHOWN
 from ..scene_reader.imported import FileContacts, file_contacts, stored_extras, stored_item
@@ -35,18 +43,29 @@ MUTED = "muted"
 
 
 def current_scene(context: Context) -> HapticScene:
-    """The current frame from its last trace, with the active impacts, or traced now. Raises ValueError with a message for the user."""
+    """The current frame from its last trace, with the active impacts, or traced now. Raises
+    ValueError with a message for the user."""
     scene = context.scene
     depsgraph = context.evaluated_depsgraph_get()
     result, reading = session.result_of(scene), session.of(scene).reading
     # A result without a propagation was read from a baked track.
-    if not scene.haptics.tracing or result is None or reading is None or "propagate" not in result.milliseconds:
+    if (
+        not scene.haptics.tracing
+        or result is None
+        or reading is None
+        or "propagate" not in result.milliseconds
+    ):
         return scene_of_frame(scene, depsgraph)
-    return scene_of_result(result, reading, scene) if result.number == scene.frame_current else scene_of_frame(scene, depsgraph)
+    return (
+        scene_of_result(result, reading, scene)
+        if result.number == scene.frame_current
+        else scene_of_frame(scene, depsgraph)
+    )
 
 
 def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
-    """The haptic scene of the current frame, including contacts. Raises ValueError, with a message for the user, if it cannot be traced."""
+    """The haptic scene of the current frame, including contacts. Raises ValueError, with a message
+    for the user, if it cannot be traced."""
     result = session.trace(scene, depsgraph)
     reading = session.of(scene).reading
     if result is None or reading is None:
@@ -55,8 +74,12 @@ def scene_of_frame(scene: bpy.types.Scene, depsgraph: Depsgraph) -> HapticScene:
 
 
 def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
-    """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from. Lists are ordered by name."""
-    return replace(written_frame(result, reading, scene), contacts=_contacts(result, file_contacts(scene.haptics.imported_contacts)))
+    """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from.
+    Lists are ordered by name."""
+    return replace(
+        written_frame(result, reading, scene),
+        contacts=_contacts(result, file_contacts(scene.haptics.imported_contacts)),
+    )
 
 
 def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
@@ -66,7 +89,10 @@ def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene)
     sources = [item for item in result.sources if item.name not in shots]
     sources += [item for item in reading.sources if item.triggers is not None]
     return HapticScene(
-        objects=_by_name(_object(item, found.get(item.name), item.name in reading.settled) for item in reading.posed_objects()),
+        objects=_by_name(
+            _object(item, found.get(item.name), item.name in reading.settled)
+            for item in reading.posed_objects()
+        ),
         sources=_by_name(map(_source, sources)),
         listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
         settings=reading.settings,
@@ -75,21 +101,34 @@ def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene)
     )
 
 
-def written_modalities(scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None) -> tuple[ModalityScene, ...]:
-    """The current properties of ``scene`` for modalities other than vibration, on the objects of a written ``frame``; ``names``: only
-    sources of these names. Raises ValueError with a message for the user."""
+def written_modalities(
+    scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None
+) -> tuple[ModalityScene, ...]:
+    """The current properties of ``scene`` for modalities other than vibration, on the objects of a
+    written ``frame``; ``names``: only sources of these names. Raises ValueError with a message for
+    the user."""
     objects = {item.name for item in frame.objects}
     found = (read_modality(modality, scene, objects) for modality in SHOWN)
     return tuple(
-        item if names is None else replace(item, emitters=tuple(emitter for emitter in item.emitters if emitter.name in names))
+        item
+        if names is None
+        else replace(
+            item, emitters=tuple(emitter for emitter in item.emitters if emitter.name in names)
+        )
         for item in found
         if not item.is_empty
     )
 
 
-def written_export(name: str, scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None, **more: Any) -> Export:
-    """A written frame of ``scene`` with materials, devices and modalities; ``names``: only those of these objects. Raises ValueError with a
-    message for the user."""
+def written_export(
+    name: str,
+    scene: bpy.types.Scene,
+    frame: HapticScene,
+    names: Collection[str] | None = None,
+    **more: Any,
+) -> Export:
+    """A written frame of ``scene`` with materials, devices and modalities; ``names``: only those of
+    these objects. Raises ValueError with a message for the user."""
     return Export(
         name,
         frame,
@@ -108,13 +147,19 @@ def within(scene: HapticScene, names: Collection[str]) -> HapticScene:
         scene,
         objects=objects,
         contacts=tuple(item for item in scene.contacts if left.issuperset(pair_of(item))),
-        sources=tuple(_triggered_within(item, left) for item in scene.sources if _is_within(item, names, left)),
-        listeners=tuple(item for item in scene.listeners if item.name in names and item.object in left),
+        sources=tuple(
+            _triggered_within(item, left) for item in scene.sources if _is_within(item, names, left)
+        ),
+        listeners=tuple(
+            item for item in scene.listeners if item.name in names and item.object in left
+        ),
     )
 
 
 def _is_within(source: Source, names: Collection[str], objects: Collection[str]) -> bool:
-    if source.object not in objects or (source.second_object is not None and source.second_object not in objects):
+    if source.object not in objects or (
+        source.second_object is not None and source.second_object not in objects
+    ):
         return False
     return source.name in names or source.rubs or source.kind is SourceKind.TEMPORARY
 
@@ -122,7 +167,12 @@ def _is_within(source: Source, names: Collection[str], objects: Collection[str])
 def _triggered_within(source: Source, objects: Collection[str]) -> Source:
     if not source.triggers:
         return source
-    return replace(source, triggers=tuple(t for t in source.triggers if t.on is not TriggerKind.PASSING or t.object in objects))
+    return replace(
+        source,
+        triggers=tuple(
+            t for t in source.triggers if t.on is not TriggerKind.PASSING or t.object in objects
+        ),
+    )
 
 
 def _by_name(items: Any) -> tuple[Any, ...]:
@@ -130,11 +180,21 @@ def _by_name(items: Any) -> tuple[Any, ...]:
 
 
 def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObject:
-    return replace(item, pose=stored_item(obj.haptics.imported, "object")["pose"]) if obj is not None and settled else item
+    return (
+        replace(item, pose=stored_item(obj.haptics.imported, "object")["pose"])
+        if obj is not None and settled
+        else item
+    )
 
 
 def _source(item: Source) -> Source:
-    return item if not item.triggers else replace(item, triggers=tuple(t for t in item.triggers if t.on is not TriggerKind.LEVEL))
+    return (
+        item
+        if not item.triggers
+        else replace(
+            item, triggers=tuple(t for t in item.triggers if t.on is not TriggerKind.LEVEL)
+        )
+    )
 
 
 def _listener(item: Listener, obj: Object | None) -> Listener:
@@ -142,10 +202,19 @@ def _listener(item: Listener, obj: Object | None) -> Listener:
 
 
 def _contacts(result: FrameResult, kept: FileContacts) -> tuple[Contact, ...]:
-    """The traced contacts, ordered by the names of their objects; imported ones with their extras."""
-    extras = {item.positions: dict(item.extras) for items in kept.contacts.values() for item in items if item.extras}
+    """The traced contacts, ordered by the names of their objects; imported ones with their
+    extras."""
+    extras = {
+        item.positions: dict(item.extras)
+        for items in kept.contacts.values()
+        for item in items
+        if item.extras
+    }
     contacts = sorted(result.contacts.to_contacts(result.objects), key=pair_of)
-    return tuple(replace(item, extras=extras[item.positions]) if item.positions in extras else item for item in contacts)
+    return tuple(
+        replace(item, extras=extras[item.positions]) if item.positions in extras else item
+        for item in contacts
+    )
 
 
 def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:

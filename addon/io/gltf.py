@@ -1,7 +1,8 @@
 """Haptics in glTF, through the add-on hooks of Blender's exporter and importer.
 
-The roles of an object are stored in the extras of its node, under `KEY`; contacts with the first of their two objects, in the axes of the
-file. Haptic materials can also be written to the MPEG extension, which can hold kappa and rho only in its extras.
+The roles of an object are stored in the extras of its node, under `KEY`; contacts with the first of
+their two objects, in the axes of the file. Haptic materials can also be written to the MPEG
+extension, which can hold kappa and rho only in its extras.
 """
 
 from __future__ import annotations
@@ -12,7 +13,13 @@ from typing import Any
 import bpy
 from bpy.types import Object
 
-from ...core.formats.scene.values_json import item_to_dict, json_value, read_listener, read_object, read_source
+from ...core.formats.scene.values_json import (
+    item_to_dict,
+    json_value,
+    read_listener,
+    read_object,
+    read_source,
+)
 from ...core.scene.values import HapticScene
 from .frame_scene import scene_of_frame
 from .property_writer import stored_text, write_body, write_listener, write_source
@@ -33,7 +40,9 @@ class glTF2ExportUserExtension:
         self._forms: dict[str, dict[str, Any]] | None = None
         self._scene: HapticScene | None = None
 
-    def gather_node_hook(self, node: Any, blender_object: Any, export_settings: dict[str, Any]) -> None:
+    def gather_node_hook(
+        self, node: Any, blender_object: Any, export_settings: dict[str, Any]
+    ) -> None:
         """Called for every node; ``blender_object`` is None or a collection for some."""
         if not isinstance(blender_object, Object):
             return
@@ -45,7 +54,9 @@ class glTF2ExportUserExtension:
         if self.properties.use_material and node.mesh is not None and "object" in form:
             node.mesh = self._with_material(node.mesh, form["object"])
 
-    def gather_scene_hook(self, scene: Any, blender_scene: Any, export_settings: dict[str, Any]) -> None:
+    def gather_scene_hook(
+        self, scene: Any, blender_scene: Any, export_settings: dict[str, Any]
+    ) -> None:
         """Called for the scene: the settings."""
         self._form("", export_settings)
         if self.properties.use_extras and self._scene is not None:
@@ -57,8 +68,13 @@ class glTF2ExportUserExtension:
         """Called for the whole file: the haptic materials."""
         if not self.materials:
             return
-        materials = [{"name": name, "extras": {"kappa": kappa, "rho": rho}} for name, kappa, rho in self.materials]
-        gltf.extensions[self.properties.material_name] = _extension(self.properties.material_name, {"materials": materials})
+        materials = [
+            {"name": name, "extras": {"kappa": kappa, "rho": rho}}
+            for name, kappa, rho in self.materials
+        ]
+        gltf.extensions[self.properties.material_name] = _extension(
+            self.properties.material_name, {"materials": materials}
+        )
 
     def _form(self, name: str, export_settings: dict[str, Any]) -> dict[str, Any] | None:
         """The haptic properties of an object; None without a role."""
@@ -66,29 +82,44 @@ class glTF2ExportUserExtension:
             self._forms = {}
             if self.properties.use_extras or self.properties.use_material:
                 try:
-                    self._scene = scene_of_frame(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
-                except ValueError as error:  # nothing is tagged, or it can't be traced: a glTF file without haptics
+                    self._scene = scene_of_frame(
+                        bpy.context.scene, bpy.context.evaluated_depsgraph_get()
+                    )
+                # Nothing is tagged, or it can't be traced: a glTF file without haptics.
+                except ValueError as error:
                     print(f"Haptic Tracing: no haptics in the glTF file: {error}")
                 else:
                     self._forms = forms_of(self._scene, export_settings.get("gltf_yup", True))
         return self._forms.get(name)
 
     def _with_material(self, mesh: Any, form: dict[str, Any]) -> Any:
-        """The mesh with its haptic material; a copy, since objects of different materials may share one."""
+        """The mesh with its haptic material; a copy, since objects of different materials may share
+        one."""
         material = form.get("material", "") or f"kappa {form['kappa']:g}, rho {form['rho']:g}"
-        index = self.materials.setdefault((material, form["kappa"], form["rho"]), len(self.materials))
+        index = self.materials.setdefault(
+            (material, form["kappa"], form["rho"]), len(self.materials)
+        )
         name = self.properties.material_name
         mesh = copy.copy(mesh)
-        mesh.extensions = {**(mesh.extensions or {}), name: _extension(name, {"hapticMaterialIndex": index})}
+        mesh.extensions = {
+            **(mesh.extensions or {}),
+            name: _extension(name, {"hapticMaterialIndex": index}),
+        }
         return mesh
 
 
 def forms_of(scene: HapticScene, y_up: bool) -> dict[str, dict[str, Any]]:
     """The haptic properties of each object, source and listener, by name."""
     forms: dict[str, dict[str, Any]] = {}
-    for role, items in (("object", scene.objects), ("source", scene.sources), ("listener", scene.listeners)):
+    for role, items in (
+        ("object", scene.objects),
+        ("source", scene.sources),
+        ("listener", scene.listeners),
+    ):
         for item in items:
-            form = {key: value for key, value in item_to_dict(item).items() if key not in _OF_THE_NODE}
+            form = {
+                key: value for key, value in item_to_dict(item).items() if key not in _OF_THE_NODE
+            }
             forms.setdefault(item.name, {"name": item.name})[role] = form
     for contact in scene.contacts:
         first, second = contact.objects
@@ -114,7 +145,9 @@ def _extension(name: str, content: dict[str, Any]) -> Any:
 class glTF2ImportUserExtension:
     """Hooks that the importer instantiates once and calls for every node."""
 
-    def gather_import_node_after_hook(self, vnode: Any, gltf_node: Any, blender_object: Any, gltf: Any) -> None:
+    def gather_import_node_after_hook(
+        self, vnode: Any, gltf_node: Any, blender_object: Any, gltf: Any
+    ) -> None:
         """Called when an object was made of a node."""
         form = (gltf_node.extras or {}).get(KEY) if isinstance(gltf_node.extras, dict) else None
         if not isinstance(form, dict):
@@ -124,14 +157,20 @@ class glTF2ImportUserExtension:
         try:
             read_roles(blender_object, form)
         except (ValueError, TypeError, KeyError) as error:
-            print(f"Haptic Tracing: the haptics of node '{blender_object.name}' are left out: {error}")
+            print(
+                f"Haptic Tracing: the haptics of node '{blender_object.name}' are left out: {error}"
+            )
 
 
 def read_roles(obj: Object, form: dict[str, Any]) -> None:
-    """Give an object the roles of its node. Raises ValueError, TypeError or KeyError for invalid ones."""
+    """Give an object the roles of its node. Raises ValueError, TypeError or KeyError for invalid
+    ones."""
     nowhere = {"name": obj.name, "object": obj.name, "position": [0.0, 0.0, 0.0]}
     items: dict[str, Any] = {
-        role: make({key: value for key, value in {**base, **form[role]}.items() if key != "second_object"}, (role,))
+        role: make(
+            {key: value for key, value in {**base, **form[role]}.items() if key != "second_object"},
+            (role,),
+        )
         for role, make, base in (
             ("object", read_object, {"name": obj.name}),
             ("source", read_source, nowhere),

@@ -20,23 +20,42 @@ Keys = dict[int, tuple[float, ...]]
 """Values by frame."""
 
 STILL = 1e-4
-"""Largest motion [m] relative to its object of a source or listener that counts as fixed to it, because poses in files are rounded."""
+"""Largest motion [m] relative to its object of a source or listener that counts as fixed to it,
+because poses in files are rounded."""
 
 POSE, PLACE = "pose", "place"
 KAPPA, RHO, ENABLED = "haptics.kappa", "haptics.rho", "haptics.enabled"
-AMPLITUDE, GAIN, LISTENS = "haptics.source.amplitude", "haptics.listener.gain", "haptics.listener.enabled"
+AMPLITUDE, GAIN, LISTENS = (
+    "haptics.source.amplitude",
+    "haptics.listener.gain",
+    "haptics.listener.enabled",
+)
 """What changes: a pose, a position, or a property by its data path."""
 
 
-def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[str, Object], attached: Mapping[str, Object]) -> list[str]:
-    """Keyframes for all that changes; ``objects``: Blender's, by the names of haptic objects, ``attached``: those of sources and listeners,
-    by ``source <name>`` and ``listener <name>``. Returns sentences about losses.
+def write_keyframes(
+    scene: HapticScene,
+    recording: Recording,
+    objects: Mapping[str, Object],
+    attached: Mapping[str, Object],
+) -> list[str]:
+    """Keyframes for all that changes; ``objects``: Blender's, by the names of haptic objects,
+    ``attached``: those of sources and listeners, by ``source <name>`` and ``listener <name>``.
+    Returns sentences about losses.
     """
-    begin = RecordedFrame(recording.frames[0].number, objects=scene.objects, sources=scene.sources, listeners=scene.listeners)
+    begin = RecordedFrame(
+        recording.frames[0].number,
+        objects=scene.objects,
+        sources=scene.sources,
+        listeners=scene.listeners,
+    )
     frames = (begin, *recording.frames)
     changes = _changes(frames)
     owners = {**{f"object {name}": obj for name, obj in objects.items()}, **attached}
-    losses = [f"the function of {name} over time" for name in sorted({name for change in recording.frames for name in change.functions})]
+    losses = [
+        f"the function of {name} over time"
+        for name in sorted({name for change in recording.frames for name in change.functions})
+    ]
     for key, keys in changes[POSE].items():
         if len(keys) > 1:
             times, rows = _held(keys)
@@ -46,7 +65,9 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
         for key, keys in changes[path].items():
             if len(keys) > 1:
                 _write(owners[key], path, *_held(keys))
-    carriers = {owner: item.object for change in reversed(frames) for owner, item in _attached(change)}
+    carriers = {
+        owner: item.object for change in reversed(frames) for owner, item in _attached(change)
+    }
     for key, keys in changes[PLACE].items():
         carrier = f"object {carriers[key]}"
         local = _local(keys, changes[POSE][carrier])
@@ -63,9 +84,15 @@ def write_keyframes(scene: HapticScene, recording: Recording, objects: Mapping[s
 
 
 def _changes(frames: Sequence[RecordedFrame]) -> Mapping[str, Mapping[str, Keys]]:
-    """The values over time by what changes, and by owner: ``object <name>``, ``source <name>`` or ``listener <name>``. What appears later
-    is absent in the first frame; a source is silent there unless it is temporary."""
-    temporary = {f"source {item.name}" for frame in frames for item in frame.sources if item.kind is not SourceKind.PERSISTENT}
+    """The values over time by what changes, and by owner: ``object <name>``, ``source <name>`` or
+    ``listener <name>``. What appears later is absent in the first frame; a source is silent there
+    unless it is temporary."""
+    temporary = {
+        f"source {item.name}"
+        for frame in frames
+        for item in frame.sources
+        if item.kind is not SourceKind.PERSISTENT
+    }
     found: dict[str, dict[str, Keys]] = defaultdict(lambda: defaultdict(dict))
     for frame in frames:
         for what, owner, *values in _changed(frame):
@@ -95,9 +122,17 @@ def _changed(change: RecordedFrame) -> Iterator[tuple[Any, ...]]:
     for name, (kappa, rho) in change.properties.items():
         yield KAPPA, f"object {name}", kappa
         yield RHO, f"object {name}", rho
-    yield from ((AMPLITUDE, f"source {name}", amplitude) for name, amplitude in change.amplitudes.items())
-    yield from ((PLACE, f"source {name}", *positions[0]) for name, positions in change.source_positions.items())
-    yield from ((PLACE, f"listener {name}", *position) for name, position in change.listener_positions.items())
+    yield from (
+        (AMPLITUDE, f"source {name}", amplitude) for name, amplitude in change.amplitudes.items()
+    )
+    yield from (
+        (PLACE, f"source {name}", *positions[0])
+        for name, positions in change.source_positions.items()
+    )
+    yield from (
+        (PLACE, f"listener {name}", *position)
+        for name, position in change.listener_positions.items()
+    )
     yield from ((GAIN, f"listener {name}", gain) for name, gain in change.gains.items())
 
 
@@ -108,7 +143,8 @@ def _attached(change: RecordedFrame) -> Iterator[tuple[str, Source | Listener]]:
 
 
 def _held(keys: Keys) -> tuple[FloatArray, FloatArray]:
-    """Frames (k,) and values (k, n), with an additional key before every change after a rest, so that the change takes one frame."""
+    """Frames (k,) and values (k, n), with an additional key before every change after a rest, so
+    that the change takes one frame."""
     times: list[int] = []
     values: list[tuple[float, ...]] = []
     for frame, value in keys.items():
@@ -147,6 +183,7 @@ def local_place(place: Sequence[float], pose: Pose | None) -> Vector:
 
 
 def _write(obj: Object, path: str, times: FloatArray, values: FloatArray) -> None:
-    """Keys of a property with straight lines between them; ``values``: (k, n), a curve per column."""
+    """Keys of a property with straight lines between them; ``values``: (k, n), a curve per
+    column."""
     for index, column in enumerate(values.T):
         write_keys(ensure_fcurve(obj, path, index=index), times, column)

@@ -16,9 +16,11 @@ from ..scene_reader.imported import stored_item
 from .property_writer import stored_text
 
 
-def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool) -> tuple[LibraryMaterial, ...]:
-    """The materials of the library, all of them (``whole``) or only those of ``objects``, followed by those that objects name but the
-    library lacks, with the values of the first such object."""
+def written_materials(
+    scene: Scene, objects: Iterable[HapticObject], whole: bool
+) -> tuple[LibraryMaterial, ...]:
+    """The materials of the library, all of them (``whole``) or only those of ``objects``, followed
+    by those that objects name but the library lacks, with the values of the first such object."""
     named: dict[str, str] = {}
     for item in objects:
         if item.material:
@@ -26,7 +28,10 @@ def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool
     items = scene.haptics.materials.items
     known = [_material(item) for item in items if whole or item.name in named]
     others = [
-        LibraryMaterial(name, **{key: authored(value) for key, value in own_values(bpy.data.objects[owner]).items()})
+        LibraryMaterial(
+            name,
+            **{key: authored(value) for key, value in own_values(bpy.data.objects[owner]).items()},
+        )
         for name, owner in named.items()
         if name not in items and owner in bpy.data.objects
     ]
@@ -34,7 +39,8 @@ def written_materials(scene: Scene, objects: Iterable[HapticObject], whole: bool
 
 
 def take_materials(scene: Scene, materials: Sequence[LibraryMaterial]) -> list[str]:
-    """Add ``materials`` to a scene's library. Existing ones of the same name are kept, and their names are returned if they differ."""
+    """Add ``materials`` to a scene's library. Existing ones of the same name are kept, and their
+    names are returned if they differ."""
     other = []
     for material in materials:
         known = scene.haptics.materials.items.get(material.name)
@@ -48,4 +54,6 @@ def take_materials(scene: Scene, materials: Sequence[LibraryMaterial]) -> list[s
 
 
 def _material(item: HapticMaterial) -> LibraryMaterial:
-    return LibraryMaterial(item.name, **read_values(LibraryMaterial, item, stored_item(item.imported, "material")))
+    return LibraryMaterial(
+        item.name, **read_values(LibraryMaterial, item, stored_item(item.imported, "material"))
+    )

@@ -1,4 +1,5 @@
-"""Conversion of the objects, sources, listeners and rules of a haptic scene to Blender's properties."""
+"""Conversion of the objects, sources, listeners and rules of a haptic scene to Blender's
+properties."""
 
 from __future__ import annotations
 
@@ -36,8 +37,12 @@ def write_body(haptics: Any, item: HapticObject) -> None:
 
 
 def write_modality(obj: Object, part: ModalityScene, name: str) -> dict[str, float]:
-    """Set an object's properties to those of the object ``name`` for a modality. Returns their numbers by property, to be stored."""
-    modality, form = part.modality, part.forms.get(name, {"function": part.modality.default_function})
+    """Set an object's properties to those of the object ``name`` for a modality. Returns their
+    numbers by property, to be stored."""
+    modality, form = (
+        part.modality,
+        part.forms.get(name, {"function": part.modality.default_function}),
+    )
     group = getattr(obj.haptics.modalities, modality.name)
     items = [modality.values(**part.values.get(name, {}))]
     group.function = form["function"]
@@ -47,12 +52,17 @@ def write_modality(obj: Object, part: ModalityScene, name: str) -> dict[str, flo
 
 
 def numbers_of(modality: Modality, group: Any, *items: Any) -> dict[str, float]:
-    """Set the properties of a modality's ``group`` to ``items``. Returns their numbers as ``modality.property``."""
+    """Set the properties of a modality's ``group`` to ``items``. Returns their numbers as
+    ``modality.property``."""
     found: dict[str, float] = {}
     for item in items:
         write_values(group, item)
         values = {name: getattr(item, key) for key, name in group.held.get(type(item), {}).items()}
-        found |= {f"{modality.name}.{name}": value for name, value in values.items() if isinstance(value, float | int)}
+        found |= {
+            f"{modality.name}.{name}": value
+            for name, value in values.items()
+            if isinstance(value, float | int)
+        }
     return found
 
 
@@ -60,13 +70,25 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
     """Set a source's properties to ``item``; ``placed``: store its world position as well."""
     source.enabled = True
     write_values(source, item)
-    signal = Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
-    signal, source.decay = _without_decay(signal) if item.kind is SourceKind.PERSISTENT else (signal, 0.0)
+    signal = (
+        Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
+    )
+    signal, source.decay = (
+        _without_decay(signal) if item.kind is SourceKind.PERSISTENT else (signal, 0.0)
+    )
     kept = _write_signal(source, signal)
     source.one_shot = item.triggers is not None
     source.trigger_hit = any(trigger.on is TriggerKind.HIT for trigger in item.triggers or ())
-    triggers = [item_to_dict(trigger) for trigger in item.triggers or () if trigger.on is not TriggerKind.HIT]
-    without = ("signal", "triggers", *(() if placed else ("position", "second_object", "second_position")))
+    triggers = [
+        item_to_dict(trigger)
+        for trigger in item.triggers or ()
+        if trigger.on is not TriggerKind.HIT
+    ]
+    without = (
+        "signal",
+        "triggers",
+        *(() if placed else ("position", "second_object", "second_position")),
+    )
     source.imported = stored_text(item, without, signal=kept and kept.to_dict(), triggers=triggers)
 
 
@@ -78,26 +100,40 @@ def write_listener(listener: Any, item: Listener, placed: bool = True) -> list[s
 
 
 def stored_text(item: Any, without: Collection[str] = (), **others: Any) -> str:
-    """The text that stores an item, except its name, its object, and the fields ``without``, together with ``others``."""
-    form = {key: value for key, value in item_to_dict(item).items() if key not in ("name", "object", *without)}
+    """The text that stores an item, except its name, its object, and the fields ``without``,
+    together with ``others``."""
+    form = {
+        key: value
+        for key, value in item_to_dict(item).items()
+        if key not in ("name", "object", *without)
+    }
     return text_of(**{**form, **others})
 
 
 def write_tables(haptics: Any, rules: ContactSettings) -> None:
     """Replace the rows of a scene's tables by those of ``rules``."""
-    for name, write in (("impact_table", _write_impact_rule), ("transmission_table", _write_transmission), ("textures", _write_texture)):
+    for name, write in (
+        ("impact_table", _write_impact_rule),
+        ("transmission_table", _write_transmission),
+        ("textures", _write_texture),
+    ):
         rows = getattr(haptics, name).items
         rows.clear()
         for rule in getattr(rules, name).rows:
             row = rows.add()
             for side, key in zip(rule.between, ("first", "second"), strict=True):
-                setattr(row, f"{key}_kind", "OBJECT" if side.object else "MATERIAL" if side.material else "ANY")
+                setattr(
+                    row,
+                    f"{key}_kind",
+                    "OBJECT" if side.object else "MATERIAL" if side.material else "ANY",
+                )
                 setattr(row, key, side.object or side.material)
             write(row, rule.does)
 
 
 def _write_transmission(row: Any, function: ModulationFunction) -> None:
-    """Set a row's properties to ``function``; a function not available for contacts becomes the identity."""
+    """Set a row's properties to ``function``; a function not available for contacts becomes the
+    identity."""
     if not _choose(row, "function", function.name):
         row.function = "identity"
         return
@@ -111,7 +147,9 @@ def _write_impact_rule(row: Any, rule: ImpactRule) -> None:
     row.use_limits = rule.limits is not None
     if rule.limits is not None:
         write_values(row, rule.limits)
-    row.template = identifier(rule.template) if isinstance(rule.template, ImpactTemplates) else "KEPT"
+    row.template = (
+        identifier(rule.template) if isinstance(rule.template, ImpactTemplates) else "KEPT"
+    )
     row.imported = stored_text(rule)
 
 
@@ -130,11 +168,14 @@ def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:
 
 
 def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
-    """Choose the equivalent signal of the properties; otherwise the imported one, which is returned to be stored."""
+    """Choose the equivalent signal of the properties; otherwise the imported one, which is returned
+    to be stored."""
     low, high = HERTZ
     match signal:
         case Sine(frequency=float(frequency)) | Pulse(frequency=float(frequency)) if (
-            signal == type(signal)(frequency) and low <= frequency <= high and shortest(frequency) == frequency
+            signal == type(signal)(frequency)
+            and low <= frequency <= high
+            and shortest(frequency) == frequency
         ):
             source.signal = "SINE" if isinstance(signal, Sine) else "PULSE"
             source.frequency = frequency

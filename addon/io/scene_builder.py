@@ -48,8 +48,8 @@ LONGEST_NAME = 63
 
 
 def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list[str]:
-    """Create the objects of an export in a collection with its name; ``settings``: also apply its settings and times to the scene, whose
-    current frame stays.
+    """Create the objects of an export in a collection with its name; ``settings``: also apply its
+    settings and times to the scene, whose current frame stays.
 
     Returns sentences about losses.
 
@@ -132,9 +132,13 @@ class _Builder:
             write_body(haptics, item)
             numbers: dict[str, float] = {}
             for modality in SHOWN:
-                numbers |= write_modality(obj, parts.get(modality.name, ModalityScene(modality)), item.name)
+                numbers |= write_modality(
+                    obj, parts.get(modality.name, ModalityScene(modality)), item.name
+                )
             haptics.imported = stored_text(
-                replace(item, shape=None if guessed else shape, pose=pose, material=""), motion=item.motion.value, numbers=numbers
+                replace(item, shape=None if guessed else shape, pose=pose, material=""),
+                motion=item.motion.value,
+                numbers=numbers,
             )
             if material and material not in self.scene.haptics.materials.items:
                 add_material(self.scene, material, own_values(obj))
@@ -143,24 +147,33 @@ class _Builder:
                 self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
 
     def add_source(self, item: Source) -> None:
-        """Make its object the source if that has its position and name, otherwise an empty on it."""
+        """Make its object the source if that has its position and name, otherwise an empty on
+        it."""
         obj = self._holder(item, "source")
         second = None if item.second_object is None else self.objects[item.second_object].name_full
-        triggers = item.triggers and tuple(replace(t, object=self.objects[t.object].name_full) if t.object else t for t in item.triggers)
+        triggers = item.triggers and tuple(
+            replace(t, object=self.objects[t.object].name_full) if t.object else t
+            for t in item.triggers
+        )
         write_source(obj.haptics.source, replace(item, second_object=second, triggers=triggers))
 
     def add_listener(self, item: Listener) -> None:
         """Add a listener, as `add_source` does."""
         obj = self._holder(item, "listener")
         muted = item.extras.get(MUTED) is True
-        extras = {key: value for key, value in item.extras.items() if key != MUTED} if muted else item.extras
+        extras = (
+            {key: value for key, value in item.extras.items() if key != MUTED}
+            if muted
+            else item.extras
+        )
         for loss in write_listener(obj.haptics.listener, replace(item, extras=extras)):
             self.lose(loss, item.name)
         if muted:
             obj.haptics.live_output.actuators = ACTUATORS_MUTED
 
     def add_emitters(self) -> None:
-        """Add sources of other modalities, each on the source or listener with its name and position if there is one."""
+        """Add sources of other modalities, each on the source or listener with its name and
+        position if there is one."""
         for part in self.export.modalities:
             name = part.modality.name
             for emitter in part.emitters:
@@ -168,11 +181,15 @@ class _Builder:
                 group = getattr(obj.haptics.modalities, name)
                 group.is_source = True
                 numbers = numbers_of(part.modality, group, part.modality.source(emitter.value))
-                obj.haptics.imported = text_with(obj.haptics.imported, {name: emitter.position}, numbers)
+                obj.haptics.imported = text_with(
+                    obj.haptics.imported, {name: emitter.position}, numbers
+                )
 
     def add_devices(self) -> None:
         """Add the devices and the listeners' choices of actuators."""
-        listeners = {item.name: self.attached[f"listener {item.name}"] for item in self.haptic.listeners}
+        listeners = {
+            item.name: self.attached[f"listener {item.name}"] for item in self.haptic.listeners
+        }
         take_devices(self.scene, self.export.devices, listeners)
 
     def take_settings(self) -> None:
@@ -185,7 +202,11 @@ class _Builder:
             del extras[EXTRAS]
             self._take_time(known)
         self._take_rules()
-        rules = {key: value for key, value in item_to_dict(self.haptic.rules).items() if not isinstance(value, list) or key == "gravity"}
+        rules = {
+            key: value
+            for key, value in item_to_dict(self.haptic.rules).items()
+            if not isinstance(value, list) or key == "gravity"
+        }
         haptics.imported = text_of(settings=item_to_dict(settings), rules=rules, extras=extras)
         for part in self.export.modalities:
             getattr(haptics.modalities, part.modality.name).enabled = part.enabled
@@ -195,13 +216,18 @@ class _Builder:
         scene, haptics, rules = self.scene, self.scene.haptics, self.haptic.rules
         write_values(haptics, rules)
         write_tables(haptics, rules)
-        for row, rule in zip(haptics.transmission_table.items, rules.transmission_table.rows, strict=True):
+        for row, rule in zip(
+            haptics.transmission_table.items, rules.transmission_table.rows, strict=True
+        ):
             if read_transmission(row)[0] != rule.does:
                 self.lose("what its function does beside what the panel has", str(rule.does.name))
         scene.use_gravity = any(rules.gravity)
         if scene.use_gravity:
             scene.gravity = rules.gravity
-        if scene.rigidbody_world is not None and rules.time_scale != scene.rigidbody_world.time_scale:
+        if (
+            scene.rigidbody_world is not None
+            and rules.time_scale != scene.rigidbody_world.time_scale
+        ):
             self.lose("time scale, which a rigid body world has here", f"{rules.time_scale:g}")
 
     def _take_time(self, known: Mapping[str, Any]) -> None:
@@ -212,7 +238,8 @@ class _Builder:
             self.scene.frame_start = start
 
     def keep_contacts(self) -> None:
-        """Store the contacts of the file in addition to those of earlier imports; they replace those of objects that are imported again."""
+        """Store the contacts of the file in addition to those of earlier imports; they replace
+        those of objects that are imported again."""
         frames = self.export.recording.frames if self.export.recording is not None else ()
         begun = [item for frame in frames for item in frame.contacts]
         later: dict[tuple[str, str], Contact] = {}
@@ -248,7 +275,8 @@ class _Builder:
         return replace(item, objects=(first, second))
 
     def add_frames(self) -> None:
-        """Add keyframes, and the sources that begin later. Impacts come from the file and are not searched for."""
+        """Add keyframes, and the sources that begin later. Impacts come from the file and are not
+        searched for."""
         recording = self.export.recording
         if recording is None:
             return
@@ -260,11 +288,19 @@ class _Builder:
             self.scene.haptics.impacts = False
         set_frame_rate(self.scene, recording.frame_rate)
         last = recording.frames[-1].number
-        self.scene.frame_start, self.scene.frame_end = recording.frame_start, max(last, recording.frame_start)
+        self.scene.frame_start, self.scene.frame_end = (
+            recording.frame_start,
+            max(last, recording.frame_start),
+        )
         if self.scene.frame_start != recording.frame_start:
             self.lose("negative frames, Blender plays from 0", f"{recording.frame_start} to {last}")
         first_scene = self.export.need_scene()
-        moved = replace(first_scene, objects=tuple(replace(item, pose=self.poses[item.name]) for item in first_scene.objects))
+        moved = replace(
+            first_scene,
+            objects=tuple(
+                replace(item, pose=self.poses[item.name]) for item in first_scene.objects
+            ),
+        )
         for loss in write_keyframes(moved, recording, self.objects, self.attached):
             self.lose("not carried over", loss)
 
@@ -280,8 +316,18 @@ class _Builder:
         carrier = self.objects[item.object]
         pose = self.poses[item.object]
         place = local_place(item.position, pose)
-        others = [other for other in (self.attached.get(f"{kind} {item.name}") for kind in ("source", "listener")) if other is not None]
-        there = [other for other in others if other.parent is carrier and math.dist(other.location, place) < 1e-5]
+        others = [
+            other
+            for other in (
+                self.attached.get(f"{kind} {item.name}") for kind in ("source", "listener")
+            )
+            if other is not None
+        ]
+        there = [
+            other
+            for other in others
+            if other.parent is carrier and math.dist(other.location, place) < 1e-5
+        ]
         if item.name == item.object and near(pose.position, item.position):
             obj = carrier
         elif there:
@@ -296,10 +342,16 @@ class _Builder:
 
     def _guessed(self, item: HapticObject) -> tuple[Shape, Vector]:
         """A box around all positions on an object, and its centre in the world."""
-        known = [position for contact in self.haptic.contacts for name, position in zip(contact.objects, contact.positions, strict=True)
-                 if name == item.name]  # fmt: skip
+        known = [
+            position
+            for contact in self.haptic.contacts
+            for name, position in zip(contact.objects, contact.positions, strict=True)
+            if name == item.name
+        ]
         known += [source.position for source in self.haptic.sources if source.object == item.name]
-        known += [listener.position for listener in self.haptic.listeners if listener.object == item.name]
+        known += [
+            listener.position for listener in self.haptic.listeners if listener.object == item.name
+        ]
         points = np.array(known or [self.poses[item.name].position])
         low, high = points.min(axis=0), points.max(axis=0)
         x, y, z = np.maximum(high - low, SMALLEST).tolist()

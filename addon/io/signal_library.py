@@ -1,4 +1,5 @@
-"""The signal library: files of one signal each, in the format of scene files; built-in ones, then the user's own.
+"""The signal library: files of one signal each, in the format of scene files; built-in ones, then
+the user's own.
 
 Any signal can be stored, including recordings; files are validated like scenes.
 """
@@ -33,7 +34,11 @@ def own_folder() -> Path:
 
 def files() -> list[Path]:
     """The files of the library, by name, the built-in ones first."""
-    return [path for folder in (_SHIPPED, own_folder()) for path in sorted(folder.glob("*.json"))[:_MOST_FILES]]
+    return [
+        path
+        for folder in (_SHIPPED, own_folder())
+        for path in sorted(folder.glob("*.json"))[:_MOST_FILES]
+    ]
 
 
 def read(path: Path) -> Signal:
@@ -48,8 +53,8 @@ def save(name: str, signal: Signal) -> Path:
 
 
 def picture(path: Path) -> tuple[str, tuple[float, ...]]:
-    """An identifier of the current content of a file, and the waveform of its signal as a picture of 64 x 64 RGBA pixels from the bottom;
-    an empty one if it cannot be read."""
+    """An identifier of the current content of a file, and the waveform of its signal as a picture
+    of 64 x 64 RGBA pixels from the bottom; an empty one if it cannot be read."""
     try:
         changed = path.stat().st_mtime_ns
         return f"{path} {changed}", _picture(path, changed)

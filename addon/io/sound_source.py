@@ -33,10 +33,12 @@ _known: dict[bytes, Heard] = {}
 
 
 class DecodedSound:
-    """A sound of any format that Blender reads, decoded in parts. ``rate`` in hertz, ``count`` samples. Raises ValueError."""
+    """A sound of any format that Blender reads, decoded in parts. ``rate`` in hertz, ``count``
+    samples. Raises ValueError."""
 
     def __init__(self, path: Path, name: str = "", folder: Any = None) -> None:
-        """name: of the sound for the user, that of the file by default. folder: is kept as long as the sound."""
+        """name: of the sound for the user, that of the file by default. folder: is kept as long as
+        the sound."""
         try:
             import aud
         except ImportError:
@@ -54,21 +56,27 @@ class DecodedSound:
             part = self._sound.limit((first + 0.5) / self.rate, (last + 0.5) / self.rate).data()
         except self._error as error:
             raise ValueError(f"{self._name}: {error}") from None
-        return np.pad(part.astype(np.float64), ((0, max(last - first - len(part), 0)), (0, 0)))[: last - first]
+        return np.pad(part.astype(np.float64), ((0, max(last - first - len(part), 0)), (0, 0)))[
+            : last - first
+        ]
 
 
 class Conversion:
-    """Converts an object's sound to vibration, in steps. Raises OSError or ValueError if there is no sound."""
+    """Converts an object's sound to vibration, in steps. Raises OSError or ValueError if there is
+    no sound."""
 
     def __init__(self, scene: Scene, obj: Object) -> None:
         sound = obj.haptics.source.sound
         self._name, self._feel = obj.name, _feel(sound)
         self._loops = sound.origin == "FILE" and sound.loop
         self._clips = tuple(_CLIPS[sound.origin](scene, sound))
-        self.step_count = sum(block_count(clip.end) for clip in self._clips) + block_count(max(clip.end for clip in self._clips))
+        self.step_count = sum(block_count(clip.end) for clip in self._clips) + block_count(
+            max(clip.end for clip in self._clips)
+        )
 
     def steps(self) -> Iterator[None]:
-        """Analyse the sound, then store its vibration with the object; a fault of the sound is also stored, and raised."""
+        """Analyse the sound, then store its vibration with the object; a fault of the sound is also
+        stored, and raised."""
         try:
             yield from self._steps()
         except (OSError, ValueError) as error:
@@ -89,7 +97,10 @@ class Conversion:
 
 
 def _feel(sound: Any) -> Feel:
-    numbers = {name: shortest(getattr(sound, name)) for name in ("frequency", "gate", "gain", "release", "bursts")}
+    numbers = {
+        name: shortest(getattr(sound, name))
+        for name in ("frequency", "gate", "gain", "release", "bursts")
+    }
     if sound.carrier == "DEVICE":
         known = device_profiles().get(sound.device)
         if known is None:
@@ -100,10 +111,15 @@ def _feel(sound: Any) -> Feel:
 
 
 def _waves(found: Heard, feel: Feel) -> str:
-    """The largest amplitude of the sound and of its vibration in each column of a picture as hexadecimals, 255 being the larger of them."""
+    """The largest amplitude of the sound and of its vibration in each column of a picture as
+    hexadecimals, 255 being the larger of them."""
     felt = amplitudes(found, feel)
     times, bursts = felt_onsets(found, feel)
-    np.maximum.at(felt, np.minimum(np.rint(times * len(felt) / found.seconds).astype(np.intp), len(felt) - 1), bursts)
+    np.maximum.at(
+        felt,
+        np.minimum(np.rint(times * len(felt) / found.seconds).astype(np.intp), len(felt) - 1),
+        bursts,
+    )
     borders = np.linspace(0, len(felt), WAVE_COLUMNS, endpoint=False).astype(np.intp)
     rows = np.array([np.maximum.reduceat(values, borders) for values in (found.levels, felt)])
     return (rows * (255 / rows.max())).astype(np.uint8).tobytes().hex()
@@ -117,30 +133,62 @@ def _of_file(scene: Scene, sound: Any) -> Iterator[Clip]:
 
 def _of_speaker(scene: Scene, sound: Any) -> Iterator[Clip]:
     speaker = sound.speaker
-    if speaker is None or speaker.type != "SPEAKER" or speaker.data.sound is None or speaker.data.muted:
+    if (
+        speaker is None
+        or speaker.type != "SPEAKER"
+        or speaker.data.sound is None
+        or speaker.data.muted
+    ):
         raise ValueError(iface_("choose a speaker first that has a sound and is not muted"))
     animation, data = speaker.animation_data, speaker.data
-    tracks = [track for track in (animation.nla_tracks if animation is not None else ()) if not track.mute]
-    starts = [strip.frame_start for track in tracks for strip in track.strips if strip.type == "SOUND" and not strip.mute]
+    tracks = [
+        track for track in (animation.nla_tracks if animation is not None else ()) if not track.mute
+    ]
+    starts = [
+        strip.frame_start
+        for track in tracks
+        for strip in track.strips
+        if strip.type == "SOUND" and not strip.mute
+    ]
     for start in starts or [scene.frame_start]:
         clip = Clip(_decoded(data.sound), seconds_of(scene, start), speed=shortest(data.pitch))
         yield replace(clip, volume=_volume(data, "volume", data.volume, scene, clip.end))
 
 
 def _of_sequencer(scene: Scene, sound: Any) -> Iterator[Clip]:
-    strips = compatibility.strips_of(scene.sequence_editor) if scene.sequence_editor is not None else ()
-    heard = [strip for strip in strips if strip.type == "SOUND" and strip.sound is not None and not strip.mute]
+    strips = (
+        compatibility.strips_of(scene.sequence_editor) if scene.sequence_editor is not None else ()
+    )
+    heard = [
+        strip
+        for strip in strips
+        if strip.type == "SOUND" and strip.sound is not None and not strip.mute
+    ]
     chosen = [strip for strip in heard if sound.strip in ("", strip.name)]
     if not chosen:
-        raise ValueError(iface_("there is no sound strip '{}' that is not muted").format(sound.strip or "*"))
+        raise ValueError(
+            iface_("there is no sound strip '{}' that is not muted").format(sound.strip or "*")
+        )
     for strip in chosen:
         if len(getattr(strip, "retiming_keys", ())):
-            raise ValueError(iface_("the strip '{}' is retimed: render the audio to a file and choose that").format(strip.name))
+            raise ValueError(
+                iface_(
+                    "the strip '{}' is retimed: render the audio to a file and choose that"
+                ).format(strip.name)
+            )
         first, last = compatibility.strip_ends(strip)
         begin, second = compatibility.strip_content_start(strip), frame_seconds(scene)
         start = max(first, begin)
-        volume = _volume(scene, strip.path_from_id("volume"), strip.volume, scene, seconds_of(scene, last))
-        yield Clip(_decoded(strip.sound), seconds_of(scene, start), (start - begin) * second, (last - start) * second, volume=volume)
+        volume = _volume(
+            scene, strip.path_from_id("volume"), strip.volume, scene, seconds_of(scene, last)
+        )
+        yield Clip(
+            _decoded(strip.sound),
+            seconds_of(scene, start),
+            (start - begin) * second,
+            (last - start) * second,
+            volume=volume,
+        )
 
 
 _CLIPS = {"FILE": _of_file, "SPEAKER": _of_speaker, "SEQUENCER": _of_sequencer}
@@ -157,8 +205,17 @@ def _decoded(sound: Any) -> DecodedSound:
 
 def _volume(owner: Any, path: str, value: float, scene: Scene, end: float) -> float | Automation:
     """A volume, over the scene's time until ``end`` [s] if it is animated."""
-    curve = next((curve for curve in compatibility.fcurves_of(owner) if curve.data_path == path and not curve.mute), None)
+    curve = next(
+        (
+            curve
+            for curve in compatibility.fcurves_of(owner)
+            if curve.data_path == path and not curve.mute
+        ),
+        None,
+    )
     if curve is None:
         return shortest(value)
     times = np.arange(max(end, 0.0) // frame_seconds(scene) + 2) * frame_seconds(scene)
-    return Automation(times, [max(curve.evaluate(scene.frame_start + frame), 0.0) for frame in range(len(times))])
+    return Automation(
+        times, [max(curve.evaluate(scene.frame_start + frame), 0.0) for frame in range(len(times))]
+    )

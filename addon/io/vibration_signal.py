@@ -18,12 +18,17 @@ def chosen_channel(reading: VibrationFile, number: int) -> Channel:
     if not reading.channels:
         raise ValueError(_rpt("There is no vibration in this file"))
     if number > len(reading.channels):
-        raise ValueError(_rpt("This file has no channel {}; the last one is {}").format(number, len(reading.channels)))
+        raise ValueError(
+            _rpt("This file has no channel {}; the last one is {}").format(
+                number, len(reading.channels)
+            )
+        )
     return reading.channels[number - 1]
 
 
 def signal_of(channel: Channel, loop: bool) -> Signal:
-    """The signal of a channel, as it is stored with a source: a recording at no more than `HIGHEST_RATE`, in single precision."""
+    """The signal of a channel, as it is stored with a source: a recording at no more than
+    `HIGHEST_RATE`, in single precision."""
     signal = channel.to_signal()
     if isinstance(signal, Sampled):
         rate = min(signal.rate, HIGHEST_RATE)

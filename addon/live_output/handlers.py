@@ -1,4 +1,5 @@
-"""Blender's events: frames are played on the devices while the timeline runs; any other event silences them."""
+"""Blender's events: frames are played on the devices while the timeline runs; any other event
+silences them."""
 
 from __future__ import annotations
 
@@ -26,8 +27,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class _State:
-    """``started``: the scene (its session id) and the time [s] at which playback began, None while it does not play. ``restored``: the
-    scene and the frame to which Blender returns after a render, until the next frame."""
+    """``started``: the scene (its session id) and the time [s] at which playback began, None while
+    it does not play. ``restored``: the scene and the frame to which Blender returns after a render,
+    until the next frame."""
 
     started: tuple[int, float] | None = None
     restored: tuple[int, int] | None = None
@@ -37,7 +39,8 @@ _state = _State()
 
 
 def _is_used() -> bool:
-    """Whether live output has been used: a search for devices, or the preview. Its modules are loaded then."""
+    """Whether live output has been used: a search for devices, or the preview. Its modules are
+    loaded then."""
     return is_loaded(outputs) or is_loaded(preview)
 
 
@@ -51,16 +54,24 @@ def is_wanted() -> bool:
 
 
 def frame_comes(scene: Scene) -> None:
-    """If tracing takes long, play a frame before it is traced, with the gains of the last traced frame."""
+    """If tracing takes long, play a frame before it is traced, with the gains of the last traced
+    frame."""
     traced = sessions.shown(scene) if is_wanted() else None
     if traced is not None:
         time = seconds_of(scene, scene.frame_current)
-        player.play_ahead(scene.session_uid, traced.result, scene.frame_current, time, frame_seconds(scene), choices(traced.result))
+        player.play_ahead(
+            scene.session_uid,
+            traced.result,
+            scene.frame_current,
+            time,
+            frame_seconds(scene),
+            choices(traced.result),
+        )
 
 
 def frame_changed(scene: Scene, recorded: bool) -> None:
-    """Play the frame that is being traced on the outputs when its trace is complete; silence if it cannot be traced, or if tracing is off.
-    ``recorded``: the frame comes from a baked track."""
+    """Play the frame that is being traced on the outputs when its trace is complete; silence if it
+    cannot be traced, or if tracing is off. ``recorded``: the frame comes from a baked track."""
     restored, _state.restored = _state.restored, None
     if restored == (scene.session_uid, scene.frame_current) and not player.is_playing():
         player.rest()
@@ -126,7 +137,8 @@ def load_pre(*_: Any) -> None:
 
 
 def choices(result: Any) -> dict[str, str]:
-    """The actuators chosen for the listeners of a frame, by name; without automatic choices. Cached until a change."""
+    """The actuators chosen for the listeners of a frame, by name; without automatic choices. Cached
+    until a change."""
     return _choices(revisions.actuators(), tuple(listener.name for listener in result.listeners))
 
 

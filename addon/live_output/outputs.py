@@ -20,8 +20,8 @@ from ..properties.live_output import HapticDeviceProperties
 
 @dataclass(slots=True)
 class _State:
-    """driven: the running devices, as found. version: changes with the set of running devices. renderer: the thread that renders the
-    continuation of the last blocks, and its job."""
+    """driven: the running devices, as found. version: changes with the set of running devices.
+    renderer: the thread that renders the continuation of the last blocks, and its job."""
 
     inventory: Inventory | None = None
     finder: threading.Thread | None = None
@@ -52,9 +52,15 @@ def is_finding() -> bool:
 
 
 def find(folders: tuple[Path, ...] = (), sound_cards: bool = False, players: bool = False) -> None:
-    """Search for devices in the background, because that is slow on some systems. ``folders``: those of the user's device profiles."""
+    """Search for devices in the background, because that is slow on some systems. ``folders``:
+    those of the user's device profiles."""
     if not is_finding():
-        _state.finder = threading.Thread(target=_find, args=(folders, sound_cards, players), name="haptics find devices", daemon=True)
+        _state.finder = threading.Thread(
+            target=_find,
+            args=(folders, sound_cards, players),
+            name="haptics find devices",
+            daemon=True,
+        )
         _state.finder.start()
 
 
@@ -78,13 +84,18 @@ def found(key: str) -> Found | None:
     """A found or driven device by its key."""
     if key in _state.driven:
         return _state.driven[key]
-    return next((device for device in (_state.inventory or Inventory()).devices if device.key == key), None)
+    return next(
+        (device for device in (_state.inventory or Inventory()).devices if device.key == key), None
+    )
 
 
 def preferred(part: str) -> str:
-    """The key of the first found device whose name contains ``part``, else of the first device; "" if none was found."""
+    """The key of the first found device whose name contains ``part``, else of the first device; ""
+    if none was found."""
     devices = (_state.inventory or Inventory()).devices
-    wanted = [device.key for device in devices if part.lower() in f"{device.key} {device.title}".lower()]
+    wanted = [
+        device.key for device in devices if part.lower() in f"{device.key} {device.title}".lower()
+    ]
     return next(iter([*wanted, *(device.key for device in devices)]), "")
 
 
@@ -126,9 +137,11 @@ def disconnect(key: str) -> None:
 
 
 def expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, float]) -> None:
-    """Send the devices the samples to play after the blocks ``sent`` (when, by key) if the next blocks are late.
+    """Send the devices the samples to play after the blocks ``sent`` (when, by key) if the next
+    blocks are late.
 
-    A separate thread calls ``render``, for at most a fifth of the time: if that is not enough, some frames are skipped.
+    A separate thread calls ``render``, for at most a fifth of the time: if that is not enough, some
+    frames are skipped.
     """
     if (_state.job is not None and not _state.job.done()) or time.monotonic() < _state.rested:
         return
@@ -137,7 +150,11 @@ def expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, fl
     _state.job = _state.renderer.submit(_expect, render, sent, dict(_state.running))
 
 
-def _expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, float], running: Mapping[str, GuardedOutput]) -> None:
+def _expect(
+    render: Callable[[], Mapping[str, FloatArray]],
+    sent: Mapping[str, float],
+    running: Mapping[str, GuardedOutput],
+) -> None:
     begun = time.monotonic()
     for key, ahead in render().items():
         if key in sent:
@@ -159,18 +176,23 @@ def silence() -> None:
 
 
 def disconnect_all() -> None:
-    """All devices to zero, released and closed, without waiting for them; a running search for devices is abandoned."""
+    """All devices to zero, released and closed, without waiting for them; a running search for
+    devices is abandoned."""
     loopback.cancel()
     for key in tuple(_state.running):
         disconnect(key)
 
 
 def stop_and_tell(timeout: float) -> list[tuple[str, str]]:
-    """Disconnect all devices, waiting up to ``timeout`` seconds. Returns the title of each, and why it may still vibrate, or ""."""
+    """Disconnect all devices, waiting up to ``timeout`` seconds. Returns the title of each, and why
+    it may still vibrate, or ""."""
     stopping = list(dict.fromkeys([*_state.running.values(), *guard.outputs()]))
     disconnect_all()
     guard.stop_all(timeout)
-    return [(output.profile.title, "" if output.is_silent else output.status.message or "no answer") for output in stopping]
+    return [
+        (output.profile.title, "" if output.is_silent else output.status.message or "no answer")
+        for output in stopping
+    ]
 
 
 def stop_all(timeout: float = 1.0) -> bool:

@@ -1,4 +1,5 @@
-"""Output of traced frames to devices: blocks during playback, grains during scrubbing, silence otherwise."""
+"""Output of traced frames to devices: blocks during playback, grains during scrubbing, silence
+otherwise."""
 
 from __future__ import annotations
 
@@ -23,14 +24,15 @@ from ..properties.preferences import preferences
 from . import outputs, preview
 
 SLOW = 8.0
-"""Tracing time [ms] beyond which, after a few frames in a row, frames are played before they are traced."""
+"""Tracing time [ms] beyond which, after a few frames in a row, frames are played before they are
+traced."""
 _SLOW_FRAMES = 2
 
 
 @dataclass(frozen=True, slots=True)
 class _Ahead:
-    """A frame that was played before it was traced: its scene (session id), the time at which its block was sent, and the listeners'
-    choices."""
+    """A frame that was played before it was traced: its scene (session id), the time at which its
+    block was sent, and the listeners' choices."""
 
     scene: int
     frame: int
@@ -47,11 +49,13 @@ class _State:
     scene: int | None = None
     result: FrameResult | None = None  # the last one that was played
     playback: Playback = field(default_factory=Playback)
-    mappings: dict[bool, tuple[tuple[Any, ...], ActuatorMapping]] = field(default_factory=dict)  # without and with bands: inputs, and it
+    # Without and with bands: inputs, and it.
+    mappings: dict[bool, tuple[tuple[Any, ...], ActuatorMapping]] = field(default_factory=dict)
     timed: float | None = None  # the time [s] of the last frame whose tracing time was looked at
     slow: int = 0  # frames in a row that took long
     ahead: _Ahead | None = None
-    arrived: tuple[FrameResult, FloatArray] | None = None  # the frame of the last block, and where it arrives at its listeners
+    # The frame of the last block, and where it arrives at its listeners.
+    arrived: tuple[FrameResult, FloatArray] | None = None
 
 
 _state = _State()
@@ -89,8 +93,15 @@ def rest(release: bool = True) -> None:
     preview.silence()
 
 
-def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping[str, str], recorded: bool = False) -> None:
-    """Play a fresh frame. ``choices``: by listener, as `places_of` reads them. ``recorded``: it was read from a track."""
+def play(
+    scene: int,
+    result: FrameResult,
+    frame_seconds: float,
+    choices: Mapping[str, str],
+    recorded: bool = False,
+) -> None:
+    """Play a fresh frame. ``choices``: by listener, as `places_of` reads them. ``recorded``: it was
+    read from a track."""
     if _state.playing and scene != _state.scene:
         rest()
         _state.scene = scene
@@ -101,7 +112,11 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
     with _state.lock:
         _state.result, _state.ahead = result, None
         if _state.playing:
-            samples = _state.playback.recorded(result) if recorded else _state.playback.block(result, frame_seconds)
+            samples = (
+                _state.playback.recorded(result)
+                if recorded
+                else _state.playback.block(result, frame_seconds)
+            )
         else:
             samples = recorded_grain(result) if recorded else grain(result, frame_seconds)
         if not samples.shape[1]:
@@ -110,9 +125,16 @@ def play(scene: int, result: FrameResult, frame_seconds: float, choices: Mapping
     preview.play([listener.body_part for listener in result.listeners], samples, result.sample_rate)
 
 
-def play_ahead(scene: int, latest: FrameResult, frame: int, time: float, frame_seconds: float, choices: Mapping[str, str]) -> None:
-    """Play the ``frame`` at ``time`` [s], which is not traced yet, with the gains of the ``latest`` traced frame if tracing has been slow;
-    otherwise do nothing."""
+def play_ahead(
+    scene: int,
+    latest: FrameResult,
+    frame: int,
+    time: float,
+    frame_seconds: float,
+    choices: Mapping[str, str],
+) -> None:
+    """Play the ``frame`` at ``time`` [s], which is not traced yet, with the gains of the ``latest``
+    traced frame if tracing has been slow; otherwise do nothing."""
     if latest.time != _state.timed:
         _state.timed = latest.time
         _state.slow = _state.slow + 1 if sum(latest.milliseconds.values()) > SLOW else 0
@@ -134,7 +156,8 @@ def went_ahead(scene: int, frame: int) -> bool:
 
 
 def correct(result: FrameResult) -> None:
-    """Replace the rest of the block that was played ahead by the ``result`` of its frame, traced meanwhile. Thread-safe."""
+    """Replace the rest of the block that was played ahead by the ``result`` of its frame, traced
+    meanwhile. Thread-safe."""
     with _state.lock:
         ahead = _state.ahead
         if ahead is None:
@@ -145,7 +168,13 @@ def correct(result: FrameResult) -> None:
             _send(result, samples, ahead.choices, sent=ahead.sent + elapsed)
 
 
-def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], recorded: bool = False, sent: float | None = None) -> None:
+def _send(
+    result: FrameResult,
+    samples: FloatArray,
+    choices: Mapping[str, str],
+    recorded: bool = False,
+    sent: float | None = None,
+) -> None:
     """Send a block and its continuation to the devices."""
     mapping, running = _mapping_of(result, choices, {}), dict(outputs.running())
     before = after = None
@@ -154,8 +183,15 @@ def _send(result: FrameResult, samples: FloatArray, choices: Mapping[str, str], 
         if _state.arrived is not None and len(_state.arrived[1]) == len(after):
             before = _state.arrived[1]
         _state.arrived = result, after
-    blocks = {key: block for key, block in mapping.blocks(samples, before, after).items() if key in running}
-    times = {key: running[key].send(block) if sent is None else running[key].send(block, sent) for key, block in blocks.items()}
+    blocks = {
+        key: block
+        for key, block in mapping.blocks(samples, before, after).items()
+        if key in running
+    }
+    times = {
+        key: running[key].send(block) if sent is None else running[key].send(block, sent)
+        for key, block in blocks.items()
+    }
     if times and _state.playing and not recorded:
         following = _state.playback.following(result, WATCHDOG)
         outputs.expect(lambda: mapping.blocks(following(), after, after), times)
@@ -173,7 +209,10 @@ def spots() -> tuple[Spot, ...]:
             if len(places):
                 parts = np.sqrt(shares(places, arrivals[row])).tolist()
                 within = (places - places.min(axis=0)) / np.maximum(np.ptp(places, axis=0), 1e-9)
-                found += [Spot(listener.body_part, x, y, part) for (x, y), part in zip(within.tolist(), parts, strict=True)]
+                found += [
+                    Spot(listener.body_part, x, y, part)
+                    for (x, y), part in zip(within.tolist(), parts, strict=True)
+                ]
     return tuple(found)
 
 
@@ -182,7 +221,9 @@ def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMappi
     return _mapping_of(result, choices, _bands(result))
 
 
-def _mapping_of(result: FrameResult, choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]) -> ActuatorMapping:
+def _mapping_of(
+    result: FrameResult, choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]
+) -> ActuatorMapping:
     """The mapping for signals within these ``bands`` [Hz] by listener."""
     listeners = tuple((listener.name, listener.body_part) for listener in result.listeners)
     key = (outputs.version(), listeners, tuple(sorted(choices.items())), tuple(bands.items()))
@@ -197,9 +238,18 @@ def _bands(result: FrameResult) -> dict[str, tuple[float, float]]:
     tones = [_tone(source.signal) for source in result.sources]
     bands = {}
     for row, listener in enumerate(result.listeners):
-        heard = [tone for tone, gain in zip(tones, result.amplitudes[:, row].tolist(), strict=True) if gain > 0]
+        heard = [
+            tone
+            for tone, gain in zip(tones, result.amplitudes[:, row].tolist(), strict=True)
+            if gain > 0
+        ]
         if heard and None not in heard:
-            values = np.concatenate([f.values if isinstance(f, Automation) else [f] for f in (tone.frequency for tone in heard if tone)])
+            values = np.concatenate(
+                [
+                    f.values if isinstance(f, Automation) else [f]
+                    for f in (tone.frequency for tone in heard if tone)
+                ]
+            )
             bands[listener.name] = float(values.min()), float(values.max())
     return bands
 
@@ -211,9 +261,17 @@ def _tone(signal: Signal | None) -> Sine | None:
     return signal if isinstance(signal, Sine) else None
 
 
-def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]) -> ActuatorMapping:
+def _mapped(
+    listeners: Mapping[str, str],
+    choices: Mapping[str, str],
+    bands: Mapping[str, tuple[float, float]],
+) -> ActuatorMapping:
     devices = {key: output.profile for key, output in dict(outputs.running()).items()}
-    known = {Place(key, actuator.name) for key, device in devices.items() for actuator in device.actuators}
+    known = {
+        Place(key, actuator.name)
+        for key, device in devices.items()
+        for actuator in device.actuators
+    }
     chosen: dict[str, list[Place]] = {}
     absent: list[Loss] = []
     for listener, choice in choices.items():
@@ -224,6 +282,8 @@ def _mapped(listeners: Mapping[str, str], choices: Mapping[str, str], bands: Map
         missing = [place for place in places if place not in known]
         if missing:
             names = Names(f"{place.actuator} of {place.device}" for place in missing)
-            absent.append(Loss(listener, "actuator", Message.of(Cause.ACTUATOR_GONE, actuators=names)))
+            absent.append(
+                Loss(listener, "actuator", Message.of(Cause.ACTUATOR_GONE, actuators=names))
+            )
     mapping = map_listeners(listeners, devices, chosen=chosen, bands=bands)
     return replace(mapping, losses=(*absent, *mapping.losses))

@@ -1,7 +1,7 @@
 """The preview: the listeners' signals as sound through Blender's audio system.
 
-Listeners on the left are heard on the left. Blocks are divided into pieces that cross-fade, because Blender's sequencer sometimes starts a
-sound a sample too late.
+Listeners on the left are heard on the left. Blocks are divided into pieces that cross-fade, because
+Blender's sequencer sometimes starts a sound a sample too late.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ LONGEST_HEARD = 4.0
 
 
 OLDEST = (5, 2, 0)
-"""Blender 5.0 and earlier play only the end of a piece that begins between two of their audio buffers."""
+"""Blender 5.0 and earlier play only the end of a piece that begins between two of their audio
+buffers."""
 
 
 class AudioUnavailable(OSError):
@@ -80,7 +81,9 @@ class _Stream:
     def _add(self, piece: FloatArray) -> None:
         begin = self._next * PIECE / RATE
         sound = self._aud.Sound.buffer(np.ascontiguousarray(piece.T, dtype=np.float32), RATE)
-        self._entries.append((self._next, self._sequence.add(sound, begin, begin + 2 * PIECE / RATE, 0.0)))
+        self._entries.append(
+            (self._next, self._sequence.add(sound, begin, begin + 2 * PIECE / RATE, 0.0))
+        )
         self._next += 1
 
     def _drop(self, first: int) -> None:
@@ -91,7 +94,8 @@ class _Stream:
 
 @dataclass(slots=True)
 class _State:
-    """Switch, volume and audio objects of the preview; ``heard``: the signal that is played by `hear`."""
+    """Switch, volume and audio objects of the preview; ``heard``: the signal that is played by
+    `hear`."""
 
     on: bool = False
     volume: float = 0.5
@@ -132,7 +136,8 @@ def set_volume(volume: float) -> None:
 
 
 def hear(signal: Signal) -> None:
-    """Play a single signal, at most `LONGEST_HEARD` seconds of it; an earlier one ends. Raises AudioUnavailable."""
+    """Play a single signal, at most `LONGEST_HEARD` seconds of it; an earlier one ends. Raises
+    AudioUnavailable."""
     aud, device = _device()
     samples = signal.sample(0, max(round(min(signal.duration, LONGEST_HEARD) * RATE), 1), RATE)
     samples[-_FADE:] *= _ENVELOPE[-min(_FADE, len(samples)) :]
@@ -158,8 +163,8 @@ def play(body_parts: list[str], samples: FloatArray, sample_rate: float) -> None
 
 
 def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:
-    """(listeners, n) as (2, n): left parts of the body on the left, right ones on the right, the rest on both, at equal power, and limited
-    to [-1, 1]."""
+    """(listeners, n) as (2, n): left parts of the body on the left, right ones on the right, the
+    rest on both, at equal power, and limited to [-1, 1]."""
     gains = np.array([stereo_gains(part) for part in body_parts]).reshape(-1, 2)
     return np.tanh(gains.T @ samples)
 
@@ -167,7 +172,10 @@ def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:
 def _audio() -> tuple[Any, Any]:
     """Blender's audio module and its output, for the preview. Raises AudioUnavailable."""
     if bpy.app.version < OLDEST:
-        raise AudioUnavailable("the preview needs Blender 5.2: the audio system of earlier ones leaves out short sounds")
+        raise AudioUnavailable(
+            "the preview needs Blender 5.2: the audio system of earlier ones leaves out short "
+            "sounds"
+        )
     return _device()
 
 

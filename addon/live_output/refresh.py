@@ -1,5 +1,5 @@
-"""Redraws the panel twice a second while a device is driven or a search runs, because Blender does not notice changes of a device's
-state."""
+"""Redraws the panel twice a second while a device is driven or a search runs, because Blender does
+not notice changes of a device's state."""
 
 from __future__ import annotations
 

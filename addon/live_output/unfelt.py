@@ -11,7 +11,8 @@ from . import handlers, outputs, player
 
 
 def device_words(scene: Scene, listener: str) -> str:
-    """The reason for which no connected device plays the listener; "" if one does, or if no device is connected."""
+    """The reason for which no connected device plays the listener; "" if one does, or if no device
+    is connected."""
     traced = sessions.shown(scene)
     if traced is None or not outputs.running():
         return ""
@@ -24,4 +25,8 @@ def device_words(scene: Scene, listener: str) -> str:
     if any(weights[:, column].any() for weights in mapping.weights.values()):
         return ""
     losses = [loss.message for loss in mapping.losses if loss.listener == listener]
-    return sentence(losses[0]) if losses else iface_("'{}' is muted: no actuator is chosen for it").format(listener)
+    return (
+        sentence(losses[0])
+        if losses
+        else iface_("'{}' is muted: no actuator is chosen for it").format(listener)
+    )

@@ -27,12 +27,16 @@ _SOURCES = (
     ("SINE", "Shaker", "A pure vibration", 60.0, "FORCE_HARMONIC"),
     ("NOISE", "Rumble", "A rough, random vibration", 60.0, "FORCE_TURBULENCE"),
 )
-SOURCE_ITEMS = tuple((kind, title, description, icon, number) for number, (kind, title, description, _, icon) in enumerate(_SOURCES))
+SOURCE_ITEMS = tuple(
+    (kind, title, description, icon, number)
+    for number, (kind, title, description, _, icon) in enumerate(_SOURCES)
+)
 SAMPLE_ITEMS = tuple((sample.name, sample.title, sample.description) for sample in SAMPLES.values())
 
 
 class HAPTIC_OT_add_source_object(Edit, Operator):
-    """Add a haptic source at the 3D cursor: an empty on the active object if that is haptic, otherwise a small body"""
+    """Add a haptic source at the 3D cursor: an empty on the active object if that is haptic,
+    otherwise a small body"""
 
     bl_label = "Add Haptic Source"
 
@@ -40,7 +44,11 @@ class HAPTIC_OT_add_source_object(Edit, Operator):
 
     def apply(self, context: Context) -> None:
         _, title, _, frequency, _ = next(source for source in _SOURCES if source[0] == self.kind)
-        carrier = haptic_carrier(context.object) if context.object is not None and context.object.select_get() else None
+        carrier = (
+            haptic_carrier(context.object)
+            if context.object is not None and context.object.select_get()
+            else None
+        )
         place = Matrix.Translation(context.scene.cursor.location)
         if carrier is not None:
             obj = bpy.data.objects.new(title, None)
@@ -63,7 +71,9 @@ def _cylinder(name: str) -> bpy.types.Mesh:
     mesh = bpy.data.meshes.new(name)
     edited = bmesh.new()
     upwards = Matrix.Translation((0, 0, 0.1))
-    bmesh.ops.create_cone(edited, cap_ends=True, segments=16, radius1=0.05, radius2=0.05, depth=0.2, matrix=upwards)
+    bmesh.ops.create_cone(
+        edited, cap_ends=True, segments=16, radius1=0.05, radius2=0.05, depth=0.2, matrix=upwards
+    )
     edited.to_mesh(mesh)
     edited.free()
     return mesh
@@ -79,7 +89,8 @@ def _link(context: Context, obj: Object) -> None:
 
 
 class HAPTIC_OT_make_one_shot(OnActive, Operator):
-    """Play a blast once per trigger, now if Trigger is not animated yet; in a medium it spreads as a pressure front"""
+    """Play a blast once per trigger, now if Trigger is not animated yet; in a medium it spreads as
+    a pressure front"""
 
     bl_label = "Play Once"
 
@@ -87,7 +98,11 @@ class HAPTIC_OT_make_one_shot(OnActive, Operator):
         name="Blast",
         description="Which blast the source plays",
         items=(
-            ("EXPLOSION", "Explosion", "An overpressure of 5 milliseconds, as that of a kilogram of TNT ten metres away"),
+            (
+                "EXPLOSION",
+                "Explosion",
+                "An overpressure of 5 milliseconds, as that of a kilogram of TNT ten metres away",
+            ),
             ("GUN", "Gun", "An overpressure of a millisecond, as at the muzzle"),
         ),
     )
@@ -100,12 +115,17 @@ class HAPTIC_OT_make_one_shot(OnActive, Operator):
             source.trigger = 1.0
             context.object.keyframe_insert(triggers.PATH)
         carrier = haptic_carrier(context.object)
-        if carrier is not None and carrier.haptics.medium and (carrier.haptics.function != "physical" or carrier.haptics.loss_factor > 0):
+        if (
+            carrier is not None
+            and carrier.haptics.medium
+            and (carrier.haptics.function != "physical" or carrier.haptics.loss_factor > 0)
+        ):
             _spread_as_front(context.scene, carrier, 1.5 if self.kind == "EXPLOSION" else 0.3)
 
 
 def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
-    """Make a medium transmit with spherical spreading from ``radius`` metres on, at the speed of sound."""
+    """Make a medium transmit with spherical spreading from ``radius`` metres on, at the speed of
+    sound."""
     haptics = medium.haptics
     materials.spread_all_around(haptics, radius)
     material = scene.haptics.materials.items.get(haptics.material.name)
@@ -117,7 +137,8 @@ def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
 
 
 class HAPTIC_OT_add_medium(Edit, Operator):
-    """Add a medium around the selected objects, or at the 3D cursor; it transmits vibration between all objects that it overlaps"""
+    """Add a medium around the selected objects, or at the 3D cursor; it transmits vibration between
+    all objects that it overlaps"""
 
     bl_label = "Add Medium"
 
@@ -132,13 +153,23 @@ class HAPTIC_OT_add_medium(Edit, Operator):
 
     def apply(self, context: Context) -> None:
         material = MATERIALS[self.medium]
-        corners = [obj.matrix_world @ Vector(corner) for obj in context.selected_objects if obj.type == "MESH" for corner in obj.bound_box]
-        corners = corners or [context.scene.cursor.location + Vector((2, 2, 2)), context.scene.cursor.location - Vector((2, 2, 2))]
+        corners = [
+            obj.matrix_world @ Vector(corner)
+            for obj in context.selected_objects
+            if obj.type == "MESH"
+            for corner in obj.bound_box
+        ]
+        corners = corners or [
+            context.scene.cursor.location + Vector((2, 2, 2)),
+            context.scene.cursor.location - Vector((2, 2, 2)),
+        ]
         low = Vector(map(min, zip(*corners, strict=True)))
         high = Vector(map(max, zip(*corners, strict=True)))
         mesh = bpy.data.meshes.new(material.title)
         edited = bmesh.new()
-        bmesh.ops.create_cube(edited, size=1.0, matrix=Matrix.Diagonal((*(high - low + Vector((0.5, 0.5, 0.5))), 1)))
+        bmesh.ops.create_cube(
+            edited, size=1.0, matrix=Matrix.Diagonal((*(high - low + Vector((0.5, 0.5, 0.5))), 1))
+        )
         edited.to_mesh(mesh)
         edited.free()
         obj = bpy.data.objects.new(material.title, mesh)
@@ -165,13 +196,20 @@ class HAPTIC_OT_add_sample(Edit, Operator):
         started = time.perf_counter()
         scene = build_sample(self.sample)
         _frame(context, scene)
-        message = _rpt("{} built in {:.1f} seconds: press play. Your own scene is in the scene menu at the top right")
+        message = _rpt(
+            "{} built in {:.1f} seconds: press play. Your own scene is in the scene menu at the "
+            "top right"
+        )
         self.report({"INFO"}, message.format(scene.name, time.perf_counter() - started))
 
 
 def _frame(context: Context, scene: Scene) -> None:
     """Show the camera view of a scene in the window's 3D viewports."""
-    for area in context.window.screen.areas if context.window is not None and scene.camera is not None else ():
+    for area in (
+        context.window.screen.areas
+        if context.window is not None and scene.camera is not None
+        else ()
+    ):
         if area.type == "VIEW_3D":
             view = area.spaces.active
             view.use_local_camera = False

@@ -12,7 +12,8 @@ from ..changes.redraw import redraw_viewports
 
 
 class HAPTIC_OT_bake(Edit, Operator):
-    """Trace the frame range in order and store the result in the file, to be played without tracing"""
+    """Trace the frame range in order and store the result in the file, to be played without
+    tracing"""
 
     bl_label = "Bake Haptics"
 
@@ -25,7 +26,8 @@ class HAPTIC_OT_bake(Edit, Operator):
 
 
 class HAPTIC_OT_delete_bake(Edit, Operator):
-    """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was kept as a take is removed from the takes"""
+    """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was
+    kept as a take is removed from the takes"""
 
     bl_label = "Delete Bake"
 
@@ -33,7 +35,9 @@ class HAPTIC_OT_delete_bake(Edit, Operator):
     def poll(cls, context: Context) -> bool:
         bake = context.scene.haptics.bake
         is_baked = bake.track is not None or bake.sound is not None
-        return job.poll_idle(cls) and permitted(cls, is_baked, "Nothing has been baked in this scene")
+        return job.poll_idle(cls) and permitted(
+            cls, is_baked, "Nothing has been baked in this scene"
+        )
 
     def apply(self, context: Context) -> None:
         scene = context.scene
@@ -53,7 +57,9 @@ class HAPTIC_OT_keep_take(Edit, Operator):
         bake = context.scene.haptics.bake
         if not permitted(cls, bake.track is not None, "Bake first: a take is a bake with a name"):
             return False
-        return permitted(cls, all(take.track != bake.track for take in bake.takes), "This bake is a take already")
+        return permitted(
+            cls, all(take.track != bake.track for take in bake.takes), "This bake is a take already"
+        )
 
     def apply(self, context: Context) -> None:
         takes.keep(context.scene)

@@ -17,7 +17,8 @@ _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(B
 
 
 class HAPTIC_OT_add_default_listeners(OnActive, Operator):
-    """Put listeners on the active object: on the bones of an armature, or where a standing body that fills the object has its parts"""
+    """Put listeners on the active object: on the bones of an armature, or where a standing body
+    that fills the object has its parts"""
 
     bl_label = "Add Body Listeners"
     bl_options = {*UNDO, "PRESET"}
@@ -26,8 +27,16 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         name="Parts",
         description="Which parts of the body get a listener",
         items=(
-            ("DEFAULT", "Twelve", "Ears, hands, upper back, middle back, upper legs and feet: the default set-up"),
-            ("PAPER", "Ten", "Ears, hands, upper back, middle back and upper legs, as in the paper"),
+            (
+                "DEFAULT",
+                "Twelve",
+                "Ears, hands, upper back, middle back, upper legs and feet: the default set-up",
+            ),
+            (
+                "PAPER",
+                "Ten",
+                "Ears, hands, upper back, middle back and upper legs, as in the paper",
+            ),
             ("ALL", "All 25", "Every part of the body that a device may have an actuator for"),
         ),
     )
@@ -53,7 +62,9 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         if haptic_carrier(active) in (None, active):
             self._make_body(context, active, is_new)
 
-    def _on_armature(self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]) -> None:
+    def _on_armature(
+        self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]
+    ) -> None:
         if not is_editable(armature):
             raise ValueError(_rpt(LINKED))
         is_new = not body_kit.listeners_on(armature)
@@ -61,23 +72,44 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
             missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
         except ValueError as error:
             raise ValueError(f"{armature.name}: {error}") from None
-        body = armature.haptics.body or (active if active.type == "MESH" else next(iter(editable(body_kit.skins(armature))), None))
+        body = armature.haptics.body or (
+            active
+            if active.type == "MESH"
+            else next(iter(editable(body_kit.skins(armature))), None)
+        )
         if body is None:
-            self.report({"WARNING"}, "This armature moves no mesh: choose its body in the panel Haptic Object, else nothing is felt")
+            self.report(
+                {"WARNING"},
+                "This armature moves no mesh: choose its body in the panel Haptic Object, else "
+                "nothing is felt",
+            )
         else:
             self._make_body(context, body, is_new)
             armature.haptics.body = body
         if missing:
             names = ", ".join(part.name.replace("_", " ") for part in missing)
-            self.report({"WARNING"}, _rpt("The armature has no bones for these parts, which got no listener: {}").format(names))
+            self.report(
+                {"WARNING"},
+                _rpt("The armature has no bones for these parts, which got no listener: {}").format(
+                    names
+                ),
+            )
 
     def _make_body(self, context: Context, body: Object, is_new: bool) -> None:
-        """Make a mesh haptic, of flesh unless its name tells another material. The flesh of a body that ``is_new``, which had no listeners
-        yet, damps as chosen, except in a scene as in the paper."""
+        """Make a mesh haptic, of flesh unless its name tells another material. The flesh of a body
+        that ``is_new``, which had no listeners yet, damps as chosen, except in a scene as in the
+        paper."""
         if not body.haptics.enabled:
-            materials.make_haptic(context.scene, {body: materials.guessed(body) or MATERIALS["flesh"]})
+            materials.make_haptic(
+                context.scene, {body: materials.guessed(body) or MATERIALS["flesh"]}
+            )
         is_chosen = self.body != "MEASURED" or body.haptics.function == "haptic_tracing"
-        if is_new and is_chosen and is_editable(body) and context.scene.haptics.strategy != "as_in_the_paper":
+        if (
+            is_new
+            and is_chosen
+            and is_editable(body)
+            and context.scene.haptics.strategy != "as_in_the_paper"
+        ):
             materials.set_bodies([body], self.body)
 
 
@@ -88,7 +120,8 @@ def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:
 
 
 class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
-    """Give the other side of the body what the selected listeners have: their settings, and a listener where there is none"""
+    """Give the other side of the body what the selected listeners have: their settings, and a
+    listener where there is none"""
 
     bl_label = "Mirror Listeners"
 
@@ -96,7 +129,12 @@ class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
         context.view_layer.update()
         sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
         if not sided:
-            raise ValueError(_rpt("None of the selected objects is a listener of the left or right side: choose its body part"))
+            raise ValueError(
+                _rpt(
+                    "None of the selected objects is a listener of the left or right side: "
+                    "choose its body part"
+                )
+            )
         for listener in sided:
             body_kit.mirrored(listener)
         self.report({"INFO"}, _rpt("{} listeners mirrored").format(len(sided)))
@@ -104,4 +142,8 @@ class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
 
 def _side(obj: Object) -> str:
     listener = obj.haptics.listener
-    return BODY_PART[listener.body_part].side if listener.enabled and listener.body_part != "NONE" else ""
+    return (
+        BODY_PART[listener.body_part].side
+        if listener.enabled and listener.body_part != "NONE"
+        else ""
+    )

@@ -1,4 +1,5 @@
-"""Operators that choose gains and materials so that levels are the desired ones, and fit materials to recordings."""
+"""Operators that choose gains and materials so that levels are the desired ones, and fit materials
+to recordings."""
 
 from __future__ import annotations
 
@@ -16,7 +17,15 @@ from ...core.scene import spectra
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
 from ..blender import job
 from ..blender.compatibility import animated_paths
-from ..blender.polling import LINKED, Action, Edit, Refused, is_editable, permitted, poll_object_mode
+from ..blender.polling import (
+    LINKED,
+    Action,
+    Edit,
+    Refused,
+    is_editable,
+    permitted,
+    poll_object_mode,
+)
 from ..properties.kinds import switch
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
@@ -29,25 +38,47 @@ if TYPE_CHECKING:
 _iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
 
 _ROUNDS = 4
-"""Number of iterations, needed because limiters, ceilings and frequencies between band centres make levels deviate from predictions."""
+"""Number of iterations, needed because limiters, ceilings and frequencies between band centres make
+levels deviate from predictions."""
 _NEAR, _MISSED = 0.1, 1.0
-"""Deviations [dB] up to which a level counts as the desired one, and beyond which it is reported as missed."""
+"""Deviations [dB] up to which a level counts as the desired one, and beyond which it is reported as
+missed."""
 _CHOOSE = "Choose two recordings, a source, a listener and an object first"
 
 
 class HAPTIC_OT_make_felt(Edit, Operator):
-    """Raise what the selected listeners feel above the threshold of feeling, by as few changes as possible, which are shown first"""
+    """Raise what the selected listeners feel above the threshold of feeling, by as few changes as
+    possible, which are shown first"""
 
     bl_label = "Make It Felt"
 
     listener: StringProperty(name="Listener", options={"HIDDEN", "SKIP_SAVE"})
-    margin: FloatProperty(name="Margin (dB)", description="How far above the threshold of feeling", default=6.0, min=0.0, max=60.0)
-    use_amplitude: switch(
-        "Amplitude", "If the gain of the listener is not enough, raise the amplitude of the source that it feels most", True
+    margin: FloatProperty(
+        name="Margin (dB)",
+        description="How far above the threshold of feeling",
+        default=6.0,
+        min=0.0,
+        max=60.0,
     )
-    use_frequency: switch("Frequency", "If that is not enough, change the frequency of that source to one that is felt better", True)
-    use_material: switch("Materials", "If that is not enough, change the materials on the path to those that pass on more", True)
-    plans = cast("tuple[felt.Plan, ...]", ())  # no annotation, which Blender would evaluate at registration
+    use_amplitude: switch(
+        "Amplitude",
+        "If the gain of the listener is not enough, raise the amplitude of the source that it "
+        "feels most",
+        True,
+    )
+    use_frequency: switch(
+        "Frequency",
+        "If that is not enough, change the frequency of that source to one that is felt better",
+        True,
+    )
+    use_material: switch(
+        "Materials",
+        "If that is not enough, change the materials on the path to those that pass on more",
+        True,
+    )
+    plans = cast(
+        "tuple[felt.Plan, ...]", ()
+    )  # no annotation, which Blender would evaluate at registration
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         try:
@@ -55,7 +86,9 @@ class HAPTIC_OT_make_felt(Edit, Operator):
         except ValueError as error:
             self.report({"WARNING"}, str(error))
             return {"CANCELLED"}
-        return context.window_manager.invoke_props_dialog(self, width=380, confirm_text=self.bl_label)
+        return context.window_manager.invoke_props_dialog(
+            self, width=380, confirm_text=self.bl_label
+        )
 
     def check(self, context: Context) -> bool:
         self.plans = self._planned(context)
@@ -69,9 +102,19 @@ class HAPTIC_OT_make_felt(Edit, Operator):
             row.prop(self, name, toggle=True)
         for planned in self.plans:
             column = layout.box().column(align=True)
-            _draw_row(column, planned.listener, levels.margin_words(planned.before), levels.margin_words(planned.after))
+            _draw_row(
+                column,
+                planned.listener,
+                levels.margin_words(planned.before),
+                levels.margin_words(planned.after),
+            )
             for change in planned.changes:
-                _draw_row(column, f"{_iface(_NAMES[change.kind])}: {change.name}", f"{change.before:.3g}", f"{change.after:.3g}")
+                _draw_row(
+                    column,
+                    f"{_iface(_NAMES[change.kind])}: {change.name}",
+                    f"{change.before:.3g}",
+                    f"{change.after:.3g}",
+                )
             if not planned.changes and planned.before < self.margin - _NEAR:
                 column.label(text="Not felt by these means: nothing is changed", icon="ERROR")
 
@@ -86,34 +129,58 @@ class HAPTIC_OT_make_felt(Edit, Operator):
         least = min(self.plans, key=lambda planned: shown[planned.listener]).listener
         if len(left) == len(self.plans):
             words = _rpt(
-                "'{}' can't be felt by these means, at best with a margin of {}: nothing is changed. Bring a source nearer, or close a gap"
+                "'{}' can't be felt by these means, at best with a margin of {}: nothing is "
+                "changed. Bring a source nearer, or close a gap"
             )
             best = max(self.plans, key=lambda planned: planned.after)
             raise Refused(words.format(best.listener, levels.margin_words(best.after)))
-        words = _rpt("Felt now; the least margin is {} at '{}'") if not left else _rpt("Felt now, except by: {1}")
-        self.report({"WARNING" if left else "INFO"}, words.format(levels.margin_words(shown[least]), ", ".join(left) or least))
+        words = (
+            _rpt("Felt now; the least margin is {} at '{}'")
+            if not left
+            else _rpt("Felt now, except by: {1}")
+        )
+        self.report(
+            {"WARNING" if left else "INFO"},
+            words.format(levels.margin_words(shown[least]), ", ".join(left) or least),
+        )
 
     def _planned(self, context: Context) -> tuple[felt.Plan, ...]:
         """The changes for each listener, which also count for those after it."""
         traced = _traced_now(context)
-        selected = [obj.name_full for obj in context.selected_objects if obj.haptics.listener.enabled]
+        selected = [
+            obj.name_full for obj in context.selected_objects if obj.haptics.listener.enabled
+        ]
         names = [self.listener] if self.listener and self.listener not in selected else selected
         if not names:
             raise Refused(_rpt("Select a listener first"))
         result, plans = traced.result, []
-        means = _means(context.scene, traced, names, self.use_amplitude, self.use_frequency, self.use_material)
+        means = _means(
+            context.scene, traced, names, self.use_amplitude, self.use_frequency, self.use_material
+        )
         for name in names:
             if name not in means.listeners:
-                raise Refused(_rpt("'{}' can't be changed: it is linked from a library, or no listener any more").format(name))
+                raise Refused(
+                    _rpt(
+                        "'{}' can't be changed: it is linked from a library, or no listener any "
+                        "more"
+                    ).format(name)
+                )
             planned = felt.plan(result, traced.settings, name, self.margin, means)
             if planned.before == -math.inf:
-                raise Refused(_rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(name))
+                raise Refused(
+                    _rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(name)
+                )
             plans.append(planned)
             result = planned.result
         return tuple(plans)
 
 
-_NAMES = {"gain": "Gain", "amplitude": "Amplitude", "frequency": "Frequency (Hz)", "material": "K = (1 - κ) ρ"}
+_NAMES = {
+    "gain": "Gain",
+    "amplitude": "Amplitude",
+    "frequency": "Frequency (Hz)",
+    "material": "K = (1 - κ) ρ",
+}
 """Names of the changes by the values of `felt.Kind`."""
 
 
@@ -134,18 +201,42 @@ def _traced_now(context: Context) -> sessions.Traced:
     return traced
 
 
-def _means(scene: Scene, traced: sessions.Traced, names: list[str], amplitudes: bool, frequencies: bool, materials: bool) -> felt.Means:
-    """What may be changed of the listeners ``names`` and of all sources and materials: what is editable and not animated."""
+def _means(
+    scene: Scene,
+    traced: sessions.Traced,
+    names: list[str],
+    amplitudes: bool,
+    frequencies: bool,
+    materials: bool,
+) -> felt.Means:
+    """What may be changed of the listeners ``names`` and of all sources and materials: what is
+    editable and not animated."""
     result, library = traced.result, scene.haptics.materials.items
     known = {item.name for item in result.listeners}
     free: dict[str, tuple[str, ...]] = {}
     if materials:
-        own = [item.name for item in result.graph.table.objects if item.material not in library and _is_free(item.name, "haptics.kappa")]
-        free = {name: (name,) for name in own} | {item.name: made for item in library if (made := _made_of(traced, item.name))}
+        own = [
+            item.name
+            for item in result.graph.table.objects
+            if item.material not in library and _is_free(item.name, "haptics.kappa")
+        ]
+        free = {name: (name,) for name in own} | {
+            item.name: made for item in library if (made := _made_of(traced, item.name))
+        }
     return felt.Means(
-        listeners=frozenset(name for name in names if name in known and _is_free(name, "haptics.listener.gain")),
-        loud=frozenset(item.name for item in result.sources if amplitudes and _is_free(item.name, "haptics.source.amplitude")),
-        tuned=frozenset(item.name for item in result.sources if frequencies and _is_free(item.name, "haptics.source.frequency")),
+        listeners=frozenset(
+            name for name in names if name in known and _is_free(name, "haptics.listener.gain")
+        ),
+        loud=frozenset(
+            item.name
+            for item in result.sources
+            if amplitudes and _is_free(item.name, "haptics.source.amplitude")
+        ),
+        tuned=frozenset(
+            item.name
+            for item in result.sources
+            if frequencies and _is_free(item.name, "haptics.source.frequency")
+        ),
         materials=free,
     )
 
@@ -159,18 +250,25 @@ def _is_free(name: str, path: str) -> bool:
 def _make(scene: Scene, change: felt.Change) -> None:
     """Write a change to the listener, source or material."""
     if change.kind is felt.Kind.MATERIAL:
-        owner = scene.haptics.materials.items.get(change.name) or bpy.data.objects[change.name].haptics
+        owner = (
+            scene.haptics.materials.items.get(change.name) or bpy.data.objects[change.name].haptics
+        )
         kappa, rho = coefficients_of(change.after, owner.rho)
         if owner.rho != rho:
             owner.rho = rho
         owner.kappa = kappa
         return
     haptics = bpy.data.objects[change.name].haptics
-    setattr(haptics.listener if change.kind is felt.Kind.GAIN else haptics.source, change.kind, change.after)
+    setattr(
+        haptics.listener if change.kind is felt.Kind.GAIN else haptics.source,
+        change.kind,
+        change.after,
+    )
 
 
 class HAPTIC_OT_design_by_wish(Edit, Operator):
-    """Choose κ of the free materials, and ρ where that is not enough, so that the listeners with a wish have the wished level"""
+    """Choose κ of the free materials, and ρ where that is not enough, so that the listeners with a
+    wish have the wished level"""
 
     bl_label = "Fulfil Wishes"
 
@@ -185,12 +283,33 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
             if scene.haptics.mode not in ("HT", "SD"):
                 raise Refused(_rpt("Materials count in modes HT and SD only"))
             shown = {level.listener: level for level in levels.shown_levels(traced, False)}
-            owners = {name: bpy.data.objects[name].haptics.listener for name in shown if name in bpy.data.objects}
-            missing = {name: owner.wish - shown[name].rms for name, owner in owners.items() if owner.use_wish}
-            free = [item for item in scene.haptics.materials.items if item.is_free and _made_of(traced, item.name)]
+            owners = {
+                name: bpy.data.objects[name].haptics.listener
+                for name in shown
+                if name in bpy.data.objects
+            }
+            missing = {
+                name: owner.wish - shown[name].rms
+                for name, owner in owners.items()
+                if owner.use_wish
+            }
+            free = [
+                item
+                for item in scene.haptics.materials.items
+                if item.is_free and _made_of(traced, item.name)
+            ]
             if not missing or not free:
-                raise Refused(_rpt("Give a listener a wished level, and mark a material that objects are made of as free"))
-            if not remaining or max(map(abs, missing.values())) < _NEAR or not _change(traced, missing, free):
+                raise Refused(
+                    _rpt(
+                        "Give a listener a wished level, and mark a material that objects are "
+                        "made of as free"
+                    )
+                )
+            if (
+                not remaining
+                or max(map(abs, missing.values())) < _NEAR
+                or not _change(traced, missing, free)
+            ):
                 break
         self._say(missing)
 
@@ -198,23 +317,39 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
         """Report which wishes are not met."""
         left = [f"{name} {-rest:+.1f} dB" for name, rest in missing.items() if abs(rest) > _MISSED]
         if left:
-            words = _rpt("{} of {} wishes are met; off by: {}. Free more materials, widen their bounds, or change a source")
-            self.report({"WARNING"}, words.format(len(missing) - len(left), len(missing), ", ".join(left)))
+            words = _rpt(
+                "{} of {} wishes are met; off by: {}. Free more materials, widen their bounds, "
+                "or change a source"
+            )
+            self.report(
+                {"WARNING"}, words.format(len(missing) - len(left), len(missing), ", ".join(left))
+            )
         else:
-            self.report({"INFO"}, _rpt("All {} wishes are met within a decibel").format(len(missing)))
+            self.report(
+                {"INFO"}, _rpt("All {} wishes are met within a decibel").format(len(missing))
+            )
 
 
 def _made_of(traced: sessions.Traced, material: str) -> tuple[str, ...]:
     """The haptic objects of a frame with a material of the library."""
-    return tuple(item.name for item in traced.result.graph.table.objects if item.material == material)
+    return tuple(
+        item.name for item in traced.result.graph.table.objects if item.material == material
+    )
 
 
 def _change(traced: sessions.Traced, missing: dict[str, float], free: list[Any]) -> bool:
     """Set the free materials to values with nearer levels. Returns False if none changes."""
     result = traced.result
     wished = [wishes.Wish(name, rest) for name, rest in missing.items() if math.isfinite(rest)]
-    bounds = [wishes.FreeMaterial(_made_of(traced, item.name), item.least_k, max(item.least_k, item.most_k)) for item in free]
-    answer = wishes.fulfil(result.graph, traced.settings, spectra.source_energies(result.sources), wished, bounds)
+    bounds = [
+        wishes.FreeMaterial(
+            _made_of(traced, item.name), item.least_k, max(item.least_k, item.most_k)
+        )
+        for item in free
+    ]
+    answer = wishes.fulfil(
+        result.graph, traced.settings, spectra.source_energies(result.sources), wished, bounds
+    )
     changed = False
     for item, k in zip(free, answer.k, strict=True):
         if abs(transfer_coefficient(item.kappa, item.rho) - k) > 1e-4 * k:
@@ -227,7 +362,8 @@ def _change(traced: sessions.Traced, missing: dict[str, float], free: list[Any])
 
 
 class HAPTIC_OT_fit_material(Action, Operator):
-    """Set the loss of a material, and the gain of a contact, so that the scene transmits vibration as two recordings show"""
+    """Set the loss of a material, and the gain of a contact, so that the scene transmits vibration
+    as two recordings show"""
 
     bl_label = "Fit Material"
     bl_options = {"REGISTER"}
@@ -235,7 +371,13 @@ class HAPTIC_OT_fit_material(Action, Operator):
     @classmethod
     def poll(cls, context: Context) -> bool:
         chosen = context.scene.haptics.materials.fit
-        is_chosen = bool(chosen.source_file and chosen.listener_file and chosen.source and chosen.listener and chosen.object)
+        is_chosen = bool(
+            chosen.source_file
+            and chosen.listener_file
+            and chosen.source
+            and chosen.listener
+            and chosen.object
+        )
         return permitted(cls, is_chosen, _CHOOSE) and poll_object_mode(cls, context)
 
     def apply(self, context: Context) -> set[str]:
@@ -245,22 +387,40 @@ class HAPTIC_OT_fit_material(Action, Operator):
         traced = sessions.shown(scene)
         if traced is None or chosen.object is None or not is_editable(chosen.object):
             raise ValueError(_rpt("Nothing traced yet" if traced is None else LINKED))
-        read = recordings.read_recordings(*(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file)))
+        read = recordings.read_recordings(
+            *(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file))
+        )
         reports: list[job.Report] = []
         work = _steps(scene, traced.result.graph, read, reports)
-        return job.run(self, context, job.Job("Fit Material", len(read.starts), work, lambda _: reports))
+        return job.run(
+            self, context, job.Job("Fit Material", len(read.starts), work, lambda _: reports)
+        )
 
 
-def _steps(scene: Scene, graph: HapticGraph, read: recordings.Recordings, reports: list[job.Report]) -> Iterator[None]:
+def _steps(
+    scene: Scene, graph: HapticGraph, read: recordings.Recordings, reports: list[job.Report]
+) -> Iterator[None]:
     """Average the recordings window by window, then fit, as one undo step."""
     yield from read.steps()
     chosen = scene.haptics.materials.fit
     if chosen.object is None or chosen.source is None or chosen.listener is None:
         raise ValueError(_rpt(_CHOOSE))
     item = scene.haptics.materials.items.get(chosen.object.haptics.material.name)
-    names = [o.name for o in graph.table.objects if item is not None and o.material == item.name] or [chosen.object.name_full]
-    contact = (chosen.first.name_full, chosen.second.name_full) if chosen.is_calibrated and chosen.first and chosen.second else ()
-    asked = recordings.Question(chosen.source.name_full, chosen.listener.name_full, tuple(names), contact, chosen.is_calibrated)
+    names = [
+        o.name for o in graph.table.objects if item is not None and o.material == item.name
+    ] or [chosen.object.name_full]
+    contact = (
+        (chosen.first.name_full, chosen.second.name_full)
+        if chosen.is_calibrated and chosen.first and chosen.second
+        else ()
+    )
+    asked = recordings.Question(
+        chosen.source.name_full,
+        chosen.listener.name_full,
+        tuple(names),
+        contact,
+        chosen.is_calibrated,
+    )
     found = recordings.fit(graph, read.transfer(), asked)
     owner = item or chosen.object.haptics
     kappa, rho = coefficients_of(found.k, owner.rho)
@@ -269,18 +429,33 @@ def _steps(scene: Scene, graph: HapticGraph, read: recordings.Recordings, report
         _set_gain(scene, contact, found.gain)
     chosen.fitted = item.name if item is not None else names[0]
     error = found.gain * (math.exp(found.contact_error) - 1)
-    chosen.values = (found.damping, found.damping_error, found.gain, error, found.before, found.after)
+    chosen.values = (
+        found.damping,
+        found.damping_error,
+        found.gain,
+        error,
+        found.before,
+        found.after,
+    )
     chosen.bands = found.bands.ravel()
     chosen.doubts = "\n".join(map(sentence, found.doubts))
     bpy.ops.ed.undo_push(message="Fit Material")
     words = _rpt("The model missed the recordings by {:.1f} dB, and misses them by {:.1f} dB now")
-    reports.append(({"WARNING" if found.doubts else "INFO"}, words.format(found.before, found.after)))
+    reports.append(
+        ({"WARNING" if found.doubts else "INFO"}, words.format(found.before, found.after))
+    )
 
 
 def _set_gain(scene: Scene, contact: tuple[str, str], gain: float) -> None:
-    """Set the gain of contacts of two objects in the rule for this pair, which is added if missing."""
+    """Set the gain of contacts of two objects in the rule for this pair, which is added if
+    missing."""
     rules: Any = scene.haptics.transmission_table.items
-    own = [r for r in rules if (r.first_kind, r.second_kind) == ("OBJECT", "OBJECT") and {r.first, r.second} == set(contact)]
+    own = [
+        r
+        for r in rules
+        if (r.first_kind, r.second_kind) == ("OBJECT", "OBJECT")
+        and {r.first, r.second} == set(contact)
+    ]
     rule = own[0] if own else rules.add()
     rule.first_kind = rule.second_kind = "OBJECT"
     rule.first, rule.second = contact

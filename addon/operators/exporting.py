@@ -38,11 +38,14 @@ LARGEST = 2**31 - 1
 
 
 class RangeExport(Action, ExportHelper):
-    """Mixin: an export of a range of frames, optionally of one collection, with its losses shown beforehand."""
+    """Mixin: an export of a range of frames, optionally of one collection, with its losses shown
+    beforehand."""
 
     frame_start: IntProperty(name="Start", description="First frame", default=1)
     frame_end: IntProperty(name="End", description="Last frame", default=250)
-    collection: text("Collection", "Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"})
+    collection: text(
+        "Collection", "Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"}
+    )
     endings: Collection[str] = ()
     """File name endings; any of them is replaced by that of the chosen options."""
 
@@ -65,13 +68,30 @@ class RangeExport(Action, ExportHelper):
             raise ValueError(_rpt("There is no collection '{}'").format(self.collection))
         return {obj.name_full for obj in collection.all_objects}
 
-    def captured(self, context: Context, recorded: bool, felt: bool, finish: Callable[[Export, job.Job], list[job.Report]]) -> set[str]:
+    def captured(
+        self,
+        context: Context,
+        recorded: bool,
+        felt: bool,
+        finish: Callable[[Export, job.Job], list[job.Report]],
+    ) -> set[str]:
         """Step through the range, then ``finish``."""
         scene, start, end = context.scene, self.frame_start, self.frame_end
         track = None if recorded else playback.fitting_track(scene, start, end)
-        work = capture.Capture(scene, start, end, recorded, felt, self.names(), None if track is None else track.result)
+        work = capture.Capture(
+            scene, start, end, recorded, felt, self.names(), None if track is None else track.result
+        )
         name = export_name(self.filepath)
-        return job.run(self, context, job.Job("Exporting", work.frames, work.steps(), lambda running: finish(work.export(name), running)))
+        return job.run(
+            self,
+            context,
+            job.Job(
+                "Exporting",
+                work.frames,
+                work.steps(),
+                lambda running: finish(work.export(name), running),
+            ),
+        )
 
     def draw_range(self, layout: UILayout) -> None:
         column = layout.column(align=True)
@@ -93,7 +113,11 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         "What is written",
         (
             ("CURRENT", "This Frame", "The scene as it stands now"),
-            ("RANGE", "Range", "The scene at the first frame, and what changes from frame to frame"),
+            (
+                "RANGE",
+                "Range",
+                "The scene at the first frame, and what changes from frame to frame",
+            ),
         ),
         default="CURRENT",
     )
@@ -108,7 +132,10 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         default="none",
     )
     encoding: choice(
-        "Encoding", "Of the tracks", (("pcm16", "16 Bit", ""), ("float32", "Float", "Without any loss of range")), default="pcm16"
+        "Encoding",
+        "Of the tracks",
+        (("pcm16", "16 Bit", ""), ("float32", "Float", "Without any loss of range")),
+        default="pcm16",
     )
     compressed: switch("Compressed", "Packed, as .json.gz")
 
@@ -127,7 +154,12 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
             if self.tracks != "none":
                 layout.prop(self, "encoding")
         layout.prop(self, "compressed")
-        draw_losses(layout, "scene", capture.expected(context.scene, self.frames == "RANGE"), self._options())
+        draw_losses(
+            layout,
+            "scene",
+            capture.expected(context.scene, self.frames == "RANGE"),
+            self._options(),
+        )
 
     def apply(self, context: Context) -> set[str]:
         if not self.filepath.lower().endswith(SCENE_ENDINGS):
@@ -144,28 +176,40 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         return frame_scene.written_export(export_name(self.filepath), context.scene, scene, names)
 
     def _writer(self) -> Callable[[Export, object], list[job.Report]]:
-        """A function that writes the file after all frames are captured, independent of this operator, which then no longer exists."""
+        """A function that writes the file after all frames are captured, independent of this
+        operator, which then no longer exists."""
         path, options = Path(bpy.path.abspath(self.filepath)), self._options()
 
         def write(export: Export, _: object) -> list[job.Report]:
             tracks = options["tracks"] if export.tracks is not None else "none"
-            files = haptic_scene.write_export(export, path, tracks=tracks, encoding=options["encoding"])
+            files = haptic_scene.write_export(
+                export, path, tracks=tracks, encoding=options["encoding"]
+            )
             return written(files, registry.losses("scene", export, options))
 
         return write
 
     def _options(self) -> dict[str, Any]:
-        return {"tracks": self.tracks if self.frames == "RANGE" else "none", "encoding": self.encoding}
+        return {
+            "tracks": self.tracks if self.frames == "RANGE" else "none",
+            "encoding": self.encoding,
+        }
 
 
 def option_properties(names: tuple[str, ...]) -> dict[str, Any]:
-    """Annotations of an operator: ``<format>_<option>`` for every option of the formats ``names``."""
-    return {_key(name, option): _property(option) for name in names for option in named(name).options}
+    """Annotations of an operator: ``<format>_<option>`` for every option of the formats
+    ``names``."""
+    return {
+        _key(name, option): _property(option) for name in names for option in named(name).options
+    }
 
 
 def chosen(operator: Any, name: str) -> dict[str, Value]:
     """The chosen options of a format."""
-    return {option.name: _value(option, getattr(operator, _key(name, option))) for option in named(name).options}
+    return {
+        option.name: _value(option, getattr(operator, _key(name, option)))
+        for option in named(name).options
+    }
 
 
 def draw_options(layout: UILayout, operator: Any, name: str) -> None:
@@ -179,7 +223,11 @@ def _key(name: str, option: Option) -> str:
 
 
 def _value(option: Option, value: Any) -> Value:
-    return min(max(shortest(value), option.minimum), option.maximum) if isinstance(option.default, float) else value
+    return (
+        min(max(shortest(value), option.minimum), option.maximum)
+        if isinstance(option.default, float)
+        else value
+    )
 
 
 def _property(option: Option) -> Any:
@@ -187,9 +235,15 @@ def _property(option: Option) -> Any:
     if isinstance(option.default, bool):
         return BoolProperty(default=option.default, **text)
     if isinstance(option.default, str):
-        return EnumProperty(items=[(choice, choice, "") for choice in option.choices], default=option.default, **text)
+        return EnumProperty(
+            items=[(choice, choice, "") for choice in option.choices],
+            default=option.default,
+            **text,
+        )
     bounds: dict[str, Any] = {
-        key: value for key, value in (("min", option.minimum), ("max", option.maximum)) if math.isfinite(value) and abs(value) <= LARGEST
+        key: value
+        for key, value in (("min", option.minimum), ("max", option.maximum))
+        if math.isfinite(value) and abs(value) <= LARGEST
     }
     if isinstance(option.default, int):
         bounds = {key: int(value) for key, value in bounds.items()}
@@ -205,8 +259,15 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
     bl_options = {"PRESET"}
     endings = TRACK_ENDINGS
     __annotations__ = {
-        "filter_glob": StringProperty(default=";".join(f"*{ending}" for ending in TRACK_ENDINGS), options={"HIDDEN"}),
-        "format": choice("Format", "Where it will be felt", tuple((name, named(name).label, "") for name in TRACK_FORMATS), default="wav"),
+        "filter_glob": StringProperty(
+            default=";".join(f"*{ending}" for ending in TRACK_ENDINGS), options={"HIDDEN"}
+        ),
+        "format": choice(
+            "Format",
+            "Where it will be felt",
+            tuple((name, named(name).label, "") for name in TRACK_FORMATS),
+            default="wav",
+        ),
         **option_properties(TRACK_FORMATS),
     }
 
@@ -221,25 +282,41 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
         layout.prop(self, "format")
         self.draw_range(layout)
         draw_options(layout, self, self.format)
-        draw_losses(layout, self.format, capture.expected(context.scene, True, self.collection), chosen(self, self.format))
+        draw_losses(
+            layout,
+            self.format,
+            capture.expected(context.scene, True, self.collection),
+            chosen(self, self.format),
+        )
 
     def apply(self, context: Context) -> set[str]:
-        write = track_writer(self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format))
+        write = track_writer(
+            self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format)
+        )
         return self.captured(context, False, True, write)
 
 
-def track_writer(name: str, folder: Path, options: dict[str, Any]) -> Callable[[Export, job.Job], list[job.Report]]:
-    """A function that writes a format, and asks before files are replaced by ones that keep little of the vibration."""
+def track_writer(
+    name: str, folder: Path, options: dict[str, Any]
+) -> Callable[[Export, job.Job], list[job.Report]]:
+    """A function that writes a format, and asks before files are replaced by ones that keep little
+    of the vibration."""
 
     def write(export: Export, running: job.Job) -> list[job.Report]:
         def consent(poor: registry.Written) -> bool:
-            question = _iface("The new files keep little of the vibration. Replace {}?").format(shown(poor.files))
+            question = _iface("The new files keep little of the vibration. Replace {}?").format(
+                shown(poor.files)
+            )
             return running.ask((question, *registry.sentences(poor.fidelity)))
 
         done = registry.write(name, export, folder, options, consent, running.progress)
         if done.files:
             last_export.written = done
-        return written(done.files, done.losses) if done.files else [({"WARNING"}, _rpt("Nothing was replaced"))]
+        return (
+            written(done.files, done.losses)
+            if done.files
+            else [({"WARNING"}, _rpt("Nothing was replaced"))]
+        )
 
     return write
 
@@ -249,9 +326,15 @@ def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, 
     try:
         losses = registry.losses(name, export, options)
     except ValueError as error:
-        losses, heading, icon = (str(error).partition(": ")[2] or str(error),), "Can't be written", "ERROR"
+        losses, heading, icon = (
+            (str(error).partition(": ")[2] or str(error),),
+            "Can't be written",
+            "ERROR",
+        )
     else:
-        heading, icon = ("Not in these files", "INFO") if losses else ("Everything is carried", "CHECKMARK")
+        heading, icon = (
+            ("Not in these files", "INFO") if losses else ("Everything is carried", "CHECKMARK")
+        )
     box = layout.box()
     box.label(text=heading, icon=icon)
     for loss in losses:
@@ -270,14 +353,23 @@ def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report
 def shown(files: Collection[Path]) -> str:
     """The names of the first three files, and the number of further ones."""
     names = [path.name for path in files]
-    return ", ".join(names[:3]) + (" " + _rpt("and {} more").format(len(names) - 3) if len(names) > 3 else "")
+    return ", ".join(names[:3]) + (
+        " " + _rpt("and {} more").format(len(names) - 3) if len(names) > 3 else ""
+    )
 
 
 def with_ending(path: str, known: Collection[str], ending: str) -> str:
     """``path`` with its known ending replaced by ``ending``."""
     if not path or path.endswith(("/", "\\")):
         return path
-    has = next((suffix for suffix in sorted(known, key=len, reverse=True) if path.lower().endswith(suffix)), "")
+    has = next(
+        (
+            suffix
+            for suffix in sorted(known, key=len, reverse=True)
+            if path.lower().endswith(suffix)
+        ),
+        "",
+    )
     return path[: len(path) - len(has)] + ending
 
 

@@ -1,4 +1,5 @@
-"""Gizmos in the viewport: circles for the amplitude of a source and the radius of a listener, each with a handle."""
+"""Gizmos in the viewport: circles for the amplitude of a source and the radius of a listener, each
+with a handle."""
 
 from __future__ import annotations
 
@@ -11,9 +12,13 @@ from mathutils import Matrix
 
 from ..blender.polling import is_editable
 
-_ROLES = (("source", "amplitude", (0.95, 0.42, 0.24), -0.5), ("listener", "radius", (0.33, 0.74, 0.42), 0.5))
-"""Property group, property, colour, and the angle of the handle's arrow about the view's vertical axis in half turns, from the view's
-depth: left for an amplitude, right for a radius. The circle of an amplitude of 1 has a radius of a metre."""
+_ROLES = (
+    ("source", "amplitude", (0.95, 0.42, 0.24), -0.5),
+    ("listener", "radius", (0.33, 0.74, 0.42), 0.5),
+)
+"""Property group, property, colour, and the angle of the handle's arrow about the view's vertical
+axis in half turns, from the view's depth: left for an amplitude, right for a radius. The circle of
+an amplitude of 1 has a radius of a metre."""
 
 
 class HAPTIC_GGT_extents(GizmoGroup):
@@ -33,7 +38,10 @@ class HAPTIC_GGT_extents(GizmoGroup):
         return obj.haptics.source.enabled or obj.haptics.listener.enabled
 
     def setup(self, context: Context) -> None:
-        self.pairs = [(role, name, turn, *self._pair(role, name, colour)) for role, name, colour, turn in _ROLES]
+        self.pairs = [
+            (role, name, turn, *self._pair(role, name, colour))
+            for role, name, colour, turn in _ROLES
+        ]
 
     def _pair(self, role: str, name: str, colour: tuple[float, float, float]) -> tuple[Any, Any]:
         """The circle and the handle of a property of the active object."""
@@ -47,7 +55,11 @@ class HAPTIC_GGT_extents(GizmoGroup):
         def pulled(value: Any) -> None:
             setattr(getattr(bpy.context.object.haptics, role), name, max(value, 0.0))
 
-        handle.target_set_handler("offset", get=lambda: getattr(getattr(bpy.context.object.haptics, role), name), set=pulled)
+        handle.target_set_handler(
+            "offset",
+            get=lambda: getattr(getattr(bpy.context.object.haptics, role), name),
+            set=pulled,
+        )
         return circle, handle
 
     def draw_prepare(self, context: Context) -> None:

@@ -22,32 +22,41 @@ _rpt = bpy.app.translations.pgettext_rpt
 
 
 class _FromFile(Edit):
-    """Mixin: an import of a file that is chosen in the file browser, or dropped, after which there are only the options."""
+    """Mixin: an import of a file that is chosen in the file browser, or dropped, after which there
+    are only the options."""
 
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
 
     def invoke(self: Any, context: Context, event: Event) -> set[str]:
         manager = context.window_manager
         if self.properties.is_property_set("filepath"):
-            return manager.invoke_props_dialog(self, title=Path(self.filepath).name, confirm_text=self.bl_label)
+            return manager.invoke_props_dialog(
+                self, title=Path(self.filepath).name, confirm_text=self.bl_label
+            )
         manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
 
 class HAPTIC_OT_import_scene(_FromFile, Operator):
-    """Make objects, sources and listeners of a haptic scene; what changes over time becomes keyframes"""
+    """Make objects, sources and listeners of a haptic scene; what changes over time becomes
+    keyframes"""
 
     bl_idname = "import_scene.haptic_scene"
     bl_label = "Import Haptic Scene"
 
     filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
-    use_settings: switch("Settings", "Take over the settings of the file, its frame rate and its frames", True)
+    use_settings: switch(
+        "Settings", "Take over the settings of the file, its frame rate and its frames", True
+    )
 
     def apply(self, context: Context) -> None:
         export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
         losses = scene_builder.build(export, context.scene, self.use_settings)
         if export.unknown:
-            self.report({"WARNING"}, _rpt("Of a newer version; not read: {}").format(", ".join(export.unknown)))
+            self.report(
+                {"WARNING"},
+                _rpt("Of a newer version; not read: {}").format(", ".join(export.unknown)),
+            )
         for loss in losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
         self.report({"INFO"}, _rpt("Haptic scene imported: {}").format(Path(self.filepath).name))
@@ -58,8 +67,16 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
 
     bl_label = "Import Haptic Signal"
 
-    filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in READERS), options={"HIDDEN"})
-    channel: IntProperty(name="Channel", description="Which one of the file's vibrations", default=1, min=1, soft_max=32)
+    filter_glob: StringProperty(
+        default=";".join(f"*{suffix}" for suffix in READERS), options={"HIDDEN"}
+    )
+    channel: IntProperty(
+        name="Channel",
+        description="Which one of the file's vibrations",
+        default=1,
+        min=1,
+        soft_max=32,
+    )
     loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
 
     def apply(self, context: Context) -> None:
@@ -69,7 +86,10 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
         signal = vibration_signal.signal_of(channel, self.loop)
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
-                message = _rpt("'{}' has no surface: parent it to a haptic object, so that it has something to shake")
+                message = _rpt(
+                    "'{}' has no surface: parent it to a haptic object, so that it has something "
+                    "to shake"
+                )
                 raise ValueError(message.format(obj.name))
             obj.haptics.enabled = True
         source = obj.haptics.source
@@ -78,5 +98,11 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
         source.enabled = True
         for loss in reading.losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
-        message = _rpt("'{}' emits {}") if len(reading.channels) == 1 else _rpt("'{}' emits {}, channel {} of {}")
-        self.report({"INFO"}, message.format(obj.name, channel.name, self.channel, len(reading.channels)))
+        message = (
+            _rpt("'{}' emits {}")
+            if len(reading.channels) == 1
+            else _rpt("'{}' emits {}, channel {} of {}")
+        )
+        self.report(
+            {"INFO"}, message.format(obj.name, channel.name, self.channel, len(reading.channels))
+        )

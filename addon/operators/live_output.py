@@ -12,7 +12,8 @@ from ..live_output import outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
 
-# A guard that does not answer is replaced within half a second, and the new one has silenced the devices after another second.
+# A guard that does not answer is replaced within half a second, and the new one has silenced the
+# devices after another second.
 _PANIC_SECONDS = 2.0
 _AUTOMATIC, _NONE = "AUTOMATIC", "NONE"
 _items: list[tuple[str, str, str, str, int]] = []  # Blender keeps no copy of dynamic items
@@ -35,13 +36,17 @@ class HAPTIC_OT_connect_device(Action, Operator):
     bl_label = "Connect"
     bl_options = {"INTERNAL"}
 
-    device: StringProperty(name="Device", description="Which one; empty for the default device of the preferences")
+    device: StringProperty(
+        name="Device", description="Which one; empty for the default device of the preferences"
+    )
 
     def apply(self, context: Context) -> None:
         key = self.device or outputs.preferred(preferences().default_device)
         found = outputs.found(key)
         if found is None:
-            raise Refused(_rpt("{} is not connected: press Find Devices").format(key or _rpt("A device")))
+            raise Refused(
+                _rpt("{} is not connected: press Find Devices").format(key or _rpt("A device"))
+            )
         devices = context.scene.haptics.live_output.devices
         settings = devices.get(key)
         if settings is None:
@@ -80,12 +85,23 @@ class HAPTIC_OT_copy_udev_rule(Action, Operator):
 
 
 def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, str, str, int]]:
-    _items[:] = [(_AUTOMATIC, "Automatic", "The actuators at its body part", "AUTO", 0), (_NONE, "None", "It is not felt", "CANCEL", 1)]
+    _items[:] = [
+        (_AUTOMATIC, "Automatic", "The actuators at its body part", "AUTO", 0),
+        (_NONE, "None", "It is not felt", "CANCEL", 1),
+    ]
     for key, output in outputs.running().items():
         for actuator in output.profile.actuators:
             parts = ", ".join(actuator.body_parts) or "anywhere"
             identifier = f"{key}/{actuator.name}"
-            _items.append((identifier, f"{output.profile.title}: {actuator.name}", f"Felt at {parts}", "NONE", len(_items)))
+            _items.append(
+                (
+                    identifier,
+                    f"{output.profile.title}: {actuator.name}",
+                    f"Felt at {parts}",
+                    "NONE",
+                    len(_items),
+                )
+            )
     return _items
 
 
@@ -101,10 +117,16 @@ class HAPTIC_OT_choose_actuator(Action, Operator):
     def apply(self, context: Context) -> None:
         obj = context.scene.objects.get(self.listener)
         if obj is None or not is_editable(obj):
-            raise Refused(_rpt("'{}' can't be changed: it is linked from a library, or no listener any more").format(self.listener))
+            raise Refused(
+                _rpt(
+                    "'{}' can't be changed: it is linked from a library, or no listener any more"
+                ).format(self.listener)
+            )
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):
-            settings.actuators = actuators.AUTOMATIC if self.place == _AUTOMATIC else actuators.MUTED
+            settings.actuators = (
+                actuators.AUTOMATIC if self.place == _AUTOMATIC else actuators.MUTED
+            )
         else:
             settings.actuators = actuators.toggled(settings.actuators, self.place)
 
@@ -137,6 +159,18 @@ class HAPTIC_OT_panic(Action, Operator):
         silent = ", ".join(title for title, fault in devices if not fault)
         faults = "; ".join(f"{title} ({fault})" for title, fault in devices if fault)
         if faults:
-            self.report({"WARNING"}, _rpt("Unplug or switch off what still vibrates: {}. Off: {}").format(faults, silent or "-"))
+            self.report(
+                {"WARNING"},
+                _rpt("Unplug or switch off what still vibrates: {}. Off: {}").format(
+                    faults, silent or "-"
+                ),
+            )
         else:
-            self.report({"INFO"}, " ".join(filter(None, [_rpt("All haptic output is off"), f"({silent})" if silent else ""])))
+            self.report(
+                {"INFO"},
+                " ".join(
+                    filter(
+                        None, [_rpt("All haptic output is off"), f"({silent})" if silent else ""]
+                    )
+                ),
+            )

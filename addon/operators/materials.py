@@ -10,7 +10,15 @@ from bpy.types import Context, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
-from ..blender.polling import SOLID_TYPES, Edit, OnActive, OnSelected, editable, permitted, poll_object_mode
+from ..blender.polling import (
+    SOLID_TYPES,
+    Edit,
+    OnActive,
+    OnSelected,
+    editable,
+    permitted,
+    poll_object_mode,
+)
 from ..blender.progress import progress
 from ..properties.kinds import choice, switch, text
 from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
@@ -18,12 +26,30 @@ from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_valu
 PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
 
 MODEL_ITEMS = (
-    ("PHYSICAL", "Physical", "Measured spreading and damping, 6 dB less at contacts of flesh, and the best path"),
-    ("PAPER", "As in the Paper", "The paper's function of κ and ρ, contacts that pass on everything, and all paths of persistent sources"),
+    (
+        "PHYSICAL",
+        "Physical",
+        "Measured spreading and damping, 6 dB less at contacts of flesh, and the best path",
+    ),
+    (
+        "PAPER",
+        "As in the Paper",
+        "The paper's function of κ and ρ, contacts that pass on everything, and all paths of "
+        "persistent sources",
+    ),
 )
 BODY_ITEMS = (
-    ("MEASURED", "Measured", "Each part damps as measured above its resonance: a floor is felt at the feet"),
-    ("FELT_ALL_OVER", "Felt All Over", "A design choice, not measured: 5 dB less per metre, so that the whole body feels what it touches"),
+    (
+        "MEASURED",
+        "Measured",
+        "Each part damps as measured above its resonance: a floor is felt at the feet",
+    ),
+    (
+        "FELT_ALL_OVER",
+        "Felt All Over",
+        "A design choice, not measured: 5 dB less per metre, so that the whole body feels what "
+        "it touches",
+    ),
 )
 
 
@@ -31,7 +57,9 @@ def _poll_material(cls: type[Operator], context: Context) -> bool:
     """Object Mode, and the library has an active material."""
     library_of = context.scene.haptics.materials
     is_active = 0 <= library_of.active < len(library_of.items)
-    return poll_object_mode(cls, context) and permitted(cls, is_active, "Choose a material of the library first")
+    return poll_object_mode(cls, context) and permitted(
+        cls, is_active, "Choose a material of the library first"
+    )
 
 
 class HAPTIC_OT_apply_material(OnSelected, Operator):
@@ -40,7 +68,11 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
     bl_label = "Apply Material"
 
     preset: choice("Material", "What the objects are made of", PRESET_ITEMS, default="stone")
-    name: text("From Library", "A material of the scene's library instead of a preset", options={"SKIP_SAVE", "HIDDEN"})
+    name: text(
+        "From Library",
+        "A material of the scene's library instead of a preset",
+        options={"SKIP_SAVE", "HIDDEN"},
+    )
     target: choice("Apply To", "What the material is applied to", TARGET_ITEMS)
 
     @classmethod
@@ -49,21 +81,36 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
         if properties.name:
             return ""
         speed = f", {material.wave_speed:g} m/s" if material.wave_speed else ""
-        return f"κ {material.kappa:g}, ρ {material.rho:g}, (1 - κ) ρ = {material.k:.2f}{speed}, {material.conductivity:g} W/(m·K)"
+        return (
+            f"κ {material.kappa:g}, ρ {material.rho:g}, (1 - κ) ρ = {material.k:.2f}{speed}, "
+            f"{material.conductivity:g} W/(m·K)"
+        )
 
     def apply(self, context: Context) -> None:
         chosen = library.targets(context, self.target)
         objects = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not objects:
-            raise ValueError(_rpt("No object with a surface among them; select meshes that are not linked from a library"))
+            raise ValueError(
+                _rpt(
+                    "No object with a surface among them; select meshes that are not linked from "
+                    "a library"
+                )
+            )
         items = context.scene.haptics.materials.items
         if self.name and self.name not in items:
             raise ValueError(_rpt("This material is not in the scene's library any more"))
-        item = items[self.name] if self.name else library.preset_in(context.scene, MATERIALS[self.preset])
+        item = (
+            items[self.name]
+            if self.name
+            else library.preset_in(context.scene, MATERIALS[self.preset])
+        )
         library.apply(objects, item)
         linked = len(chosen) - len(editable(chosen))
         if linked:
-            self.report({"WARNING"}, _rpt("{} linked objects can't be changed; override them first").format(linked))
+            self.report(
+                {"WARNING"},
+                _rpt("{} linked objects can't be changed; override them first").format(linked),
+            )
 
 
 class HAPTIC_OT_guess_material(OnSelected, Operator):
@@ -80,17 +127,21 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
 
 
 class HAPTIC_OT_set_model(Edit, Operator):
-    """Choose between measured materials and the paper's model for the whole scene: functions of all objects made of presets, contacts of
-    flesh, and the strategy; objects made later follow"""
+    """Choose between measured materials and the paper's model for the whole scene: functions of all
+    objects made of presets, contacts of flesh, and the strategy; objects made later follow"""
 
     bl_label = "Model"
 
     model: choice("Model", "What the scene is computed by", MODEL_ITEMS)
-    in_a_building: switch("In a Building", "Walls and floors in place, whose joints and edges take 2 dB per metre")
+    in_a_building: switch(
+        "In a Building", "Walls and floors in place, whose joints and edges take 2 dB per metre"
+    )
 
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:
-        return pgettext_tip(next(about for name, _, about in MODEL_ITEMS if name == properties.model))
+        return pgettext_tip(
+            next(about for name, _, about in MODEL_ITEMS if name == properties.model)
+        )
 
     def apply(self, context: Context) -> None:
         scene = context.scene
@@ -118,12 +169,19 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
         return pgettext_tip(next(about for name, _, about in BODY_ITEMS if name == properties.body))
 
     def apply(self, context: Context) -> None:
-        if not library.set_bodies((obj for obj in editable(context.scene.objects) if obj.haptics.enabled), self.body):
-            raise ValueError(_rpt("No haptic object is made of flesh: select a body and press Add Body Listeners"))
+        if not library.set_bodies(
+            (obj for obj in editable(context.scene.objects) if obj.haptics.enabled), self.body
+        ):
+            raise ValueError(
+                _rpt(
+                    "No haptic object is made of flesh: select a body and press Add Body Listeners"
+                )
+            )
 
 
 class HAPTIC_OT_new_material(OnActive, Operator):
-    """Add a material with the values of the active object to the library, and assign it to that object"""
+    """Add a material with the values of the active object to the library, and assign it to that
+    object"""
 
     bl_label = "New Material"
 

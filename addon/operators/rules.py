@@ -18,14 +18,17 @@ from ..properties.rules import TABLES
 class _OfTable(Edit):
     """Mixin: an operator on one of the tables."""
 
-    table: EnumProperty(name="Table", description="The table of the scene", items=TABLES, options={"HIDDEN"})
+    table: EnumProperty(
+        name="Table", description="The table of the scene", items=TABLES, options={"HIDDEN"}
+    )
 
     def _rows(self, context: Context) -> Any:
         return getattr(context.scene.haptics, self.table)
 
 
 class HAPTIC_OT_add_rule(_OfTable, Operator):
-    """Add a rule for just the two selected objects; else for the material of the active object, for that object, or for anything"""
+    """Add a rule for just the two selected objects; else for the material of the active object, for
+    that object, or for anything"""
 
     bl_label = "Add Rule"
 
@@ -38,7 +41,9 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
             row.first, row.second = pair
         elif obj is not None and obj.haptics.enabled:
             material = obj.haptics.material.name
-            row.first_kind, row.first = ("MATERIAL", material) if material else ("OBJECT", obj.name_full)
+            row.first_kind, row.first = (
+                ("MATERIAL", material) if material else ("OBJECT", obj.name_full)
+            )
             if self.table == "textures":
                 _write_texture(row, texture_in(material))
         rows.active = len(rows.items) - 1
@@ -46,19 +51,34 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
 
 
 class HAPTIC_OT_add_textures(Edit, Operator):
-    """Add a rule with the library's texture for each material that haptic objects are made of and that has none"""
+    """Add a rule with the library's texture for each material that haptic objects are made of and
+    that has none"""
 
     bl_label = "Textures of Materials"
 
     def apply(self, context: Context) -> set[str]:
         rows = context.scene.haptics.textures
-        named = {row.first for row in rows.items if row.first_kind == "MATERIAL" and row.second_kind == "ANY"}
-        made_of = {obj.haptics.material.name for obj in context.scene.objects if obj.haptics.enabled} - named
+        named = {
+            row.first
+            for row in rows.items
+            if row.first_kind == "MATERIAL" and row.second_kind == "ANY"
+        }
+        made_of = {
+            obj.haptics.material.name for obj in context.scene.objects if obj.haptics.enabled
+        } - named
         textures = {name: texture for name in sorted(made_of) if (texture := texture_in(name))}
         if not textures:
-            self.report({"INFO"}, iface_("Nothing else is made of a material with a texture; choose materials first, or add a rule"))
+            self.report(
+                {"INFO"},
+                iface_(
+                    "Nothing else is made of a material with a texture; choose materials first, "
+                    "or add a rule"
+                ),
+            )
             return {"CANCELLED"}
-        for name in sorted(textures, key=lambda name: -textures[name]["period"]):  # the upper row counts: of two surfaces the coarser
+        for name in sorted(
+            textures, key=lambda name: -textures[name]["period"]
+        ):  # the upper row counts: of two surfaces the coarser
             row = rows.items.add()
             row.first_kind, row.first = "MATERIAL", name
             _write_texture(row, textures[name])

@@ -25,11 +25,14 @@ class _OnDrawing(OnActive):
         if obj is None or not super().poll(context):
             return False
         tree = obj.haptics.source.drawing
-        return permitted(cls, tree is not None and tree.is_editable, "Draw a signal of this file first")
+        return permitted(
+            cls, tree is not None and tree.is_editable, "Draw a signal of this file first"
+        )
 
 
 class HAPTIC_OT_draw_signal(OnActive, Operator):
-    """Draw the signal of the active source as curves: a new drawn signal that begins with what it emits now"""
+    """Draw the signal of the active source as curves: a new drawn signal that begins with what it
+    emits now"""
 
     bl_label = "New"
 
@@ -43,10 +46,35 @@ class HAPTIC_OT_shape_envelope(_OnDrawing, Operator):
 
     bl_label = "Shape Envelope"
 
-    attack: FloatProperty(name="Attack (s)", description="Time of the rise to full amplitude", default=0.05, min=0.0, max=100.0)
-    decay: FloatProperty(name="Decay (s)", description="Time of the fall to the level that is held", default=0.15, min=0.0, max=100.0)
-    sustain: FloatProperty(name="Sustain", description="The level that is held", default=0.6, min=0.0, max=1.0, subtype="FACTOR")
-    release: FloatProperty(name="Release (s)", description="Time of the fall to silence at the end", default=0.3, min=0.0, max=100.0)
+    attack: FloatProperty(
+        name="Attack (s)",
+        description="Time of the rise to full amplitude",
+        default=0.05,
+        min=0.0,
+        max=100.0,
+    )
+    decay: FloatProperty(
+        name="Decay (s)",
+        description="Time of the fall to the level that is held",
+        default=0.15,
+        min=0.0,
+        max=100.0,
+    )
+    sustain: FloatProperty(
+        name="Sustain",
+        description="The level that is held",
+        default=0.6,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    release: FloatProperty(
+        name="Release (s)",
+        description="Time of the fall to silence at the end",
+        default=0.3,
+        min=0.0,
+        max=100.0,
+    )
 
     def apply(self, context: Context) -> None:
         tree: Any = context.object.haptics.source.drawing
@@ -59,7 +87,9 @@ class HAPTIC_OT_switch_envelopes(_OnDrawing, Operator):
     bl_label = "To F-Curves"
 
     def apply(self, context: Context) -> None:
-        switch = drawings.from_fcurves if drawings.has_fcurves(context.object) else drawings.to_fcurves
+        switch = (
+            drawings.from_fcurves if drawings.has_fcurves(context.object) else drawings.to_fcurves
+        )
         tree: Any = context.object.haptics.source.drawing
         switch(context.object, tree.haptics, context.scene)
 
@@ -69,7 +99,12 @@ class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
 
     bl_label = "Add Emphasis"
 
-    index: IntProperty(name="Number", description="Which one is removed; -1 adds one", default=-1, options={"HIDDEN"})
+    index: IntProperty(
+        name="Number",
+        description="Which one is removed; -1 adds one",
+        default=-1,
+        options={"HIDDEN"},
+    )
 
     def apply(self, context: Context) -> None:
         tree: Any = context.object.haptics.source.drawing
@@ -82,7 +117,8 @@ class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
 
 
 class HAPTIC_OT_convert_sound(OnActive, Operator):
-    """Make vibration of the sound; it is kept with this file, so convert again after changing the sound or these settings"""
+    """Make vibration of the sound; it is kept with this file, so convert again after changing the
+    sound or these settings"""
 
     bl_label = "Convert Sound"
 
@@ -93,7 +129,17 @@ class HAPTIC_OT_convert_sound(OnActive, Operator):
             context.object.haptics.source.sound.fault = str(error)
             raise
         written = [({"INFO"}, _rpt("Sound converted"))]
-        return job.run(self, context, job.Job("Converting", work.step_count, work.steps(), lambda running: written, "Convert Sound"))
+        return job.run(
+            self,
+            context,
+            job.Job(
+                "Converting",
+                work.step_count,
+                work.steps(),
+                lambda running: written,
+                "Convert Sound",
+            ),
+        )
 
 
 class HAPTIC_OT_hear_signal(OnActive, Operator):
@@ -102,10 +148,16 @@ class HAPTIC_OT_hear_signal(OnActive, Operator):
     bl_label = "Hear"
     bl_options = {"INTERNAL"}
 
-    filepath: StringProperty(name="File", description="The signal of the library; that of the active source where empty")
+    filepath: StringProperty(
+        name="File", description="The signal of the library; that of the active source where empty"
+    )
 
     def apply(self, context: Context) -> None:
-        preview.hear(signal_library.read(Path(self.filepath)) if self.filepath else drawings.signal_of(context.object, context.scene))
+        preview.hear(
+            signal_library.read(Path(self.filepath))
+            if self.filepath
+            else drawings.signal_of(context.object, context.scene)
+        )
 
 
 class HAPTIC_OT_use_signal(OnActive, Operator):
@@ -113,7 +165,9 @@ class HAPTIC_OT_use_signal(OnActive, Operator):
 
     bl_label = "Use Signal"
 
-    filepath: StringProperty(name="File", description="The signal of the library", options={"HIDDEN"})
+    filepath: StringProperty(
+        name="File", description="The signal of the library", options={"HIDDEN"}
+    )
 
     def apply(self, context: Context) -> None:
         source, path = context.object.haptics.source, Path(self.filepath)
@@ -130,11 +184,17 @@ class HAPTIC_OT_save_signal(OnActive, Operator):
 
     bl_label = "Save to Library"
 
-    name: StringProperty(name="Name", description="Name in the library; one of that name is replaced")
+    name: StringProperty(
+        name="Name", description="Name in the library; one of that name is replaced"
+    )
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         source = context.object.haptics.source
-        self.name = source.drawing.name if source.signal == "DRAWN" and source.drawing else context.object.name
+        self.name = (
+            source.drawing.name
+            if source.signal == "DRAWN" and source.drawing
+            else context.object.name
+        )
         return context.window_manager.invoke_props_dialog(self)
 
     def apply(self, context: Context) -> None:

@@ -11,7 +11,16 @@ from bpy.types import Context, Object, Operator, Scene
 from ...core.scene.materials import is_wide_and_flat
 from ..authoring import materials
 from ..authoring.signals import signal_for
-from ..blender.polling import SOLID_TYPES, UNDO, Edit, OnActive, OnSelected, Refused, editable, linked_message
+from ..blender.polling import (
+    SOLID_TYPES,
+    UNDO,
+    Edit,
+    OnActive,
+    OnSelected,
+    Refused,
+    editable,
+    linked_message,
+)
 from ..blender.progress import progress
 from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch
@@ -22,9 +31,13 @@ _rpt = bpy.app.translations.pgettext_rpt
 
 
 def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
-    """Make objects haptic, with guessed materials where they were not haptic before. Returns how many materials were guessed."""
+    """Make objects haptic, with guessed materials where they were not haptic before. Returns how
+    many materials were guessed."""
     new = [obj for obj in objects if not obj.haptics.enabled]
-    guesses = {obj: materials.guessed(obj) if guess and not obj.haptics.material.name else None for obj in new}
+    guesses = {
+        obj: materials.guessed(obj) if guess and not obj.haptics.material.name else None
+        for obj in new
+    }
     materials.make_haptic(scene, guesses)
     for obj in new:
         obj.haptics.surface = "SEEN"
@@ -32,24 +45,36 @@ def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
 
 
 class HAPTIC_OT_make_objects(OnSelected, Operator):
-    """Let vibration pass through the selected objects; what they are made of is guessed from their names, shapes and masses"""
+    """Let vibration pass through the selected objects; what they are made of is guessed from their
+    names, shapes and masses"""
 
     bl_label = "Make Haptic"
     bl_options = {*UNDO, "PRESET"}
 
-    guess: switch("Guess Materials", "Choose materials by the names, shapes and masses of the objects", True)
-    physics: switch("Add Physics", "Make the objects rigid bodies: wide and flat ones are passive, all others fall")
+    guess: switch(
+        "Guess Materials", "Choose materials by the names, shapes and masses of the objects", True
+    )
+    physics: switch(
+        "Add Physics",
+        "Make the objects rigid bodies: wide and flat ones are passive, all others fall",
+    )
 
     def apply(self, context: Context) -> None:
         chosen = context.selected_objects
         solid = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not solid:
-            message = "None of the selected objects has a surface that can touch others; select meshes that are not linked from a library"
+            message = (
+                "None of the selected objects has a surface that can touch others; select "
+                "meshes that are not linked from a library"
+            )
             raise ValueError(linked_message(chosen) or message)
         known = make_haptic(context.scene, solid, self.guess)
         if self.physics:
             _add_physics(context, solid)
-        self.report({"INFO"}, _rpt("Objects made haptic: {}, with a guessed material: {}").format(len(solid), known))
+        self.report(
+            {"INFO"},
+            _rpt("Objects made haptic: {}, with a guessed material: {}").format(len(solid), known),
+        )
 
 
 def _add_physics(context: Context, objects: list[Object]) -> None:
@@ -58,7 +83,10 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
     if not new:
         return
     session.make_way(worker.MOMENT)
-    with suspended(), context.temp_override(object=new[0], active_object=new[0], selected_objects=new[:1]):
+    with (
+        suspended(),
+        context.temp_override(object=new[0], active_object=new[0], selected_objects=new[:1]),
+    ):
         bpy.ops.rigidbody.object_add()  # and the scene's Rigid Body World if it is missing
     world = context.scene.rigidbody_world
     assert world is not None
@@ -79,7 +107,12 @@ class HAPTIC_OT_add_source(OnActive, Operator):
         "Signal",
         "What the source emits",
         (
-            ("AUTO", "By Name", "Guess the signal from the name: a jackhammer blows, an engine hums; a sine for other names"),
+            (
+                "AUTO",
+                "By Name",
+                "Guess the signal from the name: a jackhammer blows, an engine hums; a sine for "
+                "other names",
+            ),
             ("SINE", "Sine", "A pure vibration"),
             ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
             ("NOISE", "Noise", "A rough, random vibration"),
@@ -91,7 +124,10 @@ class HAPTIC_OT_add_source(OnActive, Operator):
         obj = context.object
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
-                message = _rpt("'{}' has no surface: parent it to a haptic object first, so that it has something to shake")
+                message = _rpt(
+                    "'{}' has no surface: parent it to a haptic object first, so that it has "
+                    "something to shake"
+                )
                 raise ValueError(linked_message([obj]) or message.format(obj.name))
             make_haptic(context.scene, [obj])
         make_source(obj, self.signal)
@@ -103,7 +139,11 @@ def make_source(obj: Object, signal: str) -> None:
     source.enabled = True
     if signal == "AUTO":
         told = signal_for(obj.name)
-        source.signal, source.frequency, source.amplitude = told.signal, told.frequency, told.amplitude
+        source.signal, source.frequency, source.amplitude = (
+            told.signal,
+            told.frequency,
+            told.amplitude,
+        )
     else:
         source.signal = signal
 
@@ -116,14 +156,19 @@ class HAPTIC_OT_add_listener(OnSelected, Operator):
     def apply(self, context: Context) -> None:
         chosen = context.selected_objects
         own = editable(chosen)
-        nowhere = [obj for obj in own if haptic_carrier(obj) is None and obj.type not in SOLID_TYPES]
+        nowhere = [
+            obj for obj in own if haptic_carrier(obj) is None and obj.type not in SOLID_TYPES
+        ]
         for obj in progress([obj for obj in own if obj not in set(nowhere)]):
             if haptic_carrier(obj) is None:
                 make_haptic(context.scene, [obj])
             obj.haptics.listener.enabled = True
         if nowhere:
             message = _rpt("Parent these to haptic objects first, so that they touch something: {}")
-            raise ValueError(linked_message(nowhere) or message.format(", ".join(obj.name for obj in nowhere[:5])))
+            raise ValueError(
+                linked_message(nowhere)
+                or message.format(", ".join(obj.name for obj in nowhere[:5]))
+            )
         if not own:
             raise ValueError(linked_message(chosen))
 
@@ -133,17 +178,25 @@ class HAPTIC_OT_use_real_surface(Edit, Operator):
 
     bl_label = "Use Real Surface"
 
-    all: switch("All Objects", "All haptic objects of the scene without a rigid body, not only the active one")
+    all: switch(
+        "All Objects",
+        "All haptic objects of the scene without a rigid body, not only the active one",
+    )
 
     def apply(self, context: Context) -> None:
         chosen = context.scene.objects if self.all else [context.object]
-        hulled = [obj for obj in chosen if obj is not None and obj.haptics.surface == "CONVEX_HULL" and obj.rigid_body is None]
+        hulled = [
+            obj
+            for obj in chosen
+            if obj is not None and obj.haptics.surface == "CONVEX_HULL" and obj.rigid_body is None
+        ]
         for obj in progress(editable(obj for obj in hulled if obj.haptics.enabled)):
             obj.haptics.surface = "SEEN"
 
 
 class HAPTIC_OT_use_mesh(OnActive, Operator):
-    """Let the rigid body collide by its mesh instead of its convex hull. Active bodies take more time to simulate"""
+    """Let the rigid body collide by its mesh instead of its convex hull. Active bodies take more
+    time to simulate"""
 
     bl_label = "Use Mesh"
 
@@ -172,12 +225,18 @@ class HAPTIC_OT_select_object(Edit, Operator):
     bl_options = {*UNDO, "INTERNAL"}
 
     name: StringProperty(name="Object", description="Name of the object", options={"SKIP_SAVE"})
-    extend: BoolProperty(name="Extend", description="Keep what is selected", default=False, options={"SKIP_SAVE"})
+    extend: BoolProperty(
+        name="Extend", description="Keep what is selected", default=False, options={"SKIP_SAVE"}
+    )
 
     def apply(self, context: Context) -> None:
-        found: Any = next((obj for obj in context.view_layer.objects if obj.name_full == self.name), None)
+        found: Any = next(
+            (obj for obj in context.view_layer.objects if obj.name_full == self.name), None
+        )
         if found is None:
-            raise Refused(_rpt("There is no object '{}' in this view layer any more").format(self.name))
+            raise Refused(
+                _rpt("There is no object '{}' in this view layer any more").format(self.name)
+            )
         if not self.extend:
             for obj in context.selected_objects:
                 obj.select_set(False)

@@ -1,4 +1,5 @@
-"""Operators that trace, that switch between the haptic modes, and that make a mesh of the haptic graph."""
+"""Operators that trace, that switch between the haptic modes, and that make a mesh of the haptic
+graph."""
 
 from __future__ import annotations
 
@@ -17,7 +18,10 @@ from ..scene_reader.problem import why_untraced
 from ..session import session, sessions, worker
 from ..view import graph_mesh
 
-_ITEMS = (*((mode.value, *words) for mode, words in MODES.items()), ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"))
+_ITEMS = (
+    *((mode.value, *words) for mode, words in MODES.items()),
+    ("NEXT", "Next", "The one after the current: HT, SD, MD, MN, HT"),
+)
 
 
 class HAPTIC_OT_trace_frame(Action, Operator):
@@ -28,7 +32,10 @@ class HAPTIC_OT_trace_frame(Action, Operator):
     def apply(self, context: Context) -> None:
         session.of(context.scene).reader.forget_shapes()
         session.begin(context.scene, context.evaluated_depsgraph_get())
-        if not session.is_busy(context.scene, worker.MOMENT) and session.result_of(context.scene) is None:
+        if (
+            not session.is_busy(context.scene, worker.MOMENT)
+            and session.result_of(context.scene) is None
+        ):
             raise Refused(why_untraced(session.problems_of(context.scene)))
         redraw_viewports()
 
@@ -47,7 +54,8 @@ class HAPTIC_OT_toggle_tracing(Action, Operator):
 
 
 class HAPTIC_OT_cancel_tracing(Action, Operator):
-    """Stop tracing this frame. The next edit or frame is traced as always; switch tracing off to edit without waiting"""
+    """Stop tracing this frame. The next edit or frame is traced as always; switch tracing off to
+    edit without waiting"""
 
     bl_label = "Cancel Tracing"
     bl_options = {"INTERNAL"}
@@ -62,7 +70,8 @@ class HAPTIC_OT_cancel_tracing(Action, Operator):
 
 
 class HAPTIC_OT_set_mode(Action, Operator):
-    """Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading"""
+    """Render the scene in another way, to compare: through touching objects, at the nearest
+    listener, by distance, or without fading"""
 
     bl_label = "Set Haptic Mode"
     bl_options = UNDO
@@ -72,7 +81,11 @@ class HAPTIC_OT_set_mode(Action, Operator):
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:
         """The tooltip of a button: what its mode does."""
-        return next(f"{tip_(title)}: {tip_(words)}" for name, title, words in _ITEMS if name == properties.mode)
+        return next(
+            f"{tip_(title)}: {tip_(words)}"
+            for name, title, words in _ITEMS
+            if name == properties.mode
+        )
 
     def apply(self, context: Context) -> None:
         haptics = context.scene.haptics
@@ -85,27 +98,46 @@ class HAPTIC_OT_set_mode(Action, Operator):
 
 
 class HAPTIC_OT_graph_to_geometry(Edit, Operator):
-    """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this scene is replaced"""
+    """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this
+    scene is replaced"""
 
     bl_label = "Graph to Geometry"
 
     in_front: switch(
-        "In Front", "Bring the graph close to the camera, so that objects do not hide it. It looks right from where the camera is now", True
+        "In Front",
+        "Bring the graph close to the camera, so that objects do not hide it. It looks right "
+        "from where the camera is now",
+        True,
     )
-    thickness: number("Thickness", "How thick lines and symbols are", 1.0, (0.01, 5.0), soft_min=0.2)
-    labels: switch("Labels", "Add names and amplitudes, and the legend where there is a camera", True)
+    thickness: number(
+        "Thickness", "How thick lines and symbols are", 1.0, (0.01, 5.0), soft_min=0.2
+    )
+    labels: switch(
+        "Labels", "Add names and amplitudes, and the legend where there is a camera", True
+    )
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         is_traced = sessions.shown(context.scene) is not None or sessions.is_behind(context.scene)
         return poll_object_mode(cls, context) and permitted(
-            cls, is_traced, "Nothing has been traced yet: tag objects, then play or change the frame"
+            cls,
+            is_traced,
+            "Nothing has been traced yet: tag objects, then play or change the frame",
         )
 
     def apply(self, context: Context) -> None:
         result = session.result_of(context.scene)
         if result is None:
-            raise Refused(_rpt("This frame could not be traced: see the problems in the panel Haptic Tracing"))
+            raise Refused(
+                _rpt("This frame could not be traced: see the problems in the panel Haptic Tracing")
+            )
         options = {"in_front": self.in_front, "labels": self.labels}
-        graph, collection = graph_mesh.graph_in_collection(context.scene, result, self.thickness, **options)
-        self.report({"INFO"}, _rpt("{:,} vertices in collection '{}'").format(len(graph.data.vertices), collection.name))
+        graph, collection = graph_mesh.graph_in_collection(
+            context.scene, result, self.thickness, **options
+        )
+        self.report(
+            {"INFO"},
+            _rpt("{:,} vertices in collection '{}'").format(
+                len(graph.data.vertices), collection.name
+            ),
+        )

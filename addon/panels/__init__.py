@@ -1,1 +1,2 @@
-"""The sidebar tab "Haptics", menus and preferences. Panels read properties and the last result; they compute nothing."""
+"""The sidebar tab "Haptics", menus and preferences. Panels read properties and the last result;
+they compute nothing."""

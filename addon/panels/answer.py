@@ -1,4 +1,5 @@
-"""The summary at the top of the sidebar: what the chosen listener feels, from which source, or why it feels nothing."""
+"""The summary at the top of the sidebar: what the chosen listener feels, from which source, or why
+it feels nothing."""
 
 from __future__ import annotations
 
@@ -26,7 +27,12 @@ def draw_progress(layout: UILayout, context: Context) -> None:
     seconds = sessions.seconds_behind(context.scene)
     if seconds > 0 and not is_playing():
         row = layout.row(align=True)
-        row.label(text=iface_("Tracing for {:.0f} s...").format(seconds) if seconds >= 1 else "Tracing...", icon="SORTTIME")
+        row.label(
+            text=iface_("Tracing for {:.0f} s...").format(seconds)
+            if seconds >= 1
+            else "Tracing...",
+            icon="SORTTIME",
+        )
         row.operator("haptic.cancel_tracing", text="", icon="X")
 
 
@@ -57,11 +63,19 @@ def _draw_level(layout: UILayout, level: levels.Level) -> None:
     text = levels.decibels(level.rms)
     draw_level(layout, level, 0.5, text if level.is_silent else iface_("Level {}").format(text))
     if level.is_felt:
-        layout.label(text=iface_("Felt: margin {}").format(level.margin_text()), icon="CHECKMARK", translate=False)
+        layout.label(
+            text=iface_("Felt: margin {}").format(level.margin_text()),
+            icon="CHECKMARK",
+            translate=False,
+        )
     elif level.is_silent:
         layout.label(text="Feels nothing", icon="ERROR")
     else:
-        layout.label(text=iface_("Too weak to be felt: margin {}").format(level.margin_text()), icon="ERROR", translate=False)
+        layout.label(
+            text=iface_("Too weak to be felt: margin {}").format(level.margin_text()),
+            icon="ERROR",
+            translate=False,
+        )
         layout.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
 
 
@@ -69,10 +83,14 @@ def _draw_origin(layout: UILayout, path: Waterfall) -> None:
     """Draw the strongest source, the gain from it, and the objects on its path."""
     split = layout.split(factor=0.6)
     name = path.source.name if path.source.second_object is None else path.source.object
-    select_button(split, name, source_title(path.source, 0.6), icon="OUTLINER_OB_FORCE_FIELD", emboss=False)
+    select_button(
+        split, name, source_title(path.source, 0.6), icon="OUTLINER_OB_FORCE_FIELD", emboss=False
+    )
     split.label(text=iface_("Gain {}").format(levels.decibels(path.gain)), translate=False)
     if path.hops:
-        draw_sentence(layout, iface_("through {}").format(written(Chain(hop.object for hop in path.hops))))
+        draw_sentence(
+            layout, iface_("through {}").format(written(Chain(hop.object for hop in path.hops)))
+        )
 
 
 def _draw_reasons(layout: UILayout, context: Context, name: str) -> None:

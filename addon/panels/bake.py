@@ -38,7 +38,9 @@ class HAPTIC_PT_bake(ClosedPanel, Panel):
         column.prop(bake if bake.use_range else scene, "frame_start")
         column.prop(bake if bake.use_range else scene, "frame_end", text="End")
         draw_each(layout.column(heading="Also"), bake, "write_curves", "write_sound")
-        layout.operator("haptic.bake", text="Bake" if bake.track is None else "Bake Again", icon="REC")
+        layout.operator(
+            "haptic.bake", text="Bake" if bake.track is None else "Bake Again", icon="REC"
+        )
         _draw_track(layout, scene, storage.track_of(scene))
 
 
@@ -71,7 +73,10 @@ class HAPTIC_PT_takes(HapticsPanel, Panel):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return job.running() is None and (context.scene.haptics.bake.track is not None or len(context.scene.haptics.bake.takes) > 0)
+        return job.running() is None and (
+            context.scene.haptics.bake.track is not None
+            or len(context.scene.haptics.bake.takes) > 0
+        )
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -81,11 +86,17 @@ class HAPTIC_PT_takes(HapticsPanel, Panel):
         for index, take in enumerate(bake.takes[:_MOST_TAKES]):
             row = column.row(align=True)
             row.prop(take, "name", text="")
-            row.operator("haptic.play_take", text="", icon="PLAY", depress=take.track == bake.track).index = index
-        other = next((index for index, take in enumerate(bake.takes) if take.track == bake.compared), None)
+            row.operator(
+                "haptic.play_take", text="", icon="PLAY", depress=take.track == bake.track
+            ).index = index
+        other = next(
+            (index for index, take in enumerate(bake.takes) if take.track == bake.compared), None
+        )
         if other is not None and bake.compared != bake.track:
             words = iface_("Switch to {}").format(bake.takes[other].name)
-            layout.operator("haptic.play_take", text=words, icon="ARROW_LEFTRIGHT", translate=False).index = other
+            layout.operator(
+                "haptic.play_take", text=words, icon="ARROW_LEFTRIGHT", translate=False
+            ).index = other
             _draw_differences(layout, context.scene, bake.takes[other].name)
 
 
@@ -97,8 +108,22 @@ def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
         return
     column = layout.column(align=True)
     column.scale_y = 0.8
-    draw_pair(column, iface_("Level", "Haptics"), iface_("compared with {}").format(fitted(other, 0.3)), 0.35)
+    draw_pair(
+        column,
+        iface_("Level", "Haptics"),
+        iface_("compared with {}").format(fitted(other, 0.3)),
+        0.35,
+    )
     for item in latest.value:
         change = item.here - item.there
-        words = f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}") if math.isfinite(change) else "\N{EM DASH}"
-        draw_pair(column, fitted(item.listener, 0.45), f"{levels.decibels(item.here) if item.here == item.here else ''}   {words}", 0.45)
+        words = (
+            f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}")
+            if math.isfinite(change)
+            else "\N{EM DASH}"
+        )
+        draw_pair(
+            column,
+            fitted(item.listener, 0.45),
+            f"{levels.decibels(item.here) if item.here == item.here else ''}   {words}",
+            0.45,
+        )

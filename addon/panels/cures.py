@@ -9,7 +9,14 @@ from ...core.message import Cause, Message
 from .drawing import select_button
 from .texts import fitted
 
-_COMPLETE = {Cause.MUTED, Cause.ZERO_AMPLITUDE, Cause.LISTENER_GAIN, Cause.NO_SOURCE, Cause.NOT_RENDERED, Cause.PAUSE}
+_COMPLETE = {
+    Cause.MUTED,
+    Cause.ZERO_AMPLITUDE,
+    Cause.LISTENER_GAIN,
+    Cause.NO_SOURCE,
+    Cause.NOT_RENDERED,
+    Cause.PAUSE,
+}
 """Causes whose remedy needs no selection of an object."""
 
 
@@ -40,4 +47,6 @@ def draw_cure(layout: UILayout, context: Context, reason: Message) -> None:
         case Cause.LISTENER_GAIN if obj is not None:
             layout.prop(obj.haptics.listener, "gain")
     if reason.object and reason.cause not in _COMPLETE:
-        select_button(layout, reason.object, fitted(reason.object, icon=True), icon="RESTRICT_SELECT_OFF")
+        select_button(
+            layout, reason.object, fitted(reason.object, icon=True), icon="RESTRICT_SELECT_OFF"
+        )

@@ -28,7 +28,9 @@ class HapticsPanel:
     def draw_header_preset(self: Any, context: Context) -> None:
         """Draw the button that opens the panel's page of the documentation."""
         module = type(self).__module__.rpartition(".")[2]
-        self.layout.operator("wm.url_open", text="", icon="HELP", emboss=False).url = page_url(_PAGES.get(module, f"panels/{module}"))
+        self.layout.operator("wm.url_open", text="", icon="HELP", emboss=False).url = page_url(
+            _PAGES.get(module, f"panels/{module}")
+        )
 
 
 class ClosedPanel(HapticsPanel):
@@ -38,7 +40,12 @@ class ClosedPanel(HapticsPanel):
 
 
 _SHOWN_PROBLEMS = 5
-_PAGES = {"live_output": "devices", "export": "formats", "gltf": "formats", "modalities": "panels/warmth"}
+_PAGES = {
+    "live_output": "devices",
+    "export": "formats",
+    "gltf": "formats",
+    "modalities": "panels/warmth",
+}
 """Documentation pages by panel module, if they differ from the module's name."""
 
 
@@ -71,9 +78,11 @@ def draw_properties(layout: UILayout, owner: Any, *names: str) -> None:
     draw_each(layout.column(align=True), owner, *names)
 
 
-def draw_held(layout: UILayout, owner: Any, cls: type, **own: Callable[[UILayout], None] | None) -> None:
-    """Draw the properties that ``owner`` has of the fields of ``cls``, in the order of the fields: some by functions of their ``own``, and
-    not those with None, which stand elsewhere."""
+def draw_held(
+    layout: UILayout, owner: Any, cls: type, **own: Callable[[UILayout], None] | None
+) -> None:
+    """Draw the properties that ``owner`` has of the fields of ``cls``, in the order of the fields:
+    some by functions of their ``own``, and not those with None, which stand elsewhere."""
     for key, name in owner.held.get(cls, {}).items():
         draw = own.get(key)
         if draw is not None:
@@ -83,11 +92,18 @@ def draw_held(layout: UILayout, owner: Any, cls: type, **own: Callable[[UILayout
 
 
 def draw_level(layout: UILayout, level: Level, share: float, text: str) -> None:
-    """Draw a listener's name on a ``share`` of the width, which selects it, and its level as a bar with ``text``."""
+    """Draw a listener's name on a ``share`` of the width, which selects it, and its level as a bar
+    with ``text``."""
     split = layout.split(factor=0.5)
     row = split.row()
     row.alignment = "LEFT"
-    select_button(row, level.listener, fitted(level.listener, share, icon=True), icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
+    select_button(
+        row,
+        level.listener,
+        fitted(level.listener, share, icon=True),
+        icon="OUTLINER_OB_LIGHTPROBE",
+        emboss=False,
+    )
     split.progress(factor=level.place, text=text)
 
 
@@ -122,9 +138,17 @@ def draw_problems(layout: UILayout, context: Context) -> None:
     if not problems:
         return
     box = layout.box()
-    box.label(text="1 problem" if len(problems) == 1 else iface_("{} problems").format(len(problems)), icon="ERROR")
+    box.label(
+        text="1 problem" if len(problems) == 1 else iface_("{} problems").format(len(problems)),
+        icon="ERROR",
+    )
     for problem in problems[:_SHOWN_PROBLEMS]:
         column = box.column(align=True)
         if problem.object:
-            select_button(column, problem.object, fitted(problem.object, icon=True), icon="RESTRICT_SELECT_OFF")
+            select_button(
+                column,
+                problem.object,
+                fitted(problem.object, icon=True),
+                icon="RESTRICT_SELECT_OFF",
+            )
         draw_sentence(column, problem.message)

@@ -1,4 +1,5 @@
-"""Panel "Export", entries in File > Export and File > Import, exporters of collections, and files dropped into the viewport."""
+"""Panel "Export", entries in File > Export and File > Import, exporters of collections, and files
+dropped into the viewport."""
 
 from __future__ import annotations
 
@@ -45,12 +46,18 @@ def _draw_losses(layout: UILayout) -> None:
         row.alert = abs(listener.level) > POOR or bool(listener.missing or listener.invented)
         row.label(text=listener.name, translate=False)
         row.label(text=f"{listener.level:+z.1f} dB", translate=False)
-        for text, times in ((iface_("Missing onsets: {}"), listener.missing), (iface_("Invented onsets: {}"), listener.invented)):
+        for text, times in (
+            (iface_("Missing onsets: {}"), listener.missing),
+            (iface_("Invented onsets: {}"), listener.invented),
+        ):
             if times:
                 shown = ", ".join(f"{time:.2f} s" for time in times[:MOST_SHOWN])
                 column.label(text=text.format(shown), icon="ERROR", translate=False)
     if len(done.fidelity.listeners) > MOST_SHOWN:
-        column.label(text=iface_("and {} more").format(len(done.fidelity.listeners) - MOST_SHOWN), translate=False)
+        column.label(
+            text=iface_("and {} more").format(len(done.fidelity.listeners) - MOST_SHOWN),
+            translate=False,
+        )
 
 
 class HAPTIC_FH_scene(FileHandler):
@@ -93,7 +100,12 @@ def draw_export(self: Menu, context: Context) -> None:
 def draw_import(self: Menu, context: Context) -> None:
     """Entries of File > Import."""
     self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
-    _draw_entry(self.layout, "haptic.import_signal", iface_("Haptic Signal for the Active Object"), "/".join(READERS))
+    _draw_entry(
+        self.layout,
+        "haptic.import_signal",
+        iface_("Haptic Signal for the Active Object"),
+        "/".join(READERS),
+    )
 
 
 def _draw_entry(layout: UILayout, operator: str, title: str, endings: str) -> None:

@@ -16,23 +16,32 @@ from .texts import font_size, ui_scale
 
 
 @lru_cache(maxsize=256)
-def _checked(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool) -> functions.Finding | None:
+def _checked(
+    source: str, kappa: float, rho: float, epsilon: float, on_contact: bool
+) -> functions.Finding | None:
     """The fault of a formula, cached because panels request it at every redraw."""
     return functions.check_expression(source, kappa, rho, epsilon, on_contact)
 
 
-def draw_parameters(layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float, on_contact: bool = False) -> None:
-    """Draw the parameters of the chosen function; a formula takes the whole width and shows its fault."""
+def draw_parameters(
+    layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float, on_contact: bool = False
+) -> None:
+    """Draw the parameters of the chosen function; a formula takes the whole width and shows its
+    fault."""
     if group.function == "expression":
         row = layout.row()
         row.use_property_split = False
         row.prop(group, "expression", text="")
-        draw_finding(layout, group.expression, _checked(group.expression, kappa, rho, epsilon, on_contact))
+        draw_finding(
+            layout, group.expression, _checked(group.expression, kappa, rho, epsilon, on_contact)
+        )
         return
     draw_held(layout, group, functions.ALL_FUNCTIONS[group.function])
 
 
-def draw_finding(layout: UILayout, source: str, finding: functions.Finding | None) -> functions.Finding | None:
+def draw_finding(
+    layout: UILayout, source: str, finding: functions.Finding | None
+) -> functions.Finding | None:
     """Draw and return the fault of a formula, if there is one."""
     if finding is None:
         return None
@@ -45,12 +54,17 @@ def draw_finding(layout: UILayout, source: str, finding: functions.Finding | Non
         column.label(text=shown, translate=False)
         column.label(text=" " * spaces_under(shown, place) + "^", translate=False)
     for number, line in enumerate(wrapped(sentence(finding.message), 34)):
-        column.label(text=line, icon=("INFO" if finding.usable else "ERROR") if number == 0 else "BLANK1", translate=False)
+        column.label(
+            text=line,
+            icon=("INFO" if finding.usable else "ERROR") if number == 0 else "BLANK1",
+            translate=False,
+        )
     return finding
 
 
 def spaces_under(shown: str, place: int) -> int:
-    """Number of spaces as wide as the text up to the middle of the character at ``place``, in the proportional font of panels."""
+    """Number of spaces as wide as the text up to the middle of the character at ``place``, in the
+    proportional font of panels."""
     blf.size(0, font_size() * ui_scale())
     space = (_width("x" + " " * _MANY + "x") - _width("xx")) / _MANY
     middle = (_width(shown[:place]) + _width(shown[: place + 1]) - _width("^")) / 2

@@ -29,7 +29,9 @@ class Hint:
 def draw_hint(layout: UILayout, context: Context) -> None:
     """Draw the next step with large buttons."""
     _draw_air(layout, context.scene)
-    hint = next_step(context.scene, context.screen is not None and context.screen.is_animation_playing)
+    hint = next_step(
+        context.scene, context.screen is not None and context.screen.is_animation_playing
+    )
     if hint is None:
         return
     box = layout.box()
@@ -47,12 +49,21 @@ def _draw_air(layout: UILayout, scene: Scene) -> None:
     count = air_contacts.contacts_in_air(scene)
     if count > 0:
         box = layout.box()
-        draw_sentence(box, iface_("Contacts through air: {}. Convex hulls touch where surfaces are apart").format(count), "INFO")
-        box.operator("haptic.use_real_surface", text="Use Real Surface of All", icon="MESH_DATA").all = True
+        draw_sentence(
+            box,
+            iface_("Contacts through air: {}. Convex hulls touch where surfaces are apart").format(
+                count
+            ),
+            "INFO",
+        )
+        box.operator(
+            "haptic.use_real_surface", text="Use Real Surface of All", icon="MESH_DATA"
+        ).all = True
 
 
 def next_step(scene: Scene, is_playing: bool) -> Hint | None:
-    """The next step towards a vibration that is felt, or the active sources while the timeline plays; None if the summary says it."""
+    """The next step towards a vibration that is felt, or the active sources while the timeline
+    plays; None if the summary says it."""
     if not scene.haptics.tracing:
         return Hint(iface_("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
     traced = sessions.shown(scene)
@@ -63,11 +74,18 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
             return Hint(iface_("Mend the problem below"))
         if traced is None and roles.is_any_tagged(scene):
             return Hint(iface_("Nothing traced yet"), (("haptic.trace_frame", "FILE_REFRESH"),))
-        return Hint(iface_("Select objects that touch"), (("haptic.make_objects", "OUTLINER_OB_META"),))
+        return Hint(
+            iface_("Select objects that touch"), (("haptic.make_objects", "OUTLINER_OB_META"),)
+        )
     if not _has_sources(scene, traced):
-        return Hint(iface_("Select what vibrates"), (("haptic.add_source", "OUTLINER_OB_FORCE_FIELD"),))
+        return Hint(
+            iface_("Select what vibrates"), (("haptic.add_source", "OUTLINER_OB_FORCE_FIELD"),)
+        )
     if not traced.result.listeners:
-        listeners = (("haptic.add_listener", "OUTLINER_OB_LIGHTPROBE"), ("haptic.add_default_listeners", "OUTLINER_OB_ARMATURE"))
+        listeners = (
+            ("haptic.add_listener", "OUTLINER_OB_LIGHTPROBE"),
+            ("haptic.add_default_listeners", "OUTLINER_OB_ARMATURE"),
+        )
         return Hint(iface_("Select what feels: an object, or a body"), listeners)
     if is_playing:
         return Hint(_playing(traced.result.sources))
@@ -77,7 +95,8 @@ def next_step(scene: Scene, is_playing: bool) -> Hint | None:
 
 
 def _has_sources(scene: Scene, traced: sessions.Traced) -> bool:
-    """True if there is a source, or if bodies with a mass move, whose impacts, sliding or rolling are sources."""
+    """True if there is a source, or if bodies with a mass move, whose impacts, sliding or rolling
+    are sources."""
     if traced.result.sources or traced.reading is None or traced.reading.sources:
         return True
     excites = scene.haptics.impacts or len(scene.haptics.textures.items) > 0

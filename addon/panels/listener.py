@@ -28,11 +28,19 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         listener = context.object.haptics.listener
         if not listener.enabled:
             return
-        draw_held(layout, listener, Listener, radius=partial(_draw_radius, listener), mixing_expression=partial(_draw_formula, listener))
+        draw_held(
+            layout,
+            listener,
+            Listener,
+            radius=partial(_draw_radius, listener),
+            mixing_expression=partial(_draw_formula, listener),
+        )
         layout.prop(listener, "muted")
         draw_carrier(layout, context.object, "Feels")
         row = layout.row(align=True)
-        row.operator("haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE")
+        row.operator(
+            "haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE"
+        )
         row.operator("haptic.mirror_listeners", text="", icon="MOD_MIRROR")
 
 
@@ -48,4 +56,8 @@ def _draw_formula(listener: HapticListenerProperties, layout: UILayout) -> None:
         row = layout.row()
         row.use_property_split = False
         row.prop(listener, "mixing_expression", text="")
-        draw_finding(layout, listener.mixing_expression, mixing.check_mixing(listener.mixing_expression, listener.s_max))
+        draw_finding(
+            layout,
+            listener.mixing_expression,
+            mixing.check_mixing(listener.mixing_expression, listener.s_max),
+        )

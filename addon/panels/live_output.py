@@ -31,7 +31,11 @@ class HAPTIC_PT_live_output(ClosedPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         row = layout.row(align=True)
-        row.operator("haptic.find_devices", text="Looking..." if outputs.is_finding() else "Find Devices", icon="VIEWZOOM")
+        row.operator(
+            "haptic.find_devices",
+            text="Looking..." if outputs.is_finding() else "Find Devices",
+            icon="VIEWZOOM",
+        )
         row.operator("haptic.panic", text="", icon="CANCEL")
         column = layout.column(align=True)
         column.prop(context.scene.haptics.live_output, "sound_cards")
@@ -62,7 +66,9 @@ class HAPTIC_PT_actuators(HapticsPanel, Panel):
             row.label(text=listener.name)
             text = ", ".join(_actuators_of(mapped, row_number)) or "none"
             text = text if listener.name in choices else f"Auto: {text}"
-            row.operator_menu_enum("haptic.choose_actuator", "place", text=text).listener = listener.name
+            row.operator_menu_enum(
+                "haptic.choose_actuator", "place", text=text
+            ).listener = listener.name
             for loss in mapped.losses:
                 if loss.listener == listener.name and outputs.running():
                     _draw_text(column, sentence(loss.message))
@@ -120,9 +126,16 @@ def _draw_title(layout: UILayout, title: str, kind: str) -> UILayout:
     return box
 
 
-def _draw_status(layout: UILayout, status: Status, frame_seconds: float, rendering_seconds: float = 0.0) -> None:
+def _draw_status(
+    layout: UILayout, status: Status, frame_seconds: float, rendering_seconds: float = 0.0
+) -> None:
     column = layout.column(align=True)
-    state = {"searching": "Looking for it", "open": "Connected", "stopped": "Stopped", "failed": "Failed"}[status.state]
+    state = {
+        "searching": "Looking for it",
+        "open": "Connected",
+        "stopped": "Stopped",
+        "failed": "Failed",
+    }[status.state]
     column.label(text=state, icon="CHECKMARK" if status.state == "open" else "ERROR")
     if status.message:
         _draw_text(column, status.message)
@@ -133,20 +146,29 @@ def _draw_status(layout: UILayout, status: Status, frame_seconds: float, renderi
     lag = lag_of_picture(status, frame_seconds, rendering_seconds)
     if lag is not None:
         late = lag > mapping.LATEST or lag < EARLIEST
-        draw_pair(column, "Touch follows by", f"{1000 * lag:.0f} ms" + (" (noticed)" if late else ""))
+        draw_pair(
+            column, "Touch follows by", f"{1000 * lag:.0f} ms" + (" (noticed)" if late else "")
+        )
         column.label(text="-15 to 50 ms go unnoticed", icon="ERROR" if late else "BLANK1")
 
 
-def lag_of_picture(status: Status, frame_seconds: float, rendering_seconds: float = 0.0) -> float | None:
-    """Seconds by which touch follows the picture. A picture is shown for a whole frame, of which the middle counts: samples of the frame
-    before it are felt while it is shown, half a frame late on average. ``rendering_seconds``: by which samples lag the frame."""
+def lag_of_picture(
+    status: Status, frame_seconds: float, rendering_seconds: float = 0.0
+) -> float | None:
+    """Seconds by which touch follows the picture. A picture is shown for a whole frame, of which
+    the middle counts: samples of the frame before it are felt while it is shown, half a frame late
+    on average. ``rendering_seconds``: by which samples lag the frame."""
     return None if status.lag is None else status.lag + frame_seconds / 2 + rendering_seconds
 
 
 def limiter_seconds(scene: Scene) -> float:
     """Delay of all listeners by a limiter [s]; 0 if none has one."""
     traced = sessions.shown(scene)
-    return limiter.LOOK_AHEAD if traced is not None and any(listener.limiter for listener in traced.result.listeners) else 0.0
+    return (
+        limiter.LOOK_AHEAD
+        if traced is not None and any(listener.limiter for listener in traced.result.listeners)
+        else 0.0
+    )
 
 
 def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:

@@ -17,7 +17,15 @@ from .drawing import ClosedPanel, draw_each, draw_held, draw_pair, settings_layo
 from .texts import draw_sentence, fitted
 from .thumbnails import cell
 
-_WITH_OBJECTS = ("kappa", "rho", "use_delay", "wave_speed", "use_bands", "band_decays", "conductivity")
+_WITH_OBJECTS = (
+    "kappa",
+    "rho",
+    "use_delay",
+    "wave_speed",
+    "use_bands",
+    "band_decays",
+    "conductivity",
+)
 """Values of a material that the panels of its objects show."""
 
 
@@ -25,7 +33,15 @@ class HAPTIC_UL_materials(UIList):
     """The haptic materials of the scene, each with its coefficient (1 - κ) ρ."""
 
     def draw_item(  # type: ignore[override]  # the filter flags, which Blender passes last, may be left out
-        self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
+        self,
+        context: Context,
+        layout: UILayout,
+        data: Any,
+        item: Any,
+        icon: int,
+        active_data: Any,
+        active_property: str,
+        index: int = 0,
     ) -> None:
         row = layout.row(align=True)
         row.prop(item, "name", text="", emboss=False, icon="MATERIAL")
@@ -45,7 +61,9 @@ class HAPTIC_MT_materials(Menu):
         layout.separator()
         flow = layout.column_flow(columns=7)
         for name, material in MATERIALS.items():
-            properties = cell(flow, f"material-{name}").operator("haptic.apply_material", text=material.title)
+            properties = cell(flow, f"material-{name}").operator(
+                "haptic.apply_material", text=material.title
+            )
             properties.preset, properties.target = name, target
 
 
@@ -58,7 +76,9 @@ class HAPTIC_PT_materials(ClosedPanel, Panel):
         layout = self.layout
         materials = context.scene.haptics.materials
         row = layout.row()
-        row.template_list("HAPTIC_UL_materials", "", materials, "items", materials, "active", rows=3)
+        row.template_list(
+            "HAPTIC_UL_materials", "", materials, "items", materials, "active", rows=3
+        )
         side = row.column(align=True)
         side.menu("HAPTIC_MT_materials", text="", icon="ADD")
         side.operator("haptic.remove_material", text="", icon="REMOVE")
@@ -100,7 +120,12 @@ class HAPTIC_PT_wishes(ClosedPanel, Panel):
             obj = context.scene.objects.get(name)
             if obj is not None:
                 row = column.split(factor=0.42, align=True)
-                row.prop(obj.haptics.listener, "use_wish", text=fitted(name, 0.42, icon=True), translate=False)
+                row.prop(
+                    obj.haptics.listener,
+                    "use_wish",
+                    text=fitted(name, 0.42, icon=True),
+                    translate=False,
+                )
                 row = row.split(factor=0.55, align=True)
                 side = row.row()
                 side.active = obj.haptics.listener.use_wish
@@ -126,7 +151,16 @@ class HAPTIC_PT_fit(ClosedPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
         fit = context.scene.haptics.materials.fit
-        keys = "source_file", "source", "listener_file", "listener", "is_calibrated", "object", "first", "second"
+        keys = (
+            "source_file",
+            "source",
+            "listener_file",
+            "listener",
+            "is_calibrated",
+            "object",
+            "first",
+            "second",
+        )
         for pair in (keys[:2], keys[2:4], keys[4:6], keys[6:]):
             column = layout.column(align=True)
             column.active = pair != keys[6:] or fit.is_calibrated
@@ -139,7 +173,8 @@ class HAPTIC_PT_fit(ClosedPanel, Panel):
 
 
 def _draw_fit(layout: UILayout, fit: Any) -> None:
-    """Draw the last fit: the values, the transfer by band with that of the model before and after, and undetermined parameters."""
+    """Draw the last fit: the values, the transfer by band with that of the model before and after,
+    and undetermined parameters."""
     damping, damping_error, gain, gain_error, before, after = fit.values
     column = layout.column(align=True)
     column.label(text=fitted(fit.fitted, icon=True), icon="MATERIAL", translate=False)
@@ -154,6 +189,9 @@ def _draw_fit(layout: UILayout, fit: Any) -> None:
     for number, centre in enumerate(BAND_CENTRES):
         row = fit.bands[4 * number : 4 * number + 4]
         for text in (f"{centre:.0f}", *(f"{level:.1f}" for level in row[:3]), f"{row[3]:.2f}"):
-            grid.label(text="\N{EM DASH}" if text == "nan" else text.replace("-", "\N{MINUS SIGN}"), translate=False)
+            grid.label(
+                text="\N{EM DASH}" if text == "nan" else text.replace("-", "\N{MINUS SIGN}"),
+                translate=False,
+            )
     for doubt in fit.doubts.splitlines():
         draw_sentence(layout, doubt, "INFO")

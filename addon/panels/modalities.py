@@ -23,12 +23,16 @@ def _scene_panel(modality: Modality) -> type[Panel]:
     """The panel of a modality in the scene: its switch, and the values at listeners."""
 
     def draw_header(self: Panel, context: Context) -> None:
-        self.layout.prop(getattr(context.scene.haptics.modalities, modality.name), "enabled", text="")
+        self.layout.prop(
+            getattr(context.scene.haptics.modalities, modality.name), "enabled", text=""
+        )
 
     def draw(self: Panel, context: Context) -> None:
         layout = self.layout
         layout.active = getattr(context.scene.haptics.modalities, modality.name).enabled
-        felt = next((felt for felt in sessions.felt_in(context.scene) if felt.modality is modality), None)
+        felt = next(
+            (felt for felt in sessions.felt_in(context.scene) if felt.modality is modality), None
+        )
         if felt is None:
             layout.label(text="Switch it on and trace a frame", icon="INFO")
         elif not felt.emitters:
@@ -38,7 +42,11 @@ def _scene_panel(modality: Modality) -> type[Panel]:
             for index in range(len(felt.listeners)):
                 _draw_listener(column, felt, index)
 
-    return _panel(modality, "scene", {"bl_label": modality.title, "bl_order": _ORDER, "draw_header": draw_header, "draw": draw})
+    return _panel(
+        modality,
+        "scene",
+        {"bl_label": modality.title, "bl_order": _ORDER, "draw_header": draw_header, "draw": draw},
+    )
 
 
 def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
@@ -72,7 +80,12 @@ def _object_panel(modality: Modality) -> type[Panel]:
             layout.prop(group, "source_value")
             draw_carrier(layout, obj, "Goes into")
 
-    values = {"bl_label": "Active Object", "bl_parent_id": f"HAPTIC_PT_{modality.name}_scene", "poll": classmethod(poll), "draw": draw}
+    values = {
+        "bl_label": "Active Object",
+        "bl_parent_id": f"HAPTIC_PT_{modality.name}_scene",
+        "poll": classmethod(poll),
+        "draw": draw,
+    }
     return _panel(modality, "object", values)
 
 

@@ -19,7 +19,15 @@ from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..session import sessions
 from ..view import gain_plot, panel_picture
-from .drawing import ClosedPanel, HapticsPanel, draw_held, draw_pair, draw_properties, poll_object, warn
+from .drawing import (
+    ClosedPanel,
+    HapticsPanel,
+    draw_held,
+    draw_pair,
+    draw_properties,
+    poll_object,
+    warn,
+)
 from .formula import draw_parameters
 from .texts import draw_sentence
 
@@ -33,14 +41,19 @@ _SAME = 0.005
 
 
 def library_owner(context: Context, obj: Object) -> Any:
-    """The material of an object in the scene's library; None if it has none there, so that its own values count."""
+    """The material of an object in the scene's library; None if it has none there, so that its own
+    values count."""
     name = obj.haptics.material.name
     return context.scene.haptics.materials.items.get(name) if name else None
 
 
 def _poll_haptic(cls: type[Panel], context: Context) -> bool:
     """There is an active object that is haptic, and not a skeleton."""
-    return context.object is not None and context.object.type != "ARMATURE" and context.object.haptics.enabled
+    return (
+        context.object is not None
+        and context.object.type != "ARMATURE"
+        and context.object.haptics.enabled
+    )
 
 
 class HAPTIC_PT_object(HapticsPanel, Panel):
@@ -88,9 +101,20 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
         if haptics.surface in ("SEEN", "SOLID"):
             layout.prop(haptics, "sunk_in")
     traced = sessions.shown(context.scene)
-    hull = None if traced is None or traced.reading is None else traced.reading.hulls.get(obj.name_full)
-    is_hull = haptics.surface == "CONVEX_HULL" if body is None else body.collision_shape == "CONVEX_HULL"
-    if hull is None or haptics.medium or not is_hull or hull.deviation <= context.scene.haptics.contact_tolerance / 10:
+    hull = (
+        None
+        if traced is None or traced.reading is None
+        else traced.reading.hulls.get(obj.name_full)
+    )
+    is_hull = (
+        haptics.surface == "CONVEX_HULL" if body is None else body.collision_shape == "CONVEX_HULL"
+    )
+    if (
+        hull is None
+        or haptics.medium
+        or not is_hull
+        or hull.deviation <= context.scene.haptics.contact_tolerance / 10
+    ):
         return
     unit = context.scene.unit_settings.system
     length = bpy.utils.units.to_string(unit, "LENGTH", hull.deviation, precision=2)
@@ -113,7 +137,9 @@ def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
     side.prop(material, "wave_speed", text="")
 
 
-def _draw_material(layout: UILayout, scene: Scene, chosen: HapticObjectMaterial, material: HapticMaterial | None) -> None:
+def _draw_material(
+    layout: UILayout, scene: Scene, chosen: HapticObjectMaterial, material: HapticMaterial | None
+) -> None:
     row = layout.row(align=True)
     row.use_property_split = False
     if not chosen.name and not scene.haptics.materials.items:
@@ -152,7 +178,10 @@ def _twin(context: Context, haptics: Any) -> str | None:
     """Another material of the library with the same (1 - κ) ρ by other κ and ρ."""
     k = transfer_coefficient(haptics.kappa, haptics.rho)
     for item in context.scene.haptics.materials.items:
-        if item.name == haptics.material.name or abs(transfer_coefficient(item.kappa, item.rho) - k) > _SAME:
+        if (
+            item.name == haptics.material.name
+            or abs(transfer_coefficient(item.kappa, item.rho) - k) > _SAME
+        ):
             continue
         bands = tuple(item.band_decays) if item.use_bands else ()
         if bands == (tuple(haptics.material.band_decays) if haptics.material.use_bands else ()):
@@ -178,7 +207,9 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         if curve is None:
             layout.label(text="The formula gives no gain", icon="ERROR")
             return
-        icon = gain_plot.icon(curve, tuple(preferences().curve_colour), panel_picture.theme_ink(context))
+        icon = gain_plot.icon(
+            curve, tuple(preferences().curve_colour), panel_picture.theme_ink(context)
+        )
         layout.template_icon(icon_value=icon, scale=7.0)
         row = layout.row()
         row.label(text="0 m, 0 to -60 dB")
@@ -188,7 +219,9 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         column = layout.column(align=True)
         column.scale_y = 0.8
         if haptics.function == "haptic_tracing":
-            draw_pair(column, "K = (1 - κ) ρ", f"{transfer_coefficient(haptics.kappa, haptics.rho):.2f}")
+            draw_pair(
+                column, "K = (1 - κ) ρ", f"{transfer_coefficient(haptics.kappa, haptics.rho):.2f}"
+            )
         for distance in (0.0, curve.length / 10, curve.length / 2):
             draw_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
         if curve.bands is not None:
@@ -196,11 +229,18 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
         if haptics.function == "haptic_tracing":
             crossing = _crossing(context, haptics)
             if crossing is not None:
-                draw_sentence(layout, iface_("Crosses {} at {:.1f} m: the higher gain near by falls sooner").format(*crossing), "INFO")
+                draw_sentence(
+                    layout,
+                    iface_("Crosses {} at {:.1f} m: the higher gain near by falls sooner").format(
+                        *crossing
+                    ),
+                    "INFO",
+                )
 
 
 def _crossing(context: Context, haptics: Any) -> tuple[str, float] | None:
-    """The material of the scene's library whose curve, by the paper's function, crosses the object's curve first, and the distance [m]."""
+    """The material of the scene's library whose curve, by the paper's function, crosses the
+    object's curve first, and the distance [m]."""
     k, least = transfer_coefficient(haptics.kappa, haptics.rho), context.scene.haptics.epsilon
     found = []
     for item in context.scene.haptics.materials.items:
@@ -210,7 +250,9 @@ def _crossing(context: Context, haptics: Any) -> tuple[str, float] | None:
     return None if not found else min(found)[::-1]
 
 
-def _curve_key(haptics: HapticObjectProperties, scene: Scene) -> tuple[ModulationFunction, float, float, float] | None:
+def _curve_key(
+    haptics: HapticObjectProperties, scene: Scene
+) -> tuple[ModulationFunction, float, float, float] | None:
     """The values that determine the active object's curve; None if its function is invalid."""
     try:
         return functions.read_function(haptics), haptics.kappa, haptics.rho, scene.haptics.epsilon

@@ -27,7 +27,11 @@ _MATERIALS = (
     ("haptic.remove_material", "REMOVE"),
     ("haptic.unlink_material", "UNLINKED"),
 )
-_SCENE = (("haptic.trace_frame", "FILE_REFRESH"), ("haptic.toggle_tracing", "HIDE_OFF"), ("haptic.graph_to_geometry", "MESH_DATA"))
+_SCENE = (
+    ("haptic.trace_frame", "FILE_REFRESH"),
+    ("haptic.toggle_tracing", "HIDE_OFF"),
+    ("haptic.graph_to_geometry", "MESH_DATA"),
+)
 
 
 def _draw(menu: Menu, entries: tuple[tuple[str, str], ...]) -> None:
@@ -37,12 +41,23 @@ def _draw(menu: Menu, entries: tuple[tuple[str, str], ...]) -> None:
 
 def others() -> list[str]:
     """The add-on's operators that are in no other menu, by label."""
-    listed = {name for entries in (_SELECTION, _MATERIALS, _SCENE) for name, _ in entries} | NEEDS_MORE
-    labels = {f"haptic.{name}": getattr(bpy.ops.haptic, name).get_rna_type().name for name in dir(bpy.ops.haptic)}
+    listed = {
+        name for entries in (_SELECTION, _MATERIALS, _SCENE) for name, _ in entries
+    } | NEEDS_MORE
+    labels = {
+        f"haptic.{name}": getattr(bpy.ops.haptic, name).get_rna_type().name
+        for name in dir(bpy.ops.haptic)
+    }
     return sorted(labels.keys() - listed, key=lambda name: labels[name])
 
 
-NEEDS_MORE = {"haptic.apply_material", "haptic.select_object", "haptic.add_source_object", "haptic.add_medium", "haptic.add_sample"}
+NEEDS_MORE = {
+    "haptic.apply_material",
+    "haptic.select_object",
+    "haptic.add_source_object",
+    "haptic.add_medium",
+    "haptic.add_sample",
+}
 """Operators that need arguments from other menus and panels."""
 
 
@@ -94,7 +109,9 @@ class HAPTIC_MT_samples(Menu):
     def draw(self, context: Context) -> None:
         flow = self.layout.column_flow(columns=3)
         for sample in SAMPLES.values():
-            cell(flow, f"sample-{sample.name}", scale=_SAMPLE).operator("haptic.add_sample", text=sample.title).sample = sample.name
+            cell(flow, f"sample-{sample.name}", scale=_SAMPLE).operator(
+                "haptic.add_sample", text=sample.title
+            ).sample = sample.name
 
 
 class HAPTIC_MT_mode_pie(Menu):
@@ -107,7 +124,12 @@ class HAPTIC_MT_mode_pie(Menu):
         for mode, (title, _) in MODES.items():
             current = context.scene.haptics.mode == mode
             text = f"{iface_(title)} ({mode})"
-            pie.operator("haptic.set_mode", text=text, icon="RADIOBUT_ON" if current else "RADIOBUT_OFF", translate=False).mode = mode.value
+            pie.operator(
+                "haptic.set_mode",
+                text=text,
+                icon="RADIOBUT_ON" if current else "RADIOBUT_OFF",
+                translate=False,
+            ).mode = mode.value
 
 
 def draw_object_menu(self: Menu, context: Context) -> None:

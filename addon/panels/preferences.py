@@ -17,8 +17,12 @@ class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
-        draw_each(layout.column(heading="Display"), self, "gain_unit", "overlay_size", "curve_colour")
-        draw_each(layout.column(heading="Devices"), self, "default_device", "keep_awake", "haptic_players")
+        draw_each(
+            layout.column(heading="Display"), self, "gain_unit", "overlay_size", "curve_colour"
+        )
+        draw_each(
+            layout.column(heading="Devices"), self, "default_device", "keep_awake", "haptic_players"
+        )
         draw_shortcuts(layout, context)
 
 
@@ -38,5 +42,7 @@ def draw_shortcuts(layout: UILayout, context: Context) -> None:
 def is_own(item: KeyMapItem) -> bool:
     """Whether a shortcut runs an operator of the add-on or opens one of its menus."""
     return item.idname.startswith("haptic.") or (
-        item.idname == "wm.call_menu_pie" and item.properties is not None and item.properties.name.startswith("HAPTIC_")
+        item.idname == "wm.call_menu_pie"
+        and item.properties is not None
+        and item.properties.name.startswith("HAPTIC_")
     )

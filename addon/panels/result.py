@@ -1,4 +1,5 @@
-"""Panel "Result": what each listener feels or why it feels nothing, the path to it, a comparison of the modes, and tracing times."""
+"""Panel "Result": what each listener feels or why it feels nothing, the path to it, a comparison of
+the modes, and tracing times."""
 
 from __future__ import annotations
 
@@ -15,7 +16,17 @@ from ..blender.time import is_playing
 from ..live_output import unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
-from ..view import comparison, explanation, levels, meter_layout, meter_pictures, meters, panel_picture, paths, watched
+from ..view import (
+    comparison,
+    explanation,
+    levels,
+    meter_layout,
+    meter_pictures,
+    meters,
+    panel_picture,
+    paths,
+    watched,
+)
 from .cures import draw_cure
 from .drawing import ClosedPanel, HapticsPanel, draw_level, draw_pair, select_button
 from .texts import draw_sentence, fitted, source_title
@@ -42,7 +53,9 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
         scene = context.scene
         row = layout.row(align=True)
         for mode in Mode:
-            row.operator("haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode).mode = str(mode)
+            row.operator(
+                "haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode
+            ).mode = str(mode)
         traced = sessions.shown(scene)
         if traced is None:
             layout.label(text="Nothing traced yet: play, or", icon="INFO")
@@ -51,7 +64,9 @@ class HAPTIC_PT_result(HapticsPanel, Panel):
         result = traced.result
         row = layout.row()
         baked = playback.is_from_track(result)
-        words = iface_("Frame {}, from the baked track" if baked else "Frame {}").format(result.number)
+        words = iface_("Frame {}, from the baked track" if baked else "Frame {}").format(
+            result.number
+        )
         row.label(text=words, icon="RENDER_ANIMATION" if baked else "NONE", translate=False)
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
         if sessions.is_behind(scene) and not is_playing():
@@ -86,8 +101,14 @@ class HAPTIC_PT_silence(HapticsPanel, Panel):
         if not why.is_current:
             layout.label(text="Looking for reasons...", icon="SORTTIME")
         elif not why.notice and not why.reasons:
-            level = next((level for level in watched.levels_of(scene) if level.listener == name), None)
-            words = iface_("It feels something") if level is None else iface_("Felt: margin {}").format(level.margin_text())
+            level = next(
+                (level for level in watched.levels_of(scene) if level.listener == name), None
+            )
+            words = (
+                iface_("It feels something")
+                if level is None
+                else iface_("Felt: margin {}").format(level.margin_text())
+            )
             layout.label(text=words, icon="CHECKMARK", translate=False)
         for text in (why.notice, unfelt.device_words(scene, name)):
             draw_sentence(layout, text)
@@ -108,15 +129,26 @@ class HAPTIC_PT_felt(ClosedPanel, Panel):
             layout.label(text="Nothing traced yet")
             return
         felt, column = latest.value, layout.column(align=True)
-        column.label(text=fitted(felt.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False)
-        column.label(text=iface_("{} felt, {} masked, {} too weak").format(*felt.counts()), translate=False)
+        column.label(
+            text=fitted(felt.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False
+        )
+        column.label(
+            text=iface_("{} felt, {} masked, {} too weak").format(*felt.counts()), translate=False
+        )
         for source in felt.sources[:_FELT_SOURCES]:
             row = column.row(align=True)
             row.active = source.state == "felt"
-            words = iface_("by {}").format(source.masker) if source.masker else levels.margin_words(source.margin)
+            words = (
+                iface_("by {}").format(source.masker)
+                if source.masker
+                else levels.margin_words(source.margin)
+            )
             draw_pair(row, source_title(source.source, 0.5), fitted(words, 0.5), 0.5)
         if len(felt.sources) > _FELT_SOURCES:
-            column.label(text=iface_("and {} more").format(len(felt.sources) - _FELT_SOURCES), translate=False)
+            column.label(
+                text=iface_("and {} more").format(len(felt.sources) - _FELT_SOURCES),
+                translate=False,
+            )
 
 
 class HAPTIC_PT_path(HapticsPanel, Panel):
@@ -128,13 +160,19 @@ class HAPTIC_PT_path(HapticsPanel, Panel):
         traced = sessions.shown(context.scene)
         latest = None if traced is None else paths.path_of(context.scene)
         if traced is None or latest is None or latest.value is None:
-            layout.label(text="Nothing reaches a listener" if latest is not None else "Nothing traced yet")
+            layout.label(
+                text="Nothing reaches a listener" if latest is not None else "Nothing traced yet"
+            )
             return
         path = latest.value.fall
         column = layout.column(align=True)
         column.scale_y = 0.85
-        column.label(text=source_title(path.source), icon="OUTLINER_OB_FORCE_FIELD", translate=False)
-        column.label(text=fitted(path.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False)
+        column.label(
+            text=source_title(path.source), icon="OUTLINER_OB_FORCE_FIELD", translate=False
+        )
+        column.label(
+            text=fitted(path.listener, icon=True), icon="OUTLINER_OB_LIGHTPROBE", translate=False
+        )
         draw_pair(column, "Gain", levels.change_words(path.gain))
         if path.hops:
             layout.prop(context.scene.haptics.meters, "sort_path", toggle=True)
@@ -143,11 +181,14 @@ class HAPTIC_PT_path(HapticsPanel, Panel):
             return
         else:
             layout.label(text="This mode ignores objects and paths")
-        _draw_rows(layout, context, paths.rows(latest.value, context.scene.haptics.meters.sort_path))
+        _draw_rows(
+            layout, context, paths.rows(latest.value, context.scene.haptics.meters.sort_path)
+        )
 
 
 def _draw_rows(layout: UILayout, context: Context, rows: list[paths.Row]) -> None:
-    """The table of a path: an object has a button that selects it, pressed for the active one, and its distance; a line precedes a sum."""
+    """The table of a path: an object has a button that selects it, pressed for the active one, and
+    its distance; a line precedes a sum."""
     active = context.object.name_full if context.object is not None else ""
     column = layout.column(align=True)
     for row in rows:
@@ -155,7 +196,9 @@ def _draw_rows(layout: UILayout, context: Context, rows: list[paths.Row]) -> Non
             column.separator(type="LINE")
         if row.is_object:
             name, distance, change = _columns(column)
-            select_button(name, row.name, fitted(row.name, _OBJECTS, button=True), depress=row.name == active)
+            select_button(
+                name, row.name, fitted(row.name, _OBJECTS, button=True), depress=row.name == active
+            )
             distance.label(text=row.distance, translate=False)
             change.label(text=levels.change_words(row.decibels), translate=False)
         else:
@@ -211,7 +254,11 @@ class HAPTIC_PT_comparison(ClosedPanel, Panel):
         scene = context.scene
         traced = sessions.shown(scene)
         if traced is None or not traced.result.listeners:
-            layout.label(text="Nothing traced yet" if traced is None else "No listener: add one to feel something")
+            layout.label(
+                text="Nothing traced yet"
+                if traced is None
+                else "No listener: add one to feel something"
+            )
             return
         result = traced.result
         if playback.is_from_track(result):
@@ -219,16 +266,26 @@ class HAPTIC_PT_comparison(ClosedPanel, Panel):
             layout.label(text="switch off Play Baked Track", icon="BLANK1")
             return
         amplitudes = comparison.compared(scene)
-        grid = layout.grid_flow(row_major=True, columns=1 + len(Mode), even_columns=False, align=True)
+        grid = layout.grid_flow(
+            row_major=True, columns=1 + len(Mode), even_columns=False, align=True
+        )
         grid.label(text="")
         for mode in Mode:
-            grid.operator("haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode).mode = str(mode)
+            grid.operator(
+                "haptic.set_mode", text=str(mode), depress=scene.haptics.mode == mode
+            ).mode = str(mode)
         for index, listener in enumerate(result.listeners):
             grid.label(text=fitted(listener.name, 0.3), translate=False)
             for mode in Mode:
-                grid.label(text=_amplitude_text(amplitudes[mode].value, index) if mode in amplitudes else "...")
+                grid.label(
+                    text=_amplitude_text(amplitudes[mode].value, index)
+                    if mode in amplitudes
+                    else "..."
+                )
         layout.label(text="Amplitude of the strongest source in dB")
-        if len(amplitudes) < len(Mode) or not all(latest.is_current for latest in amplitudes.values()):
+        if len(amplitudes) < len(Mode) or not all(
+            latest.is_current for latest in amplitudes.values()
+        ):
             layout.label(text="Comparing...", icon="SORTTIME")
 
 
@@ -259,7 +316,8 @@ def draw_lane_switch(self: Header, context: Context) -> None:
 
 
 def _amplitude_text(amplitudes: FloatArray, index: int) -> str:
-    """The amplitude that arrives at a listener in whole decibels; a dash if nothing does, or if it is not in the frame."""
+    """The amplitude that arrives at a listener in whole decibels; a dash if nothing does, or if it
+    is not in the frame."""
     amplitude = float(amplitudes[index]) if index < len(amplitudes) else 0.0
     return f"{20 * math.log10(amplitude):.0f}" if amplitude > 0 else "\N{EM DASH}"
 
@@ -278,14 +336,27 @@ def _draw_switches(layout: UILayout, name: str, role: str) -> None:
     obj = bpy.data.objects.get(name)
     if obj is not None and getattr(obj.haptics, role).enabled:
         properties = getattr(obj.haptics, role)
-        layout.prop(properties, "solo", text="", icon="SOLO_ON" if properties.solo else "SOLO_OFF", emboss=False)
-        layout.prop(properties, "muted", text="", icon="MUTE_IPO_OFF" if properties.muted else "MUTE_IPO_ON", emboss=False)
+        layout.prop(
+            properties,
+            "solo",
+            text="",
+            icon="SOLO_ON" if properties.solo else "SOLO_OFF",
+            emboss=False,
+        )
+        layout.prop(
+            properties,
+            "muted",
+            text="",
+            icon="MUTE_IPO_OFF" if properties.muted else "MUTE_IPO_ON",
+            emboss=False,
+        )
 
 
 def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
     """Draw the strongest sources that reach a listener."""
     strongest = sorted(
-        zip(result.amplitudes[:, index], result.gains[:, index], result.sources, strict=True), key=lambda g: (-g[0], g[2].name)
+        zip(result.amplitudes[:, index], result.gains[:, index], result.sources, strict=True),
+        key=lambda g: (-g[0], g[2].name),
     )
     felt = [(float(gain), source) for amplitude, gain, source in strongest if amplitude > 0]
     column = layout.box().column(align=True)
@@ -294,7 +365,12 @@ def _draw_sources(layout: UILayout, result: FrameResult, index: int) -> None:
         draw_pair(column, "Source", "Gain", 0.55)
     for gain, source in felt[:_SHOWN_SOURCES]:
         row = column.row(align=True)
-        draw_pair(row, source_title(source, 0.55 * _BESIDE_SWITCHES), f"{gain:.3f}  {20 * math.log10(gain):.0f} dB", 0.55)
+        draw_pair(
+            row,
+            source_title(source, 0.55 * _BESIDE_SWITCHES),
+            f"{gain:.3f}  {20 * math.log10(gain):.0f} dB",
+            0.55,
+        )
         _draw_switches(row, source.name, "source")
     for source in [source for source in result.sources if source.amplitude == 0][:_SHOWN_SOURCES]:
         row = column.row(align=True)

@@ -19,18 +19,31 @@ class HAPTIC_UL_rules(UIList):
     """The rules of a table, each with its two sides."""
 
     def draw_item(  # type: ignore[override]  # the filter flags, which Blender passes last, may be left out
-        self, context: Context, layout: UILayout, data: Any, item: Any, icon: int, active_data: Any, active_property: str, index: int = 0
+        self,
+        context: Context,
+        layout: UILayout,
+        data: Any,
+        item: Any,
+        icon: int,
+        active_data: Any,
+        active_property: str,
+        index: int = 0,
     ) -> None:
         row = layout.row(align=True)
         for kind, name in ((item.first_kind, item.first), (item.second_kind, item.second)):
-            row.label(text=iface_("Anything") if kind == "ANY" else name, icon=_ICONS[kind], translate=False)
+            row.label(
+                text=iface_("Anything") if kind == "ANY" else name,
+                icon=_ICONS[kind],
+                translate=False,
+            )
         table = data.path_from_id().rpartition(".")[2]
         if _problems(context, table, index):
             row.label(icon="ERROR")
 
 
 def draw_table(layout: UILayout, context: Context, table: str) -> Any:
-    """Draw a table of the scene and the two sides of its active rule. Returns that rule, None if there is none."""
+    """Draw a table of the scene and the two sides of its active rule. Returns that rule, None if
+    there is none."""
     rows = getattr(context.scene.haptics, table)
     row = layout.row()
     row.template_list("HAPTIC_UL_rules", table, rows, "items", rows, "active", rows=3)
@@ -50,10 +63,23 @@ def draw_table(layout: UILayout, context: Context, table: str) -> Any:
         column.prop(rule, f"{end}_kind")
         if kind != "ANY":
             owner = context.scene if kind == "OBJECT" else context.scene.haptics.materials
-            column.prop_search(rule, end, owner, _FIELDS[kind], text=" ", translate=False, icon=_ICONS[kind], results_are_suggestions=True)
+            column.prop_search(
+                rule,
+                end,
+                owner,
+                _FIELDS[kind],
+                text=" ",
+                translate=False,
+                icon=_ICONS[kind],
+                results_are_suggestions=True,
+            )
     return rule
 
 
 def _problems(context: Context, table: str, index: int) -> list[str]:
     """The faults of a row."""
-    return [problem.message for problem in sessions.shown_problems(context.scene) if problem.rule == (table, index)]
+    return [
+        problem.message
+        for problem in sessions.shown_problems(context.scene)
+        if problem.rule == (table, index)
+    ]

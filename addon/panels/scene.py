@@ -1,4 +1,5 @@
-"""Panel "Haptic Tracing": the summary of one listener, the next step, problems, and the settings of tracing and display."""
+"""Panel "Haptic Tracing": the summary of one listener, the next step, problems, and the settings of
+tracing and display."""
 
 from __future__ import annotations
 
@@ -16,7 +17,14 @@ from ..properties.scene import HapticSceneProperties
 from ..scene_reader import roles
 from ..session import sessions
 from .answer import draw_answer, draw_progress
-from .drawing import ClosedPanel, HapticsPanel, draw_held, draw_problems, draw_properties, settings_layout
+from .drawing import (
+    ClosedPanel,
+    HapticsPanel,
+    draw_held,
+    draw_problems,
+    draw_properties,
+    settings_layout,
+)
 from .formula import draw_parameters
 from .hints import draw_hint
 from .materials import draw_models
@@ -45,7 +53,11 @@ class HAPTIC_PT_scene(HapticsPanel, Panel):
         column.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
         row = layout.row(align=True)
         playing = context.screen is not None and context.screen.is_animation_playing
-        row.operator("screen.animation_play", text="Pause" if playing else "Play", icon="PAUSE" if playing else "PLAY")
+        row.operator(
+            "screen.animation_play",
+            text="Pause" if playing else "Play",
+            icon="PAUSE" if playing else "PLAY",
+        )
         row.menu("HAPTIC_MT_samples")
 
 
@@ -66,7 +78,13 @@ class HAPTIC_PT_propagation(ClosedPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
         haptics = context.scene.haptics
-        draw_held(layout, haptics, Settings, strategy=partial(_draw_strategy, haptics), localise=partial(_draw_localise, haptics))
+        draw_held(
+            layout,
+            haptics,
+            Settings,
+            strategy=partial(_draw_strategy, haptics),
+            localise=partial(_draw_localise, haptics),
+        )
 
 
 def _draw_strategy(haptics: HapticSceneProperties, layout: UILayout) -> None:
@@ -97,7 +115,10 @@ class HAPTIC_PT_impacts(ClosedPanel, Panel):
 class HAPTIC_PT_impact_table(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_impacts"
     bl_label = "Rules"
-    bl_description = "What impacts between some objects need and play, in place of what is said above; the most specific rule counts"
+    bl_description = (
+        "What impacts between some objects need and play, in place of what is said "
+        "above; the most specific rule counts"
+    )
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
@@ -131,7 +152,10 @@ def _draw_seed(rule: Any, layout: UILayout) -> None:
 class HAPTIC_PT_textures(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Sliding and Rolling"
-    bl_description = "Textures of objects that slide or roll on each other; none without a matching rule, and the most specific rule counts"
+    bl_description = (
+        "Textures of objects that slide or roll on each other; none without a "
+        "matching rule, and the most specific rule counts"
+    )
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
@@ -145,7 +169,10 @@ class HAPTIC_PT_textures(ClosedPanel, Panel):
 class HAPTIC_PT_contacts(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Contacts"
-    bl_description = "What contacts between some objects pass on; everything where no rule fits, the most specific rule counts"
+    bl_description = (
+        "What contacts between some objects pass on; everything where no rule fits, "
+        "the most specific rule counts"
+    )
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
@@ -160,7 +187,9 @@ class HAPTIC_PT_contacts(ClosedPanel, Panel):
 class HAPTIC_PT_overlay(ClosedPanel, Panel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Overlay"
-    bl_translation_context = "Haptics"  # Blender's translation of the word is that of mixing colours
+    bl_translation_context = (
+        "Haptics"  # Blender's translation of the word is that of mixing colours
+    )
 
     def draw_header(self, context: Context) -> None:
         self.layout.prop(context.scene.haptics, "show_overlay", text="")
@@ -169,5 +198,7 @@ class HAPTIC_PT_overlay(ClosedPanel, Panel):
         layout = self.layout
         haptics = context.scene.haptics
         layout.active = haptics.show_overlay
-        draw_properties(layout, haptics, "show_intra", "show_best_paths", "show_labels", "show_flow", "xray")
+        draw_properties(
+            layout, haptics, "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"
+        )
         layout.operator("haptic.graph_to_geometry", icon="MESH_DATA")

@@ -19,7 +19,9 @@ class HAPTIC_PT_sound(HapticsPanel, Panel):
     @classmethod
     def poll(cls, context: Context) -> bool:
         obj = context.object
-        return obj is not None and obj.haptics.source.enabled and obj.haptics.source.signal == "SOUND"
+        return (
+            obj is not None and obj.haptics.source.enabled and obj.haptics.source.signal == "SOUND"
+        )
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
@@ -34,7 +36,9 @@ class HAPTIC_PT_sound(HapticsPanel, Panel):
             layout.prop_search(sound, "strip", context.scene.sequence_editor, compatibility.STRIPS)
         if sound.fault:
             draw_sentence(layout, sound.fault, "ERROR")
-        draw_properties(layout, sound, "carrier", *SHOWN[sound.carrier], "gate", "gain", "release", "bursts")
+        draw_properties(
+            layout, sound, "carrier", *SHOWN[sound.carrier], "gate", "gain", "release", "bursts"
+        )
         layout.operator("haptic.convert_sound", icon="FILE_REFRESH")
         if sound.kept:
             if sound.is_edited:

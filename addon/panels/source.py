@@ -15,7 +15,13 @@ from .texts import draw_sentence
 from .thumbnails import cell
 
 _SHOWN_EMPHASES = 20
-_TRIGGERS = {"": "", "_markers": "timeline_markers", "_hit": "", "_object": "objects", "_region": "objects"}
+_TRIGGERS = {
+    "": "",
+    "_markers": "timeline_markers",
+    "_hit": "",
+    "_object": "objects",
+    "_region": "objects",
+}
 """Suffixes of property names, and the collections that these properties name items of."""
 
 
@@ -64,7 +70,9 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
     row = layout.row(align=True)
     if not keyed:
         row.operator("haptic.shape_envelope", icon="IPO_EASE_IN_OUT")
-    row.operator("haptic.switch_envelopes", text="To Curves" if keyed else "To F-Curves", icon="GRAPH")
+    row.operator(
+        "haptic.switch_envelopes", text="To Curves" if keyed else "To F-Curves", icon="GRAPH"
+    )
     column = layout.column(align=True)
     column.use_property_split = False
     column.operator("haptic.edit_emphasis", icon="ADD").index = -1
@@ -117,7 +125,11 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         row.operator("haptic.make_one_shot", text="Explosion").kind = "EXPLOSION"
         row.operator("haptic.make_one_shot", text="Gun").kind = "GUN"
         carrier = haptic_carrier(context.object)
-        if carrier is not None and carrier.haptics.medium and carrier.haptics.function == "physical":
+        if (
+            carrier is not None
+            and carrier.haptics.medium
+            and carrier.haptics.function == "physical"
+        ):
             _draw_front(layout, context, carrier)
 
 

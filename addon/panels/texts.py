@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from ...core.scene.values import Source
 
 _WIDTH = 200.0
-"""Width of a panel's content [points] at the default width of the sidebar, also used without a sidebar."""
+"""Width of a panel's content [points] at the default width of the sidebar, also used without a
+sidebar."""
 _BORDERS = 66.0
 """Width of the tabs, the scroll bar and the edges of a box [points]."""
 _ICON = 24.0
@@ -26,8 +27,12 @@ def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
     """Draw a sentence in as many lines as necessary."""
     column = layout.column(align=True)
     column.scale_y = 0.85
-    for number, line in enumerate(lines(text[:1].upper() + text[1:], content_width() - (_ICON if icon != "NONE" else 0.0))):
-        column.label(text=line, icon=icon if number == 0 or icon == "NONE" else "BLANK1", translate=False)
+    for number, line in enumerate(
+        lines(text[:1].upper() + text[1:], content_width() - (_ICON if icon != "NONE" else 0.0))
+    ):
+        column.label(
+            text=line, icon=icon if number == 0 or icon == "NONE" else "BLANK1", translate=False
+        )
 
 
 def fitted(text: str, share: float = 1.0, icon: bool = False, button: bool = False) -> str:
@@ -37,10 +42,14 @@ def fitted(text: str, share: float = 1.0, icon: bool = False, button: bool = Fal
 
 
 def source_title(source: Source, share: float = 1.0) -> str:
-    """A source's name for a ``share`` of the panel's width; for an impact both objects, each shortened separately."""
+    """A source's name for a ``share`` of the panel's width; for an impact both objects, each
+    shortened separately."""
     if source.kind is not SourceKind.TEMPORARY or source.second_object is None:
         return fitted(source.name, share, icon=True, button=True)
-    first, second = (fitted(name, (share - 0.06) / 2, button=True) for name in (source.object, source.second_object))
+    first, second = (
+        fitted(name, (share - 0.06) / 2, button=True)
+        for name in (source.object, source.second_object)
+    )
     return f"{first} \N{MULTIPLICATION SIGN} {second}"
 
 
@@ -65,7 +74,8 @@ def _lines(text: str, width: float, size: float) -> tuple[str, ...]:
 
 
 def lines(text: str, width: float) -> tuple[str, ...]:
-    """A text broken between words into lines of at most ``width`` points; a longer word has a line of its own."""
+    """A text broken between words into lines of at most ``width`` points; a longer word has a line
+    of its own."""
     return _lines(text, width, font_size())
 
 

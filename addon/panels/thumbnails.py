@@ -18,9 +18,11 @@ _SCALE = 3.0  # lines high
 _loaded: list[Any] = []
 
 
-def cell(flow: UILayout, name: str, pixels: Sequence[float] = (), scale: float = _SCALE) -> UILayout:
-    """A column in a flow of columns that begins with the picture ``name`` ("material-steel"), ``scale`` lines high: a file, or a square of
-    ``pixels`` (RGBA)."""
+def cell(
+    flow: UILayout, name: str, pixels: Sequence[float] = (), scale: float = _SCALE
+) -> UILayout:
+    """A column in a flow of columns that begins with the picture ``name`` ("material-steel"),
+    ``scale`` lines high: a file, or a square of ``pixels`` (RGBA)."""
     if not _loaded:
         _loaded.append(previews.new())
     picture = _loaded[0].get(name)
@@ -29,7 +31,8 @@ def cell(flow: UILayout, name: str, pixels: Sequence[float] = (), scale: float =
         picture.image_size = (math.isqrt(len(pixels) // 4),) * 2
         picture.image_pixels_float = pixels
     picture = picture or _loaded[0].load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
-    tuple(picture.image_size)  # loads it now, because a menu is not redrawn after asynchronous loading
+    # Loads it now, because a menu is not redrawn after asynchronous loading.
+    tuple(picture.image_size)
     column = flow.column(align=True)
     column.template_icon(icon_value=picture.icon_id, scale=scale)
     return column

@@ -15,7 +15,8 @@ _GAIN = re.compile(r"\d{1,10}(\.\d+)?(e-?\d{1,2})?", re.ASCII)
 
 
 def places_of(choice: str) -> list[Place] | None:
-    """The actuators of a choice, as "device/actuator" or "device/actuator*gain" separated by semicolons; None for the automatic choice."""
+    """The actuators of a choice, as "device/actuator" or "device/actuator*gain" separated by
+    semicolons; None for the automatic choice."""
     if choice == AUTOMATIC:
         return None
     places = []
@@ -23,7 +24,11 @@ def places_of(choice: str) -> list[Place] | None:
         device, slash, actuator = text.rpartition("/")
         name, _, gain = actuator.rpartition("*")
         if slash:
-            places.append(Place(device, name, float(gain)) if name and _GAIN.fullmatch(gain) else Place(device, actuator))
+            places.append(
+                Place(device, name, float(gain))
+                if name and _GAIN.fullmatch(gain)
+                else Place(device, actuator)
+            )
     return places
 
 
@@ -37,9 +42,15 @@ def toggled(choice: str, actuator: str) -> str:
     device, _, name = actuator.rpartition("/")
     place = Place(device, name)
     places = places_of(choice) or []
-    return choice_of([other for other in places if other != place] if place in places else [*places, place])
+    return choice_of(
+        [other for other in places if other != place] if place in places else [*places, place]
+    )
 
 
 def _text(place: Place) -> str:
     plain = place.gain == 1.0 and "*" not in place.actuator
-    return f"{place.device}/{place.actuator}" if plain else f"{place.device}/{place.actuator}*{place.gain!r}"
+    return (
+        f"{place.device}/{place.actuator}"
+        if plain
+        else f"{place.device}/{place.actuator}*{place.gain!r}"
+    )

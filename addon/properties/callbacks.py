@@ -27,15 +27,19 @@ def view_changed(self: PropertyGroup, context: Context) -> None:
 
 
 def updating(callback: Callback = changed, *, animated: bool = True) -> Callable[[_Group], _Group]:
-    """Decorator of a property group: its values call this when they are edited. They can't be keyed unless they are ``animated``. A
-    property with its own ``update`` or ``options`` keeps these; a hidden one is unchanged."""
+    """Decorator of a property group: its values call this when they are edited. They can't be keyed
+    unless they are ``animated``. A property with its own ``update`` or ``options`` keeps these; a
+    hidden one is unchanged."""
 
     def decorate(group: _Group) -> _Group:
         annotations = get_type_hints(group)
         for name, definition in annotations.items():
             is_value = definition.function not in (PointerProperty, CollectionProperty)
             if is_value and "HIDDEN" not in definition.keywords.get("options", ()):
-                common: dict[str, Any] = {"update": callback, **({} if animated else {"options": set()})}
+                common: dict[str, Any] = {
+                    "update": callback,
+                    **({} if animated else {"options": set()}),
+                }
                 annotations[name] = definition.function(**{**common, **definition.keywords})
         group.__annotations__ = annotations
         return group
@@ -44,8 +48,14 @@ def updating(callback: Callback = changed, *, animated: bool = True) -> Callable
 
 
 class Stored:
-    """Mixin: a property group with an item of an imported file as JSON text; see `scene_reader.imported`."""
+    """Mixin: a property group with an item of an imported file as JSON text; see
+    `scene_reader.imported`."""
 
     held = dict[type, dict[str, str]]()
     """The properties of declared fields, by class and field: see `declared.holding`."""
-    imported: text("Imported", "What an imported file says beyond these properties", options={"HIDDEN"}, update=changed)
+    imported: text(
+        "Imported",
+        "What an imported file says beyond these properties",
+        options={"HIDDEN"},
+        update=changed,
+    )

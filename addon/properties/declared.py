@@ -1,4 +1,5 @@
-"""Blender's properties of declared fields (`core.scene.declaration`): their definitions, and what they hold of a value."""
+"""Blender's properties of declared fields (`core.scene.declaration`): their definitions, and what
+they hold of a value."""
 
 from __future__ import annotations
 
@@ -9,9 +10,26 @@ from types import MappingProxyType
 from typing import Any, TypeVar
 
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    StringProperty,
+)
 
-from ...core.scene.declaration import Choice, Declaration, Number, Numbers, Switch, Text, declared, default_of, shown
+from ...core.scene.declaration import (
+    Choice,
+    Declaration,
+    Number,
+    Numbers,
+    Switch,
+    Text,
+    declared,
+    default_of,
+    shown,
+)
 from ..blender.single_precision import authored
 
 _Group = TypeVar("_Group", bound=type)
@@ -26,8 +44,11 @@ _NUMBERS = {"best_path": 1, "all_paths": 2, "energy_balance": 3, "as_in_the_pape
 """The numbers under which files store values that are not in the order of their choices."""
 
 
-def holding(cls: type, *only: str, more: Mapping[str, Mapping[str, Any]] = _NOTHING, **names: str) -> Callable[[_Group], _Group]:
-    """Decorator: the group gets a property for each field of ``cls`` that has a label, after its own properties.
+def holding(
+    cls: type, *only: str, more: Mapping[str, Mapping[str, Any]] = _NOTHING, **names: str
+) -> Callable[[_Group], _Group]:
+    """Decorator: the group gets a property for each field of ``cls`` that has a label, after its
+    own properties.
 
     Args:
         cls: A class with declared fields.
@@ -39,9 +60,16 @@ def holding(cls: type, *only: str, more: Mapping[str, Mapping[str, Any]] = _NOTH
     def decorate(group: _Group) -> _Group:
         fields = {key: item for key, item in shown(cls).items() if not only or key in only}
         held = {key: names.get(key, key) for key in fields}
-        made = {held[key]: _property(cls, key, item, more.get(key, _NOTHING)) for key, item in fields.items()}
+        made = {
+            held[key]: _property(cls, key, item, more.get(key, _NOTHING))
+            for key, item in fields.items()
+        }
         group.__annotations__ = {**get_annotations(group), **made}
-        inherited = {key: names for base in reversed(group.__mro__) for key, names in base.__dict__.get("held", {}).items()}
+        inherited = {
+            key: names
+            for base in reversed(group.__mro__)
+            for key, names in base.__dict__.get("held", {}).items()
+        }
         group.held = {**inherited, cls: held}  # type: ignore[attr-defined]
         return group
 
@@ -53,7 +81,9 @@ def _property(cls: type, key: str, declaration: Declaration, more: Mapping[str, 
     unit = getattr(declaration, "unit", "")
     default = default_of(cls, key) if declaration.shown is None else declaration.shown
     common: dict[str, Any] = {
-        "name": declaration.label if unit in ("", *_UNITS) else f"{declaration.label} ({unit})".replace(") (", ", "),
+        "name": declaration.label
+        if unit in ("", *_UNITS)
+        else f"{declaration.label} ({unit})".replace(") (", ", "),
         "description": declaration.about,
         "translation_context": declaration.context or "*",
         "default": default,
@@ -64,19 +94,33 @@ def _property(cls: type, key: str, declaration: Declaration, more: Mapping[str, 
         case Switch():
             return BoolProperty(**common)
         case Choice():
-            return EnumProperty(**{**common, "items": items_of(declaration.items), "default": identifier(default)})
+            return EnumProperty(
+                **{**common, "items": items_of(declaration.items), "default": identifier(default)}
+            )
         case Numbers():
-            return FloatVectorProperty(**{"size": declaration.count, **_limits(declaration), **common})
+            return FloatVectorProperty(
+                **{"size": declaration.count, **_limits(declaration), **common}
+            )
         case Number(whole=True):
             return IntProperty(**{**_limits(declaration), **common})
         case Number():
             subtype = "FACTOR" if declaration.high == 1 else "NONE"
-            return FloatProperty(**{"subtype": subtype, "unit": _UNITS.get(unit, "NONE"), **_limits(declaration), **common})
+            return FloatProperty(
+                **{
+                    "subtype": subtype,
+                    "unit": _UNITS.get(unit, "NONE"),
+                    **_limits(declaration),
+                    **common,
+                }
+            )
     return StringProperty(**common)
 
 
 def _limits(declaration: Number) -> dict[str, Any]:
-    limits: dict[str, Any] = {"min": _LEAST if declaration.above and not declaration.low else declaration.low, "max": declaration.high}
+    limits: dict[str, Any] = {
+        "min": _LEAST if declaration.above and not declaration.low else declaration.low,
+        "max": declaration.high,
+    }
     if declaration.soft is not None:
         limits |= {"soft_min": declaration.soft[0], "soft_max": declaration.soft[1]}
     return limits if declaration.digits is None else {**limits, "precision": declaration.digits}
@@ -84,7 +128,10 @@ def _limits(declaration: Number) -> dict[str, Any]:
 
 def items_of(items: Mapping[str, tuple[str, str]]) -> tuple[tuple[str, str, str, str, int], ...]:
     """The items of a choice, as Blender's properties have them."""
-    return tuple((identifier(value), *item, "", _NUMBERS.get(value, place)) for place, (value, item) in enumerate(items.items()))
+    return tuple(
+        (identifier(value), *item, "", _NUMBERS.get(value, place))
+        for place, (value, item) in enumerate(items.items())
+    )
 
 
 def identifier(value: str) -> str:
@@ -93,7 +140,8 @@ def identifier(value: str) -> str:
 
 
 def _held_as(declaration: Declaration, value: Any) -> Any:
-    """What a property holds of a value of a field, such as the nearest number; None for an unknown choice."""
+    """What a property holds of a value of a field, such as the nearest number; None for an unknown
+    choice."""
     match declaration:
         case Choice():
             return identifier(value) if value in declaration.items else None
@@ -120,8 +168,9 @@ def _values_of(cls: type, key: str) -> dict[str, Any]:
 
 
 def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of the fields of ``cls`` that the properties of ``group`` hold, and those ``stored`` of the others. A stored value counts
-    as long as its property holds it, which may be with fewer digits."""
+    """The values of the fields of ``cls`` that the properties of ``group`` hold, and those
+    ``stored`` of the others. A stored value counts as long as its property holds it, which may be
+    with fewer digits."""
     values, declarations = dict(stored), declared(cls)
     for key, name in group.held.get(cls, _NOTHING).items():
         declaration, held = declarations[key], getattr(group, name)
@@ -129,14 +178,17 @@ def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, A
             held = tuple(held)
         if key in stored and _held_as(declaration, stored[key]) == held:
             continue
-        values[key] = _values_of(cls, key)[held] if isinstance(declaration, Choice) else authored(held)
+        values[key] = (
+            _values_of(cls, key)[held] if isinstance(declaration, Choice) else authored(held)
+        )
         if declaration.optional and not values[key]:
             values[key] = None
     return values
 
 
 def write_values(group: Any, item: Any) -> list[str]:
-    """Set the properties of a group to what they hold of the fields of ``item``. Returns sentences about losses."""
+    """Set the properties of a group to what they hold of the fields of ``item``. Returns sentences
+    about losses."""
     losses = []
     for key, name in group.held.get(type(item), _NOTHING).items():
         value = getattr(item, key)

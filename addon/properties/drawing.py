@@ -1,4 +1,5 @@
-"""Properties of drawn signals, which are node groups, because Blender stores the curves of panels in nodes.
+"""Properties of drawn signals, which are node groups, because Blender stores the curves of panels
+in nodes.
 
 A drawn signal therefore has a name and users, can be an asset, and can be appended and linked.
 """
@@ -23,11 +24,14 @@ LONGEST = 3600.0
 
 @updating()
 class HapticEmphasis(PropertyGroup):
-    """A transient of a drawn signal: a short burst at a relative time, with strength and sharpness."""
+    """A transient of a drawn signal: a short burst at a relative time, with strength and
+    sharpness."""
 
     place: share("Place", "Where in the signal it begins: 0 is the beginning, 1 the end", 0.0)
     strength: share("Strength", "Amplitude of the burst, which is added to the envelope", 1.0)
-    sharpness: share("Sharpness", "From a dull thud of 65 Hz to a sharp click of 300 Hz, as phones play it", 0.5)
+    sharpness: share(
+        "Sharpness", "From a dull thud of 65 Hz to a sharp click of 300 Hz, as phones play it", 0.5
+    )
 
 
 @updating()
@@ -35,7 +39,9 @@ class HapticDrawing(PropertyGroup):
     """Properties of a node group that is a drawn signal."""
 
     is_signal: switch("Is Signal", "This node group is a drawn signal", options={"HIDDEN"})
-    duration: limited("Duration (s)", "How long the drawn signal lasts", 1.0, (0.02, LONGEST), soft_max=10.0)
+    duration: limited(
+        "Duration (s)", "How long the drawn signal lasts", 1.0, (0.02, LONGEST), soft_max=10.0
+    )
     lowest: limited("Lowest (Hz)", "Frequency at the bottom of the curve", 40.0, HERTZ)
     highest: limited("Highest (Hz)", "Frequency at the top of the curve", 300.0, HERTZ)
     loops: switch("Loop", "Play it again and again")
@@ -50,4 +56,11 @@ def _is_drawing(_: Any, tree: NodeTree) -> bool:
 def drawing_property() -> PointerProperty[NodeTree]:
     """The choice of a drawn signal."""
     words = "The signal that is drawn"
-    return PointerProperty(name="Drawn Signal", description=words, type=NodeTree, poll=_is_drawing, options=set(), update=changed)
+    return PointerProperty(
+        name="Drawn Signal",
+        description=words,
+        type=NodeTree,
+        poll=_is_drawing,
+        options=set(),
+        update=changed,
+    )

@@ -19,13 +19,24 @@ from .kinds import choice
 
 VIBRATION_FUNCTIONS = tuple(FUNCTIONS)
 """Functions of haptic objects."""
-TRANSMISSIONS = ("impedance", "identity", "constant", "linear", "exponential", "expression", "resilient", "normal_force")
+TRANSMISSIONS = (
+    "impedance",
+    "identity",
+    "constant",
+    "linear",
+    "exponential",
+    "expression",
+    "resilient",
+    "normal_force",
+)
 """Functions of contacts."""
 
 
 def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
     """The choice of one of the functions ``names``."""
-    items = items_of({name: (ALL_FUNCTIONS[name].label, ALL_FUNCTIONS[name].about) for name in names})
+    items = items_of(
+        {name: (ALL_FUNCTIONS[name].label, ALL_FUNCTIONS[name].about) for name in names}
+    )
     return choice("Function", "How the signal fades on its way through", items, default=default)
 
 

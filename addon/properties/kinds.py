@@ -1,4 +1,5 @@
-"""Kinds of properties: switches, choices, texts, shares and numbers, each with its name, its tooltip and its default."""
+"""Kinds of properties: switches, choices, texts, shares and numbers, each with its name, its
+tooltip and its default."""
 
 from __future__ import annotations
 
@@ -8,18 +9,28 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
 
 def switch(name: str, description: str, default: bool = False, **more: Any) -> BoolProperty:
-    """A property that is on or off; ``more``: callback, options and further arguments of Blender's property."""
+    """A property that is on or off; ``more``: callback, options and further arguments of Blender's
+    property."""
     return BoolProperty(name=name, description=description, default=default, **more)
 
 
-def number(name: str, description: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
-    """A number from the beginning of ``span`` on; its slider ends with the span, beyond which a number can be typed."""
-    return FloatProperty(name=name, description=description, default=default, min=span[0], soft_max=span[1], **more)
+def number(
+    name: str, description: str, default: float, span: tuple[float, float], **more: Any
+) -> FloatProperty:
+    """A number from the beginning of ``span`` on; its slider ends with the span, beyond which a
+    number can be typed."""
+    return FloatProperty(
+        name=name, description=description, default=default, min=span[0], soft_max=span[1], **more
+    )
 
 
-def limited(name: str, description: str, default: float, span: tuple[float, float], **more: Any) -> FloatProperty:
+def limited(
+    name: str, description: str, default: float, span: tuple[float, float], **more: Any
+) -> FloatProperty:
     """A number within ``span``."""
-    return FloatProperty(name=name, description=description, default=default, min=span[0], max=span[1], **more)
+    return FloatProperty(
+        name=name, description=description, default=default, min=span[0], max=span[1], **more
+    )
 
 
 def share(name: str, description: str, default: float, **more: Any) -> FloatProperty:
@@ -27,7 +38,9 @@ def share(name: str, description: str, default: float, **more: Any) -> FloatProp
     return limited(name, description, default, (0.0, 1.0), subtype="FACTOR", **more)
 
 
-def choice(name: str, description: str, items: tuple[tuple[Any, ...], ...], **more: Any) -> EnumProperty:
+def choice(
+    name: str, description: str, items: tuple[tuple[Any, ...], ...], **more: Any
+) -> EnumProperty:
     """One of several items; the first unless ``more`` has a default."""
     return EnumProperty(name=name, description=description, items=items, **more)
 

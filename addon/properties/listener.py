@@ -11,8 +11,11 @@ from .kinds import limited, switch
 
 
 def _enabled_edited(self: HapticListenerProperties, context: Context) -> None:
-    """Give a new listener a limiter and an extent; listeners of files in which these were off by default are not affected."""
-    if self.enabled and (context.scene is None or context.scene.haptics.strategy != "as_in_the_paper"):
+    """Give a new listener a limiter and an extent; listeners of files in which these were off by
+    default are not affected."""
+    if self.enabled and (
+        context.scene is None or context.scene.haptics.strategy != "as_in_the_paper"
+    ):
         if not self.is_property_set("limiter"):
             self.limiter = True
         if not self.is_property_set("extent"):
@@ -33,12 +36,21 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
 class HapticListenerProperties(Stored, PropertyGroup):
     """A haptic listener, which receives signals at a point of the body."""
 
-    enabled: switch("Haptic Listener", "Signals are received at this object's origin", update=_enabled_edited)
+    enabled: switch(
+        "Haptic Listener", "Signals are received at this object's origin", update=_enabled_edited
+    )
     muted: switch("Mute", "Keep the listener but let it feel nothing", options=set())
     solo: switch("Solo", "Let only listeners that are solo feel something", options=set())
-    use_wish: switch("Wish", "Fulfil Wishes brings this listener to the wished level", options=set(), update=None)
+    use_wish: switch(
+        "Wish", "Fulfil Wishes brings this listener to the wished level", options=set(), update=None
+    )
     wish: limited(
-        "Level (dB)", "The level that this listener shall have, in decibels of full scale", -20.0, (-90.0, 0.0), options=set(), update=None
+        "Level (dB)",
+        "The level that this listener shall have, in decibels of full scale",
+        -20.0,
+        (-90.0, 0.0),
+        options=set(),
+        update=None,
     )
 
     @property

@@ -1,4 +1,5 @@
-"""Settings of live output: per device, per listener, and for the preview. None of them activates a device."""
+"""Settings of live output: per device, per listener, and for the preview. None of them activates a
+device."""
 
 from __future__ import annotations
 
@@ -23,7 +24,9 @@ def _volume_changed(self: HapticLiveOutputProperties, context: Context) -> None:
 class HapticDeviceProperties(PropertyGroup):
     """The adjustment of one device; its name is the device's key."""
 
-    gain: limited("Gain", "Makes everything on this device stronger or weaker", 1.0, (0.0, 4.0), soft_max=2.0)
+    gain: limited(
+        "Gain", "Makes everything on this device stronger or weaker", 1.0, (0.0, 4.0), soft_max=2.0
+    )
     floor: limited(
         "Floor",
         "Least strength at which the actuator moves: the weakest signal starts there",
@@ -32,8 +35,17 @@ class HapticDeviceProperties(PropertyGroup):
         subtype="FACTOR",
         translation_context="Haptics",
     )
-    curve: limited("Curve", "Exponent of strength; below 1 lifts weak signals", 1.0, (0.1, 4.0), soft_min=0.3, soft_max=2.0)
-    ceiling: share("Ceiling", "The device is never driven above this fraction of its safe maximum", 1.0)
+    curve: limited(
+        "Curve",
+        "Exponent of strength; below 1 lifts weak signals",
+        1.0,
+        (0.1, 4.0),
+        soft_min=0.3,
+        soft_max=2.0,
+    )
+    ceiling: share(
+        "Ceiling", "The device is never driven above this fraction of its safe maximum", 1.0
+    )
     offset: limited(
         "Latency Offset (ms)",
         "Delays touch, in milliseconds, if the display is slow; negative values advance it",
@@ -42,7 +54,9 @@ class HapticDeviceProperties(PropertyGroup):
         soft_max=200.0,
         precision=0,
     )
-    imported: text("Imported", "What an imported file says beyond these properties", options={"HIDDEN"})
+    imported: text(
+        "Imported", "What an imported file says beyond these properties", options={"HIDDEN"}
+    )
 
 
 class HapticLiveOutputProperties(PropertyGroup):
@@ -51,9 +65,16 @@ class HapticLiveOutputProperties(PropertyGroup):
     devices: CollectionProperty(type=HapticDeviceProperties)
     sound_cards: switch(
         "Sound Cards Too",
-        "Look for sound cards as well: shakers, cushions and headsets that are felt, and a DualSense's actuators over USB",
+        "Look for sound cards as well: shakers, cushions and headsets that are felt, and a "
+        "DualSense's actuators over USB",
     )
-    preview_volume: share("Volume", "How loud listeners are heard", 0.5, update=_volume_changed, translation_context="Haptics")
+    preview_volume: share(
+        "Volume",
+        "How loud listeners are heard",
+        0.5,
+        update=_volume_changed,
+        translation_context="Haptics",
+    )
 
 
 class HapticActuatorProperties(PropertyGroup):
@@ -61,6 +82,7 @@ class HapticActuatorProperties(PropertyGroup):
 
     actuators: text(
         "Actuators",
-        "Empty for those at its body part, - for none, else device/actuator or device/actuator*gain, separated by semicolons",
+        "Empty for those at its body part, - for none, else device/actuator or "
+        "device/actuator*gain, separated by semicolons",
         update=_actuators_chosen,
     )

@@ -1,7 +1,8 @@
 """The scene's library of haptic materials, and the materials of objects.
 
-An object stores a copy of its material's values, so that it can be traced without a look-up and remains valid when it is appended to
-another file; an edit in the library is written to all objects of the scene with that material.
+An object stores a copy of its material's values, so that it can be traced without a look-up and
+remains valid when it is appended to another file; an edit in the library is written to all objects
+of the scene with that material.
 """
 
 from __future__ import annotations
@@ -10,7 +11,14 @@ from collections.abc import Iterator
 from operator import attrgetter
 from typing import Any
 
-from bpy.props import CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    CollectionProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 from bpy.types import Context, Object, PropertyGroup, Scene
 
 from ...core.scene.bands import BAND_COUNT
@@ -24,8 +32,20 @@ from .kinds import choice, limited, switch, text
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
-    ("CHILDREN", "Children", "The selected objects and everything that is parented to them", "OUTLINER", 1),
-    ("COLLECTION", "Collection", "All objects of the active object's collection", "OUTLINER_COLLECTION", 2),
+    (
+        "CHILDREN",
+        "Children",
+        "The selected objects and everything that is parented to them",
+        "OUTLINER",
+        1,
+    ),
+    (
+        "COLLECTION",
+        "Collection",
+        "All objects of the active object's collection",
+        "OUTLINER_COLLECTION",
+        2,
+    ),
 )
 
 SHARED = tuple(name for name in shown(LibraryMaterial) if name != "use_delay")
@@ -88,11 +108,20 @@ def unique_name(name: str, taken: set[str]) -> str:
         return name
     stem, _, number = name.rpartition(".")
     stem = stem if stem and number.isdigit() else name
-    return next(candidate for k in range(1, len(taken) + 2) if (candidate := f"{stem}.{k:03d}") not in taken)
+    return next(
+        candidate for k in range(1, len(taken) + 2) if (candidate := f"{stem}.{k:03d}") not in taken
+    )
 
 
 def _bound(name: str, default: float) -> FloatProperty:
-    return limited(name, "Bound of (1 - κ) ρ for Fulfil Wishes", default, (0.001, 1.0), precision=3, update=None)
+    return limited(
+        name,
+        "Bound of (1 - κ) ρ for Fulfil Wishes",
+        default,
+        (0.001, 1.0),
+        precision=3,
+        update=None,
+    )
 
 
 @updating(_material_changed, animated=False)
@@ -110,10 +139,21 @@ class HapticMaterial(Stored, PropertyGroup):
 def _chosen(self: HapticObjectMaterial, context: Context) -> None:
     """Copy the values of the chosen material to the object."""
     obj, scene = self.id_data, context.scene
-    # In the order of cost: look-ups by name search the objects of a view layer, `users_scene` those of every scene.
+    # In the order of cost: look-ups by name search the objects of a view layer, `users_scene` those
+    # of every scene.
     layers = scene.view_layers
-    is_here = any(obj.visible_get(view_layer=layer) or layer.objects.get(obj.name) == obj for layer in layers) or scene in obj.users_scene
-    if self.name and is_here and (material := scene.haptics.materials.items.get(self.name)) is not None:
+    is_here = (
+        any(
+            obj.visible_get(view_layer=layer) or layer.objects.get(obj.name) == obj
+            for layer in layers
+        )
+        or scene in obj.users_scene
+    )
+    if (
+        self.name
+        and is_here
+        and (material := scene.haptics.materials.items.get(self.name)) is not None
+    ):
         write_values(obj, values_of(material))
 
 
@@ -123,7 +163,12 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
 class HapticObjectMaterial(PropertyGroup):
     """The material of an object, and the attenuation by band that the object takes from it."""
 
-    name: text("Material", "The material of the scene's library that this object is made of", options=set(), update=_chosen)
+    name: text(
+        "Material",
+        "The material of the scene's library that this object is made of",
+        options=set(),
+        update=_chosen,
+    )
 
 
 def _recording(name: str, description: str) -> StringProperty:
@@ -132,26 +177,43 @@ def _recording(name: str, description: str) -> StringProperty:
 
 def _one(name: str, description: str, role: str) -> PointerProperty[Object]:
     has_role = attrgetter(f"haptics.{role}")
-    return PointerProperty(type=Object, name=name, description=description, poll=lambda self, obj: bool(has_role(obj)))
+    return PointerProperty(
+        type=Object, name=name, description=description, poll=lambda self, obj: bool(has_role(obj))
+    )
 
 
 class HapticFit(PropertyGroup):
-    """The settings of Fit Material and its last result. ``fitted``: the material or object, empty without a result. ``values``: its
-    damping, as a multiple of its material's, and the gain of the contact, each with its standard deviation, then the difference between
-    model and recordings before and after [dB]. ``bands``: as in `core.design.recordings.Fit`, band by band."""
+    """The settings of Fit Material and its last result. ``fitted``: the material or object, empty
+    without a result. ``values``: its damping, as a multiple of its material's, and the gain of the
+    contact, each with its standard deviation, then the difference between model and recordings
+    before and after [dB]. ``bands``: as in `core.design.recordings.Fit`, band by band."""
 
-    source_file: _recording("At Source", "WAV file recorded at the source; its channels are averaged")
-    listener_file: _recording("At Listener", "WAV file recorded at the listener at the same time, begun at the same moment")
+    source_file: _recording(
+        "At Source", "WAV file recorded at the source; its channels are averaged"
+    )
+    listener_file: _recording(
+        "At Listener",
+        "WAV file recorded at the listener at the same time, begun at the same moment",
+    )
     source: _one("Source", "The source at which the first recording was made", "source.enabled")
-    listener: _one("Listener", "The listener at which the second recording was made", "listener.enabled")
-    object: _one("Object", "The object on the path whose loss is fitted; other objects of its material change with it", "enabled")
+    listener: _one(
+        "Listener", "The listener at which the second recording was made", "listener.enabled"
+    )
+    object: _one(
+        "Object",
+        "The object on the path whose loss is fitted; other objects of its material change with it",
+        "enabled",
+    )
     is_calibrated: switch(
         "Calibrated Alike",
-        "Both recordings have the same scale. If not, they determine only how much more high frequencies lose than low ones",
+        "Both recordings have the same scale. If not, they determine only how much more high "
+        "frequencies lose than low ones",
         True,
         options=set(),
     )
-    first: _one("Contact", "One side of a contact on the path whose gain is fitted as well", "enabled")
+    first: _one(
+        "Contact", "One side of a contact on the path whose gain is fitted as well", "enabled"
+    )
     second: _one("With", "The other side of that contact", "enabled")
     fitted: StringProperty(options={"HIDDEN"})
     values: FloatVectorProperty(size=6, options={"HIDDEN"})

@@ -1,4 +1,5 @@
-"""The properties of every modality without samples, generated from its definition: those of objects, of sources and of the scene."""
+"""The properties of every modality without samples, generated from its definition: those of
+objects, of sources and of the scene."""
 
 from __future__ import annotations
 
@@ -14,12 +15,20 @@ from .declared import holding
 from .function import FunctionParameters, function_property
 from .kinds import switch
 
-SHOWN: tuple[Modality, ...] = tuple(modality for modality in MODALITIES.values() if not modality.sampled)
+SHOWN: tuple[Modality, ...] = tuple(
+    modality for modality in MODALITIES.values() if not modality.sampled
+)
 """The modalities other than vibration, which has its own properties and panels."""
 
 
-def _group(name: str, annotations: dict[str, Any], words: str, *mixins: type) -> type[PropertyGroup]:
-    return type(name, (*mixins, PropertyGroup), {"__annotations__": annotations, "__doc__": words, "__module__": __name__})
+def _group(
+    name: str, annotations: dict[str, Any], words: str, *mixins: type
+) -> type[PropertyGroup]:
+    return type(
+        name,
+        (*mixins, PropertyGroup),
+        {"__annotations__": annotations, "__doc__": words, "__module__": __name__},
+    )
 
 
 def _object_group(modality: Modality) -> type[PropertyGroup]:
@@ -28,7 +37,12 @@ def _object_group(modality: Modality) -> type[PropertyGroup]:
         "function": function_property(tuple(modality.functions), modality.default_function),
         "is_source": switch("Source", "This object emits it"),
     }
-    group = _group(f"Haptic{modality.name.title()}Object", annotations, modality.description, FunctionParameters)
+    group = _group(
+        f"Haptic{modality.name.title()}Object",
+        annotations,
+        modality.description,
+        FunctionParameters,
+    )
     named: dict[str, Any] = dict.fromkeys(shown(modality.source), "source_value")
     return updating()(holding(modality.source, **named)(holding(modality.values)(group)))
 
@@ -39,7 +53,11 @@ def _scene_group(modality: Modality) -> type[PropertyGroup]:
 
 
 def _container(name: str, groups: dict[str, type[PropertyGroup]]) -> type[PropertyGroup]:
-    return _group(name, {key: PointerProperty(type=group) for key, group in groups.items()}, "One group per modality.")
+    return _group(
+        name,
+        {key: PointerProperty(type=group) for key, group in groups.items()},
+        "One group per modality.",
+    )
 
 
 _OBJECT_GROUPS = {modality.name: _object_group(modality) for modality in SHOWN}
@@ -47,4 +65,9 @@ _SCENE_GROUPS = {modality.name: _scene_group(modality) for modality in SHOWN}
 HapticObjectModalities = _container("HapticObjectModalities", _OBJECT_GROUPS)
 HapticSceneModalities = _container("HapticSceneModalities", _SCENE_GROUPS)
 
-GROUPS = (*_OBJECT_GROUPS.values(), *_SCENE_GROUPS.values(), HapticObjectModalities, HapticSceneModalities)
+GROUPS = (
+    *_OBJECT_GROUPS.values(),
+    *_SCENE_GROUPS.values(),
+    HapticObjectModalities,
+    HapticSceneModalities,
+)

@@ -29,15 +29,29 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
         "Surface",
         "What of the object touches others, if it is no rigid body",
         (
-            ("CONVEX_HULL", "Convex Hull", "A skin around all vertices, which closes holes and hollows"),
+            (
+                "CONVEX_HULL",
+                "Convex Hull",
+                "A skin around all vertices, which closes holes and hollows",
+            ),
             ("SEEN", "As Seen", "The surface: a solid if it is closed, otherwise a shell"),
-            ("SOLID", "Solid", "A closed surface: what crosses it touches, and what is inside down to Sunk In"),
-            ("SHELL", "Shell", "A thin skin: what is inside, such as a lamp in a room, touches only where it is close to it"),
+            (
+                "SOLID",
+                "Solid",
+                "A closed surface: what crosses it touches, and what is inside down to Sunk In",
+            ),
+            (
+                "SHELL",
+                "Shell",
+                "A thin skin: what is inside, such as a lamp in a room, touches only where it is "
+                "close to it",
+            ),
         ),
     )
     sunk_in: number(
         "Sunk In",
-        "Depth inside a solid down to which things touch it, at most half the size of the thing: a fingertip in a sofa",
+        "Depth inside a solid down to which things touch it, at most half the size of the thing: "
+        "a fingertip in a sofa",
         0.05,
         (0.001, 0.5),
         unit="LENGTH",
@@ -48,7 +62,10 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
     material: PointerProperty(type=materials.HapticObjectMaterial)
     modalities: PointerProperty(type=modalities.HapticObjectModalities)
     body: PointerProperty(
-        type=Object, name="Body", description="The haptic object through which the listeners on this armature feel", update=changed
+        type=Object,
+        name="Body",
+        description="The haptic object through which the listeners on this armature feel",
+        update=changed,
     )
     felt: PointerProperty(type=bake.HapticFeltProperties)
     live_output: PointerProperty(type=live_output.HapticActuatorProperties)

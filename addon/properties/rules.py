@@ -1,7 +1,7 @@
 """Tables of a scene: rules for pairs of objects.
 
-A table is a property group with `TableRows` and ``items``, whose class has `RuleScope` and the values of a row; `TABLES` lists it for the
-operators that edit tables.
+A table is a property group with `TableRows` and ``items``, whose class has `RuleScope` and the
+values of a row; `TABLES` lists it for the operators that edit tables.
 """
 
 from __future__ import annotations
@@ -26,7 +26,13 @@ TABLES = (
 
 SIDE_ITEMS = (
     ("ANY", "Anything", "Any object", "WORLD", 0),
-    ("MATERIAL", "Material", "Objects of a material of the library; * stands for any characters, ? for one", "MATERIAL", 1),
+    (
+        "MATERIAL",
+        "Material",
+        "Objects of a material of the library; * stands for any characters, ? for one",
+        "MATERIAL",
+        1,
+    ),
     ("OBJECT", "Object", "An object; * stands for any characters, ? for one", "OBJECT_DATA", 2),
 )
 
@@ -64,7 +70,9 @@ class HapticImpactRule(RuleScope, Stored, PropertyGroup):
     )
     filepath: text("File", "The file with the vibration that impacts play", subtype="FILE_PATH")
     drawing: drawing_property()
-    use_limits: switch("Own Energies", "These collisions need other energies than others of the scene")
+    use_limits: switch(
+        "Own Energies", "These collisions need other energies than others of the scene"
+    )
 
 
 class HapticImpactTable(TableRows, PropertyGroup):

@@ -18,11 +18,16 @@ class HapticMetersProperties(PropertyGroup):
     """The meters of a scene."""
 
     show: switch("Meters", "Draw meters over the 3D viewport: how much each listener feels", True)
-    show_scope: switch("Scope", "Draw the last second of the selected listener, or of the one that feels the most", True)
+    show_scope: switch(
+        "Scope",
+        "Draw the last second of the selected listener, or of the one that feels the most",
+        True,
+    )
     show_body: switch("Body", "Draw a body whose parts light up where they feel something", True)
     show_lane: switch(
         "Timeline of Touch",
-        "Draw over Timeline and Dope Sheet what each listener feels: waves and impacts of the frames baked or played, and in "
+        "Draw over Timeline and Dope Sheet what each listener feels: waves and impacts of the "
+        "frames baked or played, and in "
         "orange the threshold of feeling",
         True,
     )
@@ -37,15 +42,28 @@ class HapticMetersProperties(PropertyGroup):
         ),
         default="BOTTOM_LEFT",
     )
-    sort_path: switch("Sort by Loss", "Sort the objects of a path by loss, largest first, instead of in path order", update=None)
+    sort_path: switch(
+        "Sort by Loss",
+        "Sort the objects of a path by loss, largest first, instead of in path order",
+        update=None,
+    )
 
 
 class HapticGltfProperties(PropertyGroup):
     """The data that is written when the scene is exported as glTF."""
 
-    use_extras: switch("Haptics", "Roles, haptic properties, functions and contacts, in the extras of nodes", True)
-    use_material: switch("MPEG Haptic Material", "Haptic materials of meshes as an extension of ISO/IEC 23090-14")
-    material_name: text("Name", "Name of that extension, because drafts of the standard differ", "MPEG_haptic_material", maxlen=60)
+    use_extras: switch(
+        "Haptics", "Roles, haptic properties, functions and contacts, in the extras of nodes", True
+    )
+    use_material: switch(
+        "MPEG Haptic Material", "Haptic materials of meshes as an extension of ISO/IEC 23090-14"
+    )
+    material_name: text(
+        "Name",
+        "Name of that extension, because drafts of the standard differ",
+        "MPEG_haptic_material",
+        maxlen=60,
+    )
 
 
 @updating()
@@ -62,20 +80,45 @@ class HapticGltfProperties(PropertyGroup):
 class HapticSceneProperties(Stored, PropertyGroup):
     """How a scene is traced and shown."""
 
-    tracing: switch("Trace", "Trace haptics at every frame while the timeline plays or objects move", True)
+    tracing: switch(
+        "Trace", "Trace haptics at every frame while the timeline plays or objects move", True
+    )
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)
     textures: PointerProperty(type=rules.HapticTextureTable)
-    show_overlay: switch("Overlay", "Draw the haptic graph over the 3D viewport", True, update=view_changed)
-    show_intra: switch("Connections", "Draw the connections inside objects that carry signal", True, update=view_changed)
-    show_best_paths: switch("Best Paths", "Mark the best path from each source to each listener", True, update=view_changed)
-    show_labels: switch("Labels", "Write names and amplitudes beside sources and listeners", True, update=view_changed)
-    show_flow: switch(
-        "Signal Flow",
-        "Pulses run along the best paths while the timeline plays; not their real speed, which the eye could not follow",
+    show_overlay: switch(
+        "Overlay", "Draw the haptic graph over the 3D viewport", True, update=view_changed
+    )
+    show_intra: switch(
+        "Connections",
+        "Draw the connections inside objects that carry signal",
+        True,
         update=view_changed,
     )
-    xray: switch("In Front", "Draw the graph over objects instead of being hidden by them", True, update=view_changed)
+    show_best_paths: switch(
+        "Best Paths",
+        "Mark the best path from each source to each listener",
+        True,
+        update=view_changed,
+    )
+    show_labels: switch(
+        "Labels",
+        "Write names and amplitudes beside sources and listeners",
+        True,
+        update=view_changed,
+    )
+    show_flow: switch(
+        "Signal Flow",
+        "Pulses run along the best paths while the timeline plays; not their real speed, which "
+        "the eye could not follow",
+        update=view_changed,
+    )
+    xray: switch(
+        "In Front",
+        "Draw the graph over objects instead of being hidden by them",
+        True,
+        update=view_changed,
+    )
     bake: PointerProperty(type=bake.HapticBakeProperties)
     meters: PointerProperty(type=HapticMetersProperties)
     live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
@@ -88,4 +131,6 @@ class HapticSceneProperties(Stored, PropertyGroup):
         options={"HIDDEN"},
         update=changed,
     )
-    kept_impacts: text("Kept Impacts", "The impacts of the frame in which the file was saved", options={"HIDDEN"})
+    kept_impacts: text(
+        "Kept Impacts", "The impacts of the frame in which the file was saved", options={"HIDDEN"}
+    )

@@ -18,7 +18,11 @@ from .kinds import choice, limited, share, switch, text
 
 ORIGINS = (
     ("FILE", "File", "A WAV, FLAC, MP3 or Ogg file"),
-    ("SPEAKER", "Speaker", "The sound of a speaker, from the strips of its animation on, with its volume and pitch"),
+    (
+        "SPEAKER",
+        "Speaker",
+        "The sound of a speaker, from the strips of its animation on, with its volume and pitch",
+    ),
     ("SEQUENCER", "Sequencer", "Sound strips of the scene, at their times and with their volume"),
 )
 CARRIERS = (
@@ -31,7 +35,8 @@ SHOWN = {"PITCH": ("band", "frequency"), "FIXED": ("frequency",), "DEVICE": ("de
 
 
 def sound_path(owner: bpy.types.ID, path: str) -> Path:
-    """A path that is stored with ``owner``, as an absolute path. Raises ValueError if there is no such file."""
+    """A path that is stored with ``owner``, as an absolute path. Raises ValueError if there is no
+    such file."""
     full = local_path(path, owner)
     if not full.is_file():
         raise ValueError(iface_("there is no file {}").format(full))
@@ -44,7 +49,8 @@ def device_profiles() -> Mapping[str, profiles.Profile]:
 
 
 def _matching_devices(self: PropertyGroup, context: Context, typed: str) -> list[str]:
-    """What the search field of devices offers; Blender chooses those that match what was ``typed``."""
+    """What the search field of devices offers; Blender chooses those that match what was
+    ``typed``."""
     return sorted(device_profiles())
 
 
@@ -64,21 +70,40 @@ class HapticSoundProperties(PropertyGroup):
     origin: choice("Sound", "Where the sound comes from", ORIGINS)
     filepath: text("File", "The sound that becomes vibration", subtype="FILE_PATH")
     speaker: PointerProperty(
-        type=Object, name="Speaker", description="It plays the sound", poll=lambda self, obj: obj.type == "SPEAKER", update=_edited
+        type=Object,
+        name="Speaker",
+        description="It plays the sound",
+        poll=lambda self, obj: obj.type == "SPEAKER",
+        update=_edited,
     )
     strip: text("Strip", "One sound strip; empty for all that are not muted")
     loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
     carrier: choice("Carrier", "The vibration whose amplitude follows the sound", CARRIERS)
     frequency: limited(
-        "Frequency (Hz)", "Frequency of the carrier in hertz; if it follows the pitch, that of sounds without pitch", 160.0, (10.0, 1000.0)
+        "Frequency (Hz)",
+        "Frequency of the carrier in hertz; if it follows the pitch, that of sounds without pitch",
+        160.0,
+        (10.0, 1000.0),
     )
     device: text("Device", "The profile of the device", "dualsense", search=_matching_devices)
     band: FloatVectorProperty(
-        name="Band (Hz)", description="Lowest and highest frequency of the carrier, in hertz; other pitches are brought into it by octaves",
+        name="Band (Hz)", description="Lowest and highest frequency of the carrier, in hertz; "
+"other pitches are brought into it by octaves",
         size=2, default=(40.0, 400.0), min=10.0, max=1000.0
     )  # fmt: skip
-    gate: limited("Gate (dB)", "What is quieter, in decibels below full scale, makes no vibration", -40.0, (-100.0, 0.0))
-    gain: limited("Gain", "Makes the vibration of the sound stronger or weaker", 1.0, (0.0, 100.0), soft_max=10.0)
+    gate: limited(
+        "Gate (dB)",
+        "What is quieter, in decibels below full scale, makes no vibration",
+        -40.0,
+        (-100.0, 0.0),
+    )
+    gain: limited(
+        "Gain",
+        "Makes the vibration of the sound stronger or weaker",
+        1.0,
+        (0.0, 100.0),
+        soft_max=10.0,
+    )
     release: limited(
         "Release (s)",
         "How long vibration goes on after the sound: so many seconds later it is 37% as strong",
@@ -89,5 +114,7 @@ class HapticSoundProperties(PropertyGroup):
     bursts: share("Onsets", "Strength of the short burst where something begins in the sound", 1.0)
     kept: text("Vibration", "What was made of the sound", options={"HIDDEN"}, update=changed)
     waves: text("Waves", "The sound and its vibration as the panel draws them", options={"HIDDEN"})
-    is_edited: switch("Edited", "These settings have changed since the conversion", options={"HIDDEN"})
+    is_edited: switch(
+        "Edited", "These settings have changed since the conversion", options={"HIDDEN"}
+    )
     fault: text("Fault", "What is wrong with the sound", options={"HIDDEN"})

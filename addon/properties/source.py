@@ -18,9 +18,18 @@ SIGNAL_ITEMS = (
     ("NOISE", "Noise", "A rough, random vibration"),
     ("FILE", "WAV File", "A recorded signal"),
     ("DRAWN", "Drawn", "Amplitude and frequency as curves"),
-    ("SOUND", "Sound", "Vibration made of a sound: how strong, how high and where something begins"),
+    (
+        "SOUND",
+        "Sound",
+        "Vibration made of a sound: how strong, how high and where something begins",
+    ),
     ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
-    ("BLAST", "Blast", "The pressure wave of a shot or an explosion, whose overpressure lasts for the decay time (Friedlander)"),
+    (
+        "BLAST",
+        "Blast",
+        "The pressure wave of a shot or an explosion, whose overpressure lasts for the decay "
+        "time (Friedlander)",
+    ),
 )
 
 
@@ -39,33 +48,54 @@ class HapticSourceProperties(Stored, PropertyGroup):
     signal: choice("Signal", "What the source emits", SIGNAL_ITEMS, default="SINE")
     frequency: limited(
         "Frequency (Hz)",
-        "Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 Hz",
+        "Vibrations or blows per second, in hertz; the skin feels 20 to 1000 Hz, best around 250 "
+        "Hz",
         60.0,
         HERTZ,
         soft_min=10.0,
         soft_max=500.0,
     )
     drawing: drawing_property()
-    envelope: share("Envelope", "Amplitude of the drawn signal where F-curves draw it instead of a curve", 1.0)
+    envelope: share(
+        "Envelope", "Amplitude of the drawn signal where F-curves draw it instead of a curve", 1.0
+    )
     filepath: text("WAV File", "The recorded signal, looped", subtype="FILE_PATH")
     sound: PointerProperty(type=HapticSoundProperties)
     decay: limited(
         "Decay Time (s)",
-        "Time constant of an exponential decay from the first frame on: after this many seconds the amplitude is 37%; 0 means no decay",
+        "Time constant of an exponential decay from the first frame on: after this many seconds "
+        "the amplitude is 37%; 0 means no decay",
         0.0,
         (0.0, 1e6),
         soft_max=60.0,
         precision=3,
     )
-    one_shot: switch("Once per Trigger", "Silent until a trigger below plays the signal, once per trigger")
-    trigger: share(
-        "Trigger", "Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame in which it rises above 0", 0.0
+    one_shot: switch(
+        "Once per Trigger", "Silent until a trigger below plays the signal, once per trigger"
     )
-    trigger_markers: _name("Markers", "Plays at the timeline markers of this name; * stands for any characters, ? for one")
+    trigger: share(
+        "Trigger",
+        "Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame "
+        "in which it rises above 0",
+        0.0,
+    )
+    trigger_markers: _name(
+        "Markers",
+        "Plays at the timeline markers of this name; * stands for any characters, ? for one",
+    )
     trigger_hit: switch(
         "When Hit",
-        "Plays at each impact of the haptic object, with the blow's energy, as the rule for impacts of the two says",
+        "Plays at each impact of the haptic object, with the blow's energy, as the rule for "
+        "impacts of the two says",
         options=set(),
     )
-    trigger_object: _name("Passing", "Plays when the origin of this haptic object enters the region; Car* are all such names, empty any")
-    trigger_region: _name("Region", "The object whose bounding box is the region; a flat one is a plane that triggers from either side")
+    trigger_object: _name(
+        "Passing",
+        "Plays when the origin of this haptic object enters the region; Car* are all such names, "
+        "empty any",
+    )
+    trigger_region: _name(
+        "Region",
+        "The object whose bounding box is the region; a flat one is a plane that triggers from "
+        "either side",
+    )

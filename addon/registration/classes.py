@@ -30,8 +30,23 @@ from ..panels import sound as sound_panels
 from .properties import classes_of
 
 CLASSES = (
-    *classes_of(preferences, job, tagging, adding, tracing, design, gizmos, materials, body_kit, rules),
-    *classes_of(bake, exporting, importing, signals, live_output, scene, object, source, sound_panels, listener, result, export),
+    *classes_of(
+        preferences, job, tagging, adding, tracing, design, gizmos, materials, body_kit, rules
+    ),
+    *classes_of(
+        bake,
+        exporting,
+        importing,
+        signals,
+        live_output,
+        scene,
+        object,
+        source,
+        sound_panels,
+        listener,
+        result,
+        export,
+    ),
     *classes_of(materials_panels),
     *modalities_panels.PANELS,
     *classes_of(rules_panels, bake_panel, live_output_panels, object_menus),

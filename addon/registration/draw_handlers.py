@@ -1,5 +1,5 @@
-"""Draw handlers: over the 3D viewport the haptic graph, the meters, then labels and legend in the remaining room; over timelines the
-lane."""
+"""Draw handlers: over the 3D viewport the haptic graph, the meters, then labels and legend in the
+remaining room; over timelines the lane."""
 
 from __future__ import annotations
 
@@ -45,7 +45,10 @@ _STAGES: tuple[tuple[Any, Callable[[], None], str, str], ...] = (
 def register() -> None:
     """Start drawing, once."""
     if not _handlers:
-        _handlers.extend((space, space.draw_handler_add(_draw, (what,), region, stage), region) for space, what, region, stage in _STAGES)
+        _handlers.extend(
+            (space, space.draw_handler_add(_draw, (what,), region, stage), region)
+            for space, what, region, stage in _STAGES
+        )
 
 
 def unregister() -> None:

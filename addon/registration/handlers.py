@@ -1,4 +1,5 @@
-"""Blender's events: a frame change traces the frame, an edit traces it again, a file load drops everything.
+"""Blender's events: a frame change traces the frame, an edit traces it again, a file load drops
+everything.
 
 In scenes without haptic objects they return without loading the core.
 """
@@ -49,7 +50,13 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     try:
         if scene.haptics.tracing and not playback.play(scene) and _is_ready(scene):
             live_output.frame_comes(scene)
-            session.begin(scene, depsgraph, live=True, plays=live_output.is_wanted(), baked_impacts=playback.impacts_of(scene))
+            session.begin(
+                scene,
+                depsgraph,
+                live=True,
+                plays=live_output.is_wanted(),
+                baked_impacts=playback.impacts_of(scene),
+            )
     finally:
         if live_output.is_wanted():
             live_output.frame_changed(scene, playback.plays(scene))
@@ -58,7 +65,8 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
 
 @persistent
 def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
-    """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does it."""
+    """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does
+    it."""
     _note_geometry(depsgraph)
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
         return
@@ -92,13 +100,21 @@ def _trace_soon() -> None:
 
 
 def trace_opened() -> None:
-    """Begin to trace the scenes of the windows that have no result, or only one from a baked track, without waiting."""
+    """Begin to trace the scenes of the windows that have no result, or only one from a baked track,
+    without waiting."""
     for window in bpy.context.window_manager.windows:
         scene, shown = window.scene, sessions.shown(window.scene)
-        is_due = (shown is None or playback.is_from_track(shown.result)) and not sessions.is_behind(scene)
+        is_due = (shown is None or playback.is_from_track(shown.result)) and not sessions.is_behind(
+            scene
+        )
         if scene.haptics.tracing and is_due and _is_concerned(scene) and not playback.plays(scene):
             with bpy.context.temp_override(window=window):
-                session.begin(scene, bpy.context.evaluated_depsgraph_get(), live=True, baked_impacts=playback.impacts_of(scene))
+                session.begin(
+                    scene,
+                    bpy.context.evaluated_depsgraph_get(),
+                    live=True,
+                    baked_impacts=playback.impacts_of(scene),
+                )
 
 
 @persistent
@@ -126,7 +142,8 @@ def cancel(*_: Any) -> None:
 
 @persistent
 def render_pre(*_: Any) -> None:
-    """Cancel the running trace during a render and repeat it afterwards. Called on the render thread."""
+    """Cancel the running trace during a render and repeat it afterwards. Called on the render
+    thread."""
     if is_loaded(session) and not steps_any():
         session.cancel(resume=True)
 
@@ -146,8 +163,8 @@ def _is_concerned(scene: Scene) -> bool:
 
 
 def _is_ready(scene: Scene) -> bool:
-    """Whether a frame can be traced. During playback, wait up to `_PATIENCE` for the one before, then skip this one; otherwise cancel the
-    one before."""
+    """Whether a frame can be traced. During playback, wait up to `_PATIENCE` for the one before,
+    then skip this one; otherwise cancel the one before."""
     if not session.is_busy(scene, _PATIENCE):
         return True
     if not is_playing():
@@ -156,18 +173,25 @@ def _is_ready(scene: Scene) -> bool:
 
 
 def _make_way(seconds: float) -> None:
-    """If a script has called the handler that calls this, end the worker's jobs where they endanger what the script does next."""
+    """If a script has called the handler that calls this, end the worker's jobs where they endanger
+    what the script does next."""
     if sys._getframe(1).f_back is not None and is_loaded(session):
         session.make_way(seconds)
 
 
 def _edited(depsgraph: Depsgraph) -> bool:
     """True where more than the transforms of objects changed."""
-    return any(not isinstance(u.id, bpy.types.Object) or not u.is_updated_transform or u.is_updated_geometry for u in depsgraph.updates)
+    return any(
+        not isinstance(u.id, bpy.types.Object)
+        or not u.is_updated_transform
+        or u.is_updated_geometry
+        for u in depsgraph.updates
+    )
 
 
 def _note_geometry(depsgraph: Depsgraph) -> None:
-    """Note which meshes an evaluation may have changed, whatever becomes of the frame: no later one names them."""
+    """Note which meshes an evaluation may have changed, whatever becomes of the frame: no later one
+    names them."""
     if depsgraph.mode != "RENDER" and is_loaded(session):
         session.geometry_changed(depsgraph)
 

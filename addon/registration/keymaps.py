@@ -9,7 +9,8 @@ _items: list[tuple[KeyMap, KeyMapItem]] = []
 
 
 def register() -> None:
-    """Add the shortcuts: in the viewport those of tracing and modes, in every editor those of live output."""
+    """Add the shortcuts: in the viewport those of tracing and modes, in every editor those of live
+    output."""
     configuration = bpy.context.window_manager.keyconfigs.addon
     if configuration is None:  # in the background
         return

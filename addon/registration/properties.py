@@ -14,16 +14,31 @@ import bpy
 from bpy.props import CollectionProperty, PointerProperty
 from bpy.types import NodeTree, Object, PropertyGroup, Scene
 
-from ..properties import bake, drawing, listener, live_output, materials, modalities, object, rules, scene, sound, source
+from ..properties import (
+    bake,
+    drawing,
+    listener,
+    live_output,
+    materials,
+    modalities,
+    object,
+    rules,
+    scene,
+    sound,
+    source,
+)
 
 
 def classes_of(*modules: ModuleType) -> tuple[type, ...]:
-    """The Blender classes defined in modules, in the order of definition, so that a class follows those that it needs."""
+    """The Blender classes defined in modules, in the order of definition, so that a class follows
+    those that it needs."""
     return tuple(
         value
         for module in modules
         for value in vars(module).values()
-        if isinstance(value, type) and issubclass(value, bpy.types.bpy_struct) and value.__module__ == module.__name__
+        if isinstance(value, type)
+        and issubclass(value, bpy.types.bpy_struct)
+        and value.__module__ == module.__name__
     )
 
 
@@ -44,7 +59,9 @@ def _overridable(definition: Any) -> Any:
 
 
 for _group in CLASSES:
-    _group.__annotations__ = {name: _overridable(definition) for name, definition in get_type_hints(_group).items()}
+    _group.__annotations__ = {
+        name: _overridable(definition) for name, definition in get_type_hints(_group).items()
+    }
 
 
 def _inner_groups(group: type) -> Iterator[str]:
@@ -60,8 +77,9 @@ _INNER_GROUPS = attrgetter(*_inner_groups(object.HapticObjectProperties))
 
 
 def create_overridden_groups() -> None:
-    """Before a save: create the property groups that library overrides and what they override lack, by reading them. Blender 5 stores the
-    difference of two groups, but none from a group that does not exist."""
+    """Before a save: create the property groups that library overrides and what they override lack,
+    by reading them. Blender 5 stores the difference of two groups, but none from a group that does
+    not exist."""
     for block in (*bpy.data.objects, *bpy.data.node_groups):
         if block.override_library is not None:
             for side in filter(None, (block, block.override_library.reference)):
@@ -76,9 +94,15 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLAS
 def register() -> None:
     """Register the property groups, then give them to node groups, objects and scenes."""
     _register_classes()
-    NodeTree.haptics = PointerProperty(type=drawing.HapticDrawing, name="Haptics", override=_OVERRIDABLE)
-    Object.haptics = PointerProperty(type=object.HapticObjectProperties, name="Haptics", override=_OVERRIDABLE)
-    Scene.haptics = PointerProperty(type=scene.HapticSceneProperties, name="Haptics", override=_OVERRIDABLE)
+    NodeTree.haptics = PointerProperty(
+        type=drawing.HapticDrawing, name="Haptics", override=_OVERRIDABLE
+    )
+    Object.haptics = PointerProperty(
+        type=object.HapticObjectProperties, name="Haptics", override=_OVERRIDABLE
+    )
+    Scene.haptics = PointerProperty(
+        type=scene.HapticSceneProperties, name="Haptics", override=_OVERRIDABLE
+    )
 
 
 def unregister() -> None:

@@ -1,4 +1,5 @@
-"""Animated frequencies and envelopes as automations over the scene's time, because phases of values read frame by frame would jump."""
+"""Animated frequencies and envelopes as automations over the scene's time, because phases of values
+read frame by frame would jump."""
 
 from __future__ import annotations
 
@@ -24,17 +25,20 @@ _PARTS = 16
 
 
 class AnimatedCurves:
-    """The automations of a scene's sources, recomputed when their keyframes or the scene's frames have changed."""
+    """The automations of a scene's sources, recomputed when their keyframes or the scene's frames
+    have changed."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[int, str], tuple[Any, Automation]] = {}  # by session id of the object, and data path
+        # By session id of the object, and data path.
+        self._known: dict[tuple[int, str], tuple[Any, Automation]] = {}
 
     def clear(self) -> None:
         """Drop all automations, because curves may have changed."""
         self._known.clear()
 
     def of_source(self, obj: Object, scene: Scene) -> Curves:
-        """Frequency and envelope of a source over seconds from the scene's first frame, None if no F-curve animates them."""
+        """Frequency and envelope of a source over seconds from the scene's first frame, None if no
+        F-curve animates them."""
         return self._automation(obj, scene, FREQUENCY), self._automation(obj, scene, ENVELOPE)
 
     def _automation(self, obj: Object, scene: Scene, path: str) -> Automation | None:
@@ -51,12 +55,19 @@ class AnimatedCurves:
 
 def animating(obj: Object, path: str) -> Any:
     """The F-curve with keys that animates a property of an object; None if there is none."""
-    return next((c for c in fcurves_of(obj) if c.data_path == path and not c.mute and len(c.keyframe_points)), None)
+    return next(
+        (
+            c
+            for c in fcurves_of(obj)
+            if c.data_path == path and not c.mute and len(c.keyframe_points)
+        ),
+        None,
+    )
 
 
 def corners(curve: Any) -> FloatArray:
-    """Frames and values, shape (n, 2), of a piecewise linear F-curve: its keys, and in rounded parts one point per frame, at least
-    `_PARTS`; two points at a jump."""
+    """Frames and values, shape (n, 2), of a piecewise linear F-curve: its keys, and in rounded
+    parts one point per frame, at least `_PARTS`; two points at a jump."""
     found: list[tuple[float, float]] = []
     keys = list(curve.keyframe_points)
     most = max(_MOST_FRAMES // len(keys), 1)
@@ -66,7 +77,9 @@ def corners(curve: Any) -> FloatArray:
         if key.interpolation == "CONSTANT":
             found.append((end, value))
         elif key.interpolation != "LINEAR":
-            inside = np.linspace(begin, end, min(max(math.ceil(end - begin), _PARTS), most) + 1)[1:-1]
+            inside = np.linspace(begin, end, min(max(math.ceil(end - begin), _PARTS), most) + 1)[
+                1:-1
+            ]
             found += [(frame, curve.evaluate(frame)) for frame in inside.tolist()]
     return np.array([*found, tuple(keys[-1].co)])
 
@@ -74,9 +87,18 @@ def corners(curve: Any) -> FloatArray:
 def _description(curve: Any, scene: Scene) -> tuple[Any, ...]:
     """The values that the automation of a curve depends on."""
     points = curve.keyframe_points
-    values = [read_array(points, name, 2).tobytes() for name in ("co", "handle_left", "handle_right")]
+    values = [
+        read_array(points, name, 2).tobytes() for name in ("co", "handle_left", "handle_right")
+    ]
     kinds = [point.interpolation for point in points]
-    return values, kinds, scene.frame_start, scene.frame_end, scene.render.fps, scene.render.fps_base
+    return (
+        values,
+        kinds,
+        scene.frame_start,
+        scene.frame_end,
+        scene.render.fps,
+        scene.render.fps_base,
+    )
 
 
 def _evaluated(curve: Any, scene: Scene, path: str) -> Automation:
@@ -84,7 +106,11 @@ def _evaluated(curve: Any, scene: Scene, path: str) -> Automation:
     start = min(math.floor(first), scene.frame_start)
     frames = range(start, min(max(math.ceil(last), scene.frame_end), start + _MOST_FRAMES) + 1)
     lines = np.zeros((0, 2)) if len(curve.modifiers) else corners(curve)
-    around = [(frame, curve.evaluate(frame)) for frame in frames if not len(lines) or not first <= frame <= last]
+    around = [
+        (frame, curve.evaluate(frame))
+        for frame in frames
+        if not len(lines) or not first <= frame <= last
+    ]
     points = np.concatenate([lines, np.array(around).reshape(-1, 2)])
     points = points[np.argsort(points[:, 0], kind="stable")]
     seconds = (points[:, 0] - scene.frame_start) * (scene.render.fps_base / scene.render.fps)

@@ -1,4 +1,5 @@
-"""The collision shape of a Blender object, as Blender passes it to Bullet, as a value of the core."""
+"""The collision shape of a Blender object, as Blender passes it to Bullet, as a value of the
+core."""
 
 from __future__ import annotations
 
@@ -14,7 +15,12 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Depsgraph, Object, Scene
 
 from ...core.arrays import FloatArray, IntArray
-from ...core.contacts.bullet_shapes import DEFAULT_MARGIN, convex_hull_shape, mesh_shape, shape_from_bounding_box
+from ...core.contacts.bullet_shapes import (
+    DEFAULT_MARGIN,
+    convex_hull_shape,
+    mesh_shape,
+    shape_from_bounding_box,
+)
 from ...core.contacts.shapes import MAX_TRIANGLES, Compound
 from ...core.contacts.surface_shape import Surface, SurfaceShape, hull_deviation, surface_shape
 from ...core.scene.values import Pose
@@ -25,7 +31,8 @@ _MOST_KEPT = 20_000
 """Triangles up to which the shape of a mesh is kept."""
 
 LARGEST = 1e7
-"""Largest extent of an object from its origin [m]; beyond it contacts are not accurate to a metre."""
+"""Largest extent of an object from its origin [m]; beyond it contacts are not accurate to a
+metre."""
 
 
 def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
@@ -37,10 +44,11 @@ def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
 
 
 def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
-    """The shape of ``obj`` with its world scale (3,), negative where mirrored, in the object's rotated frame.
+    """The shape of ``obj`` with its world scale (3,), negative where mirrored, in the object's
+    rotated frame.
 
-    A rigid body's own shape, otherwise what the object's *Surface* says of the evaluated mesh. Raises ValueError if there is none, or if it
-    extends further than `LARGEST`.
+    A rigid body's own shape, otherwise what the object's *Surface* says of the evaluated mesh.
+    Raises ValueError if there is none, or if it extends further than `LARGEST`.
     """
     if np.any(np.abs(scale) < 1e-9):
         raise ValueError(iface_("its scale is 0: give it an extent in every direction"))
@@ -59,33 +67,62 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sur
         if len(triangles) > _MOST_KEPT:
             found = surface_shape(vertices * scale, outwards, surface, tolerance, sunk_in)
         else:
-            found = _surface_shape((vertices * scale).tobytes(), outwards.tobytes(), surface, tolerance, sunk_in)
-        return replace(found, seen=None) if obj.haptics.is_property_set("surface") else found  # a hull that was chosen
+            found = _surface_shape(
+                (vertices * scale).tobytes(), outwards.tobytes(), surface, tolerance, sunk_in
+            )
+        return (
+            replace(found, seen=None) if obj.haptics.is_property_set("surface") else found
+        )  # a hull that was chosen
     return _shape_of_body(obj, body, depsgraph, corners, size, mirror)
 
 
-def _shape_of_body(obj: Object, body: Any, depsgraph: Depsgraph, corners: FloatArray, size: FloatArray, mirror: FloatArray) -> SurfaceShape:
+def _shape_of_body(
+    obj: Object,
+    body: Any,
+    depsgraph: Depsgraph,
+    corners: FloatArray,
+    size: FloatArray,
+    mirror: FloatArray,
+) -> SurfaceShape:
     margin, use_margin = body.collision_margin, body.use_margin
     match body.collision_shape:
         case "CONVEX_HULL":
             vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
-            return _hull((vertices * mirror).tobytes(), triangles.tobytes(), tuple(size.tolist()), margin, use_margin)
+            return _hull(
+                (vertices * mirror).tobytes(),
+                triangles.tobytes(),
+                tuple(size.tolist()),
+                margin,
+                use_margin,
+            )
         case "MESH":
             vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
             if len(triangles) == 0:
                 raise ValueError(iface_("its mesh has no faces"))
             _check_number(triangles)
-            return SurfaceShape(mesh_shape(vertices * mirror, triangles, size.tolist(), margin if use_margin else DEFAULT_MARGIN))
+            return SurfaceShape(
+                mesh_shape(
+                    vertices * mirror,
+                    triangles,
+                    size.tolist(),
+                    margin if use_margin else DEFAULT_MARGIN,
+                )
+            )
         case "COMPOUND":
             return SurfaceShape(_compound(obj, depsgraph, size))
         case kind:
             if not corners.any():
                 raise ValueError(iface_("its mesh has no vertices"))
-            return SurfaceShape(shape_from_bounding_box(kind, _bounding_box(obj, depsgraph), size.tolist(), margin, use_margin))
+            return SurfaceShape(
+                shape_from_bounding_box(
+                    kind, _bounding_box(obj, depsgraph), size.tolist(), margin, use_margin
+                )
+            )
 
 
 def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
-    """Checksum of the geometry that the shape of ``obj`` is built from; never equal to another for compounds."""
+    """Checksum of the geometry that the shape of ``obj`` is built from; never equal to another for
+    compounds."""
     body = obj.rigid_body
     kind, source = ("MESH", "FINAL") if body is None else (body.collision_shape, body.mesh_source)
     match kind:
@@ -98,18 +135,28 @@ def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
 
 
 @lru_cache(maxsize=1024)
-def _hull(vertices: bytes, triangles: bytes, size: tuple[float, ...], margin: float, use_margin: bool) -> SurfaceShape:
-    """The hull of a mesh, shared by its objects, because shrinking it by the margin takes milliseconds. ``vertices``: (n, 3) as bytes,
-    ``triangles`` (t, 3) too."""
+def _hull(
+    vertices: bytes, triangles: bytes, size: tuple[float, ...], margin: float, use_margin: bool
+) -> SurfaceShape:
+    """The hull of a mesh, shared by its objects, because shrinking it by the margin takes
+    milliseconds. ``vertices``: (n, 3) as bytes, ``triangles`` (t, 3) too."""
     points = np.frombuffer(vertices).reshape(-1, 3)
     shape = convex_hull_shape(points, size, margin, use_margin)
-    return SurfaceShape(shape, hull_deviation(points * size, np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)))
+    return SurfaceShape(
+        shape,
+        hull_deviation(points * size, np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)),
+    )
 
 
 @lru_cache(maxsize=256)
-def _surface_shape(vertices: bytes, triangles: bytes, surface: Surface, tolerance: float, sunk_in: float) -> SurfaceShape:
+def _surface_shape(
+    vertices: bytes, triangles: bytes, surface: Surface, tolerance: float, sunk_in: float
+) -> SurfaceShape:
     """`surface_shape` of a mesh, kept by its content: undo and duplicates read it again."""
-    points, corners = np.frombuffer(vertices).reshape(-1, 3), np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)
+    points, corners = (
+        np.frombuffer(vertices).reshape(-1, 3),
+        np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3),
+    )
     return surface_shape(points, corners, surface, tolerance, sunk_in)
 
 
@@ -126,18 +173,23 @@ def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
         pose = Pose(tuple(position.tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
         children.append((collision_shape(child, depsgraph, child_scale).shape, pose))
     if not children:
-        raise ValueError(iface_("its shape is Compound Parent, but none of its children is a rigid body"))
+        raise ValueError(
+            iface_("its shape is Compound Parent, but none of its children is a rigid body")
+        )
     return Compound(tuple(children))
 
 
 @contextmanager
 def _surface(obj: Object, depsgraph: Depsgraph, source: str) -> Iterator[Any]:
-    """The mesh of an object's surface, with its modifiers unless ``source`` is "BASE". Raises ValueError where it has none."""
+    """The mesh of an object's surface, with its modifiers unless ``source`` is "BASE". Raises
+    ValueError where it has none."""
     owner = obj if source == "BASE" else obj.evaluated_get(depsgraph)
     try:
         mesh = owner.to_mesh()
     except RuntimeError:
-        words = iface_("it is a {} and has no surface; use a mesh, or a listener or source on an empty")
+        words = iface_(
+            "it is a {} and has no surface; use a mesh, or a listener or source on an empty"
+        )
         raise ValueError(words.format(obj.type.lower())) from None
     try:
         if mesh is None or len(mesh.vertices) == 0:
@@ -163,7 +215,10 @@ def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArr
 def _check_number(triangles: IntArray) -> None:
     """Raises ValueError where there are too many triangles to collide."""
     if len(triangles) > MAX_TRIANGLES:
-        words = iface_("its surface has {:,} triangles, more than {:,}: choose Convex Hull, or add a Decimate modifier")
+        words = iface_(
+            "its surface has {:,} triangles, more than {:,}: choose Convex Hull, or add a "
+            "Decimate modifier"
+        )
         raise ValueError(words.format(len(triangles), MAX_TRIANGLES))
 
 

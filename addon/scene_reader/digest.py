@@ -1,6 +1,7 @@
 """Digests of a scene, to find changes since a bake or since the detection of impacts.
 
-A digest is plain data: settings and frame rate, and for every relevant object one checksum per aspect.
+A digest is plain data: settings and frame rate, and for every relevant object one checksum per
+aspect.
 """
 
 from __future__ import annotations
@@ -29,7 +30,13 @@ from .triggers import marker_frames
 Digest = dict[str, Any]
 
 _MOST_CHANGES = 6
-_WHOLES = (("frame rate", "frame rate"), ("gravity", "gravity"), ("world", "physics"), ("start", "start"), ("rules", "rules"))
+_WHOLES = (
+    ("frame rate", "frame rate"),
+    ("gravity", "gravity"),
+    ("world", "physics"),
+    ("start", "start"),
+    ("rules", "rules"),
+)
 _ASPECTS = ("haptics", "pose", "shape", "animation", "physics", "relations")
 TEXTS = {
     "setting": "{} was {}, is {}",
@@ -55,26 +62,58 @@ TEXTS = {
 Change = tuple[Any, ...]
 """A key of `TEXTS`, and the arguments of its text."""
 
-_NOT_FELT = frozenset({
-    *("rna_type", "tracing", "show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray", "bake", "meters"),
-    *("live_output", "materials", "gltf", "modalities", "kept_impacts", "felt", "sound"),
-})  # fmt: skip
-"""Properties that change nothing of what is baked: of the view, of output, of other modalities, and those whose values objects copy."""
+_NOT_FELT = frozenset(
+    {
+        *(
+            "rna_type",
+            "tracing",
+            "show_overlay",
+            "show_intra",
+            "show_best_paths",
+            "show_labels",
+            "show_flow",
+            "xray",
+            "bake",
+            "meters",
+        ),
+        *("live_output", "materials", "gltf", "modalities", "kept_impacts", "felt", "sound"),
+    }
+)
+"""Properties that change nothing of what is baked: of the view, of output, of other modalities, and
+those whose values objects copy."""
 _ADDED = {"surface", "sunk_in"}
 """Properties that the digests of earlier versions lack: left out where they have their default."""
 _NOT_EFFECTIVE = ("open_", "show_", "select", "is_active", "active", "use_pin", "strip_time")
-"""Beginnings of the names of properties of modifiers, constraints and strips that have no effect."""
+"""Beginnings of the names of properties of modifiers, constraints and strips that have no
+effect."""
 _PLAIN_TYPES = {"BOOLEAN", "INT", "FLOAT", "STRING", "ENUM"}
 _LONG = 60  # characters of a text that a digest holds
 _TRANSFORM = (
-    *("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale", "rotation_mode"),
+    *(
+        "location",
+        "rotation_euler",
+        "rotation_quaternion",
+        "rotation_axis_angle",
+        "scale",
+        "rotation_mode",
+    ),
     *("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale"),
 )
 _BONE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
 _WORLD = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
 _BODY = (
-    *("type", "enabled", "kinematic", "collision_shape", "mesh_source", "mass", "friction", "restitution", "use_margin"),
+    *(
+        "type",
+        "enabled",
+        "kinematic",
+        "collision_shape",
+        "mesh_source",
+        "mass",
+        "friction",
+        "restitution",
+        "use_margin",
+    ),
     *("collision_margin", "linear_damping", "angular_damping"),
 )
 
@@ -91,25 +130,37 @@ def digest_of(scene: Scene) -> Digest:
     shown, regions = _layer_objects(scene), regions_of(scene)
     moving = _with_movers(obj for obj in shown if _matters(obj) or obj.name in regions)
     objects = {obj.name_full: {"haptics": _roles(obj, scene), **_motion(obj)} for obj in moving}
-    return {"settings": settings, "rules": _sum(rules), "start": scene.frame_start, **_physics(scene), "objects": objects}
+    return {
+        "settings": settings,
+        "rules": _sum(rules),
+        "start": scene.frame_start,
+        **_physics(scene),
+        "objects": objects,
+    }
 
 
 def motion_of(scene: Scene) -> str:
-    """A checksum of everything that determines the impacts of a scene, independent of its haptic settings and the current frame.
+    """A checksum of everything that determines the impacts of a scene, independent of its haptic
+    settings and the current frame.
 
-    It covers physics, and the shape, transforms, animation, rigid body, parent, constraints and modifiers of haptic objects and of objects
-    that may move them.
+    It covers physics, and the shape, transforms, animation, rigid body, parent, constraints and
+    modifiers of haptic objects and of objects that may move them.
     """
     regions = regions_of(scene)
-    moving = _with_movers(obj for obj in _layer_objects(scene) if _may_hit(obj) or obj.name in regions)
+    moving = _with_movers(
+        obj for obj in _layer_objects(scene) if _may_hit(obj) or obj.name in regions
+    )
     return _sum([_physics(scene), [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]])
 
 
 def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:
-    """The changes between two digests: the first few, and the number of further ones. ``before`` comes from a file and may be invalid."""
+    """The changes between two digests: the first few, and the number of further ones. ``before``
+    comes from a file and may be invalid."""
     was, settings = _mapping(before.get("settings")), now["settings"]
     found: list[Change] = [
-        ("setting", key.replace("_", " "), was[key], settings[key]) for key in settings if key in was and was[key] != settings[key]
+        ("setting", key.replace("_", " "), was[key], settings[key])
+        for key in settings
+        if key in was and was[key] != settings[key]
     ]
     found += [(kind,) for kind, key in _WHOLES if key in before and before[key] != now[key]]
     old, objects = _mapping(before.get("objects")), now["objects"]
@@ -139,11 +190,19 @@ def _acts(obj: Object) -> bool:
 
 def _matters(obj: Object) -> bool:
     """Whether an object has a role, acts or moves: cameras, lights and scenery are ignored."""
-    return is_tagged(obj) or _acts(obj) or (obj.type in {"MESH", "EMPTY"} and obj.animation_data is not None)
+    return (
+        is_tagged(obj)
+        or _acts(obj)
+        or (obj.type in {"MESH", "EMPTY"} and obj.animation_data is not None)
+    )
 
 
 def _may_hit(obj: Object) -> bool:
-    return obj.haptics.enabled or _acts(obj) or (obj.type in {"MESH", "EMPTY"} and bool(_animation(obj, "haptics.")[1]))
+    return (
+        obj.haptics.enabled
+        or _acts(obj)
+        or (obj.type in {"MESH", "EMPTY"} and bool(_animation(obj, "haptics.")[1]))
+    )
 
 
 def _physics(scene: Scene) -> Digest:
@@ -158,18 +217,27 @@ def _physics(scene: Scene) -> Digest:
 def _layer_objects(scene: Scene) -> Iterable[Object]:
     """The objects of the view layer that is traced: the context's, if that is of the scene."""
     layer = bpy.context.view_layer
-    return layer.objects if layer is not None and bpy.context.scene == scene else scene.view_layers[0].objects
+    return (
+        layer.objects
+        if layer is not None and bpy.context.scene == scene
+        else scene.view_layers[0].objects
+    )
 
 
 def _with_movers(objects: Iterable[Object]) -> list[Object]:
-    """The objects and those that move or deform them: parents, and the targets of constraints and modifiers."""
+    """The objects and those that move or deform them: parents, and the targets of constraints and
+    modifiers."""
     found, new = {}, list(objects)
     while new:
         obj = new.pop()
         if obj.name_full not in found:
             found[obj.name_full] = obj
             items = chain(obj.constraints, obj.modifiers)
-            new += [target for target in (obj.parent, *(value for item in items for value in _targets(item))) if target is not None]
+            new += [
+                target
+                for target in (obj.parent, *(value for item in items for value in _targets(item)))
+                if target is not None
+            ]
     return list(found.values())
 
 
@@ -194,8 +262,9 @@ def _roles(obj: Object, scene: Scene) -> str:
 
 
 def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[str, Any]]:
-    """The properties of a group, of the groups inside it and of the signals that it refers to, except those of which the data path, which
-    begins with ``prefix``, is ``animated``: their values depend on the current frame."""
+    """The properties of a group, of the groups inside it and of the signals that it refers to,
+    except those of which the data path, which begins with ``prefix``, is ``animated``: their values
+    depend on the current frame."""
     found = []
     for definition in group.bl_rna.properties:
         key, path = definition.identifier, f"{prefix}{definition.identifier}"
@@ -205,7 +274,10 @@ def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[st
         if key in _ADDED and value == definition.default:
             continue
         if definition.type == "COLLECTION":
-            value = [("", _values(item, animated, f"{path}[{number}].")) for number, item in enumerate(value)]
+            value = [
+                ("", _values(item, animated, f"{path}[{number}]."))
+                for number, item in enumerate(value)
+            ]
         elif isinstance(value, PropertyGroup):
             value = _values(value, animated, f"{path}.")
         found.append((key, _datablock(value) if isinstance(value, ID) else _plain(value)))
@@ -246,20 +318,40 @@ def _content_sum(path: Path, changed: int, size: int) -> str:
 
 
 def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
-    """The aspects other than the haptic settings; animation of data paths that begin with ``ignored`` does not count."""
+    """The aspects other than the haptic settings; animation of data paths that begin with
+    ``ignored`` does not count."""
     paths, animation = _animation(obj, ignored)
     keys = getattr(obj.data, "shape_keys", None)
     if keys is not None:
-        animation += _animation(keys)[1] + _sum([(key.name, round(key.value, 5)) for key in keys.key_blocks if not keys.animation_data])
+        animation += _animation(keys)[1] + _sum(
+            [(key.name, round(key.value, 5)) for key in keys.key_blocks if not keys.animation_data]
+        )
     body = obj.rigid_body
-    parent, body_of_it = (item.name_full if item is not None else "" for item in (obj.parent, obj.haptics.body))
+    parent, body_of_it = (
+        item.name_full if item is not None else "" for item in (obj.parent, obj.haptics.body)
+    )
     relations = [
-        [body_of_it, parent, obj.parent_type, obj.parent_bone, [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse]],
+        [
+            body_of_it,
+            parent,
+            obj.parent_type,
+            obj.parent_bone,
+            [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse],
+        ],
         [_effect(item, f'constraints["{item.name}"].', paths) for item in obj.constraints],
         [_effect(item, f'modifiers["{item.name}"].', paths) for item in obj.modifiers],
     ]
-    placed = [(obj, "", _TRANSFORM), *((bone, f'pose.bones["{bone.name}"].', _BONE) for bone in (obj.pose.bones if obj.pose else ()))]
-    pose = [_properties(item, [key for key in keys if f"{prefix}{key}" not in paths]) for item, prefix, keys in placed]
+    placed = [
+        (obj, "", _TRANSFORM),
+        *(
+            (bone, f'pose.bones["{bone.name}"].', _BONE)
+            for bone in (obj.pose.bones if obj.pose else ())
+        ),
+    ]
+    pose = [
+        _properties(item, [key for key in keys if f"{prefix}{key}" not in paths])
+        for item, prefix, keys in placed
+    ]
     return {
         "pose": _sum(pose),
         "shape": _shape(obj) if is_tagged(obj) or body is not None else "",
@@ -270,11 +362,19 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
 
 
 def _effect(item: Any, prefix: str, animated: Collection[str]) -> list[Any]:
-    """The properties of a modifier, constraint or strip that have an effect and are not ``animated``; of datablocks their names."""
+    """The properties of a modifier, constraint or strip that have an effect and are not
+    ``animated``; of datablocks their names."""
     shown = getattr(item, "show_viewport", True)
-    values = _properties(item, [key for key in _keys(item, _PLAIN_TYPES) if f"{prefix}{key}" not in animated])
+    values = _properties(
+        item, [key for key in _keys(item, _PLAIN_TYPES) if f"{prefix}{key}" not in animated]
+    )
     pointers = (getattr(item, key) for key in _keys(item, {"POINTER"}))
-    return [item.type, shown, values, [value.name_full for value in pointers if isinstance(value, ID)]]
+    return [
+        item.type,
+        shown,
+        values,
+        [value.name_full for value in pointers if isinstance(value, ID)],
+    ]
 
 
 def _keys(item: Any, types: Collection[str]) -> list[str]:
@@ -302,34 +402,62 @@ def _shape(obj: Object) -> str:
     mesh = obj.data if obj.type == "MESH" else None
     if mesh is None:
         return _sum([round(v, 5) for corner in obj.bound_box for v in corner])
-    places = read_array(mesh.vertices, "co", 3)  # attributes are those of the edited mesh in Edit Mode, which has no positions
+    places = read_array(
+        mesh.vertices, "co", 3
+    )  # attributes are those of the edited mesh in Edit Mode, which has no positions
     return f"{len(mesh.polygons)}:{zlib.crc32(places.tobytes()):08x}"
 
 
 def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozenset[str], str]:
-    """The data paths that are animated, and a checksum of their keys, drivers and strips. Paths that begin with ``ignored`` do not count:
-    a bake writes some itself."""
+    """The data paths that are animated, and a checksum of their keys, drivers and strips. Paths
+    that begin with ``ignored`` do not count: a bake writes some itself."""
     data = datablock.animation_data
     if data is None:
         return frozenset(), ""
     curves = [curve for curve in fcurves_of(datablock) if not curve.data_path.startswith(ignored)]
     drivers = [driver for driver in data.drivers if not driver.data_path.startswith(ignored)]
     parts: list[Any] = [_curve(curve) for curve in curves]
-    parts += [(d.data_path, d.array_index, d.driver.type, d.driver.expression, d.mute, list(_variables(d.driver))) for d in drivers]
     parts += [
-        (track.mute, [(_effect(strip, "", ()), [_curve(curve) for curve in fcurves_in(strip.action)] if strip.action else "")
-                      for strip in track.strips])
+        (
+            d.data_path,
+            d.array_index,
+            d.driver.type,
+            d.driver.expression,
+            d.mute,
+            list(_variables(d.driver)),
+        )
+        for d in drivers
+    ]
+    parts += [
+        (
+            track.mute,
+            [
+                (
+                    _effect(strip, "", ()),
+                    [_curve(curve) for curve in fcurves_in(strip.action)] if strip.action else "",
+                )
+                for strip in track.strips
+            ],
+        )
         for track in data.nla_tracks
-    ]  # fmt: skip
+    ]
     return frozenset(item.data_path for item in (*curves, *drivers)), _sum(parts) if parts else ""
 
 
-_OF_KEYS = (("co", 2, np.float32), ("handle_left", 2, np.float32), ("handle_right", 2, np.float32), ("interpolation", 1, np.int32))
+_OF_KEYS = (
+    ("co", 2, np.float32),
+    ("handle_left", 2, np.float32),
+    ("handle_right", 2, np.float32),
+    ("interpolation", 1, np.int32),
+)
 
 
 def _curve(curve: Any) -> tuple[Any, ...]:
     """What an F-curve animates, and checksums of its keys and modifiers."""
-    keys = [zlib.crc32(read_array(curve.keyframe_points, name, width, kind).tobytes()) for name, width, kind in _OF_KEYS]
+    keys = [
+        zlib.crc32(read_array(curve.keyframe_points, name, width, kind).tobytes())
+        for name, width, kind in _OF_KEYS
+    ]
     modifiers = [_effect(item, "", ()) for item in curve.modifiers]
     return curve.data_path, curve.array_index, keys, curve.mute, curve.extrapolation, modifiers
 
@@ -339,7 +467,14 @@ def _variables(driver: Any) -> Iterator[tuple[Any, ...]]:
     for variable in driver.variables:
         for target in variable.targets:
             owner = "" if target.id is None else target.id.name_full
-            yield variable.name, variable.type, owner, target.data_path, target.bone_target, target.transform_type
+            yield (
+                variable.name,
+                variable.type,
+                owner,
+                target.data_path,
+                target.bone_target,
+                target.transform_type,
+            )
 
 
 def _sum(value: Any) -> str:

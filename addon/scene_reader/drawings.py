@@ -21,15 +21,20 @@ _TABLE = 256
 """Number of points at which Blender evaluates a rounded curve."""
 
 
-def read_drawing(tree: Any, envelope: Automation | None = None, frequency: Automation | None = None) -> Drawing:
-    """The signal that is drawn in a node group; ``envelope`` and ``frequency``, from F-curves, replace its curves.
+def read_drawing(
+    tree: Any, envelope: Automation | None = None, frequency: Automation | None = None
+) -> Drawing:
+    """The signal that is drawn in a node group; ``envelope`` and ``frequency``, from F-curves,
+    replace its curves.
 
     Raises ValueError, with a message for the user, if it is not a drawn signal.
     """
     if tree is None:
         raise ValueError(iface_("no signal is drawn yet: press New in the panel Haptic Source"))
     drawing = tree.haptics
-    seconds, low, high = (shortest(value) for value in (drawing.duration, drawing.lowest, drawing.highest))
+    seconds, low, high = (
+        shortest(value) for value in (drawing.duration, drawing.lowest, drawing.highest)
+    )
     try:
         return Drawing(
             envelope or _automation(mapping_of(tree, AMPLITUDE), seconds, 0.0, 1.0),
@@ -39,7 +44,9 @@ def read_drawing(tree: Any, envelope: Automation | None = None, frequency: Autom
             drawing.loops,
         )
     except ValueError as error:
-        raise ValueError(iface_("the drawn signal '{}' is damaged: {}").format(tree.name, error)) from None
+        raise ValueError(
+            iface_("the drawn signal '{}' is damaged: {}").format(tree.name, error)
+        ) from None
 
 
 def mapping_of(tree: Any, name: str) -> Any:
@@ -51,9 +58,12 @@ def mapping_of(tree: Any, name: str) -> Any:
 
 
 def points_of(mapping: Any) -> tuple[FloatArray, list[str]]:
-    """Coordinates of a curve's points, shape (n, 2), and the handle type of each: VECTOR (a corner), AUTO or AUTO_CLAMPED."""
+    """Coordinates of a curve's points, shape (n, 2), and the handle type of each: VECTOR (a
+    corner), AUTO or AUTO_CLAMPED."""
     points = mapping.curves[0].points
-    return read_array(points, "location", 2).astype(np.float64), [point.handle_type for point in points]
+    return read_array(points, "location", 2).astype(np.float64), [
+        point.handle_type for point in points
+    ]
 
 
 def _automation(mapping: Any, seconds: float, low: float, high: float) -> Automation:

@@ -10,15 +10,22 @@ from .imported import fields_of, stored_item
 
 
 def read_function(haptics: Any, stored: ModulationFunction | None = None) -> ModulationFunction:
-    """The propagation function of an object's properties; ``stored``: that of the file that the object comes from. Raises ValueError."""
+    """The propagation function of an object's properties; ``stored``: that of the file that the
+    object comes from. Raises ValueError."""
     stored = stored if stored is not None and stored.name == haptics.function else None
     known = fields_of(None if stored is None else stored.spectrum)
     values = read_values(Spectrum, haptics, known)
-    bands = read_values(Spectrum, haptics.material, known)["band_decays"] if haptics.material.use_bands else ()
+    bands = (
+        read_values(Spectrum, haptics.material, known)["band_decays"]
+        if haptics.material.use_bands
+        else ()
+    )
     return function_of(haptics, stored, Spectrum(**{**values, "band_decays": bands}))
 
 
-def function_of(group: Any, stored: ModulationFunction | None, spectrum: Spectrum) -> ModulationFunction:
+def function_of(
+    group: Any, stored: ModulationFunction | None, spectrum: Spectrum
+) -> ModulationFunction:
     """The function that a group's properties choose, with their parameters. Raises ValueError."""
     cls = ALL_FUNCTIONS[group.function]
     known = fields_of(stored) if isinstance(stored, cls) else {}

@@ -1,7 +1,7 @@
 """Values of an imported file that Blender's properties cannot hold, stored as JSON in the .blend.
 
-The text may come from an untrusted .blend file: `stored` validates it against ``stored.schema.json``, which uses the definitions of the
-scene file's schema.
+The text may come from an untrusted .blend file: `stored` validates it against
+``stored.schema.json``, which uses the definitions of the scene file's schema.
 """
 
 from __future__ import annotations
@@ -29,16 +29,17 @@ from ...core.scene.values import Contact, Settings, Vector
 from ..properties.scene import HapticSceneProperties
 
 NEAR = 1e-5
-"""Difference in metres, or in elements of a rotation, below which an object counts as unmoved since the import, because Blender rounds to
-single precision."""
+"""Difference in metres, or in elements of a rotation, below which an object counts as unmoved since
+the import, because Blender rounds to single precision."""
 
 Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileContacts:
-    """Contacts of a scene. ``contacts`` by their objects in alphabetical order, valid while neither has moved and the contact tolerance is
-    ``tolerance`` [m]; ``transmissions``: functions of all contacts of the two objects."""
+    """Contacts of a scene. ``contacts`` by their objects in alphabetical order, valid while neither
+    has moved and the contact tolerance is ``tolerance`` [m]; ``transmissions``: functions of all
+    contacts of the two objects."""
 
     contacts: Mapping[Pair, tuple[Contact, ...]] = field(default_factory=dict)
     transmissions: Mapping[Pair, ModulationFunction] = field(default_factory=dict)
@@ -48,11 +49,16 @@ class FileContacts:
 def text_of(**parts: Any) -> str:
     """The text that stores ``parts``, "" if there are none."""
     used = {key: value for key, value in parts.items() if value not in (None, {}, [])}
-    return json.dumps(used, ensure_ascii=False, allow_nan=False, separators=(",", ":")) if used else ""
+    return (
+        json.dumps(used, ensure_ascii=False, allow_nan=False, separators=(",", ":")) if used else ""
+    )
 
 
-def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tolerance: float) -> str:
-    """The text for `file_contacts`; ``later``: contacts that begin in later frames, for their functions."""
+def text_of_contacts(
+    contacts: Iterable[Contact], later: Iterable[Contact], tolerance: float
+) -> str:
+    """The text for `file_contacts`; ``later``: contacts that begin in later frames, for their
+    functions."""
     forms = [[item_to_dict(item) for item in items] for items in (contacts, later)]
     if not any(forms):
         return ""
@@ -61,31 +67,46 @@ def text_of_contacts(contacts: Iterable[Contact], later: Iterable[Contact], tole
 
 @lru_cache(maxsize=8192)
 def stored_item(text: str, name: str) -> Mapping[str, Any]:
-    """The fields of the item in a text, without its name and its references; ``name``: that of its definition in the schema of scenes.
+    """The fields of the item in a text, without its name and its references; ``name``: that of its
+    definition in the schema of scenes.
 
     Raises ValueError if the text is damaged.
     """
     if not text:
         return {}
     with _damaged():
-        form = _in_terms_of_files(parse_json(text.encode("utf-8", "surrogatepass"), "imported"), name)
+        form = _in_terms_of_files(
+            parse_json(text.encode("utf-8", "surrogatepass"), "imported"), name
+        )
         validate(form, f"{SCENE}#{name}", "imported")
-        return read_members({key: value for key, value in form.items() if key in declared(DEFINED[name])}, ())
+        return read_members(
+            {key: value for key, value in form.items() if key in declared(DEFINED[name])}, ()
+        )
 
 
 def _in_terms_of_files(form: Any, name: str) -> Any:
-    """The item ``name`` of a stored document. Version 0.1 stored only what properties could not hold, numbers apart from the rest."""
+    """The item ``name`` of a stored document. Version 0.1 stored only what properties could not
+    hold, numbers apart from the rest."""
     if not isinstance(form, dict):
         return form
     numbers = form.get("numbers")
     numbers = numbers if isinstance(numbers, dict) else {}
     match name:
         case "settings":
-            return form.get(name, {key: value for key, value in {**form, **numbers}.items() if key in declared(Settings)})
+            return form.get(
+                name,
+                {
+                    key: value
+                    for key, value in {**form, **numbers}.items()
+                    if key in declared(Settings)
+                },
+            )
         case "rules":
             held = HapticSceneProperties.held[ContactSettings].items()
             former = {key: numbers[own] for key, own in held if own in numbers}
-            return form.get(name, {**former, **({"slack": form["slack"]} if "slack" in form else {})})
+            return form.get(
+                name, {**former, **({"slack": form["slack"]} if "slack" in form else {})}
+            )
         case "impact_rule":
             limits = {key: numbers.pop(key) for key in declared(ImpactLimits) if key in numbers}
             form = {"template": form["signal"], **form} if "signal" in form else form
@@ -109,12 +130,19 @@ def fields_of(item: Any) -> dict[str, Any]:
 def text_with(text: str, emitters: Mapping[str, Vector], numbers: Mapping[str, float]) -> str:
     """The text of an object with further emitters and numbers."""
     form = stored(text, "modalities")
-    return text_of(**{**form, "emitters": {**form.get("emitters", {}), **emitters}, "numbers": {**form.get("numbers", {}), **numbers}})
+    return text_of(
+        **{
+            **form,
+            "emitters": {**form.get("emitters", {}), **emitters},
+            "numbers": {**form.get("numbers", {}), **numbers},
+        }
+    )
 
 
 @lru_cache(maxsize=4096)
 def stored_modalities(text: str) -> tuple[Mapping[str, float], Mapping[str, Vector]]:
-    """The numbers of an object for modalities other than vibration, as ``modality.property``, and its positions as their source."""
+    """The numbers of an object for modalities other than vibration, as ``modality.property``, and
+    its positions as their source."""
     form = stored(text, "modalities")
     return plain(form.get("numbers", {})), plain(form.get("emitters", {}))
 
@@ -129,7 +157,11 @@ def file_contacts(text: str) -> FileContacts:
         found, later = (_contacts(form.get(key, [])) for key in ("contacts", "later"))
         return FileContacts(
             contacts=by_pair(found),
-            transmissions={pair_of(item): item.transmission for item in reversed((*found, *later)) if item.transmission != Identity()},
+            transmissions={
+                pair_of(item): item.transmission
+                for item in reversed((*found, *later))
+                if item.transmission != Identity()
+            },
             tolerance=float(form.get("tolerance", 0.0)),
         )
 
@@ -143,7 +175,9 @@ def _contacts(forms: Any) -> tuple[Contact, ...]:
     """Contacts, validated as in a scene file."""
     names = {name for form in forms for name in form["objects"]}
     objects = [{"name": name, "kappa": 0, "rho": 0} for name in names]
-    return scene_from_dict({"format": FORMAT, "version": VERSION, "objects": objects, "contacts": forms}, "imported").contacts
+    return scene_from_dict(
+        {"format": FORMAT, "version": VERSION, "objects": objects, "contacts": forms}, "imported"
+    ).contacts
 
 
 def plain(value: Any) -> Any:
@@ -169,13 +203,16 @@ def _validator(kind: str) -> Callable[[Any], Any]:
 
     schema = _schema()
     definition = {key: schema[key] for key in ("$schema", "$id")} | schema["$defs"][kind]
-    handlers = {"https": lambda uri: load_schema(uri.rpartition("/")[2].removesuffix(".schema.json"))}
+    handlers = {
+        "https": lambda uri: load_schema(uri.rpartition("/")[2].removesuffix(".schema.json"))
+    }
     validate: Callable[[Any], Any] = fastjsonschema.compile(definition, handlers, use_default=False)
     return validate
 
 
 def stored(text: str, kind: str) -> dict[str, Any]:
-    """The document that a property stores; an empty one for no text. Raises ValueError if it is invalid."""
+    """The document that a property stores; an empty one for no text. Raises ValueError if it is
+    invalid."""
     if not text:
         return {}
     import fastjsonschema
@@ -186,7 +223,8 @@ def stored(text: str, kind: str) -> dict[str, Any]:
             _validator(kind)(document)
         except fastjsonschema.JsonSchemaValueException as error:
             raise ValueError(
-                f"{'/'.join(map(str, error.path[1:])) or 'it'} {error.message.removeprefix(error.name or '').strip()}"
+                f"{'/'.join(map(str, error.path[1:])) or 'it'} "
+                f"{error.message.removeprefix(error.name or '').strip()}"
             ) from None
     return cast(dict[str, Any], document)
 
@@ -197,4 +235,6 @@ def _damaged() -> Iterator[None]:
     try:
         yield
     except ValueError as error:
-        raise ValueError(f"what was imported with it is damaged: import it again ({error})") from None
+        raise ValueError(
+            f"what was imported with it is damaged: import it again ({error})"
+        ) from None

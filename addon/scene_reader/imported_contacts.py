@@ -18,7 +18,8 @@ from .imported import NEAR, FileContacts, file_contacts, stored_item
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Homes:
-    """Poses of bodies in a file: ``transforms`` (n, 4, 4), infinite if it has none, and their tolerance."""
+    """Poses of bodies in a file: ``transforms`` (n, 4, 4), infinite if it has none, and their
+    tolerance."""
 
     names: tuple[str, ...]
     poses: tuple[Pose | None, ...]
@@ -37,7 +38,8 @@ class Homes:
         return cls(names, poses, transforms, limits)
 
     def settle(self, transforms: FloatArray) -> frozenset[str]:
-        """The bodies that are in these poses; their ``transforms`` are replaced by the unrounded ones of the file."""
+        """The bodies that are in these poses; their ``transforms`` are replaced by the unrounded
+        ones of the file."""
         if not np.isfinite(self.transforms[:, 3, 3]).any():
             return frozenset()
         at_home = np.all(np.abs(transforms - self.transforms) <= self.limits, axis=(1, 2))
@@ -51,7 +53,9 @@ class ImportedContacts:
     def __init__(self) -> None:
         self.problems: tuple[str, ...] = ()
         self._kept = FileContacts()
-        self._authored: tuple[tuple[FileContacts, Homes, frozenset[str]], AuthoredContacts] | None = None
+        self._authored: (
+            tuple[tuple[FileContacts, Homes, frozenset[str]], AuthoredContacts] | None
+        ) = None
 
     def read(self, scene: Scene) -> None:
         """Read the stored contacts of the scene again."""
@@ -62,14 +66,25 @@ class ImportedContacts:
         except ValueError as error:
             self._kept, self.problems = FileContacts(), (str(error),)
 
-    def authored(self, homes: Homes, settled: frozenset[str], settings: ContactSettings) -> AuthoredContacts | None:
-        """The authored contacts for the tracer if the bodies ``settled`` are in their poses; the same object while nothing changes."""
+    def authored(
+        self, homes: Homes, settled: frozenset[str], settings: ContactSettings
+    ) -> AuthoredContacts | None:
+        """The authored contacts for the tracer if the bodies ``settled`` are in their poses; the
+        same object while nothing changes."""
         kept = self._kept
         settled = settled if kept.tolerance == settings.tolerance and kept.contacts else frozenset()
         if not settled and not kept.transmissions:
             return None
         key = kept, homes, settled
         if self._authored is None or self._authored[0] != key:
-            contacts = [item for pair, items in kept.contacts.items() if settled.issuperset(pair) for item in items]
-            self._authored = key, AuthoredContacts.of(homes.names, settled, contacts, kept.transmissions)
+            contacts = [
+                item
+                for pair, items in kept.contacts.items()
+                if settled.issuperset(pair)
+                for item in items
+            ]
+            self._authored = (
+                key,
+                AuthoredContacts.of(homes.names, settled, contacts, kept.transmissions),
+            )
         return self._authored[1]

@@ -20,8 +20,8 @@ _MOST_CHARACTERS = 2**16
 
 
 def text_of_impacts(frame: int, kept: FrameImpacts, motion: str) -> str:
-    """The text for `impacts_from_text` with the impacts of a frame, "" if there are none or too many; ``motion``: checksum of their
-    causes."""
+    """The text for `impacts_from_text` with the impacts of a frame, "" if there are none or too
+    many; ``motion``: checksum of their causes."""
     impacts = [
         {
             **asdict(item.impact),
@@ -37,9 +37,11 @@ def text_of_impacts(frame: int, kept: FrameImpacts, motion: str) -> str:
     return text if (impacts or shots) and len(text) <= _MOST_CHARACTERS else ""
 
 
-def impacts_from_text(text: str, frame: int, names: Sequence[str], motion: str) -> FrameImpacts | None:
-    """The stored impacts of a frame; None if there are none, or if anything has changed since. The text may be untrusted: an invalid one
-    counts as none."""
+def impacts_from_text(
+    text: str, frame: int, names: Sequence[str], motion: str
+) -> FrameImpacts | None:
+    """The stored impacts of a frame; None if there are none, or if anything has changed since. The
+    text may be untrusted: an invalid one counts as none."""
     if not 0 < len(text) <= _MOST_CHARACTERS:
         return None
     try:
@@ -47,16 +49,24 @@ def impacts_from_text(text: str, frame: int, names: Sequence[str], motion: str) 
     except ValueError:
         return None
     row = {name: number for number, name in enumerate(names)}
-    if (form["frame"], form["motion"]) != (frame, motion) or not all(name in row for item in form["impacts"] for name in item["objects"]):
+    if (form["frame"], form["motion"]) != (frame, motion) or not all(
+        name in row for item in form["impacts"] for name in item["objects"]
+    ):
         return None
     sounding = tuple(_sounding(item, row) for item in form["impacts"])
-    poses = np.array([item["poses"] for item in form["impacts"]], dtype=np.float64).reshape(-1, 2, 3, 4)
+    poses = np.array([item["poses"] for item in form["impacts"]], dtype=np.float64).reshape(
+        -1, 2, 3, 4
+    )
     shots = tuple(Shot(**{**item, "on": TriggerKind(item["on"])}) for item in form.get("shots", ()))
     return FrameImpacts(float(form["start"]), sounding, poses, shots) if sounding or shots else None
 
 
 def _sounding(item: dict[str, Any], row: dict[str, int]) -> Sounding:
     first, second = item["objects"]
-    values = {key: plain(item[key]) for key in ("time", "positions", "normal", "energy", "amplitude")}
+    values = {
+        key: plain(item[key]) for key in ("time", "positions", "normal", "energy", "amplitude")
+    }
     on_first, on_second = (np.array(place, dtype=np.float64) for place in item["local"])
-    return Sounding.of(Impact((row[first], row[second]), **values), (first, second), (on_first, on_second))
+    return Sounding.of(
+        Impact((row[first], row[second]), **values), (first, second), (on_first, on_second)
+    )

@@ -18,7 +18,9 @@ from .imported import near, stored_modalities
 from .roles import haptic_carrier
 
 
-def read_modalities(scene: Scene, objects: Iterable[HapticObject]) -> tuple[tuple[ModalityScene, ...], tuple[str, ...]]:
+def read_modalities(
+    scene: Scene, objects: Iterable[HapticObject]
+) -> tuple[tuple[ModalityScene, ...], tuple[str, ...]]:
     """The values of the haptic ``objects`` for the enabled modalities, and their problems."""
     found, errors = [], []
     for modality in SHOWN:
@@ -31,20 +33,30 @@ def read_modalities(scene: Scene, objects: Iterable[HapticObject]) -> tuple[tupl
 
 
 def read_modality(modality: Modality, scene: Scene, names: set[str]) -> ModalityScene:
-    """The values of the haptic objects ``names`` of a scene. Raises ValueError if imported data is damaged."""
+    """The values of the haptic objects ``names`` of a scene. Raises ValueError if imported data is
+    damaged."""
     values, forms, emitters, prefix = {}, {}, [], f"{modality.name}."
     for obj in scene.objects:
         group = getattr(obj.haptics.modalities, modality.name)
         if obj.name_full not in names and not group.is_source:
             continue
         kept, homes = stored_modalities(obj.haptics.imported)
-        numbers = {name.removeprefix(prefix): value for name, value in kept.items() if name.startswith(prefix)}
+        numbers = {
+            name.removeprefix(prefix): value
+            for name, value in kept.items()
+            if name.startswith(prefix)
+        }
         if obj.name_full in names:
             own = _values(modality.values, group, numbers)
-            values[obj.name_full] = {key: value for key, value in own.items() if value != modality.defaults()[key]}
+            values[obj.name_full] = {
+                key: value for key, value in own.items() if value != modality.defaults()[key]
+            }
             if group.function != modality.default_function:
                 cls: type = ALL_FUNCTIONS[group.function]
-                parameters = {declared(cls)[key].key or key: value for key, value in _values(cls, group, numbers).items()}
+                parameters = {
+                    declared(cls)[key].key or key: value
+                    for key, value in _values(cls, group, numbers).items()
+                }
                 forms[obj.name_full] = {"function": group.function, **parameters}
         emitter = _emitter(modality, obj, homes.get(modality.name), numbers, names)
         if emitter is not None:
@@ -64,12 +76,24 @@ def _values(cls: type, group: Any, numbers: Mapping[str, float]) -> dict[str, An
     return read_values(cls, group, known)
 
 
-def _emitter(modality: Modality, obj: Object, home: Vector | None, numbers: Mapping[str, float], names: set[str]) -> Emitter | None:
-    """The object as a source, at its place ``home`` in a file, if it is one on any of the objects ``names``, else None."""
+def _emitter(
+    modality: Modality,
+    obj: Object,
+    home: Vector | None,
+    numbers: Mapping[str, float],
+    names: set[str],
+) -> Emitter | None:
+    """The object as a source, at its place ``home`` in a file, if it is one on any of the objects
+    ``names``, else None."""
     group = getattr(obj.haptics.modalities, modality.name)
     carrier = haptic_carrier(obj) if group.is_source else None
     if carrier is None or carrier.name_full not in names:
         return None
     position = tuple(obj.matrix_world.translation)
     position = home if home is not None and near(home, position) else position
-    return Emitter(obj.name_full, carrier.name_full, position, *_values(modality.source, group, numbers).values())
+    return Emitter(
+        obj.name_full,
+        carrier.name_full,
+        position,
+        *_values(modality.source, group, numbers).values(),
+    )

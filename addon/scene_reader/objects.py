@@ -18,7 +18,8 @@ from .signals import decaying, played_once, read_signal
 
 
 def read_object(obj: Object) -> HapticObject:
-    """The haptic object of a Blender object, without shape and pose. Raises ValueError if its function is invalid."""
+    """The haptic object of a Blender object, without shape and pose. Raises ValueError if its
+    function is invalid."""
     haptics = obj.haptics
     stored = stored_item(haptics.imported, "object")
     values = {
@@ -34,16 +35,21 @@ def read_object(obj: Object) -> HapticObject:
     return HapticObject(obj.name_full, **values)
 
 
-def read_source(obj: Object, carrier: str, curves: Curves = (None, None), is_silenced: bool = False) -> Source:
-    """The source of a Blender object on the haptic object ``carrier``, without its triggers; its position, here that of an imported file,
-    is set per frame. ``curves``: frequency and envelope over the scene's time if they are animated."""
+def read_source(
+    obj: Object, carrier: str, curves: Curves = (None, None), is_silenced: bool = False
+) -> Source:
+    """The source of a Blender object on the haptic object ``carrier``, without its triggers; its
+    position, here that of an imported file, is set per frame. ``curves``: frequency and envelope
+    over the scene's time if they are animated."""
     properties = obj.haptics.source
     stored = stored_item(properties.imported, "source")
     values = {**read_values(Source, properties, stored), "triggers": None}
     second = bpy.data.objects.get(values.get("second_object") or "")
     if second is None or not second.haptics.enabled or second.name_full == carrier:
         values["second_object"] = values["second_position"] = None
-    signal = stored.get("signal") if properties.signal == "KEPT" else read_signal(properties, *curves)
+    signal = (
+        stored.get("signal") if properties.signal == "KEPT" else read_signal(properties, *curves)
+    )
     if values.get("kind", SourceKind.PERSISTENT) is SourceKind.PERSISTENT:
         signal = decaying(signal, properties.decay)
     values["signal"] = played_once(signal) if properties.one_shot else signal
@@ -53,7 +59,8 @@ def read_source(obj: Object, carrier: str, curves: Curves = (None, None), is_sil
 
 
 def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Listener:
-    """The listener of a Blender object on the haptic object ``carrier``; its position as for a source."""
+    """The listener of a Blender object on the haptic object ``carrier``; its position as for a
+    source."""
     properties = obj.haptics.listener
     stored = stored_item(properties.imported, "listener")
     values = read_values(Listener, properties, stored)
@@ -65,13 +72,15 @@ def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Liste
 
 
 def read_impact_material(obj: Object) -> str | None:
-    """The impact material of an object, by the name of its haptic material; None if that is unknown."""
+    """The impact material of an object, by the name of its haptic material; None if that is
+    unknown."""
     material = named_in(obj.haptics.material.name)
     return None if material is None else impact_material(material.name)
 
 
 def read_motion(obj: Object, imported: Motion | None) -> Motion:
-    """How an object moves: by physics, by animation, or not at all; as in its imported file if it is not a rigid body."""
+    """How an object moves: by physics, by animation, or not at all; as in its imported file if it
+    is not a rigid body."""
     body = obj.rigid_body
     if body is None and imported is not None:
         return imported

@@ -10,8 +10,9 @@ from bpy.app.translations import pgettext_rpt as _rpt
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A problem for the designer to fix: the object's name ("" for the scene) and a message for the user; ``rule``: the name of a table and
-    the number of the row for a problem in a table of rules."""
+    """A problem for the designer to fix: the object's name ("" for the scene) and a message for the
+    user; ``rule``: the name of a table and the number of the row for a problem in a table of
+    rules."""
 
     object: str
     message: str
@@ -20,4 +21,8 @@ class Problem:
 
 def why_untraced(problems: Sequence[Problem]) -> str:
     """Why a scene with these problems has no result, for the user."""
-    return problems[0].message if problems else _rpt("Nothing is tagged: select objects and press Make Haptic")
+    return (
+        problems[0].message
+        if problems
+        else _rpt("Nothing is tagged: select objects and press Make Haptic")
+    )

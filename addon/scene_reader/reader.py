@@ -1,7 +1,7 @@
 """Reads a Blender scene into the values of the core.
 
-Authored values are read when they change, transforms at every frame, all matrices in one call. No bpy object is kept between calls: only
-session ids, row numbers and plain values.
+Authored values are read when they change, transforms at every frame, all matrices in one call. No
+bpy object is kept between calls: only session ids, row numbers and plain values.
 """
 
 from __future__ import annotations
@@ -53,9 +53,11 @@ class SceneReader:
         self._settings, self._contact_settings = Settings(), ContactSettings()
         self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
         self._curves = AnimatedCurves()
-        self._animated: dict[int, tuple[Any, ...]] = {}  # by row: what its animated properties were last
+        # By row: what its animated properties were last.
+        self._animated: dict[int, tuple[Any, ...]] = {}
         self._lists: TaggedLists | None = None
-        self._raw = np.zeros((0, 16), dtype=np.float32)  # matrices of the tagged rows as they were read last
+        # Matrices of the tagged rows as they were read last.
+        self._raw = np.zeros((0, 16), dtype=np.float32)
         self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
         self._transforms = np.zeros((0, 4, 4))  # of the bodies
         self._placed: list[Source | Listener] = []
@@ -76,7 +78,8 @@ class SceneReader:
         self._session_ids = None
 
     def doubt_shapes(self, session_ids: Iterable[int] | None = None) -> None:
-        """Compare the geometry of these objects (None: of all) at the next call, because it may have changed."""
+        """Compare the geometry of these objects (None: of all) at the next call, because it may
+        have changed."""
         self._doubtful.update(self._shapes if session_ids is None else session_ids)
 
     @property
@@ -85,7 +88,8 @@ class SceneReader:
         return self._session_ids is not None and not self._tagged
 
     def read(self, scene: Scene, depsgraph: Depsgraph, exact: bool = False) -> Reading:
-        """The current scene in ``depsgraph``; ``exact``: including motions below the tolerance of rest."""
+        """The current scene in ``depsgraph``; ``exact``: including motions below the tolerance of
+        rest."""
         ids = session_ids()
         raw = raw_matrices(len(ids))
         if self._marked(scene) != self._markers:
@@ -93,9 +97,15 @@ class SceneReader:
         if self._session_ids is None or not np.array_equal(self._session_ids, ids):
             self._read_all(depsgraph, raw)
             self._imported.read(scene)
-            objects = [tagged.object for tagged in self._tagged.values() if tagged.object is not None]
+            objects = [
+                tagged.object for tagged in self._tagged.values() if tagged.object is not None
+            ]
             self._tables, of_rules = read_tables(scene, objects)
-            self._problems = (*(Problem("", problem) for problem in self._imported.problems), *_instance_problems(depsgraph), *of_rules)
+            self._problems = (
+                *(Problem("", problem) for problem in self._imported.problems),
+                *_instance_problems(depsgraph),
+                *of_rules,
+            )
             self._session_ids, self._values = ids, None
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
@@ -121,7 +131,8 @@ class SceneReader:
         )
 
     def _read_settings(self, scene: Scene) -> None:
-        """Read the settings if they have changed; otherwise keep the same objects, which collisions recognise by identity."""
+        """Read the settings if they have changed; otherwise keep the same objects, which collisions
+        recognise by identity."""
         values = setting_values(scene)
         if values == self._values:
             return
@@ -135,20 +146,41 @@ class SceneReader:
 
     def _marked(self, scene: Scene) -> tuple[tuple[str, int], ...]:
         """The names and frames of the timeline's markers, if any source has triggers."""
-        triggered = any(isinstance(item, Source) and item.triggers is not None for item in self._placed)
-        return tuple((marker.name, marker.frame) for marker in scene.timeline_markers) if triggered else ()
+        triggered = any(
+            isinstance(item, Source) and item.triggers is not None for item in self._placed
+        )
+        return (
+            tuple((marker.name, marker.frame) for marker in scene.timeline_markers)
+            if triggered
+            else ()
+        )
 
     def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
-        tagged = {row: obj for row, obj in enumerate(bpy.data.objects) if obj.session_uid in shown and is_tagged(obj)}
+        tagged = {
+            row: obj
+            for row, obj in enumerate(bpy.data.objects)
+            if obj.session_uid in shown and is_tagged(obj)
+        }
         self._curves.clear()
         self._animated.clear()
         self.solo_roles = solo_roles(tagged.values())
-        scales = dict(zip(tagged, rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1], strict=True))
-        self._tagged = {row: self._read_object(row, obj, depsgraph, scales[row]) for row, obj in progress(tuple(tagged.items()))}
+        scales = dict(
+            zip(
+                tagged,
+                rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1],
+                strict=True,
+            )
+        )
+        self._tagged = {
+            row: self._read_object(row, obj, depsgraph, scales[row])
+            for row, obj in progress(tuple(tagged.items()))
+        }
         self._lists = None
 
-    def _read_changed(self, depsgraph: Depsgraph, raw: NDArray[np.float32], exact: bool) -> TaggedLists:
+    def _read_changed(
+        self, depsgraph: Depsgraph, raw: NDArray[np.float32], exact: bool
+    ) -> TaggedLists:
         """Read animated values, changed scales and meshes, and all transforms."""
         lists = self._lists or TaggedLists.of(self._tagged)
         raw_tagged = raw.take(lists.rows, axis=0)
@@ -157,7 +189,12 @@ class SceneReader:
             rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
         else:
             # Keep the old matrix while a simulation at rest trembles.
-            rows, moved = animated, np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= (0.0 if exact else lists.still)).all(axis=1))
+            rows, moved = (
+                animated,
+                np.flatnonzero(
+                    ~(np.abs(raw_tagged - self._raw) <= (0.0 if exact else lists.still)).all(axis=1)
+                ),
+            )
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
             self._rigid, scales = rigid_transforms(raw_tagged)
@@ -167,12 +204,20 @@ class SceneReader:
             self._rigid[moved], scales = rigid_transforms(raw_tagged[moved])
         if len(moved):
             known = lists.scales[moved]
-            rows |= set(lists.rows[moved[np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)]].tolist())
+            rows |= set(
+                lists.rows[
+                    moved[np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)]
+                ].tolist()
+            )
         if self._doubtful and lists is self._lists:
-            rows |= {row for row in self._tagged if bpy.data.objects[row].session_uid in self._doubtful}
+            rows |= {
+                row for row in self._tagged if bpy.data.objects[row].session_uid in self._doubtful
+            }
         changed = False
         again = sorted(rows)
-        scales = rigid_transforms(raw[np.array(again, dtype=np.int64)])[1] if again else np.zeros((0, 3))
+        scales = (
+            rigid_transforms(raw[np.array(again, dtype=np.int64)])[1] if again else np.zeros((0, 3))
+        )
         switched = False
         for row, scale in zip(again, scales, strict=True):
             tagged = self._read_object(row, bpy.data.objects[row], depsgraph, scale)
@@ -182,7 +227,9 @@ class SceneReader:
                 changed = True
         if switched:  # sources and listeners may now be on another object, or on none
             for row, before in self._tagged.items():
-                self._tagged[row] = self._read_object(row, bpy.data.objects[row], depsgraph, np.array(before.scale))
+                self._tagged[row] = self._read_object(
+                    row, bpy.data.objects[row], depsgraph, np.array(before.scale)
+                )
         if changed:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
         if len(moved) or lists is not self._lists:
@@ -191,13 +238,17 @@ class SceneReader:
             self._transforms.setflags(write=False)  # so that the tracker knows it again
             self._placed = [
                 item if near(item.position, place) else item.moved(place)
-                for place, item in zip(raw[lists.of_places, 12:15].tolist(), lists.places, strict=True)
+                for place, item in zip(
+                    raw[lists.of_places, 12:15].tolist(), lists.places, strict=True
+                )
             ]
         self._lists = lists
         self._doubtful.clear()
         return lists
 
-    def _read_object(self, row: int, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Tagged:
+    def _read_object(
+        self, row: int, obj: Object, depsgraph: Depsgraph, scale: FloatArray
+    ) -> Tagged:
         haptics = obj.haptics
         name = obj.name_full
         problems: list[Problem] = []
@@ -207,8 +258,19 @@ class SceneReader:
             try:
                 surface = self._shape(obj, depsgraph, scale)
                 haptic_object = read_object(obj)
-                body = Body(name, surface.shape, haptic_object.mass, haptic_object.motion, haptics.medium, haptic_object.material)
-                home = stored_item(haptics.imported, "object").get("pose") if _is_as_imported(obj, scale) else None
+                body = Body(
+                    name,
+                    surface.shape,
+                    haptic_object.mass,
+                    haptic_object.motion,
+                    haptics.medium,
+                    haptic_object.material,
+                )
+                home = (
+                    stored_item(haptics.imported, "object").get("pose")
+                    if _is_as_imported(obj, scale)
+                    else None
+                )
             except ValueError as error:
                 problems.append(Problem(name, str(error)))
         carrier = haptic_carrier(obj)
@@ -226,12 +288,29 @@ class SceneReader:
                     triggers, wrong = read_triggers(obj, depsgraph.scene)
                     problems += wrong
                     curves = self._curves.of_source(obj, depsgraph.scene)
-                    source = replace(read_source(obj, carrier.name_full, curves, silenced), triggers=triggers)
+                    source = replace(
+                        read_source(obj, carrier.name_full, curves, silenced), triggers=triggers
+                    )
             except (OSError, ValueError) as error:
                 rule = ("signal", 0) if role == "source" else None
-                problems.append(Problem(name, str(error).replace("mixing_expression", "the mixing formula"), rule))
+                problems.append(
+                    Problem(
+                        name, str(error).replace("mixing_expression", "the mixing formula"), rule
+                    )
+                )
         animated = compatibility.animated_paths(obj)
-        return Tagged(row, animated, tuple(scale.tolist()), haptic_object, body, surface, home, source, listener, tuple(problems))
+        return Tagged(
+            row,
+            animated,
+            tuple(scale.tolist()),
+            haptic_object,
+            body,
+            surface,
+            home,
+            source,
+            listener,
+            tuple(problems),
+        )
 
     def _is_animated_now(self, row: int, paths: tuple[str, ...] | None) -> bool:
         """Whether animation has changed any property of the object since the last call."""
@@ -242,8 +321,8 @@ class SceneReader:
         return values != before
 
     def _scale(self, row: int, scale: FloatArray) -> FloatArray:
-        """The object's scale in the world to six digits; the known one if only rounding differs, so that a rotating object keeps its
-        shape."""
+        """The object's scale in the world to six digits; the known one if only rounding differs, so
+        that a rotating object keeps its shape."""
         scale = np.array([float(f"{side:.6g}") for side in scale.tolist()])
         known = np.array(self._tagged[row].scale) if row in self._tagged else scale
         return known if np.all(np.abs(scale - known) <= 1e-5 * np.abs(known)) else scale
@@ -253,9 +332,17 @@ class SceneReader:
             imported = stored_item(obj.haptics.imported, "object").get("shape")
             if imported is not None:
                 return SurfaceShape(imported)
-        key, session_id = (tuple(scale.tolist()), shape_settings(obj, depsgraph.scene)), obj.session_uid
-        known = self._shapes.pop(session_id, None)  # none is left of a mesh that has no shape any more
-        if known is None or known[0] != key or (session_id in self._doubtful and known[1] != mesh_checksum(obj, depsgraph)):
+        key, session_id = (
+            (tuple(scale.tolist()), shape_settings(obj, depsgraph.scene)),
+            obj.session_uid,
+        )
+        # None is left of a mesh that has no shape any more.
+        known = self._shapes.pop(session_id, None)
+        if (
+            known is None
+            or known[0] != key
+            or (session_id in self._doubtful and known[1] != mesh_checksum(obj, depsgraph))
+        ):
             known = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
         self._shapes[session_id] = known
         return known[2]
@@ -264,20 +351,33 @@ class SceneReader:
 def _with_regions(item: Source, row: int, scene: Scene) -> Source:
     """The source of the object in that row of the file, with the current pose of its region."""
     source = bpy.data.objects[row].haptics.source
-    kept, place = stored_item(source.imported, "source").get("triggers") or (), region_of(source, scene)
-    moved = (replace(t, **place) if t.on is TriggerKind.PASSING and t not in kept else t for t in item.triggers or ())
+    kept, place = (
+        stored_item(source.imported, "source").get("triggers") or (),
+        region_of(source, scene),
+    )
+    moved = (
+        replace(t, **place) if t.on is TriggerKind.PASSING and t not in kept else t
+        for t in item.triggers or ()
+    )
     return replace(item, triggers=tuple(moved))
 
 
 def edited_geometry(depsgraph: Depsgraph) -> set[int]:
-    """Session ids of the objects whose geometry an update may have changed, and of the compounds that they are parts of."""
+    """Session ids of the objects whose geometry an update may have changed, and of the compounds
+    that they are parts of."""
     found = set()
     for update in depsgraph.updates:
         if update.is_updated_geometry and isinstance(update.id, Object):
             obj = update.id.original
             while obj is not None:
                 found.add(obj.session_uid)
-                obj = obj.parent if obj.rigid_body is not None and obj.parent is not None and obj.parent.rigid_body is not None else None
+                obj = (
+                    obj.parent
+                    if obj.rigid_body is not None
+                    and obj.parent is not None
+                    and obj.parent.rigid_body is not None
+                    else None
+                )
     return found
 
 
@@ -295,27 +395,47 @@ def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
 
 def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
     """False if an author has replaced the imported shape or pose of an object."""
-    return obj.rigid_body is None and not obj.haptics.is_property_set("surface") and all(abs(side - 1) < 2e-5 for side in scale.tolist())
+    return (
+        obj.rigid_body is None
+        and not obj.haptics.is_property_set("surface")
+        and all(abs(side - 1) < 2e-5 for side in scale.tolist())
+    )
 
 
 def _without_carrier(obj: Object, role: str) -> Problem:
-    """The problem of a source or listener that is on no haptic object; a single problem for all on one armature."""
+    """The problem of a source or listener that is on no haptic object; a single problem for all on
+    one armature."""
     above: Object | None = obj
     while above is not None and above.type != "ARMATURE":
         above = above.parent
     if above is not None:
         words = iface_(
-            "its listeners and sources are on no haptic object: choose its Body in the panel Haptic Object, and make that haptic"
+            "its listeners and sources are on no haptic object: choose its Body in the panel "
+            "Haptic Object, and make that haptic"
         )
         return Problem(above.name_full, words)
     if role == "source":
-        return Problem(obj.name_full, iface_("This source is on no haptic object: make it haptic, or parent it to a haptic object"))
-    return Problem(obj.name_full, iface_("This listener is on no haptic object: make it haptic, or parent it to a haptic object"))
+        return Problem(
+            obj.name_full,
+            iface_(
+                "This source is on no haptic object: make it haptic, or parent it to a haptic "
+                "object"
+            ),
+        )
+    return Problem(
+        obj.name_full,
+        iface_(
+            "This listener is on no haptic object: make it haptic, or parent it to a haptic object"
+        ),
+    )
 
 
 def _instance_problems(depsgraph: Depsgraph) -> tuple[Problem, ...]:
     """The problem of haptic objects inside collection instances, which are ignored."""
-    words = iface_("the haptic objects of its collection don't count here: Object > Apply > Make Instances Real")
+    words = iface_(
+        "the haptic objects of its collection don't count here: Object > Apply > Make Instances "
+        "Real"
+    )
     return tuple(
         Problem(obj.name_full, words)
         for obj in depsgraph.view_layer.objects

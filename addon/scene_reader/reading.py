@@ -17,9 +17,10 @@ from .problem import Problem
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the bodies' shapes. ``settled``: the names
-    of those that have not moved since their import; ``authored``: the imported contacts, None without any; ``hulls``: the shapes of those
-    objects, by name, from whose surface the convex hull deviates."""
+    """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the
+    bodies' shapes. ``settled``: the names of those that have not moved since their import;
+    ``authored``: the imported contacts, None without any; ``hulls``: the shapes of those objects,
+    by name, from whose surface the convex hull deviates."""
 
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
@@ -37,7 +38,9 @@ class Reading:
         """The objects with the shape and pose that they have in this frame."""
         return tuple(
             replace(item, shape=body.shape, pose=_pose_of(transform))
-            for item, body, transform in zip(self.objects, self.bodies, self.transforms, strict=True)
+            for item, body, transform in zip(
+                self.objects, self.bodies, self.transforms, strict=True
+            )
         )
 
 

@@ -1,4 +1,5 @@
-"""The haptic roles of objects, independent of the core, because panels and handlers need them in every scene."""
+"""The haptic roles of objects, independent of the core, because panels and handlers need them in
+every scene."""
 
 from __future__ import annotations
 
@@ -23,7 +24,12 @@ def is_tagged(obj: Object) -> bool:
 def solo_roles(objects: Iterable[Object]) -> frozenset[str]:
     """The roles, "source" and "listener", with at least one solo object."""
     roles = ("source", "listener")
-    found = {role for obj in objects for role in roles if getattr(obj.haptics, role).enabled and getattr(obj.haptics, role).solo}
+    found = {
+        role
+        for obj in objects
+        for role in roles
+        if getattr(obj.haptics, role).enabled and getattr(obj.haptics, role).solo
+    }
     return frozenset(found)
 
 
@@ -36,7 +42,11 @@ def is_silenced(obj: Object, role: str, solo: frozenset[str]) -> bool:
 def regions_of(scene: Scene) -> frozenset[str]:
     """The names of the objects used as regions of sources."""
     sources = (obj.haptics.source for obj in scene.objects)
-    return frozenset(source.trigger_region for source in sources if source.enabled and source.one_shot and source.trigger_region)
+    return frozenset(
+        source.trigger_region
+        for source in sources
+        if source.enabled and source.one_shot and source.trigger_region
+    )
 
 
 _untagged: dict[int, int] = {}
@@ -54,7 +64,8 @@ def is_any_tagged(scene: Scene) -> bool:
 
 
 def haptic_carrier(obj: Object | None) -> Object | None:
-    """The object itself if it is haptic, else its nearest haptic ancestor, else None; for an armature the haptic body that it moves."""
+    """The object itself if it is haptic, else its nearest haptic ancestor, else None; for an
+    armature the haptic body that it moves."""
     while obj is not None and not obj.haptics.enabled:
         body = obj.haptics.body
         obj = body if body is not None and body.haptics.enabled else obj.parent

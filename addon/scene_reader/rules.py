@@ -25,12 +25,20 @@ from .functions import read_transmission
 from .imported import fields_of, stored_item
 from .problem import Problem
 
-_ABSENT = {"OBJECT": "there is no haptic object '{}'", "MATERIAL": "nothing is made of a material '{}'"}
+_ABSENT = {
+    "OBJECT": "there is no haptic object '{}'",
+    "MATERIAL": "nothing is made of a material '{}'",
+}
 
 
-def read_tables(scene: Scene, objects: Iterable[HapticObject]) -> tuple[dict[str, Any], list[Problem]]:
-    """The tables of a scene of these haptic ``objects``, by the names of `ContactSettings`, and the problems of their rows."""
-    known = [(item.name, item.material) for item in objects] + [("", item.name) for item in scene.haptics.materials.items]
+def read_tables(
+    scene: Scene, objects: Iterable[HapticObject]
+) -> tuple[dict[str, Any], list[Problem]]:
+    """The tables of a scene of these haptic ``objects``, by the names of `ContactSettings`, and the
+    problems of their rows."""
+    known = [(item.name, item.material) for item in objects] + [
+        ("", item.name) for item in scene.haptics.materials.items
+    ]
     tables: dict[str, Any] = {}
     problems = []
     for table, read in _READERS.items():
@@ -38,18 +46,33 @@ def read_tables(scene: Scene, objects: Iterable[HapticObject]) -> tuple[dict[str
         for index, row in enumerate(islice(getattr(scene.haptics, table).items, MOST_ROWS)):
             between, faults = _between(row, known)
             does, fault = read(row)
-            problems += [Problem("", message, (table, index)) for message in (*faults, fault) if message]
+            problems += [
+                Problem("", message, (table, index)) for message in (*faults, fault) if message
+            ]
             if between is not None:
                 rules.append(Rule(between, does))
         tables[table] = RuleTable(tuple(rules))
     return tables, problems
 
 
-def _between(row: Any, known: Iterable[tuple[str, str]]) -> tuple[tuple[Side, Side] | None, list[str]]:
-    """The sides that a row is for, None until they are chosen, and its faults where none of the ``known`` names and materials fits."""
-    chosen = [side for side in ((row.first_kind, row.first), (row.second_kind, row.second)) if side[0] != "ANY"]
-    sides = [Side(object=name) if kind == "OBJECT" else Side(material=name) for kind, name in chosen]
-    absent = [side for side, means in zip(chosen, sides, strict=True) if not any(means.fits(*item) for item in known)]
+def _between(
+    row: Any, known: Iterable[tuple[str, str]]
+) -> tuple[tuple[Side, Side] | None, list[str]]:
+    """The sides that a row is for, None until they are chosen, and its faults where none of the
+    ``known`` names and materials fits."""
+    chosen = [
+        side
+        for side in ((row.first_kind, row.first), (row.second_kind, row.second))
+        if side[0] != "ANY"
+    ]
+    sides = [
+        Side(object=name) if kind == "OBJECT" else Side(material=name) for kind, name in chosen
+    ]
+    absent = [
+        side
+        for side, means in zip(chosen, sides, strict=True)
+        if not any(means.fits(*item) for item in known)
+    ]
     faults = [iface_(_ABSENT[kind]).format(name) for kind, name in absent]
     if not all(name for _, name in chosen):
         return None, [*faults, iface_("choose what this rule is for")]
@@ -58,10 +81,15 @@ def _between(row: Any, known: Iterable[tuple[str, str]]) -> tuple[tuple[Side, Si
 
 
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
-    """The impact rule of a row; with the signal by material and the reason if its own signal cannot be played."""
+    """The impact rule of a row; with the signal by material and the reason if its own signal cannot
+    be played."""
     stored, fault = _stored(row, "impact_rule")
     values = read_values(ImpactRule, row, stored)
-    limits = ImpactLimits(**read_values(ImpactLimits, row, fields_of(stored.get("limits")))) if row.use_limits else None
+    limits = (
+        ImpactLimits(**read_values(ImpactLimits, row, fields_of(stored.get("limits"))))
+        if row.use_limits
+        else None
+    )
     template = ImpactRule().template
     try:
         template = ImpactRule(_template(row, stored.get("template"))).template
@@ -98,7 +126,9 @@ def _template(row: Any, kept: ImpactTemplates | Signal | None) -> ImpactTemplate
     if row.template == "DRAWN":
         return replace(read_drawing(row.drawing), loops=False).to_signal()
     if row.template != "FILE":
-        return next(template for template in ImpactTemplates if identifier(template) == row.template)
+        return next(
+            template for template in ImpactTemplates if identifier(template) == row.template
+        )
     if not row.filepath:
         raise ValueError(iface_("its signal is a file, but none is chosen"))
     path = local_path(row.filepath, row.id_data)

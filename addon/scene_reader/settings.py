@@ -19,7 +19,13 @@ def setting_values(scene: Scene) -> tuple[Any, ...]:
     haptics = scene.haptics
     names = (name for cls in (Settings, ContactSettings) for name in haptics.held[cls].values())
     time_scale = None if scene.rigidbody_world is None else scene.rigidbody_world.time_scale
-    return *(getattr(haptics, name) for name in names), haptics.imported, *scene.gravity, scene.use_gravity, time_scale
+    return (
+        *(getattr(haptics, name) for name in names),
+        haptics.imported,
+        *scene.gravity,
+        scene.use_gravity,
+        time_scale,
+    )
 
 
 def read_settings(scene: Scene) -> Settings:
@@ -28,7 +34,8 @@ def read_settings(scene: Scene) -> Settings:
 
 
 def read_contact_settings(scene: Scene, tables: Mapping[str, Any]) -> ContactSettings:
-    """The settings of contacts and impacts of a scene with these tables, see `rules.read_tables`."""
+    """The settings of contacts and impacts of a scene with these tables, see
+    `rules.read_tables`."""
     values = read_values(ContactSettings, scene.haptics, _stored(scene, "rules"))
     gravity = tuple(map(shortest, scene.gravity)) if scene.use_gravity else (0.0, 0.0, 0.0)
     if gravity != tuple(map(shortest, values.get("gravity", ()))):

@@ -9,7 +9,17 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.scene.impact_rule import QUIETEST
 from ...core.scene.values import Listener, Source, SourceKind
-from ...core.signals import DEFAULT_PERSISTENT, LONGEST, Automation, Loop, Noise, Pulse, Signal, Sine, read_wav
+from ...core.signals import (
+    DEFAULT_PERSISTENT,
+    LONGEST,
+    Automation,
+    Loop,
+    Noise,
+    Pulse,
+    Signal,
+    Sine,
+    read_wav,
+)
 from ...core.signals.envelopes import Decay, Keyed
 from ...core.signals.limits import MIN_SECONDS
 from ..blender.paths import local_path
@@ -18,9 +28,11 @@ from .drawings import read_drawing
 from .imported import stored_item
 
 
-def read_signal(properties: Any, frequency: Automation | None = None, envelope: Automation | None = None) -> Signal:
-    """The signal of a source's properties, with an animated ``frequency`` and ``envelope`` if there are any. Raises ValueError if its file
-    or drawing cannot be read."""
+def read_signal(
+    properties: Any, frequency: Automation | None = None, envelope: Automation | None = None
+) -> Signal:
+    """The signal of a source's properties, with an animated ``frequency`` and ``envelope`` if there
+    are any. Raises ValueError if its file or drawing cannot be read."""
     hertz = shortest(properties.frequency) if frequency is None else frequency
     match properties.signal:
         case "SINE":
@@ -39,7 +51,11 @@ def read_signal(properties: Any, frequency: Automation | None = None, envelope: 
         case "SOUND":
             kept = stored_item(properties.sound.kept, "source").get("signal")
             if kept is None:
-                raise ValueError(iface_("its signal is made of a sound, but none is converted: press Convert Sound"))
+                raise ValueError(
+                    iface_(
+                        "its signal is made of a sound, but none is converted: press Convert Sound"
+                    )
+                )
             return kept.of if properties.one_shot and isinstance(kept, Loop) else kept
     if not properties.filepath:
         raise ValueError(iface_("its signal is a WAV file, but none is chosen"))
@@ -48,12 +64,18 @@ def read_signal(properties: Any, frequency: Automation | None = None, envelope: 
 
 
 def decaying(signal: Signal | None, seconds: float) -> Signal | None:
-    """A persistent source's signal with an envelope that falls to 1/e in ``seconds``, without one if that is 0."""
-    return (signal or DEFAULT_PERSISTENT) * Decay(shortest(seconds)) if seconds >= MIN_SECONDS else signal
+    """A persistent source's signal with an envelope that falls to 1/e in ``seconds``, without one
+    if that is 0."""
+    return (
+        (signal or DEFAULT_PERSISTENT) * Decay(shortest(seconds))
+        if seconds >= MIN_SECONDS
+        else signal
+    )
 
 
 def played_once(signal: Signal | None) -> Signal:
-    """Check and return the signal of a source that plays once per trigger. Raises ValueError if it is endless, too long or silent."""
+    """Check and return the signal of a source that plays once per trigger. Raises ValueError if it
+    is endless, too long or silent."""
     if signal is None or signal.duration == math.inf:
         raise ValueError(iface_("its signal has no end: set a decay time"))
     if signal.duration > LONGEST:
@@ -64,7 +86,8 @@ def played_once(signal: Signal | None) -> Signal:
 
 
 def is_audible(item: Source | Listener, now: float, duration: float) -> bool:
-    """False for a temporary source that is inactive in the frame of ``duration`` seconds that ends ``now``."""
+    """False for a temporary source that is inactive in the frame of ``duration`` seconds that ends
+    ``now``."""
     if not isinstance(item, Source) or item.kind is SourceKind.PERSISTENT:
         return True
     return item.onset <= now < item.onset + item.emitted.duration + duration

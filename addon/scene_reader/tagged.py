@@ -34,9 +34,10 @@ class Tagged:
 
 @dataclass(frozen=True, slots=True)
 class TaggedLists:
-    """Lists of the tagged objects in the order of the rows: ``rows`` (m,) in the file and ``scales`` (m, 3) as authored; which of them are
-    bodies, and the rows in the file where sources and listeners are. ``still`` (m, 16): changes of world matrices that move no corner by
-    more than about `STILL`."""
+    """Lists of the tagged objects in the order of the rows: ``rows`` (m,) in the file and
+    ``scales`` (m, 3) as authored; which of them are bodies, and the rows in the file where sources
+    and listeners are. ``still`` (m, 16): changes of world matrices that move no corner by more than
+    about `STILL`."""
 
     rows: IntArray
     scales: FloatArray
@@ -53,18 +54,36 @@ class TaggedLists:
 
     @classmethod
     def of(cls, by_row: dict[int, Tagged], before: TaggedLists | None = None) -> TaggedLists:
-        """Lists equal to those of ``before`` are the same objects, so that derived values remain valid."""
+        """Lists equal to those of ``before`` are the same objects, so that derived values remain
+        valid."""
         tagged = sorted(by_row.values(), key=lambda t: t.row)
-        bodies = [(k, t.object, t.body) for k, t in enumerate(tagged) if t.object is not None and t.body is not None]
-        sound = {item.name for _, item, _ in bodies}  # roles on an object with a problem, or a hidden one, are left out
-        places = [(t.row, item) for t in tagged for item in (t.source, t.listener) if item is not None and item.object in sound]
+        bodies = [
+            (k, t.object, t.body)
+            for k, t in enumerate(tagged)
+            if t.object is not None and t.body is not None
+        ]
+        # Roles on an object with a problem, or a hidden one, are left out.
+        sound = {item.name for _, item, _ in bodies}
+        places = [
+            (t.row, item)
+            for t in tagged
+            for item in (t.source, t.listener)
+            if item is not None and item.object in sound
+        ]
         objects, alone = tuple(item for _, item, _ in bodies), tuple(body for _, _, body in bodies)
-        names, poses = tuple(item.name for item in objects), tuple(tagged[k].home for k, _, _ in bodies)
+        names, poses = (
+            tuple(item.name for item in objects),
+            tuple(tagged[k].home for k, _, _ in bodies),
+        )
         if before is not None:
             objects = before.objects if objects == before.objects else objects
             alone = before.bodies if alone == before.bodies else alone
         homed = before is not None and (names, poses) == (before.homes.names, before.homes.poses)
-        still = before.still if before is not None and alone is before.bodies else _still([t.scale for t in tagged], bodies)
+        still = (
+            before.still
+            if before is not None and alone is before.bodies
+            else _still([t.scale for t in tagged], bodies)
+        )
         return cls(
             rows=np.array([t.row for t in tagged], dtype=np.int64),
             scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
@@ -74,16 +93,22 @@ class TaggedLists:
             of_places=np.array([row for row, _ in places], dtype=np.int64),
             objects=objects,
             bodies=alone,
-            hulls={t.object.name: t.surface for t in tagged if t.object is not None and t.surface is not None and t.surface.deviation > 0},
+            hulls={
+                t.object.name: t.surface
+                for t in tagged
+                if t.object is not None and t.surface is not None and t.surface.deviation > 0
+            },
             places=tuple(item for _, item in places),
             homes=before.homes if before is not None and homed else Homes.of(names, poses),
             problems=tuple(dict.fromkeys(problem for t in tagged for problem in t.problems)),
         )
 
 
-def _still(scales: list[tuple[float, float, float]], bodies: list[tuple[int, HapticObject, Body]]) -> FloatArray:
-    """Of objects with these ``scales``, the limits of changes of world matrices (m, 16), column by column: that of a turn is less the
-    further the corners of a body are away."""
+def _still(
+    scales: list[tuple[float, float, float]], bodies: list[tuple[int, HapticObject, Body]]
+) -> FloatArray:
+    """Of objects with these ``scales``, the limits of changes of world matrices (m, 16), column by
+    column: that of a turn is less the further the corners of a body are away."""
     limits = np.full((len(scales), 16), STILL)
     for k, _, body in bodies:
         arm = np.linalg.norm(np.abs(body.shape.local_bounds()).max(axis=0))

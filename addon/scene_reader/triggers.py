@@ -23,33 +23,52 @@ _MOST = 100_000
 
 
 def read_triggers(obj: Object, scene: Scene) -> tuple[tuple[Trigger, ...] | None, list[Problem]]:
-    """The triggers of a source, None if it plays without triggers, and their problems, each with its property."""
+    """The triggers of a source, None if it plays without triggers, and their problems, each with
+    its property."""
     source = obj.haptics.source
     if not source.one_shot:
         return None, []
     faults: list[tuple[str, str]] = []
-    triggers = [*(stored_item(source.imported, "source").get("triggers") or ()), *_of_property(obj, scene, faults)]
+    triggers = [
+        *(stored_item(source.imported, "source").get("triggers") or ()),
+        *_of_property(obj, scene, faults),
+    ]
     if source.trigger_hit:
         triggers.append(Trigger(TriggerKind.HIT))
     if source.trigger_markers:
         frames = marker_frames(scene, source.trigger_markers)
-        triggers.append(Trigger(TriggerKind.TIMES, tuple(seconds_of(scene, frame) for frame in frames)))
+        triggers.append(
+            Trigger(TriggerKind.TIMES, tuple(seconds_of(scene, frame) for frame in frames))
+        )
         if not frames:
-            faults.append(("trigger_markers", iface_("there is no timeline marker '{}'").format(source.trigger_markers)))
+            faults.append(
+                (
+                    "trigger_markers",
+                    iface_("there is no timeline marker '{}'").format(source.trigger_markers),
+                )
+            )
     triggers += _passing(source, scene, faults)
     if not triggers and not faults:
-        faults.append(("trigger", iface_("it never plays: insert keyframes of Trigger, or choose something below")))
+        faults.append(
+            (
+                "trigger",
+                iface_("it never plays: insert keyframes of Trigger, or choose something below"),
+            )
+        )
     return tuple(triggers), [Problem(obj.name_full, message, (name, 0)) for name, message in faults]
 
 
 def marker_frames(scene: Scene, pattern: str) -> tuple[int, ...]:
     """The frames of the timeline markers that match a pattern."""
     side = Side(object=pattern)
-    return tuple(sorted(marker.frame for marker in scene.timeline_markers if side.fits(marker.name, "")))
+    return tuple(
+        sorted(marker.frame for marker in scene.timeline_markers if side.fits(marker.name, ""))
+    )
 
 
 def region_of(source: Any, scene: Scene) -> dict[str, Any]:
-    """Pose and size of the region of a source, for its triggers in the current frame; a plane without a region."""
+    """Pose and size of the region of a source, for its triggers in the current frame; a plane
+    without a region."""
     region = scene.objects.get(source.trigger_region)
     if region is None:
         return {}
@@ -59,33 +78,71 @@ def region_of(source: Any, scene: Scene) -> dict[str, Any]:
         corners = region.empty_display_size * np.array([(-1, -1, -1), (1, 1, 1)])
     low, high = corners.min(axis=0) * scale, corners.max(axis=0) * scale
     centre = place + rotation.to_matrix() @ type(place)((low + high) / 2)
-    return {"pose": Pose(tuple(centre), tuple(rotation)), "size": tuple(np.abs(high - low).tolist())}
+    return {
+        "pose": Pose(tuple(centre), tuple(rotation)),
+        "size": tuple(np.abs(high - low).tolist()),
+    }
 
 
 def _of_property(obj: Object, scene: Scene, faults: list[tuple[str, str]]) -> Iterator[Trigger]:
-    """Triggers from keyframes of the property if it has any, otherwise from its rising values by a driver, F-curve modifiers or the NLA."""
+    """Triggers from keyframes of the property if it has any, otherwise from its rising values by a
+    driver, F-curve modifiers or the NLA."""
     data = obj.animation_data
     curve = next((c for c in fcurves_of(obj) if c.data_path == PATH and not c.mute), None)
-    driver = next((d for d in data.drivers if d.data_path == PATH and not d.mute), None) if data is not None else None
-    if driver is not None and any("haptics.felt" in t.data_path for v in driver.driver.variables for t in v.targets):
-        faults.append(("trigger", iface_("its driver reads what is felt, which depends on the trigger itself")))
-    elif driver is not None or (curve is not None and len(curve.modifiers)) or (data is not None and len(data.nla_tracks)):
+    driver = (
+        next((d for d in data.drivers if d.data_path == PATH and not d.mute), None)
+        if data is not None
+        else None
+    )
+    if driver is not None and any(
+        "haptics.felt" in t.data_path for v in driver.driver.variables for t in v.targets
+    ):
+        faults.append(
+            (
+                "trigger",
+                iface_("its driver reads what is felt, which depends on the trigger itself"),
+            )
+        )
+    elif (
+        driver is not None
+        or (curve is not None and len(curve.modifiers))
+        or (data is not None and len(data.nla_tracks))
+    ):
         yield Trigger(TriggerKind.LEVEL, value=obj.haptics.source.trigger)
     elif curve is not None:
         keys = read_array(curve.keyframe_points, "co", 2)[:_MOST].tolist()
         above = [(frame, value) for frame, value in keys if value > 0]
-        times, strengths = (tuple(column) for column in zip(*above, strict=True)) if above else ((), ())
-        yield Trigger(TriggerKind.TIMES, tuple(seconds_of(scene, frame) for frame in times), tuple(min(s, 1.0) for s in strengths))
+        times, strengths = (
+            (tuple(column) for column in zip(*above, strict=True)) if above else ((), ())
+        )
+        yield Trigger(
+            TriggerKind.TIMES,
+            tuple(seconds_of(scene, frame) for frame in times),
+            tuple(min(s, 1.0) for s in strengths),
+        )
 
 
 def _passing(source: Any, scene: Scene, faults: list[tuple[str, str]]) -> Iterator[Trigger]:
     name, region = source.trigger_object, source.trigger_region
     side = Side(object=name)
-    found = [obj.name_full for obj in scene.objects if obj.haptics.enabled and obj.name != region and side.fits(obj.name_full, "")]
+    found = [
+        obj.name_full
+        for obj in scene.objects
+        if obj.haptics.enabled and obj.name != region and side.fits(obj.name_full, "")
+    ]
     if name and not found:
-        faults.append(("trigger_object", iface_("no haptic object '{}' can come into it").format(name)))
+        faults.append(
+            ("trigger_object", iface_("no haptic object '{}' can come into it").format(name))
+        )
     if region in scene.objects:
-        yield from (Trigger(TriggerKind.PASSING, object=mover, **region_of(source, scene)) for mover in found)
+        yield from (
+            Trigger(TriggerKind.PASSING, object=mover, **region_of(source, scene))
+            for mover in found
+        )
     elif region or name:
-        missing = iface_("there is no object '{}'").format(region) if region else iface_("choose the region that it comes into")
+        missing = (
+            iface_("there is no object '{}'").format(region)
+            if region
+            else iface_("choose the region that it comes into")
+        )
         faults.append(("trigger_region", missing))

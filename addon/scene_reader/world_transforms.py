@@ -16,14 +16,16 @@ def session_ids() -> NDArray[np.int32]:
 
 
 def raw_matrices(count: int) -> NDArray[np.float32]:
-    """(n, 16) world matrices of all objects of the file, column by column; ``count``: n, which Blender would count again."""
+    """(n, 16) world matrices of all objects of the file, column by column; ``count``: n, which
+    Blender would count again."""
     values = np.empty(16 * count, dtype=np.float32)
     bpy.data.objects.foreach_get("matrix_world", values)
     return values.reshape(count, 16)
 
 
 def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
-    """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and scales (n, 3), negative where mirrored.
+    """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and scales (n, 3), negative where
+    mirrored.
 
     A shear is dropped, as Bullet does.
     """
@@ -31,7 +33,11 @@ def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
     axes = columns[:3, :3]
     scales = np.sqrt((axes * axes).sum(axis=1))
     x, y, z = axes
-    volume = (y[1] * z[2] - y[2] * z[1]) * x[0] + (y[2] * z[0] - y[0] * z[2]) * x[1] + (y[0] * z[1] - y[1] * z[0]) * x[2]
+    volume = (
+        (y[1] * z[2] - y[2] * z[1]) * x[0]
+        + (y[2] * z[0] - y[0] * z[2]) * x[1]
+        + (y[0] * z[1] - y[1] * z[0]) * x[2]
+    )
     scales[:, volume < 0] *= -1
     axes /= np.where(scales == 0, 1.0, scales)[:, None]
     return columns.transpose(2, 1, 0).copy(), scales.T

@@ -20,7 +20,8 @@ Value = TypeVar("Value")
 _SHOWN_SECONDS = 1.0
 """Time after its last draw for which a value counts as shown [s]."""
 _HEARD_SECONDS = 3.0
-"""Time after the last draw of a value made of samples for which samples are rendered [s]: longer than a slow frame."""
+"""Time after the last draw of a value made of samples for which samples are rendered [s]: longer
+than a slow frame."""
 _BRIEF = 0.01
 """Computing time [s] up to which a value is computed immediately, also during playback."""
 _REST = 0.3
@@ -29,7 +30,8 @@ _REST = 0.3
 
 @dataclass(frozen=True, slots=True)
 class Latest(Generic[Value]):
-    """The last computed value. ``is_current``: it belongs to the shown frame, and no newer one is pending."""
+    """The last computed value. ``is_current``: it belongs to the shown frame, and no newer one is
+    pending."""
 
     value: Value
     is_current: bool
@@ -43,7 +45,8 @@ class _Computed(Generic[Value]):
 
 
 class Background(Generic[Value]):
-    """A value that depends on a key, computed once per key. Draw callbacks read it on the main thread, the worker writes it."""
+    """A value that depends on a key, computed once per key. Draw callbacks read it on the main
+    thread, the worker writes it."""
 
     def __init__(self) -> None:
         self.shown = 0.0  # time.monotonic() of the last draw
@@ -58,12 +61,15 @@ class Background(Generic[Value]):
         """True if the last computation was fast."""
         return self._computed is not None and self._computed.seconds <= _BRIEF
 
-    def latest(self, key: Hashable, compute: Callable[[Value | None], Value], *, may_start: bool = True) -> Latest[Value] | None:
+    def latest(
+        self, key: Hashable, compute: Callable[[Value | None], Value], *, may_start: bool = True
+    ) -> Latest[Value] | None:
         """The last value, without waiting; None before there is one.
 
         Args:
             key: the values that the result depends on.
-            compute: makes the value of ``key`` from the one before, on the worker thread; it must not access Blender.
+            compute: makes the value of ``key`` from the one before, on the worker thread; it must
+                not access Blender.
             may_start: False keeps the last value although the key has changed.
         """
         self.shown = time.monotonic()
@@ -107,11 +113,14 @@ class Background(Generic[Value]):
 
 @dataclass(frozen=True, eq=False)
 class Derived(Generic[Choice, Value]):
-    """A value of each traced frame of a scene, computed once per frame and choice, and only while it is drawn.
+    """A value of each traced frame of a scene, computed once per frame and choice, and only while
+    it is drawn.
 
     Args:
-        compute: makes the value of a frame, a choice of the user and the value before, on the worker thread; it must not access Blender.
-        every_frame: compute directly after each frame is traced. Otherwise slow values are computed when no more frames follow.
+        compute: makes the value of a frame, a choice of the user and the value before, on the
+            worker thread; it must not access Blender.
+        every_frame: compute directly after each frame is traced. Otherwise slow values are computed
+            when no more frames follow.
         hears: it is made of samples, so that these must be rendered while it is shown.
     """
 
@@ -134,9 +143,15 @@ class Derived(Generic[Choice, Value]):
         return background.latest(key, compute, may_start=may_start)
 
     def follow(self, own: sessions.Session) -> None:
-        """Compute the value of the frame that has just been traced if it is shown; called on the worker."""
+        """Compute the value of the frame that has just been traced if it is shown; called on the
+        worker."""
         background, traced = own.derived.get(self), own.shown
-        if not self.every_frame or background is None or traced is None or time.monotonic() - background.shown > _SHOWN_SECONDS:
+        if (
+            not self.every_frame
+            or background is None
+            or traced is None
+            or time.monotonic() - background.shown > _SHOWN_SECONDS
+        ):
             return
         choice = background.choice
         background.want((traced.serial, choice), partial(self.compute, traced, choice))
@@ -146,11 +161,14 @@ class Derived(Generic[Choice, Value]):
 def shows_samples(own: sessions.Session) -> bool:
     """Whether something that is made of samples is drawn."""
     since = time.monotonic() - _HEARD_SECONDS
-    return any(derived.hears and background.shown > since for derived, background in own.derived.items())
+    return any(
+        derived.hears and background.shown > since for derived, background in own.derived.items()
+    )
 
 
 def _rests(own: sessions.Session) -> bool:
-    """True if no further frames follow: the timeline does not play, and there was no recent edit."""
+    """True if no further frames follow: the timeline does not play, and there was no recent
+    edit."""
     if is_playing():
         return False
     rested = time.monotonic() - own.begun_at

@@ -1,5 +1,6 @@
-"""Traces scenes: a frame is read in Blender's frame handler and traced on the worker thread, while Blender draws it and evaluates the next
-one. `result_of` waits for the trace; draw callbacks use `sessions.shown`, which never waits.
+"""Traces scenes: a frame is read in Blender's frame handler and traced on the worker thread, while
+Blender draws it and evaluates the next one. `result_of` waits for the trace; draw callbacks use
+`sessions.shown`, which never waits.
 """
 
 from __future__ import annotations
@@ -38,8 +39,8 @@ from .sessions import Session, Traced, known, problems_in
 
 @dataclass(frozen=True, slots=True)
 class _Begun:
-    """A frame that is being traced: its reading, the time of reading [ms], and the times of Blender's evaluation and of waiting for the
-    frame before [ms] as ``statistics``."""
+    """A frame that is being traced: its reading, the time of reading [ms], and the times of
+    Blender's evaluation and of waiting for the frame before [ms] as ``statistics``."""
 
     serial: int
     reading: Reading
@@ -70,7 +71,11 @@ def result_of(scene: Scene) -> FrameResult | None:
     session.asked = True
     if session.result is not None:
         block = block_of(session.result)
-        session.result = session.result if block is session.result.block else replace(session.result, block=block)
+        session.result = (
+            session.result
+            if block is session.result.block
+            else replace(session.result, block=block)
+        )
     return session.result
 
 
@@ -95,7 +100,8 @@ def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
 
 
 def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
-    """Make every scene compare the meshes that an update of a depsgraph may have changed at its next reading.
+    """Make every scene compare the meshes that an update of a depsgraph may have changed at its
+    next reading.
 
     depsgraph: that of the update; None for all meshes.
     """
@@ -113,9 +119,11 @@ def clear() -> None:
 
 
 def cancel(resume: bool = False) -> None:
-    """Cancel all running traces and computations; the affected scenes restart with their next frame. Thread-safe.
+    """Cancel all running traces and computations; the affected scenes restart with their next
+    frame. Thread-safe.
 
-    resume: trace the same frame again as soon as nothing renders, or its result is asked for; else no scene has a result any more.
+    resume: trace the same frame again as soon as nothing renders, or its result is asked for; else
+    no scene has a result any more.
     """
     worker.cancel()
     for session in sessions.every():
@@ -127,7 +135,8 @@ def cancel(resume: bool = False) -> None:
 
 
 def _interrupted(session: Session, resume: bool) -> None:
-    """Replace the tracer of a frame that was cancelled, whose state may be inconsistent; resume: trace the frame again later."""
+    """Replace the tracer of a frame that was cancelled, whose state may be inconsistent; resume:
+    trace the frame again later."""
     tracer, session.tracer = session.tracer, Tracer()
     session.tracer.collisions.take_over(tracer.collisions)
     session.history = History()
@@ -139,7 +148,11 @@ def _interrupted(session: Session, resume: bool) -> None:
 
 def _ended_well(begun: Future[Traced]) -> bool:
     """Whether the trace of a frame has ended by itself, with a result or an error."""
-    return begun.done() and not begun.cancelled() and not isinstance(begun.exception(), worker.Cancelled)
+    return (
+        begun.done()
+        and not begun.cancelled()
+        and not isinstance(begun.exception(), worker.Cancelled)
+    )
 
 
 def _resume_all() -> None:
@@ -155,8 +168,11 @@ def _resume(session: Session) -> None:
         _submit(session, begun, replace(frame, continuous=False))
 
 
-def _submit(session: Session, begun: _Begun, frame: Frame, released: FrameResult | None = None) -> None:
-    """Queue the trace of a frame and of its derived values on the worker, which also frees the result ``released``."""
+def _submit(
+    session: Session, begun: _Begun, frame: Frame, released: FrameResult | None = None
+) -> None:
+    """Queue the trace of a frame and of its derived values on the worker, which also frees the
+    result ``released``."""
     session.job = begun, frame
     session.begun = worker.submit(_step, session, begun, frame, released)
     if session.derived:
@@ -164,7 +180,8 @@ def _submit(session: Session, begun: _Begun, frame: Frame, released: FrameResult
 
 
 def give_up(resume: bool = False) -> None:
-    """Cancel the running trace; the shown result remains, and the next edit or frame is traced as usual. resume: see `cancel`."""
+    """Cancel the running trace; the shown result remains, and the next edit or frame is traced as
+    usual. resume: see `cancel`."""
     shown = [(session, session.shown) for session in sessions.every()]
     cancel(resume=True)
     for session, traced in shown:
@@ -174,20 +191,30 @@ def give_up(resume: bool = False) -> None:
 
 
 def make_way(seconds: float) -> None:
-    """End the worker's jobs before a script goes on, if `THREADS_ENDANGER_SCRIPTS`. In an interactive session, those that take longer than
-    ``seconds`` are cancelled and resumed after the script, or when their result is asked for."""
-    if THREADS_ENDANGER_SCRIPTS and not worker.end_within(seconds if worker.is_interactive() else None):
+    """End the worker's jobs before a script goes on, if `THREADS_ENDANGER_SCRIPTS`. In an
+    interactive session, those that take longer than ``seconds`` are cancelled and resumed after the
+    script, or when their result is asked for."""
+    if THREADS_ENDANGER_SCRIPTS and not worker.end_within(
+        seconds if worker.is_interactive() else None
+    ):
         give_up(resume=True)
 
 
 def is_busy(scene: Scene, seconds: float) -> bool:
-    """Whether, in an interactive session, the running trace takes longer than another ``seconds``."""
+    """Whether, in an interactive session, the running trace takes longer than another
+    ``seconds``."""
     session = known(scene)
-    return worker.is_interactive() and session is not None and session.begun is not None and not worker.done_within(session.begun, seconds)
+    return (
+        worker.is_interactive()
+        and session is not None
+        and session.begun is not None
+        and not worker.done_within(session.begun, seconds)
+    )
 
 
 def follow_edit(scene: Scene, depsgraph: Depsgraph) -> bool:
-    """Trace a scene again after an edit, see `begin`. Waits only briefly; an obsolete trace is cancelled.
+    """Trace a scene again after an edit, see `begin`. Waits only briefly; an obsolete trace is
+    cancelled.
 
     Returns whether it is traced now; else the viewports are redrawn when it is.
     """
@@ -203,15 +230,24 @@ def trace(scene: Scene, depsgraph: Depsgraph, live: bool = False) -> FrameResult
     return result_of(scene)
 
 
-def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = False, baked_impacts: str = "") -> None:
-    """Read the current state of the scene and begin to trace it. The result is None without tagged objects, or if a problem prevents it.
-    ``live``: the result is only displayed, so contacts that no signal reaches are skipped, and while frames follow each other, samples are
-    rendered only if something shows them, has asked for them, or ``plays`` them.
+def begin(
+    scene: Scene,
+    depsgraph: Depsgraph,
+    live: bool = False,
+    plays: bool = False,
+    baked_impacts: str = "",
+) -> None:
+    """Read the current state of the scene and begin to trace it. The result is None without tagged
+    objects, or if a problem prevents it. ``live``: the result is only displayed, so contacts that
+    no signal reaches are skipped, and while frames follow each other, samples are rendered only if
+    something shows them, has asked for them, or ``plays`` them.
 
-    While the timeline stands, a frame keeps the impacts that stepping or playing to it made, or has its ``baked_impacts``, a text of
-    `text_of_impacts`: modes, gains, materials and strategies are compared on the same impact, also after jumps. They are dropped when their
-    causes change: objects added, removed, moved, scaled, deformed or animated differently, masses and physics, and the rules of contacts
-    and impacts (`CollisionDetector`, `motion_of`). Bakes and exports start without them."""
+    While the timeline stands, a frame keeps the impacts that stepping or playing to it made, or has
+    its ``baked_impacts``, a text of `text_of_impacts`: modes, gains, materials and strategies are
+    compared on the same impact, also after jumps. They are dropped when their causes change:
+    objects added, removed, moved, scaled, deformed or animated differently, masses and physics, and
+    the rules of contacts and impacts (`CollisionDetector`, `motion_of`). Bakes and exports start
+    without them."""
     session = of(scene)
     session.interrupted = None
     _finish(scene, session)
@@ -226,12 +262,19 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = 
     started = time.perf_counter()
     reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph, exact)
     if reading is None or session.reader.is_empty:
-        session.reading, session.result, session.problems, session.frame, session.shown = None, None, (), None, None
+        session.reading, session.result, session.problems, session.frame, session.shown = (
+            None,
+            None,
+            (),
+            None,
+            None,
+        )
         session.failure = ()
         return
     others, errors = read_modalities(scene, reading.objects)
     session.reading = reading
-    session.tracer.collisions.lazy = live and not others  # other modalities need contacts without vibration, too
+    # Other modalities need contacts without vibration, too.
+    session.tracer.collisions.lazy = live and not others
     session.tracer.collisions.settings = reading.contact_settings
     step, whole = scene.render.fps_base / scene.render.fps, scene.frame_subframe == 0
     follows = session.frame is not None and scene.frame_current == session.frame + 1
@@ -243,7 +286,10 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = 
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     session.serial = next(_serials)
     read_milliseconds = 1000 * (time.perf_counter() - started)
-    times = {"blender_milliseconds": 1000 * sessions.evaluation_seconds(), "waited_milliseconds": session.waited_milliseconds}
+    times = {
+        "blender_milliseconds": 1000 * sessions.evaluation_seconds(),
+        "waited_milliseconds": session.waited_milliseconds,
+    }
     begun = _Begun(session.serial, reading, others, errors, read_milliseconds, times)
     session.begun_at = time.monotonic()
     heard = not (live and continuous) or plays or session.asked or shows_samples(session)
@@ -252,13 +298,17 @@ def begin(scene: Scene, depsgraph: Depsgraph, live: bool = False, plays: bool = 
 
 
 def keep_impacts(scene: Scene) -> None:
-    """Store the impacts of the shown frame in the scene before it is saved. A scene that was never traced, or whose trace takes long, is
-    unchanged."""
+    """Store the impacts of the shown frame in the scene before it is saved. A scene that was never
+    traced, or whose trace takes long, is unchanged."""
     session = known(scene)
     if session is None or is_busy(scene, worker.MOMENT):
         return
     _finish(scene, session)
-    kept = None if session.reading is None else session.tracer.collisions.impacts_of(scene.frame_current)
+    kept = (
+        None
+        if session.reading is None
+        else session.tracer.collisions.impacts_of(scene.frame_current)
+    )
     text = ""
     if session.reading is not None and kept is not None:
         text = text_of_impacts(scene.frame_current, kept, motion_of(scene))
@@ -267,21 +317,24 @@ def keep_impacts(scene: Scene) -> None:
 
 
 def _restore_impacts(scene: Scene, session: Session, reading: Reading, baked: str) -> None:
-    """Restore the impacts of a frame that were ``baked``, or, at the first trace of a scene, those that were stored when it was saved."""
+    """Restore the impacts of a frame that were ``baked``, or, at the first trace of a scene, those
+    that were stored when it was saved."""
     text = baked or ("" if session.is_restored else scene.haptics.kept_impacts)
     session.is_restored = True
     if not text or session.tracer.collisions.impacts_of(scene.frame_current) is not None:
         return
     motion = session.motion or motion_of(scene)
-    kept = impacts_from_text(text, scene.frame_current, [body.name for body in reading.bodies], motion)
+    kept = impacts_from_text(
+        text, scene.frame_current, [body.name for body in reading.bodies], motion
+    )
     if kept is not None:
         session.tracer.collisions.restore_impacts(scene.frame_current, reading.bodies, kept)
         session.motion = motion
 
 
 def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult | None) -> Traced:
-    """Trace a frame; called on the worker, where ``released`` is freed with the job. Raises ValueError, which names the object, if a
-    designer's expression gives no valid gain."""
+    """Trace a frame; called on the worker, where ``released`` is freed with the job. Raises
+    ValueError, which names the object, if a designer's expression gives no valid gain."""
     try:
         try:
             result = session.tracer.step(frame)
@@ -298,7 +351,9 @@ def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult |
             statistics={**result.statistics, **begun.statistics},
         )
         samples = session.history.all() if frame.heard else np.zeros((len(result.listeners), 0))
-        session.shown = Traced(begun.serial, result, frame.settings, samples, begun.reading, felt, errors)
+        session.shown = Traced(
+            begun.serial, result, frame.settings, samples, begun.reading, felt, errors
+        )
         return session.shown
     except BaseException:
         session.shown = None
@@ -306,11 +361,14 @@ def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult |
 
 
 def _felt(begun: _Begun, result: FrameResult) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
-    """The values of the modalities other than vibration at the listeners of a frame, through the same contacts, and all errors."""
+    """The values of the modalities other than vibration at the listeners of a frame, through the
+    same contacts, and all errors."""
     felt, errors = [], [*begun.errors]
     for own in begun.modalities:
         try:
-            felt.append(own.felt(result.objects, result.contacts, result.listeners, begun.reading.settings))
+            felt.append(
+                own.felt(result.objects, result.contacts, result.listeners, begun.reading.settings)
+            )
         except ValueError as error:
             errors.append(f"{own.modality.title}: {error}")
     return tuple(felt), tuple(errors)
@@ -343,7 +401,14 @@ def _finish(scene: Scene, session: Session) -> None:
     session.problems = problems_in(traced)
 
 
-def frame_of(scene: Scene, reading: Reading, continuous: bool, recall: bool = False, exact: bool = False, heard: bool = True) -> Frame:
+def frame_of(
+    scene: Scene,
+    reading: Reading,
+    continuous: bool,
+    recall: bool = False,
+    exact: bool = False,
+    heard: bool = True,
+) -> Frame:
     """The tracer's input for a reading."""
     return Frame(
         number=scene.frame_current,

@@ -1,6 +1,8 @@
-"""The tracing sessions of all scenes, and their last complete frames, which panels and draw callbacks read without waiting.
+"""The tracing sessions of all scenes, and their last complete frames, which panels and draw
+callbacks read without waiting.
 
-Keyed by the scene's session id; not saved. Independent of the core, because handlers use it in every scene.
+Keyed by the scene's session id; not saved. Independent of the core, because handlers use it in
+every scene.
 """
 
 from __future__ import annotations
@@ -32,10 +34,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Traced:
-    """A complete frame, traced or read from a track, from which panels and viewports derive everything they show.
+    """A complete frame, traced or read from a track, from which panels and viewports derive
+    everything they show.
 
-    ``serial`` differs between any two frames. ``samples`` (l, n): the last samples of each listener, up to a second. ``reading``: the input
-    of the trace, None for a track. ``felt``: results of the other modalities. ``errors``: messages of the core.
+    ``serial`` differs between any two frames. ``samples`` (l, n): the last samples of each
+    listener, up to a second. ``reading``: the input of the trace, None for a track. ``felt``:
+    results of the other modalities. ``errors``: messages of the core.
     """
 
     serial: int
@@ -49,8 +53,9 @@ class Traced:
 
 @dataclass(slots=True)
 class Session:
-    """One scene being traced. ``begun`` is the frame whose trace has not been awaited; afterwards ``result`` is its result.
-    ``previous``: the result before. ``shown``: the last complete frame, for draw callbacks; the worker sets it."""
+    """One scene being traced. ``begun`` is the frame whose trace has not been awaited; afterwards
+    ``result`` is its result. ``previous``: the result before. ``shown``: the last complete frame,
+    for draw callbacks; the worker sets it."""
 
     reader: SceneReader
     tracer: Tracer
@@ -72,7 +77,8 @@ class Session:
     serial: int = 0  # of the frame that was begun last
     begun_at: float = 0.0  # time.monotonic() of that
     shown: Traced | None = None
-    failure: tuple[Problem, ...] = ()  # the cause, then other problems, where the last frame could not be traced
+    # The cause, then other problems, where the last frame could not be traced.
+    failure: tuple[Problem, ...] = ()
     derived: dict[Any, Any] = field(default_factory=dict)  # see `derived.Derived`
     watched: str = ""  # the listener that was the active object last
     draw_milliseconds: float = 0.0  # of the last redraw of a viewport
@@ -80,7 +86,8 @@ class Session:
 
 @dataclass(slots=True)
 class _State:
-    """The sessions by scene, and when Blender began to evaluate the current frame and how long that took [s]."""
+    """The sessions by scene, and when Blender began to evaluate the current frame and how long that
+    took [s]."""
 
     sessions: dict[int, Session] = field(default_factory=dict)
     evaluation_began: float = 0.0
@@ -118,8 +125,11 @@ def evaluation_begins() -> None:
 
 
 def evaluation_ends() -> None:
-    """Record that Blender has evaluated the frame; the duration becomes part of the statistics of its trace."""
-    _state.evaluation_seconds = time.perf_counter() - _state.evaluation_began if _state.evaluation_began else 0.0
+    """Record that Blender has evaluated the frame; the duration becomes part of the statistics of
+    its trace."""
+    _state.evaluation_seconds = (
+        time.perf_counter() - _state.evaluation_began if _state.evaluation_began else 0.0
+    )
 
 
 def evaluation_seconds() -> float:
@@ -134,7 +144,8 @@ def shown(scene: Scene) -> Traced | None:
 
 
 def felt_in(scene: Scene) -> tuple[Felt, ...]:
-    """The results of the last complete frame of a scene for the enabled modalities other than vibration."""
+    """The results of the last complete frame of a scene for the enabled modalities other than
+    vibration."""
     traced = shown(scene)
     return () if traced is None else traced.felt
 
@@ -142,7 +153,11 @@ def felt_in(scene: Scene) -> tuple[Felt, ...]:
 def is_behind(scene: Scene) -> bool:
     """True while a newer frame than the one `shown` is being traced."""
     session = known(scene)
-    return session is not None and session.begun is not None and (session.shown is None or session.shown.serial != session.serial)
+    return (
+        session is not None
+        and session.begun is not None
+        and (session.shown is None or session.shown.serial != session.serial)
+    )
 
 
 def seconds_behind(scene: Scene) -> float:

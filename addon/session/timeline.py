@@ -38,11 +38,12 @@ class Step:
 
 
 def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, None]:
-    """Trace the frames ``start`` to ``end`` in order. Each is traced while Blender evaluates the next one, which is then the scene's
-    current frame; at the end, the scene's frame is restored.
+    """Trace the frames ``start`` to ``end`` in order. Each is traced while Blender evaluates the
+    next one, which is then the scene's current frame; at the end, the scene's frame is restored.
 
-    A simulation that begins earlier and is not baked is computed up to ``start`` first; with sliding, rolling or triggers, the earlier
-    frames that they depend on are traced. Raises ValueError, with a message for the user, if a frame cannot be traced, or if the listeners
+    A simulation that begins earlier and is not baked is computed up to ``start`` first; with
+    sliding, rolling or triggers, the earlier frames that they depend on are traced. Raises
+    ValueError, with a message for the user, if a frame cannot be traced, or if the listeners
     change.
     """
     result: FrameResult | None = None
@@ -56,8 +57,11 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
                 yield _from(start, _checked(frame, session.result_of(scene), own.problems, result))
 
 
-def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False, looks_back: bool = True) -> Generator[Step, None, None]:
-    """The same, with the next frame as the scene's current one; without ``looks_back``, nothing is traced before ``start``."""
+def steps(
+    scene: Scene, start: int, end: int, listeners_may_change: bool = False, looks_back: bool = True
+) -> Generator[Step, None, None]:
+    """The same, with the next frame as the scene's current one; without ``looks_back``, nothing is
+    traced before ``start``."""
     result: FrameResult | None = None
     began = time.perf_counter()
     with closing(_frames(scene, start, end, looks_back)) as frames:
@@ -69,7 +73,9 @@ def steps(scene: Scene, start: int, end: int, listeners_may_change: bool = False
             began = time.perf_counter()
 
 
-def _frames(scene: Scene, start: int, end: int, looks_back: bool = True) -> Generator[int, None, None]:
+def _frames(
+    scene: Scene, start: int, end: int, looks_back: bool = True
+) -> Generator[int, None, None]:
     """Step Blender through the frames in order; the trace of each has begun when it is yielded."""
     before = scene.frame_current
     try:
@@ -88,37 +94,63 @@ def _frames(scene: Scene, start: int, end: int, looks_back: bool = True) -> Gene
 
 
 def sounding_seconds(scene: Scene) -> float:
-    """For how long an impact or trigger of a scene may still matter, at most: the longest template at its slowest, the longest refractory
-    time, and the delay of the waves on their way to the listeners."""
+    """For how long an impact or trigger of a scene may still matter, at most: the longest template
+    at its slowest, the longest refractory time, and the delay of the waves on their way to the
+    listeners."""
     reading = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get())
     rules = reading.contact_settings.impact_rules()
-    durations = [_longest_template(), *(rule.template.duration for rule in rules if isinstance(rule.template, Signal))]
-    durations += [item.signal.duration for item in reading.sources if item.triggers is not None and item.signal is not None]
+    durations = [
+        _longest_template(),
+        *(rule.template.duration for rule in rules if isinstance(rule.template, Signal)),
+    ]
+    durations += [
+        item.signal.duration
+        for item in reading.sources
+        if item.triggers is not None and item.signal is not None
+    ]
     seconds = max(durations) / min(rule.slowest for rule in rules)
     seconds += max(limits.refractory for limits in reading.contact_settings.all_limits())
-    slow = ((item.propagation.spectrum.wave_speed, body.shape) for item, body in zip(reading.objects, reading.bodies, strict=True))
-    return seconds + min(sum(math.dist(*shape.local_bounds()) / speed for speed, shape in slow if speed), MAX_DELAY)
+    slow = (
+        (item.propagation.spectrum.wave_speed, body.shape)
+        for item, body in zip(reading.objects, reading.bodies, strict=True)
+    )
+    return seconds + min(
+        sum(math.dist(*shape.local_bounds()) / speed for speed, shape in slow if speed), MAX_DELAY
+    )
 
 
 @cache
 def _longest_template() -> float:
     """Duration of the longest impact without a rule of its own [s]."""
-    return max(signal.duration for signal in (DEFAULT_IMPACT, *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2))))
+    return max(
+        signal.duration
+        for signal in (
+            DEFAULT_IMPACT,
+            *(impact_template(*pair) for pair in product(IMPACT_MATERIALS, repeat=2)),
+        )
+    )
 
 
 def warm_start(scene: Scene, first: int, seconds: float) -> int:
-    """The frame from which frames must be traced for ``first`` to be independent of earlier ones: motion is estimated from the last poses,
-    and ``seconds``, as of `sounding_seconds`, cover the refractory time and the impacts and triggers that still sound. It is a multiple of
-    `EXACT_FRAMES`, at which nothing is kept from earlier frames; one multiple earlier if something may slide or roll, because `Rubbing`
-    depends on the block of frames before its own."""
+    """The frame from which frames must be traced for ``first`` to be independent of earlier ones:
+    motion is estimated from the last poses, and ``seconds``, as of `sounding_seconds`, cover the
+    refractory time and the impacts and triggers that still sound. It is a multiple of
+    `EXACT_FRAMES`, at which nothing is kept from earlier frames; one multiple earlier if something
+    may slide or roll, because `Rubbing` depends on the block of frames before its own."""
     blocks = (first - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))) // EXACT_FRAMES
     return (blocks - bool(scene.haptics.textures.items)) * EXACT_FRAMES
 
 
 def simulation_start(scene: Scene, start: int) -> int:
-    """The frame from which the simulation must run so that rigid bodies are in place at ``start``: ``start`` itself if it moves none."""
+    """The frame from which the simulation must run so that rigid bodies are in place at ``start``:
+    ``start`` itself if it moves none."""
     world, bodies = scene.rigidbody_world, (obj.rigid_body for obj in scene.objects)
-    if world is None or not world.enabled or world.point_cache.is_baked or not any(body and body.type == "ACTIVE" for body in bodies):
+    if (
+        world is None
+        or not world.enabled
+        or world.point_cache.is_baked
+        or not any(body and body.type == "ACTIVE" for body in bodies)
+    ):
         return start
     return min(world.point_cache.frame_start, start)
 
@@ -127,7 +159,9 @@ def tracing_start(scene: Scene, start: int) -> int:
     """The first frame that must be traced for the triggers, sliding and rolling of ``start``."""
     if start <= scene.frame_start:
         return start
-    shoots = any(obj.haptics.source.enabled and obj.haptics.source.one_shot for obj in scene.objects)
+    shoots = any(
+        obj.haptics.source.enabled and obj.haptics.source.one_shot for obj in scene.objects
+    )
     if not shoots and not scene.haptics.textures.items:
         return start
     return max(warm_start(scene, start, sounding_seconds(scene)), scene.frame_start)
@@ -135,13 +169,27 @@ def tracing_start(scene: Scene, start: int) -> int:
 
 def _from(start: int, result: FrameResult) -> FrameResult:
     """A result, without samples from before the frame ``start``."""
-    return replace(result, block=None) if result.number == start and result.block is not None else result
+    return (
+        replace(result, block=None)
+        if result.number == start and result.block is not None
+        else result
+    )
 
 
-def _checked(frame: int, result: FrameResult | None, problems: tuple[Problem, ...], before: FrameResult | None) -> FrameResult:
+def _checked(
+    frame: int,
+    result: FrameResult | None,
+    problems: tuple[Problem, ...],
+    before: FrameResult | None,
+) -> FrameResult:
     if result is None or result.number != frame:
         raise ValueError(_rpt("Frame {} can't be traced: {}").format(frame, why_untraced(problems)))
-    if before is not None and [item.name for item in before.listeners] != [item.name for item in result.listeners]:
-        message = _rpt("The listeners change at frame {}: keep them all switched on, and set Gain to 0 where nothing is to be felt")
+    if before is not None and [item.name for item in before.listeners] != [
+        item.name for item in result.listeners
+    ]:
+        message = _rpt(
+            "The listeners change at frame {}: keep them all switched on, and set Gain to 0 "
+            "where nothing is to be felt"
+        )
         raise ValueError(message.format(frame))
     return result

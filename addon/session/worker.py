@@ -1,7 +1,9 @@
-"""The worker thread, which traces frames and computes derived values, and the timer that redraws afterwards.
+"""The worker thread, which traces frames and computes derived values, and the timer that redraws
+afterwards.
 
-Jobs run in sequence and do not access Blender; the timer runs on Blender's main thread. `cancel` ends a job between any two instructions of
-Python, so a job must own the data that it changes, or the owner must discard it after a `Cancelled`.
+Jobs run in sequence and do not access Blender; the timer runs on Blender's main thread. `cancel`
+ends a job between any two instructions of Python, so a job must own the data that it changes, or
+the owner must discard it after a `Cancelled`.
 """
 
 from __future__ import annotations
@@ -35,17 +37,20 @@ _INTERVAL = 0.02
 """Polling interval of the timer while the worker is busy [s]."""
 
 SWITCH_INTERVAL = 2e-4
-"""Python's switch interval [s] while a job runs, the longest time that the worker holds the GIL. With Python's default of 5 ms the 99th
-percentile of redraw delays was 1.4 to 2.8 times as large while contacts were computed (benchmarks/bench_switch_interval.py)."""
+"""Python's switch interval [s] while a job runs, the longest time that the worker holds the GIL.
+With Python's default of 5 ms the 99th percentile of redraw delays was 1.4 to 2.8 times as large
+while contacts were computed (benchmarks/bench_switch_interval.py)."""
 
 
 class Cancelled(BaseException):
-    """The running job was cancelled. Like `SystemExit` not an Exception, so that error handlers do not catch it."""
+    """The running job was cancelled. Like `SystemExit` not an Exception, so that error handlers do
+    not catch it."""
 
 
 @dataclass(slots=True)
 class _State:
-    """lock: for ``running`` and ``pending``. running: identifier of the worker thread while it is inside a job that may be cancelled."""
+    """lock: for ``running`` and ``pending``. running: identifier of the worker thread while it is
+    inside a job that may be cancelled."""
 
     lock: threading.Lock = field(default_factory=threading.Lock)
     running: int | None = None
@@ -61,7 +66,8 @@ _state = _State()
 
 
 def submit(job: Callable[..., Value], *arguments: object) -> Future[Value]:
-    """Queue a job, and redraw the 3D viewports and their sidebars when it has ended. Call it on the main thread."""
+    """Queue a job, and redraw the 3D viewports and their sidebars when it has ended. Call it on the
+    main thread."""
     if _state.executor is None:
         _state.executor = ThreadPoolExecutor(1, "haptic-tracing")
     with _state.lock:
@@ -84,21 +90,26 @@ def _run(job: Callable[..., Value], *arguments: object) -> Value:
         finally:
             with _state.lock:
                 _state.running = None
-                _raise_in(threading.get_ident(), None)  # a late cancellation must not affect the next job
+                # A late cancellation must not affect the next job.
+                _raise_in(threading.get_ident(), None)
     finally:
         sys.setswitchinterval(interval)
 
 
 def _raise_in(thread: int, exception: type[BaseException] | None) -> None:
-    """Raise an exception in another thread at its next instruction of Python; None takes back one that is not raised yet."""
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), None if exception is None else ctypes.py_object(exception))
+    """Raise an exception in another thread at its next instruction of Python; None takes back one
+    that is not raised yet."""
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(
+        ctypes.c_ulong(thread), None if exception is None else ctypes.py_object(exception)
+    )
 
 
 def cancel() -> None:
-    """Drop the queued jobs, end the running one and the thread. Returns when nothing runs. Thread-safe.
+    """Drop the queued jobs, end the running one and the thread. Returns when nothing runs.
+    Thread-safe.
 
-    Futures of dropped jobs are cancelled, that of the running job has the exception `Cancelled`. It takes as long as the longest call of
-    native code.
+    Futures of dropped jobs are cancelled, that of the running job has the exception `Cancelled`. It
+    takes as long as the longest call of native code.
     """
     executor, _state.executor = _state.executor, None
     if executor is None:
@@ -112,7 +123,8 @@ def cancel() -> None:
 
 
 def end_within(seconds: float | None) -> bool:
-    """Wait for all jobs, for at most ``seconds`` if given, and end the thread; returns False if a job takes longer, which goes on."""
+    """Wait for all jobs, for at most ``seconds`` if given, and end the thread; returns False if a
+    job takes longer, which goes on."""
     executor = _state.executor
     if executor is None:
         return True
@@ -124,12 +136,14 @@ def end_within(seconds: float | None) -> bool:
 
 
 def call_after_render(resume: Callable[[], None]) -> None:
-    """Call ``resume`` on the main thread after the end of rendering, if a job was queued before. Thread-safe."""
+    """Call ``resume`` on the main thread after the end of rendering, if a job was queued before.
+    Thread-safe."""
     _state.after_render = resume
 
 
 def result_of(future: Future[Value]) -> Value:
-    """Wait for a result. After `MOMENT` the mouse pointer shows progress, except while the timeline plays."""
+    """Wait for a result. After `MOMENT` the mouse pointer shows progress, except while the timeline
+    plays."""
     if done_within(future, MOMENT) or is_playing():
         return future.result()
     manager = bpy.context.window_manager
@@ -182,17 +196,22 @@ def _ended(future: Future[Any]) -> None:
 
 
 def _look() -> float | None:
-    """Redraw if a job has ended. During playback Blender redraws by itself, so redraw only after its end."""
+    """Redraw if a job has ended. During playback Blender redraws by itself, so redraw only after
+    its end."""
     if time.monotonic() >= _state.redraw_at:
         _state.owes_redraw, _state.redraw_at = True, math.inf
     if _state.after_render is not None and not bpy.app.is_job_running("RENDER"):
         resume, _state.after_render = _state.after_render, None
         resume()
     is_idle = _state.pending == 0 and _state.after_render is None
-    if _state.owes_redraw and not any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
+    if _state.owes_redraw and not any(
+        window.screen.is_animation_playing for window in bpy.context.window_manager.windows
+    ):
         _state.owes_redraw = False
         redraw_viewports()
     elif not is_idle and time.monotonic() > _state.progress_at + _PROGRESS_INTERVAL:
         _state.progress_at = time.monotonic()
         redraw_sidebars()
-    return None if is_idle and not _state.owes_redraw and _state.redraw_at == math.inf else _INTERVAL
+    return (
+        None if is_idle and not _state.owes_redraw and _state.redraw_at == math.inf else _INTERVAL
+    )

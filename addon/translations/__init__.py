@@ -1,5 +1,5 @@
-"""The add-on's texts in other languages. The code and Blender's own fallback are in English; every other language is a JSON file with
-``messages`` by English text and ``sentences`` by cause."""
+"""The add-on's texts in other languages. The code and Blender's own fallback are in English; every
+other language is a JSON file with ``messages`` by English text and ``sentences`` by cause."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from ...core.message import Cause
 LOCALES = {"german": ("de_DE", "de")}
 """Blender's locales of each language."""
 
-# Blender looks texts of buttons for operators up in a context of their own. "Haptics" is for words that Blender translates in another sense.
+# Blender looks texts of buttons for operators up in a context of their own. "Haptics" is for words
+# that Blender translates in another sense.
 _CONTEXTS = ("*", "Operator", "Haptics")
 _NAME = __package__
 
@@ -37,8 +38,12 @@ def dictionary() -> dict[str, dict[tuple[str, str], str]]:
     found: dict[str, dict[tuple[str, str], str]] = {}
     for name, locales in LOCALES.items():
         language = read_language(name)
-        texts = language["messages"] | {cause.value: language["sentences"][cause.name.lower()] for cause in Cause}
-        messages = {(context, text): words for text, words in texts.items() for context in _CONTEXTS}
+        texts = language["messages"] | {
+            cause.value: language["sentences"][cause.name.lower()] for cause in Cause
+        }
+        messages = {
+            (context, text): words for text, words in texts.items() for context in _CONTEXTS
+        }
         found |= dict.fromkeys(locales, messages)
     return found
 

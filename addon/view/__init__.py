@@ -1,1 +1,2 @@
-"""Drawing: the haptic graph over the viewport, in pictures and as geometry; meters; pictures in panels."""
+"""Drawing: the haptic graph over the viewport, in pictures and as geometry; meters; pictures in
+panels."""

@@ -1,4 +1,5 @@
-"""How many contacts are those of convex hulls whose surfaces do not touch, for the hint that offers the surfaces."""
+"""How many contacts are those of convex hulls whose surfaces do not touch, for the hint that offers
+the surfaces."""
 
 from __future__ import annotations
 
@@ -12,7 +13,11 @@ from ..session.sessions import Traced
 def _count(traced: Traced, *_: object) -> int:
     """Computed on the worker."""
     reading = traced.reading
-    seen = {} if reading is None else {name: hull.seen for name, hull in reading.hulls.items() if hull.seen is not None}
+    seen = (
+        {}
+        if reading is None
+        else {name: hull.seen for name, hull in reading.hulls.items() if hull.seen is not None}
+    )
     if reading is None or not seen:
         return 0
     pairs, tolerance = traced.result.contacts.pairs, reading.contact_settings.tolerance

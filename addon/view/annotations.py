@@ -1,4 +1,5 @@
-"""Labels and legend of the haptic graph over a viewport, independent of the GPU; text widths are given."""
+"""Labels and legend of the haptic graph over a viewport, independent of the GPU; text widths are
+given."""
 
 from __future__ import annotations
 
@@ -25,7 +26,12 @@ _LEGEND_HEIGHT, _BAR_HEIGHT, _BAR_BOTTOM = 82.0, 10.0, 24.0  # points
 _SMALL_WIDTH, _SMALL_HEIGHT = 120.0, 58.0  # points, of a legend without symbols
 _MOST_STEPS, _MOST_LABELS = 150, 32  # all body parts, and some sources
 LegendSide = Literal["LEFT", "RIGHT", "NONE"]
-NAMES = {Shape.SOURCE: "Source", Shape.IMPACT: "Impact", Shape.LISTENER: "Listener", Shape.CONTACT: "Contact"}
+NAMES = {
+    Shape.SOURCE: "Source",
+    Shape.IMPACT: "Impact",
+    Shape.LISTENER: "Listener",
+    Shape.CONTACT: "Contact",
+}
 
 
 def placed_annotations(
@@ -46,11 +52,23 @@ def placed_annotations(
         occupied: rectangles within it where something else is drawn.
         legend: the side of the legend, in the lower corner.
     """
-    placed = HudBuilder(scale).build() if legend == "NONE" else _placed_legend(data, free, scale, measure, occupied, legend == "LEFT")
+    placed = (
+        HudBuilder(scale).build()
+        if legend == "NONE"
+        else _placed_legend(data, free, scale, measure, occupied, legend == "LEFT")
+    )
     if not data.labels:
         return placed
     builder = HudBuilder(scale)
-    _add_labels(builder, data, perspective, size, free, np.array([*placed.bounds, *occupied]).reshape(-1, 4), measure)
+    _add_labels(
+        builder,
+        data,
+        perspective,
+        size,
+        free,
+        np.array([*placed.bounds, *occupied]).reshape(-1, 4),
+        measure,
+    )
     return placed.joined(builder.build())
 
 
@@ -79,11 +97,15 @@ def _add_labels(
     names = np.array([measure(label.name, text) for label in labels])
     values = [label_text(label) for label in labels]
     widths = names + space + np.array([measure(value, text) for value in values])
-    extent = np.column_stack([widths, np.full(len(labels), text * 0.95)]) + 2 * scale * np.array(_PADDING)
+    extent = np.column_stack([widths, np.full(len(labels), text * 0.95)]) + 2 * scale * np.array(
+        _PADDING
+    )
     clearance = scale * (np.array([label.clearance for label in labels]) + _GAP)
     symbols = data.points.shape != Shape.CONTACT
     places = project(data.points.position[symbols].astype(np.float64), perspective, size)
-    occupied = np.concatenate([occupied, squares_around(places, scale * data.points.size[symbols] / 2)])
+    occupied = np.concatenate(
+        [occupied, squares_around(places, scale * data.points.size[symbols] / 2)]
+    )
     paths = project(_along_paths(data.paths), perspective, size)
     corner = place_labels(anchor, extent, clearance, free, occupied, paths[~np.isnan(paths[:, 0])])
     corners, anchors, extents = np.round(corner).tolist(), anchor.tolist(), extent.tolist()
@@ -106,8 +128,16 @@ def _along_paths(lines: Lines) -> FloatArray:
     return (ends[:, :1] * (1 - part) + ends[:, 1:] * part).reshape(-1, 3)
 
 
-def _placed_legend(data: RenderData, free: Rectangle, scale: float, measure: Measure, occupied: Sequence[Rectangle], at_left: bool) -> Hud:
-    """The legend in its corner, above occupied rectangles; a small one, or none, if there is not enough room."""
+def _placed_legend(
+    data: RenderData,
+    free: Rectangle,
+    scale: float,
+    measure: Measure,
+    occupied: Sequence[Rectangle],
+    at_left: bool,
+) -> Hud:
+    """The legend in its corner, above occupied rectangles; a small one, or none, if there is not
+    enough room."""
     shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
     names = tuple(iface_(name) for name in NAMES.values())
     margin = _MARGIN * scale
@@ -118,24 +148,41 @@ def _placed_legend(data: RenderData, free: Rectangle, scale: float, measure: Mea
         bottoms = [free[1], *(top for _, _, _, top in occupied)]
         for bottom in sorted(round(edge + margin) for edge in bottoms):
             place = (left, bottom, left + width, bottom + height)
-            inside = left >= free[0] and place[2] <= free[2] and place[3] <= (free[1] + free[3]) / 2 + height
-            if inside and place[3] <= free[3] and not any(overlaps(place, other) for other in occupied):
+            inside = (
+                left >= free[0]
+                and place[2] <= free[2]
+                and place[3] <= (free[1] + free[3]) / 2 + height
+            )
+            if (
+                inside
+                and place[3] <= free[3]
+                and not any(overlaps(place, other) for other in occupied)
+            ):
                 return legend.moved(left, bottom)
     return HudBuilder(scale).build()
 
 
 def _legend_width(names: Sequence[str], scale: float, measure: Measure) -> float:
-    """Width [pixels] with all symbols, so that the legend keeps its width when an impact appears."""
+    """Width [pixels] with all symbols, so that the legend keeps its width when an impact
+    appears."""
     widths = sum(measure(name, TEXT_SIZE * scale) for name in names)
-    return widths + (len(names) * _SYMBOL_WIDTH + (len(names) - 1) * _NAME_GAP + 2 * _LEGEND_PADDING) * scale
+    return (
+        widths
+        + (len(names) * _SYMBOL_WIDTH + (len(names) - 1) * _NAME_GAP + 2 * _LEGEND_PADDING) * scale
+    )
 
 
 @lru_cache(maxsize=16)
 def _legend(
-    amplitudes: AmplitudeScale, title: str, shapes: tuple[Shape, ...], names: tuple[str, ...], scale: float, measure: Measure
+    amplitudes: AmplitudeScale,
+    title: str,
+    shapes: tuple[Shape, ...],
+    names: tuple[str, ...],
+    scale: float,
+    measure: Measure,
 ) -> Hud:
-    """The legend, its lower left corner at the origin: ``shapes`` with their names, and the colours of amplitudes; small without shapes.
-    ``names``: of all shapes."""
+    """The legend, its lower left corner at the origin: ``shapes`` with their names, and the colours
+    of amplitudes; small without shapes. ``names``: of all shapes."""
     builder = HudBuilder(scale)
     width = _legend_width(names, scale, measure) if shapes else _SMALL_WIDTH * scale
     height = (_LEGEND_HEIGHT if shapes else _SMALL_HEIGHT) * scale
@@ -144,16 +191,38 @@ def _legend(
     for shape, name in zip(NAMES, names, strict=True):
         if shape not in shapes:
             continue
-        colour = {Shape.SOURCE: SOURCE_COLOUR, Shape.IMPACT: IMPACT_COLOUR}.get(shape, colour_table()[STEPS * 3 // 5])
-        builder.symbol((x + (_SYMBOL_WIDTH / 2 - 2) * scale, base + 4 * scale), shape, 8.0 if shape == Shape.CONTACT else 17.0, colour)
+        colour = {Shape.SOURCE: SOURCE_COLOUR, Shape.IMPACT: IMPACT_COLOUR}.get(
+            shape, colour_table()[STEPS * 3 // 5]
+        )
+        builder.symbol(
+            (x + (_SYMBOL_WIDTH / 2 - 2) * scale, base + 4 * scale),
+            shape,
+            8.0 if shape == Shape.CONTACT else 17.0,
+            colour,
+        )
         builder.text(name, (x + _SYMBOL_WIDTH * scale, base), INK)
         x += (_SYMBOL_WIDTH + _NAME_GAP) * scale + measure(name, TEXT_SIZE * scale)
-    _add_colours(builder, amplitudes, title, width, amplitudes.ticks() if shapes else amplitudes.ticks()[:1], measure)
+    _add_colours(
+        builder,
+        amplitudes,
+        title,
+        width,
+        amplitudes.ticks() if shapes else amplitudes.ticks()[:1],
+        measure,
+    )
     return builder.build()
 
 
-def _add_colours(builder: HudBuilder, amplitudes: AmplitudeScale, title: str, width: float, ticks: Sequence[int], measure: Measure) -> None:
-    """The colours from the floor to 0 dB across a legend of ``width`` pixels, ``ticks`` [dB] below and ``title`` above."""
+def _add_colours(
+    builder: HudBuilder,
+    amplitudes: AmplitudeScale,
+    title: str,
+    width: float,
+    ticks: Sequence[int],
+    measure: Measure,
+) -> None:
+    """The colours from the floor to 0 dB across a legend of ``width`` pixels, ``ticks`` [dB] below
+    and ``title`` above."""
     scale, parts = builder.scale, 32
     left, bottom, height = _LEGEND_PADDING * scale, _BAR_BOTTOM * scale, _BAR_HEIGHT * scale
     width -= 2 * left
@@ -161,12 +230,20 @@ def _add_colours(builder: HudBuilder, amplitudes: AmplitudeScale, title: str, wi
         # Each part extends under the next one, so that no seam is visible.
         low, high = part / parts, min((part + 2) / parts, 1.0)
         first, last = (colour_table()[round(place * (STEPS - 1))] for place in (low, high))
-        builder.plate((left + low * width, bottom), (left + high * width, bottom + height), (*first, 1), 0.0, (*last, 1))
+        builder.plate(
+            (left + low * width, bottom),
+            (left + high * width, bottom + height),
+            (*first, 1),
+            0.0,
+            (*last, 1),
+        )
     size = SMALL_TEXT * scale
     builder.text(title, (left, bottom + height + 6 * scale), FAINT_INK, SMALL_TEXT)
     for tick in dict.fromkeys((*ticks, 0)):
         x = left + (1 - tick / amplitudes.floor) * width
-        builder.plate((x - 0.5 * scale, bottom - 4 * scale), (x + 0.5 * scale, bottom), (*FAINT_INK, 1), 0.0)
+        builder.plate(
+            (x - 0.5 * scale, bottom - 4 * scale), (x + 0.5 * scale, bottom), (*FAINT_INK, 1), 0.0
+        )
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0 dB"
         text_width = measure(words, size)
         x = min(max(x - text_width / 2, left), left + width - text_width)

@@ -7,7 +7,8 @@ from mathutils import Matrix
 
 
 def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
-    """World to camera, and camera to clip space, of the scene's current camera, for a picture of ``size`` pixels."""
+    """World to camera, and camera to clip space, of the scene's current camera, for a picture of
+    ``size`` pixels."""
     view_layer = scene.view_layers[0]
     view_layer.update()
     assert scene.camera is not None
@@ -17,5 +18,6 @@ def camera_view(scene: Scene, size: tuple[int, int]) -> tuple[Matrix, Matrix]:
 
 
 def picture_scale(size: tuple[int, int]) -> float:
-    """Pixels per point of a picture: 1 at a height of 700, so that labels stay legible when it is scaled down."""
+    """Pixels per point of a picture: 1 at a height of 700, so that labels stay legible when it is
+    scaled down."""
     return max(0.75, size[1] / 700)

@@ -1,9 +1,10 @@
 """A perceptually uniform colour map for amplitudes, and its scale in decibels.
 
-Lightness rises evenly from blue-violet to yellow, so that the order of amplitudes is seen by colour-blind people and in grey print. The
-hues are those of viridis, by Stéfan van der Walt and Nathaniel Smith for matplotlib, dedicated to the public domain (CC0); they start
-lighter, because the viewport is dark. Colours are interpolated in Oklab (Björn Ottosson, "A perceptual color space for image processing",
-2020); `tests/references/oklab.py` computes the table.
+Lightness rises evenly from blue-violet to yellow, so that the order of amplitudes is seen by
+colour-blind people and in grey print. The hues are those of viridis, by Stéfan van der Walt and
+Nathaniel Smith for matplotlib, dedicated to the public domain (CC0); they start lighter, because
+the viewport is dark. Colours are interpolated in Oklab (Björn Ottosson, "A perceptual color space
+for image processing", 2020); `tests/references/oklab.py` computes the table.
 """
 
 from __future__ import annotations
@@ -48,14 +49,19 @@ def decibels(amplitude: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class AmplitudeScale:
-    """Colours from ``floor`` [dB, negative] to 0 dB; weaker amplitudes have the first colour, stronger ones the last."""
+    """Colours from ``floor`` [dB, negative] to 0 dB; weaker amplitudes have the first colour,
+    stronger ones the last."""
 
     floor: float
 
     @classmethod
     def of_threshold(cls, threshold: float) -> AmplitudeScale:
         """From the threshold of propagation to 0 dB; 60 dB without a threshold, at least 10 dB."""
-        return cls(min(-10.0, max(-120.0, round(20 * math.log10(threshold), 3))) if threshold > 0 else -60.0)
+        return cls(
+            min(-10.0, max(-120.0, round(20 * math.log10(threshold), 3)))
+            if threshold > 0
+            else -60.0
+        )
 
     def place(self, amplitude: FloatArray) -> FloatArray:
         """Place of amplitudes on the scale, 0 to 1."""

@@ -16,8 +16,11 @@ from ..session.derived import Derived, Latest
 from ..session.sessions import Traced
 
 
-def mode_amplitudes(mode: Mode, traced: Traced, choice: None = None, before: FloatArray | None = None) -> FloatArray:
-    """The largest amplitude (l,) that arrives at each listener in ``mode``; contacts and sources are those of the frame."""
+def mode_amplitudes(
+    mode: Mode, traced: Traced, choice: None = None, before: FloatArray | None = None
+) -> FloatArray:
+    """The largest amplitude (l,) that arrives at each listener in ``mode``; contacts and sources
+    are those of the frame."""
     result, settings = traced.result, traced.settings
     if mode is settings.mode:
         return np.asarray(result.amplitudes.max(axis=0, initial=0.0))
@@ -25,7 +28,9 @@ def mode_amplitudes(mode: Mode, traced: Traced, choice: None = None, before: Flo
     return np.asarray(amplitudes.max(axis=0, initial=0.0))
 
 
-_AMPLITUDES: dict[Mode, Derived[None, FloatArray]] = {mode: Derived(partial(mode_amplitudes, mode)) for mode in Mode}
+_AMPLITUDES: dict[Mode, Derived[None, FloatArray]] = {
+    mode: Derived(partial(mode_amplitudes, mode)) for mode in Mode
+}
 """One computation per mode, so that the worker can trace between them."""
 
 

@@ -23,26 +23,35 @@ from .levels import felt_samples
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """``notice``: a sentence about the scene, "" for none. ``reasons``: the core's; () if the listener feels something.
-    ``is_current``: False while the reasons for the shown frame are computed."""
+    """``notice``: a sentence about the scene, "" for none. ``reasons``: the core's; () if the
+    listener feels something. ``is_current``: False while the reasons for the shown frame are
+    computed."""
 
     notice: str = ""
     reasons: tuple[Message, ...] = ()
     is_current: bool = True
 
 
-def _reasons(traced: Traced, question: tuple[str, frozenset[str], bool], before: tuple[Message, ...] | None) -> tuple[Message, ...]:
-    """Computed on the worker: why a listener feels nothing. ``question``: the listener, the sources that are muted, and whether the
-    timeline plays."""
+def _reasons(
+    traced: Traced, question: tuple[str, frozenset[str], bool], before: tuple[Message, ...] | None
+) -> tuple[Message, ...]:
+    """Computed on the worker: why a listener feels nothing. ``question``: the listener, the sources
+    that are muted, and whether the timeline plays."""
     listener, muted, plays = question
     result, reading = traced.result, traced.reading
     index = [item.name for item in result.listeners].index(listener)
-    waiting = [] if reading is None else [source.name for source in reading.sources if source.triggers is not None]
+    waiting = (
+        []
+        if reading is None
+        else [source.name for source in reading.sources if source.triggers is not None]
+    )
     around = None
     if reading is not None and {body.name for body in reading.bodies} <= set(result.objects):
         around = Surroundings(reading.bodies, reading.transforms, reading.contact_settings)
     recent = felt_samples(traced, plays)[index]
-    return reasons(result, traced.settings, index, around, muted, recent if len(recent) else None, waiting)
+    return reasons(
+        result, traced.settings, index, around, muted, recent if len(recent) else None, waiting
+    )
 
 
 _REASONS: Derived[tuple[str, frozenset[str], bool], tuple[Message, ...]] = Derived(_reasons)
@@ -52,17 +61,35 @@ def why_silent(scene: Scene, listener: str) -> Explanation:
     """Why a listener feels nothing, as computed so far, without waiting."""
     traced = sessions.shown(scene)
     if not scene.haptics.tracing and traced is None:
-        return Explanation(iface_("Tracing is switched off: tick the box of the panel Haptic Tracing"))
+        return Explanation(
+            iface_("Tracing is switched off: tick the box of the panel Haptic Tracing")
+        )
     if traced is None:
         problems = sessions.shown_problems(scene)
-        return Explanation(problems[0].message if problems else iface_("Nothing has been traced yet: play, or press Trace This Frame"))
+        return Explanation(
+            problems[0].message
+            if problems
+            else iface_("Nothing has been traced yet: play, or press Trace This Frame")
+        )
     if listener not in [item.name for item in traced.result.listeners]:
         return Explanation(iface_("It was no listener when this frame was traced"))
     if listener in _silenced(traced.result.listeners, "listener"):
-        return Explanation(iface_("It is muted, or others are solo: see the buttons beside it in Result"))
-    notice = "" if scene.haptics.tracing else iface_("Tracing is switched off: this is how the scene was before.")
-    latest = _REASONS.latest(scene, (listener, _silenced(traced.result.sources, "source"), is_playing()))
-    return Explanation(notice, (), False) if latest is None else Explanation(notice, latest.value, latest.is_current)
+        return Explanation(
+            iface_("It is muted, or others are solo: see the buttons beside it in Result")
+        )
+    notice = (
+        ""
+        if scene.haptics.tracing
+        else iface_("Tracing is switched off: this is how the scene was before.")
+    )
+    latest = _REASONS.latest(
+        scene, (listener, _silenced(traced.result.sources, "source"), is_playing())
+    )
+    return (
+        Explanation(notice, (), False)
+        if latest is None
+        else Explanation(notice, latest.value, latest.is_current)
+    )
 
 
 def _silenced(items: Sequence[Source] | Sequence[Listener], role: str) -> frozenset[str]:

@@ -25,8 +25,8 @@ _LENGTHS = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (3, n): those at 30, 100 and 300 Hz, or None if the
-    function does not depend on frequency."""
+    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (3, n): those at
+    30, 100 and 300 Hz, or None if the function does not depend on frequency."""
 
     length: float
     distances: FloatArray
@@ -38,7 +38,9 @@ class Curve:
         return float(np.interp(distance, self.distances, self.gains))
 
 
-def gain_curve(function: ModulationFunction, kappa: float, rho: float, epsilon: float, count: int = 128) -> Curve:
+def gain_curve(
+    function: ModulationFunction, kappa: float, rho: float, epsilon: float, count: int = 128
+) -> Curve:
     """The curve up to a round distance at which the gain reaches `_FAINT`, at most 100 metres.
 
     Raises ValueError if an expression gives no valid gain.
@@ -46,12 +48,19 @@ def gain_curve(function: ModulationFunction, kappa: float, rho: float, epsilon: 
     probe = np.array([0.0, *_LENGTHS])
     gains = function.gain(probe, kappa, rho, epsilon)
     faint = np.flatnonzero(gains[1:] <= _FAINT)
-    length = _LENGTHS[int(faint[0])] if len(faint) and gains.max() > 0 else (_LENGTHS[-1] if gains.max() > 0 else 1.0)
+    length = (
+        _LENGTHS[int(faint[0])]
+        if len(faint) and gains.max() > 0
+        else (_LENGTHS[-1] if gains.max() > 0 else 1.0)
+    )
     distances = np.linspace(0.0, length, count)
     plain = function.gain(distances, kappa, rho, epsilon)
     factors, decays, bands = function.band_gains(), function.band_decays(kappa, rho), None
     if factors or decays:
-        factor, decay = (np.array(values or (default,) * BAND_COUNT)[_SHOWN_BANDS] for values, default in ((factors, 1.0), (decays, 0.0)))
+        factor, decay = (
+            np.array(values or (default,) * BAND_COUNT)[_SHOWN_BANDS]
+            for values, default in ((factors, 1.0), (decays, 0.0))
+        )
         bands = plain * factor[:, None] * np.exp(-decay[:, None] * distances)
     return Curve(length, distances, plain, bands)
 
@@ -61,11 +70,11 @@ _picture = Picture()
 
 
 def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
-    """The curve as pixels (SIZE, SIZE, 4), colours times opacity, the first row at the bottom: from `FLOOR` to 0 dB upwards, the curve's
-    length across.
+    """The curve as pixels (SIZE, SIZE, 4), colours times opacity, the first row at the bottom: from
+    `FLOOR` to 0 dB upwards, the curve's length across.
 
-    Lines every 20 dB and at quarters of the length, in ``ink``; the curve in ``colour``, filled below; those at 30, 100 and 300 Hz as thin
-    lines.
+    Lines every 20 dB and at quarters of the length, in ``ink``; the curve in ``colour``, filled
+    below; those at 30, 100 and 300 Hz as thin lines.
     """
     pixels = blank()
     inside = slice(_MARGIN, SIZE - _MARGIN)
@@ -87,8 +96,16 @@ def _place(part: float) -> int:
     return _MARGIN + round(part * (SIZE - 2 * _MARGIN - 1))
 
 
-def _draw(pixels: Pixels, columns: IntArray, heights: FloatArray, colour: Colour, width: float, filled: bool) -> None:
-    """A smooth line over ``columns``; where it is steep it covers all rows between a column and the next."""
+def _draw(
+    pixels: Pixels,
+    columns: IntArray,
+    heights: FloatArray,
+    colour: Colour,
+    width: float,
+    filled: bool,
+) -> None:
+    """A smooth line over ``columns``; where it is steep it covers all rows between a column and the
+    next."""
     rows = np.arange(SIZE)[:, None]
     following = np.append(heights[1:], heights[-1])
     low, high = np.minimum(heights, following), np.maximum(heights, following)
@@ -101,8 +118,11 @@ def _draw(pixels: Pixels, columns: IntArray, heights: FloatArray, colour: Colour
     pixels[:, columns] = chosen
 
 
-def latest_curve(key: tuple[ModulationFunction, float, float, float]) -> Latest[Curve | None] | None:
-    """The curve of (function, κ, ρ, ε), without waiting; its value is None if the function gives no valid gain."""
+def latest_curve(
+    key: tuple[ModulationFunction, float, float, float],
+) -> Latest[Curve | None] | None:
+    """The curve of (function, κ, ρ, ε), without waiting; its value is None if the function gives no
+    valid gain."""
 
     def compute(before: Curve | None) -> Curve | None:
         try:

@@ -1,4 +1,5 @@
-"""The haptic graph as geometry that Cycles and EEVEE render: one mesh with colours, and labels as texts that face the camera."""
+"""The haptic graph as geometry that Cycles and EEVEE render: one mesh with colours, and labels as
+texts that face the camera."""
 
 from __future__ import annotations
 
@@ -25,11 +26,15 @@ from .solids import Solid, extent_unit, flat, seen_unit, solid_graph
 NAME = "Haptic Graph"
 COLOUR_ATTRIBUTE = "Amplitude"
 _MARK = "haptic_graph"
-_FRONT = 4.0  # distance of the nearest part of a graph in front, in near clipping distances of the camera
+# Distance of the nearest part of a graph in front, in near clipping distances of the camera.
+_FRONT = 4.0
 
 
-def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, in_front: bool, labels: bool) -> tuple[Object, Collection]:
-    """Convert the drawn graph of ``result`` to geometry in the scene's collection for it, which is emptied first.
+def graph_in_collection(
+    scene: Scene, result: FrameResult, thickness: float, *, in_front: bool, labels: bool
+) -> tuple[Object, Collection]:
+    """Convert the drawn graph of ``result`` to geometry in the scene's collection for it, which is
+    emptied first.
 
     Args:
         scene: The scene that was traced.
@@ -52,18 +57,25 @@ def graph_in_collection(scene: Scene, result: FrameResult, thickness: float, *, 
     size = scene.render.resolution_x, scene.render.resolution_y
     scale = picture_scale(size)
     view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
-    graph = add_graph(collection, solid_graph(data, seen_unit(data, projection, view, size[1] / scale) * thickness))
+    graph = add_graph(
+        collection,
+        solid_graph(data, seen_unit(data, projection, view, size[1] / scale) * thickness),
+    )
     if in_front:
         _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
     if labels:
-        items = placed_annotations(data, projection @ view, size, scale, (0.0, 0.0, *size), text_width)
+        items = placed_annotations(
+            data, projection @ view, size, scale, (0.0, 0.0, *size), text_width
+        )
         _add_annotations(collection, items, scale, scene.camera, projection, size)
     return graph, collection
 
 
 def _emptied_collection(scene: Scene) -> Collection:
     """The scene's collection for the graph, emptied."""
-    collection = next((child for child in scene.collection.children_recursive if child.get(_MARK)), None)
+    collection = next(
+        (child for child in scene.collection.children_recursive if child.get(_MARK)), None
+    )
     if collection is None:
         collection = bpy.data.collections.new(NAME)
         collection[_MARK] = True
@@ -82,7 +94,9 @@ def add_graph(collection: Collection, solid: Solid) -> Object:
     return obj
 
 
-def _bring_to_front(obj: Object, view: FloatArray, projection: FloatArray, clip_start: float) -> None:
+def _bring_to_front(
+    obj: Object, view: FloatArray, projection: FloatArray, clip_start: float
+) -> None:
     """Move an object towards the camera and scale it down, so that its image stays the same."""
     values = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
     obj.data.vertices.foreach_get("co", values)
@@ -102,12 +116,23 @@ def _bring_to_front(obj: Object, view: FloatArray, projection: FloatArray, clip_
 
 def _hide_from_light(obj: Object) -> None:
     """Make an object visible to the camera alone: it casts no shadow and lights nothing."""
-    for key in ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter", "visible_shadow"):
+    for key in (
+        "visible_diffuse",
+        "visible_glossy",
+        "visible_transmission",
+        "visible_volume_scatter",
+        "visible_shadow",
+    ):
         setattr(obj, key, False)
 
 
 def _add_annotations(
-    collection: Collection, items: Hud, scale: float, camera: Object, projection: FloatArray, size: tuple[int, int]
+    collection: Collection,
+    items: Hud,
+    scale: float,
+    camera: Object,
+    projection: FloatArray,
+    size: tuple[int, int],
 ) -> None:
     """Labels and legend on a plane in front of the camera, parented to it."""
     clip_start = camera.data.clip_start
@@ -124,7 +149,10 @@ def _add_annotations(
     collection.objects.link(plane)
     _hide_from_light(plane)
     above = 0.02 * scale * (len(items.lines.width) + 8 * len(items.points.size))
-    texts = [(_add_text(collection, text.words, text.size, (*text.colour, 1.0)), text) for text in items.texts]
+    texts = [
+        (_add_text(collection, text.words, text.size, (*text.colour, 1.0)), text)
+        for text in items.texts
+    ]
     bpy.context.view_layer.update()
     for obj, text in texts:
         natural = obj.dimensions.x / max(obj.scale.x, 1e-9)
@@ -172,24 +200,59 @@ def solid_mesh(name: str, solid: Solid) -> Mesh:
 
 
 _COLOUR = {"attribute_name": COLOUR_ATTRIBUTE}
-_EMITTING: Mapping[str, Any] = {"emission": ("Emission", (-440, 0), {}), "output": ("OutputMaterial", (0, 0), {})}
-_MIXED = {"colour": ("Attribute", (-660, 60), _COLOUR), "clear": ("BsdfTransparent", (-440, -160), {}), "mix": ("MixShader", (-220, 0), {})}
+_EMITTING: Mapping[str, Any] = {
+    "emission": ("Emission", (-440, 0), {}),
+    "output": ("OutputMaterial", (0, 0), {}),
+}
+_MIXED = {
+    "colour": ("Attribute", (-660, 60), _COLOUR),
+    "clear": ("BsdfTransparent", (-440, -160), {}),
+    "mix": ("MixShader", (-220, 0), {}),
+}
 """Nodes of materials: kinds without "ShaderNode", places and settings."""
 
 
 def graph_material() -> Material:
-    """A material that emits the colours of the mesh, darker towards the edges, which looks round in any light. Back faces are not drawn."""
+    """A material that emits the colours of the mesh, darker towards the edges, which looks round in
+    any light. Back faces are not drawn."""
     strength = ("Math", (-660, -140), {"operation": "MULTIPLY_ADD"})
-    more = {"strength": strength, "facing": ("LayerWeight", (-880, -140), {}), "side": ("NewGeometry", (-440, 240), {})}
-    links = [("facing", "Facing", "strength", 0), ("strength", 0, "emission", "Strength"), ("colour", "Color", "emission", "Color")]
-    links += [("side", "Backfacing", "mix", "Fac"), ("emission", 0, "mix", 1), ("clear", 0, "mix", 2), ("mix", 0, "output", "Surface")]
-    return _material(NAME, {**_MIXED, **more}, links, {("facing", "Blend"): 0.35, ("strength", 1): -0.7, ("strength", 2): 1.0})
+    more = {
+        "strength": strength,
+        "facing": ("LayerWeight", (-880, -140), {}),
+        "side": ("NewGeometry", (-440, 240), {}),
+    }
+    links = [
+        ("facing", "Facing", "strength", 0),
+        ("strength", 0, "emission", "Strength"),
+        ("colour", "Color", "emission", "Color"),
+    ]
+    links += [
+        ("side", "Backfacing", "mix", "Fac"),
+        ("emission", 0, "mix", 1),
+        ("clear", 0, "mix", 2),
+        ("mix", 0, "output", "Surface"),
+    ]
+    return _material(
+        NAME,
+        {**_MIXED, **more},
+        links,
+        {("facing", "Blend"): 0.35, ("strength", 1): -0.7, ("strength", 2): 1.0},
+    )
 
 
 def flat_material() -> Material:
     """A material that emits the colours of the mesh, with their opacity."""
-    links = [("colour", "Color", "emission", "Color"), ("colour", "Alpha", "mix", "Fac"), ("clear", 0, "mix", 1)]
-    return _material("Haptic Labels", _MIXED, [*links, ("emission", 0, "mix", 2), ("mix", 0, "output", "Surface")], blended=True)
+    links = [
+        ("colour", "Color", "emission", "Color"),
+        ("colour", "Alpha", "mix", "Fac"),
+        ("clear", 0, "mix", 1),
+    ]
+    return _material(
+        "Haptic Labels",
+        _MIXED,
+        [*links, ("emission", 0, "mix", 2), ("mix", 0, "output", "Surface")],
+        blended=True,
+    )
 
 
 def text_material() -> Material:
@@ -199,9 +262,14 @@ def text_material() -> Material:
 
 
 def _material(
-    name: str, nodes: Mapping[str, Any], links: Sequence[Any], values: Mapping[Any, float] = MappingProxyType({}), blended: bool = False
+    name: str,
+    nodes: Mapping[str, Any],
+    links: Sequence[Any],
+    values: Mapping[Any, float] = MappingProxyType({}),
+    blended: bool = False,
 ) -> Material:
-    """The material ``name``; if missing, created from ``nodes`` by name, ``links`` (from, output, to, input) and ``values`` of inputs."""
+    """The material ``name``; if missing, created from ``nodes`` by name, ``links`` (from, output,
+    to, input) and ``values`` of inputs."""
     material = bpy.data.materials.get(name)
     if material is not None:
         return material

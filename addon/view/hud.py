@@ -1,4 +1,5 @@
-"""Plates, symbols and texts over a viewport, in its pixels, independent of the GPU; text widths are given."""
+"""Plates, symbols and texts over a viewport, in its pixels, independent of the GPU; text widths are
+given."""
 
 from __future__ import annotations
 
@@ -31,7 +32,8 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Hud:
-    """Elements drawn over a viewport: ``lines`` and ``points`` in pixels (z = 0, sizes in points) and ``texts``; ``bounds``: the plates."""
+    """Elements drawn over a viewport: ``lines`` and ``points`` in pixels (z = 0, sizes in points)
+    and ``texts``; ``bounds``: the plates."""
 
     lines: Lines
     points: Points
@@ -44,8 +46,14 @@ class Hud:
         return Hud(
             replace(self.lines, position=self.lines.position + by),
             replace(self.points, position=self.points.position + by),
-            tuple(replace(text, position=(text.position[0] + right, text.position[1] + up)) for text in self.texts),
-            tuple((left + right, bottom + up, end + right, top + up) for left, bottom, end, top in self.bounds),
+            tuple(
+                replace(text, position=(text.position[0] + right, text.position[1] + up))
+                for text in self.texts
+            ),
+            tuple(
+                (left + right, bottom + up, end + right, top + up)
+                for left, bottom, end, top in self.bounds
+            ),
         )
 
     def joined(self, other: Hud) -> Hud:
@@ -70,29 +78,65 @@ class HudBuilder:
         self._bounds.append((float(low[0]), float(low[1]), float(high[0]), float(high[1])))
 
     def plate(
-        self, low: Sequence[float], high: Sequence[float], colour: Sequence[float], radius: float, right: Sequence[float] | None = None
+        self,
+        low: Sequence[float],
+        high: Sequence[float],
+        colour: Sequence[float],
+        radius: float,
+        right: Sequence[float] | None = None,
     ) -> None:
-        """A rectangle; ``radius`` of its corners in points; ``right``: the colour at the right end if it differs."""
-        self._strokes.append((*low, 0, *high, 0, *colour, *(colour if right is None else right), 2 * radius, Shape.PLATE))
+        """A rectangle; ``radius`` of its corners in points; ``right``: the colour at the right end
+        if it differs."""
+        self._strokes.append(
+            (
+                *low,
+                0,
+                *high,
+                0,
+                *colour,
+                *(colour if right is None else right),
+                2 * radius,
+                Shape.PLATE,
+            )
+        )
 
-    def line(self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float) -> None:
+    def line(
+        self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float
+    ) -> None:
         """A line of ``width`` points."""
         self._strokes.append((*start, 0, *end, 0, *colour, *colour, width, Shape.LINE))
 
-    def symbol(self, centre: Sequence[float], shape: Shape, size: float, colour: Sequence[float]) -> None:
+    def symbol(
+        self, centre: Sequence[float], shape: Shape, size: float, colour: Sequence[float]
+    ) -> None:
         """A symbol of ``size`` points."""
         self._symbols.append((*centre, 0, *colour, size, shape))
 
-    def text(self, words: str, position: Sequence[float], colour: Sequence[float], size: float = TEXT_SIZE) -> None:
+    def text(
+        self,
+        words: str,
+        position: Sequence[float],
+        colour: Sequence[float],
+        size: float = TEXT_SIZE,
+    ) -> None:
         """A text of ``size`` points, the start of its baseline at ``position``."""
-        self._texts.append(Text(words, (float(position[0]), float(position[1])), size * self.scale, (colour[0], colour[1], colour[2])))
+        self._texts.append(
+            Text(
+                words,
+                (float(position[0]), float(position[1])),
+                size * self.scale,
+                (colour[0], colour[1], colour[2]),
+            )
+        )
 
     def build(self) -> Hud:
         """Everything collected so far."""
         strokes = np.array(self._strokes, dtype=np.float32).reshape(-1, 16)
         symbols = np.array(self._symbols, dtype=np.float32).reshape(-1, 8)
         position, colour = strokes[:, :6].reshape(-1, 2, 3), strokes[:, 6:14].reshape(-1, 2, 4)
-        lines = lines_of(position, colour[..., :3], colour[..., 3], strokes[:, 14], shape=strokes[:, 15])
+        lines = lines_of(
+            position, colour[..., :3], colour[..., 3], strokes[:, 14], shape=strokes[:, 15]
+        )
         points = points_of(symbols[:, :3], symbols[:, 3:6], 1.0, symbols[:, 6], symbols[:, 7])
         return Hud(lines, points, tuple(self._texts), tuple(self._bounds))
 

@@ -1,4 +1,5 @@
-"""Placement of labels beside their anchors, without overlaps. Coordinates are pixels, origin at the bottom left."""
+"""Placement of labels beside their anchors, without overlaps. Coordinates are pixels, origin at the
+bottom left."""
 
 from __future__ import annotations
 
@@ -8,9 +9,13 @@ import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray
 
-# Candidate centres of a label, in halves of its extent plus a distance: right, left, above, below, then the diagonals; near, then far.
-_SIDES = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)], dtype=np.float64)
-_DIAGONAL = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)  # a diagonal needs a smaller offset on either axis
+# Candidate centres of a label, in halves of its extent plus a distance: right, left, above, below,
+# then the diagonals; near, then far.
+_SIDES = np.array(
+    [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)], dtype=np.float64
+)
+# A diagonal needs a smaller offset on either axis.
+_DIAGONAL = np.where(np.abs(_SIDES).sum(axis=1, keepdims=True) > 1, 0.5, 1.0)
 _DISTANCES = (1.0, 2.2, 4.0)
 _CROWD = 28  # number of labels from which on they stay near: long leaders would cross each other
 _CELL = 12.0  # pixels
@@ -19,7 +24,8 @@ _COST_OF_CONFUSION = 15  # cost of being nearer to another label's anchor than t
 
 
 def project(position: FloatArray, perspective: FloatArray, size: tuple[float, float]) -> FloatArray:
-    """Pixels (n, 2) of positions (n, 3) under ``perspective`` (4, 4), world to clip space; NaN behind the viewer and out of sight."""
+    """Pixels (n, 2) of positions (n, 3) under ``perspective`` (4, 4), world to clip space; NaN
+    behind the viewer and out of sight."""
     clip = np.column_stack([position, np.ones(len(position))]) @ perspective.T
     visible = (clip[:, 3] > 1e-9) & (np.abs(clip[:, :3]) <= clip[:, 3:]).all(axis=1)
     ndc = clip[:, :2] / np.where(visible, clip[:, 3], 1.0)[:, None]
@@ -29,8 +35,11 @@ def project(position: FloatArray, perspective: FloatArray, size: tuple[float, fl
 
 
 def squares_around(anchor: FloatArray, clearance: FloatArray) -> FloatArray:
-    """Squares (n, 4: left, bottom, right, top) around places (n, 2) that extend ``clearance`` (n,) to each side; of visible ones only."""
-    return np.column_stack([anchor - clearance[:, None], anchor + clearance[:, None]])[~np.isnan(anchor[:, 0])]
+    """Squares (n, 4: left, bottom, right, top) around places (n, 2) that extend ``clearance`` (n,)
+    to each side; of visible ones only."""
+    return np.column_stack([anchor - clearance[:, None], anchor + clearance[:, None]])[
+        ~np.isnan(anchor[:, 0])
+    ]
 
 
 def place_labels(
@@ -41,69 +50,103 @@ def place_labels(
     occupied: FloatArray,
     paths: FloatArray,
 ) -> FloatArray:
-    """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2), NaN without room.
+    """Lower left corners (n, 2) of labels of ``extent`` (n, 2) beside ``anchor`` (n, 2), NaN
+    without room.
 
-    Labels stay within ``room`` (left, bottom, right, top), keep ``clearance`` (n,) from their anchor and avoid the rectangles ``occupied``
-    (m, 4: left, bottom, right, top). They are placed in their order: near their anchor, on the side that covers the fewest of the pixels
-    ``paths`` (k, 2), by default the right.
+    Labels stay within ``room`` (left, bottom, right, top), keep ``clearance`` (n,) from their
+    anchor and avoid the rectangles ``occupied`` (m, 4: left, bottom, right, top). They are placed
+    in their order: near their anchor, on the side that covers the fewest of the pixels ``paths``
+    (k, 2), by default the right.
     """
     corner = np.full_like(anchor, np.nan)
     if not len(anchor):
         return corner
     distances = _DISTANCES if len(anchor) < _CROWD else _DISTANCES[:2]
-    reach = np.repeat(distances, len(_SIDES))[None, :, None] * np.tile(_DIAGONAL, (len(distances), 1))[None]
+    reach = (
+        np.repeat(distances, len(_SIDES))[None, :, None]
+        * np.tile(_DIAGONAL, (len(distances), 1))[None]
+    )
     side = np.tile(_SIDES, (len(distances), 1))[None]
-    low = anchor[:, None] + side * (extent[:, None] / 2 + clearance[:, None, None] * reach) - extent[:, None] / 2
+    low = (
+        anchor[:, None]
+        + side * (extent[:, None] / 2 + clearance[:, None, None] * reach)
+        - extent[:, None] / 2
+    )
     high = low + extent[:, None]
-    cost = _covered(low, high, paths, room) + _COST_OF_DISTANCE * np.repeat(np.arange(len(distances)), len(_SIDES))
+    cost = _covered(low, high, paths, room) + _COST_OF_DISTANCE * np.repeat(
+        np.arange(len(distances)), len(_SIDES)
+    )
     cost += _COST_OF_CONFUSION * _nearer_to_another(low, high, anchor)
     free = _free(low, high, room, occupied.reshape(-1, 4))
     placed: list[tuple[float, float, float, float]] = []
-    orders, corners = np.argsort(cost, axis=1, kind="stable").tolist(), np.concatenate([low, high], axis=2).tolist()
+    orders, corners = (
+        np.argsort(cost, axis=1, kind="stable").tolist(),
+        np.concatenate([low, high], axis=2).tolist(),
+    )
     for k, (order, rectangles) in enumerate(zip(orders, corners, strict=True)):
         for number in order:
             if not free[k, number]:
                 continue
             x0, y0, x1, y1 = rectangles[number]
-            if not any(x0 < right and x1 > left and y0 < top and y1 > bottom for left, bottom, right, top in placed):
+            if not any(
+                x0 < right and x1 > left and y0 < top and y1 > bottom
+                for left, bottom, right, top in placed
+            ):
                 corner[k] = x0, y0
                 placed.append((x0, y0, x1, y1))
                 break
     return corner
 
 
-# Rectangles ``low`` to ``high`` are (n, s, 2): n labels at s candidates. Comparing the two parts of the last axis by themselves is
-# several times faster than `all` over it.
+# Rectangles ``low`` to ``high`` are (n, s, 2): n labels at s candidates. Comparing the two parts of
+# the last axis by themselves is several times faster than `all` over it.
 
 
-def _free(low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], occupied: FloatArray) -> BoolArray:
+def _free(
+    low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], occupied: FloatArray
+) -> BoolArray:
     """Whether each rectangle lies inside ``room`` and outside ``occupied`` (m, 4)."""
     (x0, y0), (x1, y1) = np.moveaxis(low, 2, 0), np.moveaxis(high, 2, 0)
     result = (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3])
     left, bottom, right, top = occupied.T
     inside = np.flatnonzero(result)
     x0, y0, x1, y1 = (edge.reshape(-1)[inside, None] for edge in (x0, y0, x1, y1))
-    result.reshape(-1)[inside] = ~((x0 < right) & (x1 > left) & (y0 < top) & (y1 > bottom)).any(axis=1)
+    result.reshape(-1)[inside] = ~((x0 < right) & (x1 > left) & (y0 < top) & (y1 > bottom)).any(
+        axis=1
+    )
     return result
 
 
 def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) -> BoolArray:
     """Whether each rectangle is nearer to the anchor of another label than to its own."""
-    (x0, y0), (x1, y1), (x, y) = np.moveaxis(low, 2, 0)[..., None], np.moveaxis(high, 2, 0)[..., None], anchor.T
+    (x0, y0), (x1, y1), (x, y) = (
+        np.moveaxis(low, 2, 0)[..., None],
+        np.moveaxis(high, 2, 0)[..., None],
+        anchor.T,
+    )
     squared = np.maximum(np.maximum(x0 - x, x - x1), 0) ** 2
     squared += np.maximum(np.maximum(y0 - y, y - y1), 0) ** 2
     own = np.diagonal(squared, axis1=0, axis2=2).T
     return np.asarray(squared.min(axis=2) < own)
 
 
-def _covered(low: FloatArray, high: FloatArray, paths: FloatArray, room: tuple[float, float, float, float]) -> FloatArray:
-    """Number of pixels ``paths`` (k, 2) in each rectangle, to within a cell at its edges: a summed-area table of cells."""
+def _covered(
+    low: FloatArray, high: FloatArray, paths: FloatArray, room: tuple[float, float, float, float]
+) -> FloatArray:
+    """Number of pixels ``paths`` (k, 2) in each rectangle, to within a cell at its edges: a
+    summed-area table of cells."""
     width, height = (max(math.ceil(end / _CELL), 1) for end in room[2:])
     place = (paths / _CELL).astype(np.int64)
     place = place[(place >= 0).all(axis=1) & (place[:, 0] < width) & (place[:, 1] < height)]
     sums = np.zeros((width + 1, height + 1), dtype=np.int32)
     cells = np.bincount(place @ (height, 1), minlength=width * height).reshape(width, height)
     np.cumsum(np.cumsum(cells, axis=0), axis=1, out=sums[1:, 1:])
-    x0, y0 = (np.clip(np.rint(low[..., axis] / _CELL), 0, end).astype(np.int64) for axis, end in enumerate((width, height)))
-    x1, y1 = (np.clip(np.rint(high[..., axis] / _CELL), 0, end).astype(np.int64) for axis, end in enumerate((width, height)))
+    x0, y0 = (
+        np.clip(np.rint(low[..., axis] / _CELL), 0, end).astype(np.int64)
+        for axis, end in enumerate((width, height))
+    )
+    x1, y1 = (
+        np.clip(np.rint(high[..., axis] / _CELL), 0, end).astype(np.int64)
+        for axis, end in enumerate((width, height))
+    )
     return np.asarray(sums[x1, y1] - sums[x0, y1] - sums[x1, y0] + sums[x0, y0], dtype=np.float64)

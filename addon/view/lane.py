@@ -1,4 +1,5 @@
-"""The timeline of touch, a lane over Dope Sheet and Timeline with the waveform of each listener in all frames that were baked or played."""
+"""The timeline of touch, a lane over Dope Sheet and Timeline with the waveform of each listener in
+all frames that were baked or played."""
 
 from __future__ import annotations
 
@@ -38,7 +39,8 @@ _WAVE_COLOUR, _THRESHOLD_COLOUR = (*SCOPE_COLOUR[:3], 0.9), (*SOURCE_COLOUR.toli
 
 @dataclass(frozen=True, slots=True)
 class _Range:
-    """The frame range of a scene and the settings of its trace, which together identify stored waves."""
+    """The frame range of a scene and the settings of its trace, which together identify stored
+    waves."""
 
     scene: int  # session id
     first: int
@@ -59,12 +61,14 @@ class _Shown:
     texts: tuple[Text, ...]
 
 
-_played: dict[int, tuple[Any, Waves]] = {}  # by session id of the scene: the range, the listeners and the rate; frames that were played
+# By session id of the scene: the range, the listeners and the rate; frames that were played.
+_played: dict[int, tuple[Any, Waves]] = {}
 _shown = Recent()  # by the region's address
 
 
 def _keep(traced: sessions.Traced, frames: _Range, before: int | None) -> int:
-    """Computed on the worker: store the samples of a frame. Returns the number of the last stored frame."""
+    """Computed on the worker: store the samples of a frame. Returns the number of the last stored
+    frame."""
     result = traced.result
     if traced.reading is None or result.block is None or not result.listeners:
         return 0 if before is None else before
@@ -75,7 +79,10 @@ def _keep(traced: sessions.Traced, frames: _Range, before: int | None) -> int:
         if 2 * count * len(result.listeners) > _MOST_BYTES:
             return traced.serial
         empty = np.zeros((len(result.listeners), count), dtype=np.int16)
-        known = key, Waves(key[1], frames.first, frames.seconds * result.sample_rate, empty, filled=False)
+        known = (
+            key,
+            Waves(key[1], frames.first, frames.seconds * result.sample_rate, empty, filled=False),
+        )
         _played[frames.scene] = known
     latest = traced.samples[:, -round(LEVEL_SECONDS * result.sample_rate) :]
     known[1].write(result.first_sample, result.block, threshold_of(latest, result.sample_rate))
@@ -86,8 +93,15 @@ def _keep(traced: sessions.Traced, frames: _Range, before: int | None) -> int:
 def _add_impacts(waves: Waves, result: FrameResult, frames: _Range) -> None:
     """Add the impacts that began in a frame."""
     start = result.first_sample / result.sample_rate
-    begun = [k for k, item in enumerate(result.sources) if item.kind is SourceKind.TEMPORARY and start <= item.onset < result.time]
-    waves.add_impacts(frames.first + np.array([result.sources[k].onset for k in begun]) / frames.seconds, result.amplitudes[begun])
+    begun = [
+        k
+        for k, item in enumerate(result.sources)
+        if item.kind is SourceKind.TEMPORARY and start <= item.onset < result.time
+    ]
+    waves.add_impacts(
+        frames.first + np.array([result.sources[k].onset for k in begun]) / frames.seconds,
+        result.amplitudes[begun],
+    )
 
 
 _LAST_KEPT: Derived[_Range, int] = Derived(_keep, every_frame=True, hears=True)
@@ -100,23 +114,45 @@ def draw(baked: Waves | None) -> None:
     if scene is None or not scene.haptics.meters.show_lane:
         return
     haptics = scene.haptics
-    frames = _Range(scene.session_uid, scene.frame_start, scene.frame_end, frame_seconds(scene), haptics.mode, haptics.strategy)
+    frames = _Range(
+        scene.session_uid,
+        scene.frame_start,
+        scene.frame_end,
+        frame_seconds(scene),
+        haptics.mode,
+        haptics.strategy,
+    )
     latest = _LAST_KEPT.latest(scene, frames)
     played = _played.get(scene.session_uid)
-    sources = tuple(waves for waves in (baked, None if played is None else played[1]) if waves is not None)
+    sources = tuple(
+        waves for waves in (baked, None if played is None else played[1]) if waves is not None
+    )
     if sources:
         _draw_lane(context, scene, sources, None if latest is None else latest.value)
 
 
-def _draw_lane(context: Context, scene: Scene, sources: tuple[Waves, ...], kept: int | None) -> None:
+def _draw_lane(
+    context: Context, scene: Scene, sources: tuple[Waves, ...], kept: int | None
+) -> None:
     region, scale = context.region, pixels_per_point(context)
     size = region.width, region.height
     left, right = (region.view2d.region_to_view(x, 0)[0] for x in (0, region.width))
     chosen = watched(scene)
-    key = kept, tuple(map(id, sources)), size, scale, left, right, chosen, bpy.app.translations.locale
+    key = (
+        kept,
+        tuple(map(id, sources)),
+        size,
+        scale,
+        left,
+        right,
+        chosen,
+        bpy.app.translations.locale,
+    )
     known: _Shown | None = _shown.get(region.as_pointer())
     if known is None or known.key != key:
-        known = _shown[region.as_pointer()] = _lane(key, sources, chosen, (left, right), size, scale)
+        known = _shown[region.as_pointer()] = _lane(
+            key, sources, chosen, (left, right), size, scale
+        )
     draw_flat(known.under, size, scale)
     gpu.state.blend_set("ALPHA")
     program = gpu.shader.from_builtin("UNIFORM_COLOR")
@@ -126,14 +162,22 @@ def _draw_lane(context: Context, scene: Scene, sources: tuple[Waves, ...], kept:
         batch.draw(program)
     gpu.state.blend_set("NONE")
     draw_flat(known.over, size, scale)
-    for text in known.texts:  # not by the atlas, whose frame buffer belongs to the context in which viewports are drawn
+    # Not by the atlas, whose frame buffer belongs to the context in which viewports are drawn.
+    for text in known.texts:
         blf.size(0, text.size)
         blf.color(0, *text.colour, 1.0)
         blf.position(0, *text.position, 0.0)
         blf.draw(0, text.words)
 
 
-def _lane(key: Any, sources: tuple[Waves, ...], chosen: str, frames: tuple[float, float], size: tuple[int, int], scale: float) -> _Shown:
+def _lane(
+    key: Any,
+    sources: tuple[Waves, ...],
+    chosen: str,
+    frames: tuple[float, float],
+    size: tuple[int, int],
+    scale: float,
+) -> _Shown:
     """The lane on the GPU.
 
     Args:
@@ -144,7 +188,10 @@ def _lane(key: Any, sources: tuple[Waves, ...], chosen: str, frames: tuple[float
     listeners = tuple(dict.fromkeys(name for waves in sources for name in waves.listeners))
     rows = rows_of(listeners, chosen, size[1], _BOTTOM * scale, scale)
     x = np.arange(0.0, size[0] + 1)
-    edges, free = frames[0] + x * (frames[1] - frames[0]) / size[0], np.ones(size[0], dtype=np.bool_)
+    edges, free = (
+        frames[0] + x * (frames[1] - frames[0]) / size[0],
+        np.ones(size[0], dtype=np.bool_),
+    )
     strips: list[tuple[Any, tuple[float, ...]]] = []
     over = names(rows, len(listeners) - len(rows), scale, text_width)
     for waves in sources if rows else ():
@@ -156,9 +203,24 @@ def _lane(key: Any, sources: tuple[Waves, ...], chosen: str, frames: tuple[float
         shapes = (wave_strip, _WAVE_COLOUR), (threshold_strip, _THRESHOLD_COLOUR)
         for strip, colour in shapes if own else ():
             corners = {"pos": strip(own, x[:-1] + 0.5, parts, numbers)}
-            strips.append((batch_for_shader(gpu.shader.from_builtin("UNIFORM_COLOR"), "TRI_STRIP", corners), colour))
-        over = over.joined(Hud(NO_LINES, impacts(own, waves, numbers, edges, parts.known, scale), ()))
-    return _Shown(key, uploaded(plates(rows, size[0], scale)), tuple(strips), uploaded(replace(over, texts=())), over.texts)
+            strips.append(
+                (
+                    batch_for_shader(
+                        gpu.shader.from_builtin("UNIFORM_COLOR"), "TRI_STRIP", corners
+                    ),
+                    colour,
+                )
+            )
+        over = over.joined(
+            Hud(NO_LINES, impacts(own, waves, numbers, edges, parts.known, scale), ())
+        )
+    return _Shown(
+        key,
+        uploaded(plates(rows, size[0], scale)),
+        tuple(strips),
+        uploaded(replace(over, texts=())),
+        over.texts,
+    )
 
 
 file_changed.subscribe(_played.clear)

@@ -1,4 +1,5 @@
-"""Layout of the lane over a timeline: a row per listener with its wave, the threshold of feeling and impacts; independent of the GPU."""
+"""Layout of the lane over a timeline: a row per listener with its wave, the threshold of feeling
+and impacts; independent of the GPU."""
 
 from __future__ import annotations
 
@@ -36,9 +37,11 @@ class Row:
     half: float
 
 
-def rows_of(listeners: Sequence[str], first: str, height: float, bottom: float, scale: float) -> tuple[Row, ...]:
-    """The rows, from the top down to ``bottom``, of a region of ``height`` pixels. If not all fit, ``first`` and the foremost others; none
-    if not even two fit."""
+def rows_of(
+    listeners: Sequence[str], first: str, height: float, bottom: float, scale: float
+) -> tuple[Row, ...]:
+    """The rows, from the top down to ``bottom``, of a region of ``height`` pixels. If not all fit,
+    ``first`` and the foremost others; none if not even two fit."""
     room = min(_SHARE * (height - bottom), height - bottom - _RULER * scale)
     count = min(len(listeners), int(room / (_LEAST_ROW * scale)))
     if count < min(len(listeners), 2):
@@ -65,35 +68,69 @@ def names(rows: Sequence[Row], hidden: int, scale: float, measure: Measure) -> H
     for row in rows:
         text = shortened(row.listener, _NAME_WIDTH * scale, size, measure)
         left, low = 4 * scale, row.middle - 5 * scale
-        builder.plate((left - 2 * scale, low), (left + measure(text, size) + 2 * scale, low + 10 * scale), (*_BACKGROUND[:3], 0.6), 2.0)
+        builder.plate(
+            (left - 2 * scale, low),
+            (left + measure(text, size) + 2 * scale, low + 10 * scale),
+            (*_BACKGROUND[:3], 0.6),
+            2.0,
+        )
         builder.text(text, (left, low + 2 * scale), INK, SMALL_TEXT)
     if hidden and rows:
         words = iface_("and {} more").format(hidden)
-        builder.text(words, ((_NAME_WIDTH + 12) * scale, rows[-1].middle - 3 * scale), FAINT_INK, SMALL_TEXT)
+        builder.text(
+            words, ((_NAME_WIDTH + 12) * scale, rows[-1].middle - 3 * scale), FAINT_INK, SMALL_TEXT
+        )
     return builder.build()
 
 
 def wave_strip(rows: Sequence[Row], x: FloatArray, parts: Columns, numbers: Sequence[int]) -> Drawn:
-    """The waves of the listeners ``numbers`` as a strip of triangles (v, 2) [pixels], the columns at ``x`` (c,): its thickness is 0 without
-    data and one pixel for silence."""
+    """The waves of the listeners ``numbers`` as a strip of triangles (v, 2) [pixels], the columns
+    at ``x`` (c,): its thickness is 0 without data and one pixel for silence."""
     middle, half = _places(rows)
-    low, high = (_heights().take(values[list(numbers)].view(np.uint16)) * half for values in (parts.low, parts.high))
-    low[:, 1:], high[:, 1:] = np.minimum(low[:, 1:], high[:, :-1]), np.maximum(high[:, 1:], low[:, :-1])  # one line, however steep
+    low, high = (
+        _heights().take(values[list(numbers)].view(np.uint16)) * half
+        for values in (parts.low, parts.high)
+    )
+    # One line, however steep.
+    low[:, 1:], high[:, 1:] = (
+        np.minimum(low[:, 1:], high[:, :-1]),
+        np.maximum(high[:, 1:], low[:, :-1]),
+    )
     thin = np.where(parts.known, _SILENCE, 0.0)
-    return _strip(x, middle + np.where(parts.known, low, 0.0) - thin, middle + np.where(parts.known, high, 0.0) + thin)
+    return _strip(
+        x,
+        middle + np.where(parts.known, low, 0.0) - thin,
+        middle + np.where(parts.known, high, 0.0) + thin,
+    )
 
 
-def threshold_strip(rows: Sequence[Row], x: FloatArray, parts: Columns, numbers: Sequence[int]) -> Drawn:
-    """The thresholds of feeling as a strip of triangles, a pixel thick over and under the middle of each row."""
+def threshold_strip(
+    rows: Sequence[Row], x: FloatArray, parts: Columns, numbers: Sequence[int]
+) -> Drawn:
+    """The thresholds of feeling as a strip of triangles, a pixel thick over and under the middle of
+    each row."""
     middle, half = _places(rows)
     level = np.clip(1 - parts.threshold[list(numbers), ::_COARSE] / FLOOR, 0.0, 1.0) * half
     heard = np.isfinite(level) & parts.known[::_COARSE]
     level, thick = np.where(heard, level, 0.0), np.where(heard, _SILENCE, 0.0)
-    return np.concatenate([_strip(x[::_COARSE], middle + side * level - thick, middle + side * level + thick) for side in (-1, 1)])
+    return np.concatenate(
+        [
+            _strip(x[::_COARSE], middle + side * level - thick, middle + side * level + thick)
+            for side in (-1, 1)
+        ]
+    )
 
 
-def impacts(rows: Sequence[Row], waves: Waves, numbers: Sequence[int], edges: FloatArray, known: BoolArray, scale: float) -> Points:
-    """The impacts in the columns between ``edges`` (c + 1,) [frames] that are ``known``, larger and lighter for higher amplitudes."""
+def impacts(
+    rows: Sequence[Row],
+    waves: Waves,
+    numbers: Sequence[int],
+    edges: FloatArray,
+    known: BoolArray,
+    scale: float,
+) -> Points:
+    """The impacts in the columns between ``edges`` (c + 1,) [frames] that are ``known``, larger and
+    lighter for higher amplitudes."""
     began, gains = waves.impacts
     x = (began - edges[0]) / (edges[1] - edges[0])
     is_shown = (x >= 0) & (x < len(known))
@@ -114,7 +151,9 @@ def impacts(rows: Sequence[Row], waves: Waves, numbers: Sequence[int], edges: Fl
 
 def _places(rows: Sequence[Row]) -> tuple[FloatArray, FloatArray]:
     """Middles and half heights of rows, (r, 1) each."""
-    return np.array([[row.middle] for row in rows]).reshape(-1, 1), np.array([[row.half] for row in rows]).reshape(-1, 1)
+    return np.array([[row.middle] for row in rows]).reshape(-1, 1), np.array(
+        [[row.half] for row in rows]
+    ).reshape(-1, 1)
 
 
 def _strip(x: FloatArray, low: FloatArray, high: FloatArray) -> Drawn:
@@ -128,7 +167,8 @@ def _strip(x: FloatArray, low: FloatArray, high: FloatArray) -> Drawn:
 
 @cache
 def _heights() -> Drawn:
-    """The height in a row, -1 to 1, for every 16-bit sample value: decibels from `FLOOR` in the middle to full scale at the edges."""
+    """The height in a row, -1 to 1, for every 16-bit sample value: decibels from `FLOOR` in the
+    middle to full scale at the edges."""
     values = np.arange(1 << 16, dtype=np.uint16).view(np.int16).astype(np.float64) / FULL_SCALE
     with np.errstate(divide="ignore"):
         level = 20 * np.log10(np.abs(values))

@@ -1,4 +1,5 @@
-"""Layout over a viewport: the part that the user interface does not cover, and the corner of the meters."""
+"""Layout over a viewport: the part that the user interface does not cover, and the corner of the
+meters."""
 
 from __future__ import annotations
 
@@ -40,29 +41,51 @@ def free_rectangle(context: Context) -> Rectangle:
 
 
 def redo_panels(context: Context) -> tuple[Rectangle, ...]:
-    """The panel Adjust Last Operation, in pixels of the viewport; () if it is hidden: it is then a pixel wide, or lies at 0, 0."""
+    """The panel Adjust Last Operation, in pixels of the viewport; () if it is hidden: it is then a
+    pixel wide, or lies at 0, 0."""
     region = context.region
-    found = (other for other in context.area.regions if other.type == "HUD" and other.width > 1 and (other.x or other.y))
-    places = ((float(r.x - region.x), float(r.y - region.y), float(r.width), float(r.height)) for r in found)
+    found = (
+        other
+        for other in context.area.regions
+        if other.type == "HUD" and other.width > 1 and (other.x or other.y)
+    )
+    places = (
+        (float(r.x - region.x), float(r.y - region.y), float(r.width), float(r.height))
+        for r in found
+    )
     return tuple((x, y, x + width, y + height) for x, y, width, height in places)
 
 
 def is_main_view(context: Context) -> bool:
-    """False in the three orthographic views of a quad view, which have neither meters nor legend."""
+    """False in the three orthographic views of a quad view, which have neither meters nor
+    legend."""
     space = context.space_data
     return not len(space.region_quadviews) or context.region_data == space.region_3d
 
 
-def corner_room(context: Context, corner: str, width: float, scale: float, margin: float) -> Rectangle:
-    """The free part of the viewport for an element of ``width`` pixels in a ``corner``: ``margin`` pixels from the edges of the uncovered
-    part, without Blender's own text, its navigation gizmo and the panel Adjust Last Operation.
+def corner_room(
+    context: Context, corner: str, width: float, scale: float, margin: float
+) -> Rectangle:
+    """The free part of the viewport for an element of ``width`` pixels in a ``corner``: ``margin``
+    pixels from the edges of the uncovered part, without Blender's own text, its navigation gizmo
+    and the panel Adjust Last Operation.
     """
     vertical, horizontal = corner.split("_")
     space, free = context.space_data, free_rectangle(context)
-    left, bottom, right, top = free[0] + margin, free[1] + margin, free[2] - margin, free[3] - margin
+    left, bottom, right, top = (
+        free[0] + margin,
+        free[1] + margin,
+        free[2] - margin,
+        free[3] - margin,
+    )
     if vertical == "TOP" and horizontal == "LEFT" and space.overlay.show_text:
         top -= _TEXT_HEIGHT * scale
-    if vertical == "TOP" and horizontal == "RIGHT" and space.show_gizmo and space.show_gizmo_navigate:
+    if (
+        vertical == "TOP"
+        and horizontal == "RIGHT"
+        and space.show_gizmo
+        and space.show_gizmo_navigate
+    ):
         right -= _GIZMO_WIDTH * scale
     if horizontal == "LEFT":
         right = min(right, left + width)

@@ -1,7 +1,8 @@
 """Level, peak and margin of each listener, as numbers and texts.
 
-The *level* is the RMS of a listener's output without its steady part, in decibels of full scale. The *margin* is the level relative to the
-threshold of feeling. The *gain* is a property of a path: neither the source's amplitude nor the listener's own gain is part of it.
+The *level* is the RMS of a listener's output without its steady part, in decibels of full scale.
+The *margin* is the level relative to the threshold of feeling. The *gain* is a property of a path:
+neither the source's amplitude nor the listener's own gain is part of it.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ PEAK_SECONDS = 0.1
 class Level:
     """The strength at a listener in decibels, minus infinity for silence.
 
-    ``peak`` and ``rms``: of full scale. ``margin``: above the threshold of feeling. ``threshold``: the RMS level of this vibration at the
-    threshold of feeling, None for silence.
+    ``peak`` and ``rms``: of full scale. ``margin``: above the threshold of feeling. ``threshold``:
+    the RMS level of this vibration at the threshold of feeling, None for silence.
     """
 
     listener: str
@@ -93,15 +94,28 @@ def _number(level: float) -> str:
     return f"\N{MINUS SIGN}{-level:.0f}" if round(level) < 0 else f"{max(level, 0.0):.0f}"
 
 
-def levels(result: FrameResult, samples: FloatArray, peak_seconds: float = PEAK_SECONDS) -> tuple[Level, ...]:
+def levels(
+    result: FrameResult, samples: FloatArray, peak_seconds: float = PEAK_SECONDS
+) -> tuple[Level, ...]:
     """The levels of all listeners at the end of ``samples`` (l, n)."""
     peak = np.abs(_end(samples, peak_seconds, result.sample_rate)).max(axis=1, initial=0.0)
     with np.errstate(divide="ignore"):
         loud = 20 * np.log10(peak)
-    mean, margin = level_and_margin(_end(samples, LEVEL_SECONDS, result.sample_rate), result.sample_rate)
+    mean, margin = level_and_margin(
+        _end(samples, LEVEL_SECONDS, result.sample_rate), result.sample_rate
+    )
     return tuple(
-        Level(listener.name, listener.body_part, p, r, m, r - m if math.isfinite(m) and math.isfinite(r) else None)
-        for listener, p, r, m in zip(result.listeners, loud.tolist(), mean.tolist(), margin.tolist(), strict=True)
+        Level(
+            listener.name,
+            listener.body_part,
+            p,
+            r,
+            m,
+            r - m if math.isfinite(m) and math.isfinite(r) else None,
+        )
+        for listener, p, r, m in zip(
+            result.listeners, loud.tolist(), mean.tolist(), margin.tolist(), strict=True
+        )
     )
 
 
@@ -110,13 +124,20 @@ def _end(samples: FloatArray, seconds: float, sample_rate: float) -> FloatArray:
     return samples[:, max(samples.shape[1] - round(seconds * sample_rate), 0) :]
 
 
-def shown_levels(traced: Traced, is_playing: bool, before: tuple[Level, ...] | None = None) -> tuple[Level, ...]:
-    """The levels of a frame: during playback those of the last quarter second, otherwise those of the frame in the steady state.
+def shown_levels(
+    traced: Traced, is_playing: bool, before: tuple[Level, ...] | None = None
+) -> tuple[Level, ...]:
+    """The levels of a frame: during playback those of the last quarter second, otherwise those of
+    the frame in the steady state.
 
-    The level of a still frame therefore does not depend on earlier frames. Playback of less than a quarter second counts as a still frame;
-    a baked track has only samples.
+    The level of a still frame therefore does not depend on earlier frames. Playback of less than a
+    quarter second counts as a still frame; a baked track has only samples.
     """
-    return levels(traced.result, felt_samples(traced, is_playing), LEVEL_SECONDS if _shows_still(traced, is_playing) else PEAK_SECONDS)
+    return levels(
+        traced.result,
+        felt_samples(traced, is_playing),
+        LEVEL_SECONDS if _shows_still(traced, is_playing) else PEAK_SECONDS,
+    )
 
 
 def felt_samples(traced: Traced, is_playing: bool) -> FloatArray:
@@ -133,7 +154,9 @@ def _shows_still(traced: Traced, is_playing: bool) -> bool:
     return traced.reading is not None and not (is_playing and is_long)
 
 
-STILL: Derived[None, FloatArray] = Derived(lambda traced, *_: still_samples(traced.result, LEVEL_SECONDS))
+STILL: Derived[None, FloatArray] = Derived(
+    lambda traced, *_: still_samples(traced.result, LEVEL_SECONDS)
+)
 """The samples (l, n) of a frame as if it lasted."""
 
 LEVELS: Derived[bool, tuple[Level, ...]] = Derived(shown_levels, every_frame=True, hears=True)

@@ -1,4 +1,5 @@
-"""Layout of the meters over a viewport: a bar per listener, the scope of one, the body; independent of the GPU."""
+"""Layout of the meters over a viewport: a bar per listener, the scope of one, the body; independent
+of the GPU."""
 
 from __future__ import annotations
 
@@ -59,7 +60,8 @@ def colour_of(level: Level) -> Colour:
 
 @dataclass(frozen=True, slots=True)
 class _Columns:
-    """Widths in points of names, bars, levels and margins; ``margin`` is 0 if there is no room for it."""
+    """Widths in points of names, bars, levels and margins; ``margin`` is 0 if there is no room for
+    it."""
 
     name: float
     bar: float
@@ -72,15 +74,22 @@ class _Columns:
 
     @classmethod
     def within(cls, across: float, names: float) -> _Columns | None:
-        """Columns in ``across`` points if the longest name takes ``names``; None if there is not enough room. Margins are left out
-        first, then names are shortened, then bars become narrow.
+        """Columns in ``across`` points if the longest name takes ``names``; None if there is not
+        enough room. Margins are left out first, then names are shortened, then bars become narrow.
         """
         name = min(names + 8.0, NAME_WIDTH)
         if across >= name + 2 * LEAST_BAR_WIDTH + LEVEL_WIDTH + MARGIN_WIDTH:
-            return cls(name, min(across - name - LEVEL_WIDTH - MARGIN_WIDTH, BAR_WIDTH), LEVEL_WIDTH, MARGIN_WIDTH)
+            return cls(
+                name,
+                min(across - name - LEVEL_WIDTH - MARGIN_WIDTH, BAR_WIDTH),
+                LEVEL_WIDTH,
+                MARGIN_WIDTH,
+            )
         bar = min(max(across - name - LEVEL_WIDTH, LEAST_BAR_WIDTH), BAR_WIDTH)
         name = min(name, across - bar - LEVEL_WIDTH)
-        return cls(name, bar, LEVEL_WIDTH, 0.0) if name >= min(LEAST_NAME_WIDTH, names + 8.0) else None
+        return (
+            cls(name, bar, LEVEL_WIDTH, 0.0) if name >= min(LEAST_NAME_WIDTH, names + 8.0) else None
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +106,12 @@ class _Layout:
     def height(self) -> float:
         """Points."""
         rows = 1 + len(self.shown) + (self.hidden > 0)
-        return rows * ROW + 2 * PADDING + (SCOPE_HEIGHT + GAP) * (self.scope is not None) + (FIGURE_HEIGHT + ROW) * self.body
+        return (
+            rows * ROW
+            + 2 * PADDING
+            + (SCOPE_HEIGHT + GAP) * (self.scope is not None)
+            + (FIGURE_HEIGHT + ROW) * self.body
+        )
 
 
 def meter_hud(
@@ -111,12 +125,22 @@ def meter_hud(
     body: bool = True,
     spots: Sequence[Spot] = (),
 ) -> Hud:
-    """The meters, their lower left corner at the origin, within ``room`` [pixels]. ``scale``: pixels per point. ``spots``: the
-    actuators that the body shows.
+    """The meters, their lower left corner at the origin, within ``room`` [pixels]. ``scale``:
+    pixels per point. ``spots``: the actuators that the body shows.
 
-    If there is not enough room, these are left out in order: margins, body, scope, listeners, everything.
+    If there is not enough room, these are left out in order: margins, body, scope, listeners,
+    everything.
     """
-    names = max((measure(text, TEXT_SIZE * scale) for text in (title, *(level.listener for level in levels))), default=0.0) / scale
+    names = (
+        max(
+            (
+                measure(text, TEXT_SIZE * scale)
+                for text in (title, *(level.listener for level in levels))
+            ),
+            default=0.0,
+        )
+        / scale
+    )
     layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
     builder = HudBuilder(scale)
     if layout is None:
@@ -138,12 +162,21 @@ def meter_hud(
     if layout.body:
         parts = {level.body_part: level for level in levels if level.body_part}
         left = x + (columns.width - 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH) / 2 * scale
-        _add_body(builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, spots, measure)
+        _add_body(
+            builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, spots, measure
+        )
     return builder.build()
 
 
-def _layout(levels: Sequence[Level], scope: Scope | None, room: tuple[float, float], names: float, body: bool) -> _Layout | None:
-    """The elements that fit into ``room`` [points] if the longest name takes ``names``; None if not even two listeners fit."""
+def _layout(
+    levels: Sequence[Level],
+    scope: Scope | None,
+    room: tuple[float, float],
+    names: float,
+    body: bool,
+) -> _Layout | None:
+    """The elements that fit into ``room`` [points] if the longest name takes ``names``; None if not
+    even two listeners fit."""
     columns = _Columns.within(room[0] - 2 * PADDING, names)
     rows = min(int((room[1] - 2 * PADDING) / ROW) - 1, MOST_ROWS)
     if columns is None or not levels or rows < min(len(levels), 2):
@@ -168,11 +201,19 @@ def _strongest(levels: Sequence[Level], most: int) -> tuple[Level, ...]:
     return tuple(levels[k] for k in sorted(chosen))
 
 
-def _add_heads(builder: HudBuilder, corner: tuple[float, float], title: str, columns: _Columns, measure: Measure) -> None:
+def _add_heads(
+    builder: HudBuilder,
+    corner: tuple[float, float],
+    title: str,
+    columns: _Columns,
+    measure: Measure,
+) -> None:
     """Add the title, the scale of the bars, and the column headings."""
     scale, size = builder.scale, SMALL_TEXT * builder.scale
     x, base = corner[0], corner[1] - 12 * scale
-    builder.text(shortened(title, (columns.name - 6) * scale, TEXT_SIZE * scale, measure), (x, base), INK)
+    builder.text(
+        shortened(title, (columns.name - 6) * scale, TEXT_SIZE * scale, measure), (x, base), INK
+    )
     left, width = x + columns.name * scale, (columns.bar - 8) * scale
     for tick in (-60, -40, -20, 0) if columns.bar > 110 else (-60, 0) if columns.bar > 60 else ():
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0"
@@ -180,18 +221,34 @@ def _add_heads(builder: HudBuilder, corner: tuple[float, float], title: str, col
         place = min(max(left + place_of(tick) * width - half, left), left + width - half)
         builder.text(words, (place, base), FAINT_INK, SMALL_TEXT)
     values = left + columns.bar * scale
-    builder.text(shortened(iface_("Level", "Haptics"), (LEVEL_WIDTH - 2) * scale, size, measure), (values, base), FAINT_INK, SMALL_TEXT)
+    builder.text(
+        shortened(iface_("Level", "Haptics"), (LEVEL_WIDTH - 2) * scale, size, measure),
+        (values, base),
+        FAINT_INK,
+        SMALL_TEXT,
+    )
     if columns.margin:
         words = shortened(iface_("Margin", "Haptics"), MARGIN_WIDTH * scale, size, measure)
         builder.text(words, (values + columns.level * scale, base), FAINT_INK, SMALL_TEXT)
 
 
-def _add_row(builder: HudBuilder, corner: tuple[float, float], level: Level, columns: _Columns, measure: Measure) -> None:
-    """Add name, bar and values of a listener. The bar is the level, the white mark the peak, the orange one the threshold of feeling."""
+def _add_row(
+    builder: HudBuilder,
+    corner: tuple[float, float],
+    level: Level,
+    columns: _Columns,
+    measure: Measure,
+) -> None:
+    """Add name, bar and values of a listener. The bar is the level, the white mark the peak, the
+    orange one the threshold of feeling."""
     scale = builder.scale
     x, y = corner
     base = y + 4 * scale
-    builder.text(shortened(level.listener, (columns.name - 6) * scale, TEXT_SIZE * scale, measure), (x, base), INK)
+    builder.text(
+        shortened(level.listener, (columns.name - 6) * scale, TEXT_SIZE * scale, measure),
+        (x, base),
+        INK,
+    )
     left, width = x + columns.name * scale, (columns.bar - 8) * scale
     low, high = y + (ROW - BAR) / 2 * scale, y + (ROW + BAR) / 2 * scale
     builder.plate((left, low), (left + width, high), _TRACK, 2.0)
@@ -199,18 +256,34 @@ def _add_row(builder: HudBuilder, corner: tuple[float, float], level: Level, col
         builder.plate((left, low), (left + level.place * width, high), colour_of(level), 2.0)
     if level.threshold is not None and FLOOR < level.threshold < 0:
         place = left + place_of(level.threshold) * width
-        builder.plate((place - 0.8 * scale, low - 2 * scale), (place + 0.8 * scale, high + 2 * scale), _MARK, 0.0)
+        builder.plate(
+            (place - 0.8 * scale, low - 2 * scale),
+            (place + 0.8 * scale, high + 2 * scale),
+            _MARK,
+            0.0,
+        )
     if level.peak > FLOOR:
         place = left + place_of(level.peak) * width
         builder.plate((place - 1.0 * scale, low), (place + 1.0 * scale, high), _WHITE, 0.0)
     values = left + columns.bar * scale
-    builder.text(shortened(decibels(level.rms), LEVEL_WIDTH * scale, TEXT_SIZE * scale, measure), (values, base), INK)
+    builder.text(
+        shortened(decibels(level.rms), LEVEL_WIDTH * scale, TEXT_SIZE * scale, measure),
+        (values, base),
+        INK,
+    )
     if columns.margin:
-        builder.text(level.margin_text(), (values + columns.level * scale, base), INK if level.is_felt else FAINT_INK)
+        builder.text(
+            level.margin_text(),
+            (values + columns.level * scale, base),
+            INK if level.is_felt else FAINT_INK,
+        )
 
 
-def _add_scope(builder: HudBuilder, corner: tuple[float, float], width: float, scope: Scope, measure: Measure) -> None:
-    """The last second: for every column the range between its lowest and highest sample, the latest at the right."""
+def _add_scope(
+    builder: HudBuilder, corner: tuple[float, float], width: float, scope: Scope, measure: Measure
+) -> None:
+    """The last second: for every column the range between its lowest and highest sample, the latest
+    at the right."""
     scale, size = builder.scale, SMALL_TEXT * builder.scale
     left, low = corner
     high = low + SCOPE_HEIGHT * scale
@@ -223,14 +296,27 @@ def _add_scope(builder: HudBuilder, corner: tuple[float, float], width: float, s
     builder.plate((left, middle - 0.5), (left + width, middle + 0.5), _GRID, 0.0)
     full = full_scale(scope)
     columns, least, greatest = spans(scope, _SCOPE_COLUMNS)
-    lows, highs = middle + half / full * least - 0.5 * scale, middle + half / full * greatest + 0.5 * scale
-    for x, low_end, high_end in zip((left + columns * width / _SCOPE_COLUMNS).tolist(), lows.tolist(), highs.tolist(), strict=True):
+    lows, highs = (
+        middle + half / full * least - 0.5 * scale,
+        middle + half / full * greatest + 0.5 * scale,
+    )
+    for x, low_end, high_end in zip(
+        (left + columns * width / _SCOPE_COLUMNS).tolist(),
+        lows.tolist(),
+        highs.tolist(),
+        strict=True,
+    ):
         builder.plate((x, low_end), (x + width / _SCOPE_COLUMNS, high_end), SCOPE_COLOUR, 0.0)
     span = f"±{full:.3g}"
     room = width - measure(span, size) - 15 * scale
     words = shortened(iface_("{}, last second").format(scope.listener), room, size, measure)
     builder.text(words, (left + 5 * scale, high - 11 * scale), FAINT_INK, SMALL_TEXT)
-    builder.text(span, (left + width - measure(span, size) - 5 * scale, high - 11 * scale), FAINT_INK, SMALL_TEXT)
+    builder.text(
+        span,
+        (left + width - measure(span, size) - 5 * scale, high - 11 * scale),
+        FAINT_INK,
+        SMALL_TEXT,
+    )
 
 
 def full_scale(scope: Scope) -> float:
@@ -240,7 +326,8 @@ def full_scale(scope: Scope) -> float:
 
 
 def spans(scope: Scope, count: int) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Minima and maxima of the last second in ``count`` columns: numbers of the columns with samples, then both."""
+    """Minima and maxima of the last second in ``count`` columns: numbers of the columns with
+    samples, then both."""
     whole = round(scope.sample_rate)
     samples = scope.samples[-whole:]
     borders = np.round(np.linspace(0, whole, count + 1)).astype(np.int64) - (whole - len(samples))
@@ -259,7 +346,8 @@ def _add_body(
     spots: Sequence[Spot],
     measure: Measure,
 ) -> None:
-    """Two figures of ``height`` points, from the front and from behind; parts with a listener and actuators light up by their level."""
+    """Two figures of ``height`` points, from the front and from behind; parts with a listener and
+    actuators light up by their level."""
     scale, size = builder.scale, SMALL_TEXT * builder.scale
     unit = height / HEIGHT * scale
     x, y = corner
@@ -267,16 +355,33 @@ def _add_body(
         middle = x + (2 * number + 1) * HALF_WIDTH * unit
         for limb in figure(view):
             colour = colour_of(parts[limb.part]) if limb.part in parts else _ABSENT
-            start, end = ((middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end))
+            start, end = (
+                (middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end)
+            )
             builder.line(start, end, colour, limb.width * unit / scale)
             edge = 0.3 * limb.width * unit
-            low, high = (np.array([pick(start[k], end[k]) for k in (0, 1)]) + shift for pick, shift in ((min, -edge), (max, edge)))
+            low, high = (
+                np.array([pick(start[k], end[k]) for k in (0, 1)]) + shift
+                for pick, shift in ((min, -edge), (max, edge))
+            )
             for spot in (one for one in spots if one.part == limb.part):
-                share = np.array((1.0 - spot.across if view == "front" else spot.across, 1.0 - spot.down))
+                share = np.array(
+                    (1.0 - spot.across if view == "front" else spot.across, 1.0 - spot.down)
+                )
                 at = (low + share * (high - low)).tolist()
                 builder.line(at, at, (*_WHITE[:3], 0.25 + 0.75 * spot.amplitude), 2.5)
         words = iface_(view)
         width = measure(words, size)
-        builder.text(words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, SMALL_TEXT)
-        for side, place in (("L", 1.0 if view == "front" else -1.0), ("R", -1.0 if view == "front" else 1.0)):
-            builder.text(side, (middle + place * 0.52 * unit - 3 * scale, y + 0.06 * unit), FAINT_INK, SMALL_TEXT)
+        builder.text(
+            words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, SMALL_TEXT
+        )
+        for side, place in (
+            ("L", 1.0 if view == "front" else -1.0),
+            ("R", -1.0 if view == "front" else 1.0),
+        ):
+            builder.text(
+                side,
+                (middle + place * 0.52 * unit - 3 * scale, y + 0.06 * unit),
+                FAINT_INK,
+                SMALL_TEXT,
+            )

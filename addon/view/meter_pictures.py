@@ -1,4 +1,5 @@
-"""The scope and the body map as pictures in the panel, with the numbers and colours of the meters in the viewport."""
+"""The scope and the body map as pictures in the panel, with the numbers and colours of the meters
+in the viewport."""
 
 from __future__ import annotations
 
@@ -23,7 +24,9 @@ _scope, _body = Picture(), Picture()
 
 def scope_icon(scope: Scope, ink: Colour) -> int:
     """The identifier of the icon with the scope."""
-    return _scope.icon((scope.samples.tobytes(), scope.sample_rate, ink), lambda: scope_picture(scope, ink))
+    return _scope.icon(
+        (scope.samples.tobytes(), scope.sample_rate, ink), lambda: scope_picture(scope, ink)
+    )
 
 
 def body_icon(levels: Sequence[Level], ink: Colour) -> int:
@@ -33,8 +36,8 @@ def body_icon(levels: Sequence[Level], ink: Colour) -> int:
 
 
 def scope_picture(scope: Scope, ink: Colour) -> Pixels:
-    """The last second as pixels (SIZE, SIZE, 4), the latest at the right: for every column the range between its lowest and highest
-    sample. Lines at quarters of the second and at silence."""
+    """The last second as pixels (SIZE, SIZE, 4), the latest at the right: for every column the
+    range between its lowest and highest sample. Lines at quarters of the second and at silence."""
     pixels = blank()
     inside = slice(_MARGIN, SIZE - _MARGIN)
     middle, half = SIZE // 2, SIZE / 2 - _MARGIN
@@ -58,26 +61,44 @@ def wave_colour(ink: Colour) -> Colour:
 
 
 def body_picture(parts: Mapping[str, Sequence[float]], ink: Colour) -> Pixels:
-    """Two figures as pixels (SIZE, SIZE, 4), from the front and from behind: ``parts`` in their colours, all others faint."""
+    """Two figures as pixels (SIZE, SIZE, 4), from the front and from behind: ``parts`` in their
+    colours, all others faint."""
     names, number, cover = _limbs()
-    colour = np.array([(*parts[name], 1.0) if name in parts else (*ink, _FAINT) for name in names], dtype=np.float32)
+    colour = np.array(
+        [(*parts[name], 1.0) if name in parts else (*ink, _FAINT) for name in names],
+        dtype=np.float32,
+    )
     opacity = cover * colour[number, 3]
-    return np.concatenate([colour[number, :3] * opacity[..., None], opacity[..., None]], axis=2).astype(np.float32)
+    return np.concatenate(
+        [colour[number, :3] * opacity[..., None], opacity[..., None]], axis=2
+    ).astype(np.float32)
 
 
 @cache
 def _limbs() -> tuple[tuple[str, ...], NDArray[np.intp], FloatArray]:
-    """The body part of each limb; for each pixel the nearest limb and its coverage of the pixel, 0 to 1."""
+    """The body part of each limb; for each pixel the nearest limb and its coverage of the pixel, 0
+    to 1."""
     y, x = np.mgrid[0:SIZE, 0:SIZE] + 0.5
     bottom = (SIZE - HEIGHT * _UNIT) / 2
     names, distances = [], []
     for place, view in enumerate(VIEWS):
         middle = _MARGIN + (2 * place + 1) * HALF_WIDTH * _UNIT
         for limb in figure(view):
-            start, end = (np.array((middle + at[0] * _UNIT, bottom + at[1] * _UNIT)) for at in (limb.start, limb.end))
+            start, end = (
+                np.array((middle + at[0] * _UNIT, bottom + at[1] * _UNIT))
+                for at in (limb.start, limb.end)
+            )
             along = end - start
-            part = np.clip(((x - start[0]) * along[0] + (y - start[1]) * along[1]) / max(float(along @ along), 1e-12), 0, 1)
-            distances.append(np.hypot(x - start[0] - part * along[0], y - start[1] - part * along[1]) - limb.width * _UNIT / 2)
+            part = np.clip(
+                ((x - start[0]) * along[0] + (y - start[1]) * along[1])
+                / max(float(along @ along), 1e-12),
+                0,
+                1,
+            )
+            distances.append(
+                np.hypot(x - start[0] - part * along[0], y - start[1] - part * along[1])
+                - limb.width * _UNIT / 2
+            )
             names.append(limb.part)
     every = np.array(distances)
     return tuple(names), every.argmin(axis=0), np.clip(0.5 - every.min(axis=0), 0, 1)

@@ -24,18 +24,22 @@ from .screen import ATLAS, Recent, draw_flat, uploaded
 from .watched import levels_of, watched
 
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
-_SHARE_ACROSS, _SHARE_UP = 0.25, 0.6  # parts of the viewport's width, and of the height of its free part
+# Parts of the viewport's width, and of the height of its free part.
+_SHARE_ACROSS, _SHARE_UP = 0.25, 0.6
 _PANEL_SECONDS = 0.1
 
 
 _NOTHING: tuple[Any, Any, tuple[Rectangle, ...]] = (None, None, ())
-_shown = Recent()  # by the region's address: the values that its meters were made from, these on the GPU, and what they cover
+# By the region's address: the values that its meters were made from, these on the GPU, and what
+# they cover.
+_shown = Recent()
 _refreshed = Recent()  # time of the last redraw of a sidebar, by the region's address
 _redo_panels = Recent()  # places of the panel Adjust Last Operation, by the area's address
 
 
 def scope_of(scene: Scene) -> Scope | None:
-    """The last second of the watched listener; None if there is none, or if the scope is switched off."""
+    """The last second of the watched listener; None if there is none, or if the scope is switched
+    off."""
     traced, name = sessions.shown(scene), watched(scene)
     if traced is None or not scene.haptics.meters.show_scope or not name:
         return None
@@ -55,7 +59,13 @@ def draw_pixels(spots: Sequence[Spot] = ()) -> None:
     scene, space = context.scene, context.space_data
     if scene is not None and space is not None:
         _refresh_panels(context)
-    if scene is None or space is None or not scene.haptics.meters.show or not space.overlay.show_overlays or not is_main_view(context):
+    if (
+        scene is None
+        or space is None
+        or not scene.haptics.meters.show
+        or not space.overlay.show_overlays
+        or not is_main_view(context)
+    ):
         return
     if not levels_of(scene):
         _shown.pop(context.region.as_pointer(), None)
@@ -65,9 +75,14 @@ def draw_pixels(spots: Sequence[Spot] = ()) -> None:
 
 
 def draw_redo_panel() -> None:
-    """Draw callback: redraw the viewport when the panel Adjust Last Operation, laid out after it, has moved."""
+    """Draw callback: redraw the viewport when the panel Adjust Last Operation, laid out after it,
+    has moved."""
     area = bpy.context.area
-    place = tuple((region.x, region.y, region.width, region.height) for region in area.regions if region.type == "HUD")
+    place = tuple(
+        (region.x, region.y, region.width, region.height)
+        for region in area.regions
+        if region.type == "HUD"
+    )
     if _redo_panels.get(area.as_pointer()) == place:
         return
     _redo_panels[area.as_pointer()] = place
@@ -81,8 +96,18 @@ def _refresh_panels(context: Context) -> None:
     if context.screen is None or not context.screen.is_animation_playing:
         return
     now = time.perf_counter()
-    sidebars = (r for r in context.area.regions if r.type == "UI" and r.width > 1 and r.active_panel_category == SIDEBAR_TAB)
-    lanes = (r for area in context.screen.areas if area.type == "DOPESHEET_EDITOR" for r in area.regions if r.type == "WINDOW")
+    sidebars = (
+        r
+        for r in context.area.regions
+        if r.type == "UI" and r.width > 1 and r.active_panel_category == SIDEBAR_TAB
+    )
+    lanes = (
+        r
+        for area in context.screen.areas
+        if area.type == "DOPESHEET_EDITOR"
+        for r in area.regions
+        if r.type == "WINDOW"
+    )
     for region in (*sidebars, *lanes):
         address = region.as_pointer()
         if now - _refreshed.get(address, 0.0) >= _PANEL_SECONDS:
@@ -104,7 +129,14 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
 def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
     """The values that the meters of a view depend on."""
     traced, chosen = sessions.shown(scene), scene.haptics.meters
-    choices = chosen.corner, chosen.show_scope, chosen.show_body, watched(scene), _title(scene), bpy.app.translations.locale
+    choices = (
+        chosen.corner,
+        chosen.show_scope,
+        chosen.show_body,
+        watched(scene),
+        _title(scene),
+        bpy.app.translations.locale,
+    )
     return traced and traced.serial, levels_of(scene), _room(context, scene, scale), scale, choices
 
 
@@ -115,7 +147,9 @@ def _title(scene: Scene) -> str:
 
 def _room(context: Context, scene: Scene, scale: float) -> Rectangle:
     margin = _MARGIN * scale
-    return corner_room(context, scene.haptics.meters.corner, _SHARE_ACROSS * context.region.width, scale, margin)
+    return corner_room(
+        context, scene.haptics.meters.corner, _SHARE_ACROSS * context.region.width, scale, margin
+    )
 
 
 def _placed_meters(context: Context, scene: Scene, scale: float, spots: Sequence[Spot]) -> Hud:
@@ -124,10 +158,22 @@ def _placed_meters(context: Context, scene: Scene, scale: float, spots: Sequence
     free, chosen = free_rectangle(context), scene.haptics.meters
     room = right - left, min(top - bottom, _SHARE_UP * (free[3] - free[1]))
     words = _title(scene)
-    hud = meter_hud(levels_of(scene), scope_of(scene), room, scale, text_width, words, body=chosen.show_body, spots=spots)
+    hud = meter_hud(
+        levels_of(scene),
+        scope_of(scene),
+        room,
+        scale,
+        text_width,
+        words,
+        body=chosen.show_body,
+        spots=spots,
+    )
     width, height = (max((bounds[k] for bounds in hud.bounds), default=0.0) for k in (2, 3))
     vertical, horizontal = chosen.corner.split("_")
-    return hud.moved(round(left if horizontal == "LEFT" else right - width), round(bottom if vertical == "BOTTOM" else top - height))
+    return hud.moved(
+        round(left if horizontal == "LEFT" else right - width),
+        round(bottom if vertical == "BOTTOM" else top - height),
+    )
 
 
 def occupied(context: Context) -> tuple[Rectangle, ...]:

@@ -11,14 +11,17 @@ from .watched import active_name, watched
 
 
 def options_of(scene: Scene, result: FrameResult) -> Options:
-    """The scene's options, with the selected sources and listeners, and the chosen row of the panel Path highlighted."""
+    """The scene's options, with the selected sources and listeners, and the chosen row of the panel
+    Path highlighted."""
     haptics, listener, active = scene.haptics, watched(scene), active_name()
     return Options(
         show_intra=haptics.show_intra,
         show_best_paths=haptics.show_best_paths,
         show_labels=haptics.show_labels,
         sources=frozenset(source.name for source in result.sources if _is_selected(source.name)),
-        listeners=frozenset(listener.name for listener in result.listeners if _is_selected(listener.name)),
+        listeners=frozenset(
+            listener.name for listener in result.listeners if _is_selected(listener.name)
+        ),
         highlight=(listener, active) if listener and active in result.objects else None,
     )
 

@@ -1,7 +1,7 @@
 """The haptic graph over every 3D viewport: draw callbacks, and their state between redraws.
 
-The shapes are made on the worker thread. A redraw with nothing changed compares one signature and issues two draw calls: one for the
-graph, one for labels and legend.
+The shapes are made on the worker thread. A redraw with nothing changed compares one signature and
+issues two draw calls: one for the graph, one for labels and legend.
 """
 
 from __future__ import annotations
@@ -49,9 +49,20 @@ class GraphShapes:
     quads: Quads
 
     @classmethod
-    def of(cls, result: FrameResult, settings: Settings, options: Options, before: GraphShapes | None = None) -> GraphShapes:
-        """The shapes of ``result``, or ``before`` if nothing visible has changed: the tracer reuses an unchanged graph and its gains."""
-        if before is not None and (before.settings, before.options) == (settings, options) and _look_alike(before.result, result):
+    def of(
+        cls,
+        result: FrameResult,
+        settings: Settings,
+        options: Options,
+        before: GraphShapes | None = None,
+    ) -> GraphShapes:
+        """The shapes of ``result``, or ``before`` if nothing visible has changed: the tracer reuses
+        an unchanged graph and its gains."""
+        if (
+            before is not None
+            and (before.settings, before.options) == (settings, options)
+            and _look_alike(before.result, result)
+        ):
             return before
         data = render_data(result, settings, options)
         return cls(result, settings, options, data, quads(data))
@@ -75,7 +86,9 @@ class Drawing:
         return cls(shapes, shader.upload(shapes.quads))
 
 
-_SHAPES: Derived[Options, GraphShapes] = Derived(lambda one, *more: GraphShapes.of(one.result, one.settings, *more), every_frame=True)
+_SHAPES: Derived[Options, GraphShapes] = Derived(
+    lambda one, *more: GraphShapes.of(one.result, one.settings, *more), every_frame=True
+)
 
 
 def drawing_of(scene: Scene) -> Drawing | None:
@@ -94,7 +107,14 @@ def drawing_of(scene: Scene) -> Drawing | None:
 
 
 def draw_graph(
-    drawing: Drawing, projection: Any, view: Any, size: tuple[float, float], scale: float, *, xray: bool, flow: float | None
+    drawing: Drawing,
+    projection: Any,
+    view: Any,
+    size: tuple[float, float],
+    scale: float,
+    *,
+    xray: bool,
+    flow: float | None,
 ) -> None:
     """Lines and points, in world space. ``flow``: seconds of the signal flow, None for no flow."""
     if drawing.batch is None:
@@ -111,7 +131,9 @@ def draw_graph(
                 size,
                 pixels_per_point=scale,
                 bias=depth_bias(projection),
-                flow=(0.0, 0.0) if flow is None else (flow * PULSE_SPEED / PULSE_LENGTH, PULSE_LENGTH),
+                flow=(0.0, 0.0)
+                if flow is None
+                else (flow * PULSE_SPEED / PULSE_LENGTH, PULSE_LENGTH),
                 opacity=opacity,
             )
     finally:
@@ -120,8 +142,8 @@ def draw_graph(
 
 
 def depth_bias(projection: Any) -> tuple[float, float]:
-    """Depth bias towards the viewer, so that surfaces do not hide elements on them: 1 % of the distance in perspective,
-    2 cm in an orthographic view."""
+    """Depth bias towards the viewer, so that surfaces do not hide elements on them: 1 % of the
+    distance in perspective, 2 cm in an orthographic view."""
     orthographic = projection[3][3] == 1.0
     return (0.0, 0.02 * abs(projection[2][2])) if orthographic else (0.01, 0.0)
 
@@ -139,14 +161,23 @@ def draw_annotations(
     key = (perspective.tobytes(), size, scale, free, occupied, legend, bpy.app.translations.locale)
     known = drawing.views.get((*key, ATLAS.generation))
     if known is None:
-        known = uploaded(placed_annotations(drawing.shapes.data, perspective, size, scale, free, text_width, occupied, legend))
+        known = uploaded(
+            placed_annotations(
+                drawing.shapes.data, perspective, size, scale, free, text_width, occupied, legend
+            )
+        )
         drawing.views[*key, ATLAS.generation] = known
     draw_flat(known, size, scale)
 
 
 def _is_shown(context: Context) -> bool:
     scene, space = context.scene, context.space_data
-    return scene is not None and space is not None and scene.haptics.show_overlay and space.overlay.show_overlays
+    return (
+        scene is not None
+        and space is not None
+        and scene.haptics.show_overlay
+        and space.overlay.show_overlays
+    )
 
 
 def draw_view() -> None:
@@ -178,7 +209,8 @@ def draw_view() -> None:
 def draw_pixels() -> None:
     """Draw callback: labels and legend of the graph, over it."""
     context = bpy.context
-    drawing = _drawings.get(context.scene.session_uid) if _is_shown(context) else None  # `draw_view` has just drawn it
+    # `draw_view` has just drawn it.
+    drawing = _drawings.get(context.scene.session_uid) if _is_shown(context) else None
     if drawing is None:
         return
     region, scene = context.region, context.scene

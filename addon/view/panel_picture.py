@@ -21,7 +21,8 @@ SIZE = 256
 
 
 class Picture:
-    """A picture in a panel, drawn on the worker thread. Its pixels (SIZE, SIZE, 4) are premultiplied, the first row at the bottom."""
+    """A picture in a panel, drawn on the worker thread. Its pixels (SIZE, SIZE, 4) are
+    premultiplied, the first row at the bottom."""
 
     def __init__(self) -> None:
         self._previews: Any = None
@@ -30,7 +31,8 @@ class Picture:
         disabled.subscribe(self.forget)
 
     def icon(self, key: Hashable, draw: Callable[[], Pixels]) -> int:
-        """The identifier of the icon with the last picture; if ``key`` has changed, ``draw`` makes a new one."""
+        """The identifier of the icon with the last picture; if ``key`` has changed, ``draw`` makes
+        a new one."""
         if self._previews is None:
             self._previews = previews.new()
             self._previews.new("picture").image_size = (SIZE, SIZE)

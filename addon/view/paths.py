@@ -26,8 +26,8 @@ class ListenerPath(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A row of the table: a name, which is an object's if ``is_object``, the distance as text, and the decibels of a sum (``is_sum``), else
-    those that are added to the rows above."""
+    """A row of the table: a name, which is an object's if ``is_object``, the distance as text, and
+    the decibels of a sum (``is_sum``), else those that are added to the rows above."""
 
     name: str
     decibels: float
@@ -36,9 +36,12 @@ class Row(NamedTuple):
     is_sum: bool = False
 
 
-def listener_path(traced: Traced, choice: tuple[str, str, bool], before: ListenerPath | None = None) -> ListenerPath | None:
-    """Computed on the worker: the way to a listener from a source, or from the strongest one if that does not reach it; None if none does.
-    ``choice``: the names of listener and source, and whether the timeline plays."""
+def listener_path(
+    traced: Traced, choice: tuple[str, str, bool], before: ListenerPath | None = None
+) -> ListenerPath | None:
+    """Computed on the worker: the way to a listener from a source, or from the strongest one if
+    that does not reach it; None if none does. ``choice``: the names of listener and source, and
+    whether the timeline plays."""
     listener, chosen, plays = choice
     result = traced.result
     names = [item.name for item in result.listeners]
@@ -49,28 +52,43 @@ def listener_path(traced: Traced, choice: tuple[str, str, bool], before: Listene
     if not reaching:
         return None
     named = [row for row in reaching if result.sources[row].name == chosen]
-    row = named[0] if named else max(reaching, key=lambda row: float(result.amplitudes[row, column]))
-    (level,), (margin,) = level_and_margin(felt_samples(traced, plays)[[column]], result.sample_rate)
-    return ListenerPath(waterfall(result, traced.settings.mode, row, column, float(level), LEVEL_SECONDS), float(margin))
+    row = (
+        named[0] if named else max(reaching, key=lambda row: float(result.amplitudes[row, column]))
+    )
+    (level,), (margin,) = level_and_margin(
+        felt_samples(traced, plays)[[column]], result.sample_rate
+    )
+    return ListenerPath(
+        waterfall(result, traced.settings.mode, row, column, float(level), LEVEL_SECONDS),
+        float(margin),
+    )
 
 
-_PATH: Derived[tuple[str, str, bool], ListenerPath | None] = Derived(listener_path, every_frame=True, hears=True)
+_PATH: Derived[tuple[str, str, bool], ListenerPath | None] = Derived(
+    listener_path, every_frame=True, hears=True
+)
 
 
 def path_of(scene: Scene) -> Latest[ListenerPath | None] | None:
-    """The way to the watched listener, from the active object if that is a source; without waiting."""
+    """The way to the watched listener, from the active object if that is a source; without
+    waiting."""
     listener = watched(scene)
     return _PATH.latest(scene, (listener, active_name(), is_playing())) if listener else None
 
 
 def rows(path: ListenerPath, by_loss: bool = False) -> list[Row]:
-    """The table of a path: what is added from the source's amplitude to the level and the margin, rounded to tenths such that the rounded
-    rows add up to the rounded sums, too. ``by_loss``: objects by their losses, the largest first. What adds nothing after the objects is
-    left out."""
+    """The table of a path: what is added from the source's amplitude to the level and the margin,
+    rounded to tenths such that the rounded rows add up to the rounded sums, too. ``by_loss``:
+    objects by their losses, the largest first. What adds nothing after the objects is left out."""
     fall = path.fall
     hops = sorted(fall.hops, key=lambda hop: -hop.loss) if by_loss else fall.hops
-    way = [Row(hop.object, -hop.loss, written(Metres(hop.distance)), is_object=True) for hop in hops]
-    always = [Row(iface_("Source amplitude"), fall.amplitude), *(way or [Row(iface_("Gain"), fall.gain)])]
+    way = [
+        Row(hop.object, -hop.loss, written(Metres(hop.distance)), is_object=True) for hop in hops
+    ]
+    always = [
+        Row(iface_("Source amplitude"), fall.amplitude),
+        *(way or [Row(iface_("Gain"), fall.gain)]),
+    ]
     steps = [
         *always,
         Row(iface_("Other paths"), fall.others if way else 0.0),
@@ -82,16 +100,26 @@ def rows(path: ListenerPath, by_loss: bool = False) -> list[Row]:
     for step in steps:
         sums.append(sums[-1] + step.decibels)
     tenths = [round(value, 1) if math.isfinite(value) else value for value in sums]
-    added = [step._replace(decibels=_difference(now, then)) for step, (then, now) in zip(steps, pairwise(tenths), strict=True)]
-    shown = added[: len(always)] + [row for row in added[len(always) :] if abs(row.decibels) >= 0.05]
-    level = tenths[-1] if math.isfinite(tenths[-1]) else round(fall.level, 1)  # of other sources if this one is silent
+    added = [
+        step._replace(decibels=_difference(now, then))
+        for step, (then, now) in zip(steps, pairwise(tenths), strict=True)
+    ]
+    shown = added[: len(always)] + [
+        row for row in added[len(always) :] if abs(row.decibels) >= 0.05
+    ]
+    # Of other sources if this one is silent.
+    level = tenths[-1] if math.isfinite(tenths[-1]) else round(fall.level, 1)
     shown.append(Row(iface_("Level", "Haptics"), level, is_sum=True))
     if math.isfinite(path.margin):
         margin = round(path.margin, 1)
-        shown += [Row(iface_("Threshold of feeling"), level - margin), Row(iface_("Margin", "Haptics"), margin, is_sum=True)]
+        shown += [
+            Row(iface_("Threshold of feeling"), level - margin),
+            Row(iface_("Margin", "Haptics"), margin, is_sum=True),
+        ]
     return shown
 
 
 def _difference(now: float, then: float) -> float:
-    """The difference of two sums; minus infinity where the second one falls silent, 0 after that."""
+    """The difference of two sums; minus infinity where the second one falls silent, 0 after
+    that."""
     return now - then if math.isfinite(now) else -math.inf if math.isfinite(then) else 0.0

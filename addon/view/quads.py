@@ -1,7 +1,7 @@
 """Lines and points as quads that the shader turns to the viewer, in one vertex array.
 
-Every line or point is four vertices, each with all attributes and its corner. A point is a line of length 0, so that lines of any width,
-points of any shape and their order take a single draw call.
+Every line or point is four vertices, each with all attributes and its corner. A point is a line of
+length 0, so that lines of any width, points of any shape and their order take a single draw call.
 """
 
 from __future__ import annotations
@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 from .render_data import Drawn, Lines, Points, RenderData, halos, joined
 
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=np.float32)
-ATTRIBUTES = (("start", 3), ("end", 3), ("colour_start", 4), ("colour_end", 4), ("style", 4), ("arc_length", 2))
+ATTRIBUTES = (
+    ("start", 3),
+    ("end", 3),
+    ("colour_start", 4),
+    ("colour_end", 4),
+    ("style", 4),
+    ("arc_length", 2),
+)
 """``style``: width [pixels], shape, and the corner: -1 or 1 along and across the line."""
 
 
@@ -46,7 +53,9 @@ def quads_of(lines: Sequence[Lines], points: Points) -> Quads:
         "end": np.concatenate([every.position[:, 1], points.position]),
         "colour_start": np.concatenate([every.colour[:, 0], points.colour]),
         "colour_end": np.concatenate([every.colour[:, 1], points.colour]),
-        "arc_length": np.concatenate([every.arc_length, np.full((len(points.size), 2), -1, dtype=np.float32)]),
+        "arc_length": np.concatenate(
+            [every.arc_length, np.full((len(points.size), 2), -1, dtype=np.float32)]
+        ),
     }
     attributes = {name: np.repeat(values, 4, axis=0) for name, values in per_quad.items()}
     style = np.empty((count, 4, 4), dtype=np.float32)

@@ -1,4 +1,5 @@
-"""The drawing of a traced frame as plain arrays: points, lines and labels in world space, independent of the GPU."""
+"""The drawing of a traced frame as plain arrays: points, lines and labels in world space,
+independent of the GPU."""
 
 from __future__ import annotations
 
@@ -60,8 +61,9 @@ PARTED = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Drawing options. ``sources`` and ``listeners``: selected names; if both are empty, nothing is dimmed. ``highlight``: a listener, and
-    the object whose part of the best paths to it is highlighted."""
+    """Drawing options. ``sources`` and ``listeners``: selected names; if both are empty, nothing is
+    dimmed. ``highlight``: a listener, and the object whose part of the best paths to it is
+    highlighted."""
 
     show_intra: bool = True
     show_best_paths: bool = True
@@ -73,7 +75,8 @@ class Options:
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """``position`` (n, 3) [m], ``colour`` (n, 4) display values with opacity, ``size`` (n,) diameter [pixels], ``shape`` (n,)."""
+    """``position`` (n, 3) [m], ``colour`` (n, 4) display values with opacity, ``size`` (n,)
+    diameter [pixels], ``shape`` (n,)."""
 
     position: Drawn
     colour: Drawn
@@ -83,8 +86,9 @@ class Points:
 
 @dataclass(frozen=True, slots=True)
 class Lines:
-    """``position`` (n, 2, 3) [m], ``colour`` (n, 2, 4) at either end, ``width`` (n,) [pixels], ``arc_length`` (n, 2) metres from the source
-    along a best path at either end, -1 for lines that show no flow, ``shape`` (n,). Later lines are drawn over earlier ones."""
+    """``position`` (n, 2, 3) [m], ``colour`` (n, 2, 4) at either end, ``width`` (n,) [pixels],
+    ``arc_length`` (n, 2) metres from the source along a best path at either end, -1 for lines that
+    show no flow, ``shape`` (n,). Later lines are drawn over earlier ones."""
 
     position: Drawn
     colour: Drawn
@@ -99,7 +103,9 @@ Part = TypeVar("Part", Lines, Points)
 def joined(parts: Sequence[Part]) -> Part:
     """Several lines or points as one, in their order."""
     kind = type(parts[0])
-    return kind(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(kind)))
+    return kind(
+        *(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(kind))
+    )
 
 
 def points_of(
@@ -109,9 +115,15 @@ def points_of(
     size: FloatArray | Drawn | float,
     shape: IntArray | Drawn | Shape,
 ) -> Points:
-    """Points at ``position`` (n, 3) with the other values of `Points`, of each or of all together; ``colour`` without opacity."""
+    """Points at ``position`` (n, 3) with the other values of `Points`, of each or of all together;
+    ``colour`` without opacity."""
     count, places = len(position), np.asarray(position, dtype=np.float32)
-    return Points(places, _with_opacity((count, 4), colour, opacity), _filled(count, size), _filled(count, shape))
+    return Points(
+        places,
+        _with_opacity((count, 4), colour, opacity),
+        _filled(count, size),
+        _filled(count, shape),
+    )
 
 
 def lines_of(
@@ -122,13 +134,22 @@ def lines_of(
     arc_length: FloatArray | float = -1.0,
     shape: Drawn | Shape = Shape.LINE,
 ) -> Lines:
-    """Lines at ``position`` (n, 2, 3) with the other values of `Lines`, of each or of all together; ``colour`` without opacity."""
+    """Lines at ``position`` (n, 2, 3) with the other values of `Lines`, of each or of all together;
+    ``colour`` without opacity."""
     count, places = len(position), np.asarray(position, dtype=np.float32)
     colours = _with_opacity((count, 2, 4), colour, opacity)
-    return Lines(places, colours, _filled(count, width), _filled((count, 2), arc_length), _filled(count, shape))
+    return Lines(
+        places,
+        colours,
+        _filled(count, width),
+        _filled((count, 2), arc_length),
+        _filled(count, shape),
+    )
 
 
-def _with_opacity(shape: tuple[int, ...], colour: FloatArray | Drawn, opacity: FloatArray | Drawn | float) -> Drawn:
+def _with_opacity(
+    shape: tuple[int, ...], colour: FloatArray | Drawn, opacity: FloatArray | Drawn | float
+) -> Drawn:
     colours = np.empty(shape, dtype=np.float32)
     colours[..., :3], colours[..., 3] = colour, opacity
     return colours
@@ -142,8 +163,9 @@ NO_LINES = lines_of(np.zeros((0, 2, 3)), HALO_COLOUR, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A name at a place, and in ``colour`` (3,) the amplitude of a source or at a listener. ``clearance`` [pixels] around the
-    position is kept free. Labels of higher ``priority`` are placed first."""
+    """A name at a place, and in ``colour`` (3,) the amplitude of a source or at a listener.
+    ``clearance`` [pixels] around the position is kept free. Labels of higher ``priority`` are
+    placed first."""
 
     name: str
     amplitude: float
@@ -156,8 +178,8 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class RenderData:
-    """One frame as drawn, from the bottom up: ``tree``, the strongest arrival at every node; ``highlight``; ``paths``, the best ones;
-    ``points``."""
+    """One frame as drawn, from the bottom up: ``tree``, the strongest arrival at every node;
+    ``highlight``; ``paths``, the best ones; ``points``."""
 
     tree: Lines
     highlight: Lines
@@ -178,7 +200,9 @@ def render_data(result: FrameResult, settings: Settings, options: Options) -> Re
     paths = _path_lines(result, graph, settings.mode, pairs, scale)
     return RenderData(
         tree=tree if options.show_intra and on_graph else NO_LINES,
-        highlight=_highlight_lines(result, options) if options.show_best_paths and on_graph else NO_LINES,
+        highlight=_highlight_lines(result, options)
+        if options.show_best_paths and on_graph
+        else NO_LINES,
         paths=paths if options.show_best_paths or not on_graph else NO_LINES,
         points=_points(result, spreading, scale, options, pairs),
         labels=_labels(result, scale, options) if options.show_labels else (),
@@ -186,7 +210,9 @@ def render_data(result: FrameResult, settings: Settings, options: Options) -> Re
     )
 
 
-def _spread(result: FrameResult, graph: HapticGraph, settings: Settings, options: Options) -> Spread:
+def _spread(
+    result: FrameResult, graph: HapticGraph, settings: Settings, options: Options
+) -> Spread:
     if settings.mode in (Mode.HT, Mode.SD):
         return spread(graph, settings, options.sources or None)
     nothing = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
@@ -197,39 +223,66 @@ def _spread(result: FrameResult, graph: HapticGraph, settings: Settings, options
 
 def _shown_pairs(result: FrameResult, options: Options) -> BoolArray:
     """Pairs (s, l) whose paths are drawn: all, or those of the selected sources and listeners."""
-    wanted_sources = np.array([not options.sources or s.name in options.sources for s in result.sources], dtype=np.bool_)
-    wanted_listeners = np.array([not options.listeners or li.name in options.listeners for li in result.listeners], dtype=np.bool_)
+    wanted_sources = np.array(
+        [not options.sources or s.name in options.sources for s in result.sources], dtype=np.bool_
+    )
+    wanted_listeners = np.array(
+        [not options.listeners or li.name in options.listeners for li in result.listeners],
+        dtype=np.bool_,
+    )
     return np.outer(wanted_sources, wanted_listeners)
 
 
-def _tree_lines(graph: HapticGraph, spreading: Spread, scale: AmplitudeScale, opacity: float) -> Lines:
+def _tree_lines(
+    graph: HapticGraph, spreading: Spread, scale: AmplitudeScale, opacity: float
+) -> Lines:
     """Lines from every node to the predecessor of its strongest arrival, weak ones first."""
     ends = np.flatnonzero(spreading.predecessor >= 0)
     # Lines without length need no drawing: the contact itself is drawn.
-    ends = ends[(graph.node_position[ends] != graph.node_position[spreading.predecessor[ends]]).any(axis=1)]
+    ends = ends[
+        (graph.node_position[ends] != graph.node_position[spreading.predecessor[ends]]).any(axis=1)
+    ]
     ends = ends[np.argsort(spreading.amplitude[ends], kind="stable")]
     nodes = np.stack([spreading.predecessor[ends], ends], axis=1)
     amplitude = spreading.amplitude[nodes]
     place = scale.place(amplitude[:, 1])
     opacities = (opacity * (0.35 + 0.5 * place))[:, None]
-    return lines_of(graph.node_position[nodes], scale.colour(amplitude), opacities, _between(THIN_LINE, place))
+    return lines_of(
+        graph.node_position[nodes], scale.colour(amplitude), opacities, _between(THIN_LINE, place)
+    )
 
 
-def _path_lines(result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: AmplitudeScale) -> Lines:
-    """The best paths of the shown pairs, each connection once, as strong as its strongest use; weak ones first."""
-    paths = {pair: nodes for pair, nodes in result.propagation.best_path.items() if pairs[pair] and result.sources[pair[0]].amplitude > 0}
+def _path_lines(
+    result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: AmplitudeScale
+) -> Lines:
+    """The best paths of the shown pairs, each connection once, as strong as its strongest use; weak
+    ones first."""
+    paths = {
+        pair: nodes
+        for pair, nodes in result.propagation.best_path.items()
+        if pairs[pair] and result.sources[pair[0]].amplitude > 0
+    }
     if not paths:
         return NO_LINES
     steps, amplitude, arc_length = path_steps(result, graph, mode, paths)
     strongest = np.argsort(-amplitude[:, 1], kind="stable")
-    _, first = np.unique(np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True)
+    _, first = np.unique(
+        np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True
+    )
     kept = strongest[np.sort(first)[::-1]]
     steps, amplitude, arc_length = steps[kept], amplitude[kept], arc_length[kept]
-    return lines_of(graph.node_position[steps], scale.colour(amplitude), 1.0, _between(PATH_LINE, scale.place(amplitude[:, 1])), arc_length)
+    return lines_of(
+        graph.node_position[steps],
+        scale.colour(amplitude),
+        1.0,
+        _between(PATH_LINE, scale.place(amplitude[:, 1])),
+        arc_length,
+    )
 
 
 def _highlight_lines(result: FrameResult, options: Options) -> Lines:
-    """A light rim under the part of the best paths to a listener in the chosen object, with its contact to the next one."""
+    """A light rim under the part of the best paths to a listener in the chosen object, with its
+    contact to the next one."""
     if options.highlight is None:
         return NO_LINES
     listener, name = options.highlight
@@ -256,11 +309,16 @@ _LEAST = 1e-300
 
 
 def path_steps(
-    result: FrameResult, graph: HapticGraph, mode: Mode, paths: Mapping[tuple[int, int], Sequence[int]]
+    result: FrameResult,
+    graph: HapticGraph,
+    mode: Mode,
+    paths: Mapping[tuple[int, int], Sequence[int]],
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """The connections of paths: their nodes (m, 2), the amplitude at either end (m, 2) in the source's leading band, and
-    the metres from the source at either end (m, 2)."""
-    steps = np.array([step for nodes in paths.values() for step in itertools.pairwise(nodes)], dtype=np.int64).reshape(-1, 2)
+    """The connections of paths: their nodes (m, 2), the amplitude at either end (m, 2) in the
+    source's leading band, and the metres from the source at either end (m, 2)."""
+    steps = np.array(
+        [step for nodes in paths.values() for step in itertools.pairwise(nodes)], dtype=np.int64
+    ).reshape(-1, 2)
     counts = np.array([len(nodes) - 1 for nodes in paths.values()], dtype=np.int64)
     length = distances(graph.node_position[steps[:, 0]], graph.node_position[steps[:, 1]])
     if mode in (Mode.MD, Mode.MN):
@@ -269,7 +327,9 @@ def path_steps(
         bands = np.repeat(np.array([graph.sources[source].band for source, _ in paths]), counts)
         factor = np.empty(len(steps))
         for band in set(bands.tolist()):
-            factor[bands == band] = _connection_gains(graph.in_band(band), steps[bands == band], length[bands == band])
+            factor[bands == band] = _connection_gains(
+                graph.in_band(band), steps[bands == band], length[bands == band]
+            )
     own = np.array([result.sources[source].amplitude for source, _ in paths])
     cost = -np.log(np.maximum(factor, _LEAST))
     after = _running_sums(cost, counts)
@@ -300,19 +360,37 @@ def _running_sums(values: FloatArray, counts: IntArray) -> FloatArray:
     return sums - np.repeat((sums - values)[_starts(counts)], counts)
 
 
-def _points(result: FrameResult, spreading: Spread, scale: AmplitudeScale, options: Options, pairs: BoolArray) -> Points:
-    """Points of contacts, listeners and sources, in this order. Contacts off the best paths of selected listeners are dimmed."""
+def _points(
+    result: FrameResult,
+    spreading: Spread,
+    scale: AmplitudeScale,
+    options: Options,
+    pairs: BoolArray,
+) -> Points:
+    """Points of contacts, listeners and sources, in this order. Contacts off the best paths of
+    selected listeners are dimmed."""
     shown = np.ones(result.graph.node_count, dtype=np.bool_)
     if options.listeners:
         shown[:] = False
-        shown[[node for pair, nodes in result.propagation.best_path.items() if pairs[pair] for node in nodes]] = True
+        shown[
+            [
+                node
+                for pair, nodes in result.propagation.best_path.items()
+                if pairs[pair]
+                for node in nodes
+            ]
+        ] = True
     contacts = _contact_points(result.graph, spreading, scale, shown)
-    return joined([contacts, _listener_points(result, scale, options), _source_points(result, options)])
+    return joined(
+        [contacts, _listener_points(result, scale, options), _source_points(result, options)]
+    )
 
 
-def _contact_points(graph: HapticGraph, spreading: Spread, scale: AmplitudeScale, shown: BoolArray) -> Points:
-    """One point per contact, midway between its two nodes, the strongest on top, smaller if there are many. Contacts whose nodes are not
-    ``shown`` (n,) are dimmed."""
+def _contact_points(
+    graph: HapticGraph, spreading: Spread, scale: AmplitudeScale, shown: BoolArray
+) -> Points:
+    """One point per contact, midway between its two nodes, the strongest on top, smaller if there
+    are many. Contacts whose nodes are not ``shown`` (n,) are dimmed."""
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     second = graph.partner[first]
     amplitude = np.maximum(spreading.amplitude[first], spreading.amplitude[second])
@@ -320,17 +398,30 @@ def _contact_points(graph: HapticGraph, spreading: Spread, scale: AmplitudeScale
     first, second, amplitude = first[order], second[order], amplitude[order]
     reached = amplitude > 0
     opacity = np.where(reached, np.where(shown[first] & shown[second], 1.0, UNSELECTED), DIMMED)
-    size = POINT_SIZE[Shape.CONTACT] * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25)) * np.where(reached, 1.0, 0.7)
+    size = (
+        POINT_SIZE[Shape.CONTACT]
+        * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25))
+        * np.where(reached, 1.0, 0.7)
+    )
     position = (graph.node_position[first] + graph.node_position[second]) / 2
     return points_of(position, _amplitude_colour(scale, amplitude), opacity, size, Shape.CONTACT)
 
 
 def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Options) -> Points:
     amplitude = listener_amplitudes(result, options)
-    unselected = np.array([bool(options.listeners) and li.name not in options.listeners for li in result.listeners], dtype=np.bool_)
+    unselected = np.array(
+        [bool(options.listeners) and li.name not in options.listeners for li in result.listeners],
+        dtype=np.bool_,
+    )
     opacity = np.where(unselected, UNSELECTED, np.where(amplitude > 0, 1.0, SILENT))
     position = result.graph.node_position[result.graph.listener_nodes]
-    return points_of(position, _amplitude_colour(scale, amplitude), opacity, POINT_SIZE[Shape.LISTENER], Shape.LISTENER)
+    return points_of(
+        position,
+        _amplitude_colour(scale, amplitude),
+        opacity,
+        POINT_SIZE[Shape.LISTENER],
+        Shape.LISTENER,
+    )
 
 
 def _source_points(result: FrameResult, options: Options) -> Points:
@@ -343,10 +434,15 @@ def _source_points(result: FrameResult, options: Options) -> Points:
         places.extend((source, position) for position in (at if parted else at[:1]))
     impact = np.array([source.kind is SourceKind.TEMPORARY for source, _ in places], dtype=np.bool_)
     silent = np.array([source.amplitude <= 0 for source, _ in places], dtype=np.bool_)
-    unselected = np.array([bool(options.sources) and source.name not in options.sources for source, _ in places], dtype=np.bool_)
+    unselected = np.array(
+        [bool(options.sources) and source.name not in options.sources for source, _ in places],
+        dtype=np.bool_,
+    )
     return points_of(
         np.array([position for _, position in places]).reshape(-1, 3),
-        np.where(silent[:, None], SILENT_COLOUR, np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)),
+        np.where(
+            silent[:, None], SILENT_COLOUR, np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)
+        ),
         np.where(unselected, UNSELECTED, np.where(silent, SILENT, 1.0)),
         np.where(impact, POINT_SIZE[Shape.IMPACT], POINT_SIZE[Shape.SOURCE]),
         np.where(impact, Shape.IMPACT, Shape.SOURCE),
@@ -355,7 +451,11 @@ def _source_points(result: FrameResult, options: Options) -> Points:
 
 def listener_amplitudes(result: FrameResult, options: Options) -> FloatArray:
     """Largest amplitude (l,) that arrives at each listener from any shown source."""
-    wanted = [k for k, source in enumerate(result.sources) if not options.sources or source.name in options.sources]
+    wanted = [
+        k
+        for k, source in enumerate(result.sources)
+        if not options.sources or source.name in options.sources
+    ]
     return np.asarray(result.amplitudes[wanted].max(axis=0, initial=0.0))
 
 
@@ -372,16 +472,36 @@ def _labels(result: FrameResult, scale: AmplitudeScale, options: Options) -> tup
             colour = SOURCE_COLOUR if source.amplitude > 0 else SILENT_COLOUR
             labels.append(_label(source, source.amplitude, Shape.SOURCE, colour, 20.0 + 4 * chosen))
     received = listener_amplitudes(result, options)
-    for listener, amplitude, colour in zip(result.listeners, received, _amplitude_colour(scale, received), strict=True):
+    for listener, amplitude, colour in zip(
+        result.listeners, received, _amplitude_colour(scale, received), strict=True
+    ):
         chosen = listener.name in options.listeners
         if chosen or not options.listeners:
-            labels.append(_label(listener, float(amplitude), Shape.LISTENER, colour, 10.0 * chosen + float(scale.place(amplitude))))
+            labels.append(
+                _label(
+                    listener,
+                    float(amplitude),
+                    Shape.LISTENER,
+                    colour,
+                    10.0 * chosen + float(scale.place(amplitude)),
+                )
+            )
     return tuple(labels)
 
 
-def _label(item: Source | Listener, amplitude: float, shape: Shape, colour: FloatArray, priority: float) -> Label:
+def _label(
+    item: Source | Listener, amplitude: float, shape: Shape, colour: FloatArray, priority: float
+) -> Label:
     red, green, blue = colour.tolist()
-    return Label(item.name, amplitude, shape is Shape.LISTENER, item.position, (red, green, blue), POINT_SIZE[shape] / 2, priority)
+    return Label(
+        item.name,
+        amplitude,
+        shape is Shape.LISTENER,
+        item.position,
+        (red, green, blue),
+        POINT_SIZE[shape] / 2,
+        priority,
+    )
 
 
 def _between(ends: tuple[float, float], place: FloatArray) -> FloatArray:

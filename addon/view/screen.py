@@ -1,5 +1,6 @@
-"""Shapes and texts in the pixels of a viewport, on the GPU; a texture atlas holds all texts, so that they take a single draw call and
-Blender draws a text only once. What is uploaded is kept between redraws."""
+"""Shapes and texts in the pixels of a viewport, on the GPU; a texture atlas holds all texts, so
+that they take a single draw call and Blender draws a text only once. What is uploaded is kept
+between redraws."""
 
 from __future__ import annotations
 
@@ -54,7 +55,8 @@ def draw_flat(batch: Any, size: tuple[float, float], scale: float) -> None:
 
 @dataclass(slots=True)
 class TextAtlas:
-    """Texts by their words and size. ``generation``: number of times it was cleared; batches of another generation are invalid."""
+    """Texts by their words and size. ``generation``: number of times it was cleared; batches of
+    another generation are invalid."""
 
     generation: int = 0
     _texture: Any = None
@@ -69,18 +71,28 @@ class TextAtlas:
         return self._texture
 
     def lines(self, texts: Sequence[Text]) -> Lines:
-        """Texts as shapes for the shader; missing ones are drawn into the texture, which is cleared first if it is full."""
+        """Texts as shapes for the shader; missing ones are drawn into the texture, which is cleared
+        first if it is full."""
         if not self._add(texts):
             self.clear()
             self._add(texts)
-        cells = [(text, self._cells[text.words, text.size]) for text in texts if (text.words, text.size) in self._cells]
+        cells = [
+            (text, self._cells[text.words, text.size])
+            for text in texts
+            if (text.words, text.size) in self._cells
+        ]
         position = np.zeros((len(cells), 2, 3), dtype=np.float32)
         colour = np.ones((len(cells), 2, 4), dtype=np.float32)
         for k, (text, (left, bottom, width, height)) in enumerate(cells):
             corner = round(text.position[0]) - _PAD, round(text.position[1]) - _below(text.size)
             position[k, :, :2] = corner, (corner[0] + width, corner[1] + height)
             colour[k, 0, :3] = text.colour
-            colour[k, 1] = left / SIZE[0], bottom / SIZE[1], (left + width) / SIZE[0], (bottom + height) / SIZE[1]
+            colour[k, 1] = (
+                left / SIZE[0],
+                bottom / SIZE[1],
+                (left + width) / SIZE[0],
+                (bottom + height) / SIZE[1],
+            )
         return lines_of(position, colour[..., :3], colour[..., 3], 0.0, shape=Shape.TEXT)
 
     def clear(self) -> None:
@@ -98,7 +110,8 @@ class TextAtlas:
         self.clear()
 
     def _frame_buffer(self) -> GPUFrameBuffer:
-        # Not a GPUOffScreen: making one inside a draw handler takes the viewport's own frame buffer away.
+        # Not a GPUOffScreen: making one inside a draw handler takes the viewport's own frame buffer
+        # away.
         if self._surface is None:
             self._texture = GPUTexture(SIZE, format="RGBA8")
             self._surface = GPUFrameBuffer(color_slots=self._texture)
@@ -108,7 +121,9 @@ class TextAtlas:
 
     def _add(self, texts: Iterable[Text]) -> bool:
         """Draw missing texts. Returns False if they do not all fit."""
-        missing = dict.fromkeys((text.words, text.size) for text in texts if (text.words, text.size) not in self._cells)
+        missing = dict.fromkeys(
+            (text.words, text.size) for text in texts if (text.words, text.size) not in self._cells
+        )
         if not missing:
             return True
         surface = self._frame_buffer()

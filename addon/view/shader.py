@@ -1,4 +1,5 @@
-"""The shader of all drawing (`quads.*.glsl`), made by GPUShaderCreateInfo for OpenGL, Vulkan and Metal, and draw calls of quads with it."""
+"""The shader of all drawing (`quads.*.glsl`), made by GPUShaderCreateInfo for OpenGL, Vulkan and
+Metal, and draw calls of quads with it."""
 
 from __future__ import annotations
 
@@ -18,7 +19,13 @@ from .render_data import Shape
 def shader() -> GPUShader:
     """The shader, compiled at first use."""
     stage = GPUStageInterfaceInfo("haptic_quad")
-    for kind, name in (("VEC2", "local"), ("VEC2", "plate"), ("VEC4", "colour_a"), ("VEC4", "colour_b"), ("VEC2", "arc_length_ab")):
+    for kind, name in (
+        ("VEC2", "local"),
+        ("VEC2", "plate"),
+        ("VEC4", "colour_a"),
+        ("VEC4", "colour_b"),
+        ("VEC2", "arc_length_ab"),
+    ):
         stage.smooth(kind, name)
     for name in ("length_pixels", "half_width", "kind"):
         stage.flat("FLOAT", name)
@@ -31,7 +38,9 @@ def shader() -> GPUShader:
     info.push_constant("VEC2", "flow")  # phase, metres per pulse (0: no flow)
     info.push_constant("FLOAT", "opacity_factor")
     info.sampler(0, "FLOAT_2D", "atlas")  # coverage of texts
-    info.push_constant("BOOL", "srgbTarget")  # set by Blender: whether the target expects linear light
+    info.push_constant(
+        "BOOL", "srgbTarget"
+    )  # set by Blender: whether the target expects linear light
     for slot, (name, length) in enumerate(ATTRIBUTES):
         info.vertex_in(slot, f"VEC{length}", name)
     info.vertex_out(stage)
@@ -52,7 +61,11 @@ def _no_texts() -> GPUTexture:
 
 def upload(quads: Quads) -> GPUBatch | None:
     """Quads on the GPU, None if there are none."""
-    return batch_for_shader(shader(), "TRIS", quads.attributes, indices=quads.triangles) if quads.count else None
+    return (
+        batch_for_shader(shader(), "TRIS", quads.attributes, indices=quads.triangles)
+        if quads.count
+        else None
+    )
 
 
 def draw(
@@ -66,8 +79,9 @@ def draw(
     opacity: float = 1.0,
     texts: GPUTexture | None = None,
 ) -> None:
-    """One draw call, with premultiplied opacity. ``matrix``: from the batch's space to clip space. ``size`` of the viewport [pixels].
-    ``texts``: the texture of a `TextAtlas` if the batch has texts."""
+    """One draw call, with premultiplied opacity. ``matrix``: from the batch's space to clip space.
+    ``size`` of the viewport [pixels]. ``texts``: the texture of a `TextAtlas` if the batch has
+    texts."""
     program = shader()
     program.bind()
     program.uniform_float("matrix", matrix)

@@ -1,4 +1,5 @@
-"""The drawn graph as triangles: tubes, spheres, rings, diamonds and spiked balls in the colours of the overlay. Independent of Blender."""
+"""The drawn graph as triangles: tubes, spheres, rings, diamonds and spiked balls in the colours of
+the overlay. Independent of Blender."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ _FINE_SPHERES = 300  # number of contacts above which they are coarser
 
 @dataclass(frozen=True, slots=True)
 class Solid:
-    """``vertices`` (n, 3) [m], ``colours`` (n, 4) display values with opacity, ``triangles`` (m, 3), ``smooth`` (m,)."""
+    """``vertices`` (n, 3) [m], ``colours`` (n, 4) display values with opacity, ``triangles`` (m,
+    3), ``smooth`` (m,)."""
 
     vertices: FloatArray
     colours: FloatArray
@@ -29,9 +31,11 @@ class Solid:
 
 
 def solid_graph(data: RenderData, unit: float) -> Solid:
-    """All drawn elements of a frame except its labels, with a dark rim. ``unit``: metres per point of the overlay."""
+    """All drawn elements of a frame except its labels, with a dark rim. ``unit``: metres per point
+    of the overlay."""
     contacts, listeners, sources, impacts = (
-        _chosen(data.points, shape) for shape in (Shape.CONTACT, Shape.LISTENER, Shape.SOURCE, Shape.IMPACT)
+        _chosen(data.points, shape)
+        for shape in (Shape.CONTACT, Shape.LISTENER, Shape.SOURCE, Shape.IMPACT)
     )
     ball = sphere(2 if len(contacts.size) <= _FINE_SPHERES else 1)
     body = [
@@ -55,7 +59,8 @@ def solid_graph(data: RenderData, unit: float) -> Solid:
 
 
 def _rim(shell: Solid) -> Solid:
-    """An inverted dark shell: because back faces are not drawn, only a rim is visible around its content."""
+    """An inverted dark shell: because back faces are not drawn, only a rim is visible around its
+    content."""
     colours = np.broadcast_to([*HALO_COLOUR, 1.0], shell.colours.shape)
     return Solid(shell.vertices, colours, shell.triangles[:, ::-1], shell.smooth)
 
@@ -74,7 +79,8 @@ def _grown(points: Points, by: float) -> Points:
 
 
 def seen_unit(data: RenderData, projection: FloatArray, view: FloatArray, height: float) -> float:
-    """Metres per point at which the graph looks as thick as the overlay in a picture of ``height`` points, at the middle of its depth."""
+    """Metres per point at which the graph looks as thick as the overlay in a picture of ``height``
+    points, at the middle of its depth."""
     position = np.column_stack([data.points.position, np.ones(len(data.points.size))])
     depth = (position @ (projection @ view).T)[:, 3]
     seen = depth[depth > 0]
@@ -94,7 +100,9 @@ def joined(solids: list[Solid]) -> Solid:
     return Solid(
         np.concatenate([solid.vertices for solid in solids]),
         np.concatenate([solid.colours for solid in solids]),
-        np.concatenate([solid.triangles + offset for solid, offset in zip(solids, offsets[:-1], strict=True)]),
+        np.concatenate(
+            [solid.triangles + offset for solid, offset in zip(solids, offsets[:-1], strict=True)]
+        ),
         np.concatenate([solid.smooth for solid in solids]),
     )
 
@@ -111,10 +119,20 @@ def tubes(lines: Lines, unit: float) -> Solid:
     vertices = position[:, :, None, :] + (radius[:, None, None] * ring)[:, None, :, :]
     near = np.arange(_SIDES)
     far = (near + 1) % _SIDES
-    faces = np.concatenate([np.stack([near, far, far + _SIDES], axis=1), np.stack([near, far + _SIDES, near + _SIDES], axis=1)])
+    faces = np.concatenate(
+        [
+            np.stack([near, far, far + _SIDES], axis=1),
+            np.stack([near, far + _SIDES, near + _SIDES], axis=1),
+        ]
+    )
     triangles = (2 * _SIDES * np.arange(len(position))[:, None, None] + faces).reshape(-1, 3)
     colours = np.repeat(lines.colour[long, :, :3], _SIDES, axis=1).reshape(-1, 3)
-    return Solid(vertices.reshape(-1, 3), _opaque(colours), triangles, np.ones(len(triangles), dtype=np.bool_))
+    return Solid(
+        vertices.reshape(-1, 3),
+        _opaque(colours),
+        triangles,
+        np.ones(len(triangles), dtype=np.bool_),
+    )
 
 
 def _opaque(colours: FloatArray | Drawn) -> FloatArray:
@@ -122,7 +140,8 @@ def _opaque(colours: FloatArray | Drawn) -> FloatArray:
 
 
 def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors (n, 3) perpendicular to ``along`` (n, 3), which is not 0, and to each other."""
+    """Two unit vectors (n, 3) perpendicular to ``along`` (n, 3), which is not 0, and to each
+    other."""
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     other = np.where(np.abs(along[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     across = np.cross(along, other)
@@ -132,10 +151,14 @@ def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _chosen(points: Points, shape: Shape) -> Points:
     chosen = points.shape == shape
-    return Points(points.position[chosen], points.colour[chosen], points.size[chosen], points.shape[chosen])
+    return Points(
+        points.position[chosen], points.colour[chosen], points.size[chosen], points.shape[chosen]
+    )
 
 
-def _copies(form: tuple[FloatArray, Triangles], points: Points, unit: float, *, smooth: bool) -> Solid:
+def _copies(
+    form: tuple[FloatArray, Triangles], points: Points, unit: float, *, smooth: bool
+) -> Solid:
     """``form`` of radius 1 at every point."""
     vertices, triangles = form
     count = len(points.size)
@@ -148,7 +171,9 @@ def _copies(form: tuple[FloatArray, Triangles], points: Points, unit: float, *, 
 def _listeners(points: Points, unit: float) -> Solid:
     """Diamonds with white edges."""
     vertices, triangles = octahedron()
-    edges = np.array(sorted({tuple(sorted((int(t[i]), int(t[i - 1])))) for t in triangles for i in range(3)}))
+    edges = np.array(
+        sorted({tuple(sorted((int(t[i]), int(t[i - 1])))) for t in triangles for i in range(3)})
+    )
     corners = points.position[:, None, :] + (points.size * unit / 2)[:, None, None] * vertices
     ends, joints = corners[:, edges].reshape(-1, 2, 3), corners.reshape(-1, 3)
     thickness = np.float32(0.11) * points.size
@@ -159,16 +184,22 @@ def _listeners(points: Points, unit: float) -> Solid:
 
 
 def flat(items: Hud, scale: float) -> Solid:
-    """Plates, leaders and symbols of labels and legend as flat shapes, in pixels; every later one lies a little higher. ``scale``: pixels
-    per point."""
+    """Plates, leaders and symbols of labels and legend as flat shapes, in pixels; every later one
+    lies a little higher. ``scale``: pixels per point."""
     shapes: list[tuple[FloatArray, FloatArray]] = []
     lines = items.lines
-    for (start, end), colour, width, shape in zip(lines.position[:, :, :2], lines.colour, lines.width * scale, lines.shape, strict=True):
-        outline = _rounded(start, end, width / 2) if shape == Shape.PLATE else _bar(start, end, width)
+    for (start, end), colour, width, shape in zip(
+        lines.position[:, :, :2], lines.colour, lines.width * scale, lines.shape, strict=True
+    ):
+        outline = (
+            _rounded(start, end, width / 2) if shape == Shape.PLATE else _bar(start, end, width)
+        )
         part = np.clip((outline[:, :1] - start[0]) / max(end[0] - start[0], 1e-9), 0, 1)
         shapes.append((outline, colour[0] + part * (colour[1] - colour[0])))
     points = items.points
-    for centre, colour, size, shape in zip(points.position[:, :2], points.colour, points.size, points.shape, strict=True):
+    for centre, colour, size, shape in zip(
+        points.position[:, :2], points.colour, points.size, points.shape, strict=True
+    ):
         for inset, layer, opacity in layers(Shape(int(shape)), colour[:3]):
             outline = centre + (size / 2 - inset) * scale * _OUTLINES[Shape(int(shape))]
             shapes.append((outline, np.broadcast_to([*layer, opacity], (len(outline), 4))))
@@ -187,10 +218,17 @@ def flat(items: Hud, scale: float) -> Solid:
 
 
 def layers(shape: Shape, colour: FloatArray) -> tuple[tuple[float, FloatArray, float], ...]:
-    """Layers of a symbol from the outside in: inset [points], colour, opacity, as in ``quads.frag.glsl``."""
+    """Layers of a symbol from the outside in: inset [points], colour, opacity, as in
+    ``quads.frag.glsl``."""
     return {
         Shape.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, colour, 1.0)),
-        Shape.SOURCE: ((0.0, HALO_COLOUR, 0.92), (1.5, colour, 1.0), (3.7, HALO_COLOUR, 1.0), (5.4, WHITE, 1.0), (7.0, colour, 1.0)),
+        Shape.SOURCE: (
+            (0.0, HALO_COLOUR, 0.92),
+            (1.5, colour, 1.0),
+            (3.7, HALO_COLOUR, 1.0),
+            (5.4, WHITE, 1.0),
+            (7.0, colour, 1.0),
+        ),
         Shape.IMPACT: ((0.0, HALO_COLOUR, 0.92), (1.8, WHITE, 1.0), (4.0, colour, 1.0)),
         Shape.LISTENER: ((0.0, HALO_COLOUR, 0.92), (1.9, WHITE, 1.0), (4.7, colour, 1.0)),
     }[shape]
@@ -199,20 +237,36 @@ def layers(shape: Shape, colour: FloatArray) -> tuple[tuple[float, FloatArray, f
 def _ring(count: int, *radii: float) -> FloatArray:
     """Points (count, 2) on a circle, their distances alternating between ``radii``."""
     angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
-    return np.resize(np.array(radii), count)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.resize(np.array(radii), count)[:, None] * np.column_stack(
+        [np.cos(angle), np.sin(angle)]
+    )
 
 
-_OUTLINES = {Shape.CONTACT: _ring(24, 1.0), Shape.SOURCE: _ring(48, 1.0), Shape.IMPACT: _ring(16, 0.55, 1.0), Shape.LISTENER: _ring(4, 1.0)}
+_OUTLINES = {
+    Shape.CONTACT: _ring(24, 1.0),
+    Shape.SOURCE: _ring(48, 1.0),
+    Shape.IMPACT: _ring(16, 0.55, 1.0),
+    Shape.LISTENER: _ring(4, 1.0),
+}
 
 
 def _rounded(low: FloatArray, high: FloatArray, radius: float) -> FloatArray:
     if radius <= 0:
-        return np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])], dtype=np.float64)
+        return np.array(
+            [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])],
+            dtype=np.float64,
+        )
     quarter = np.linspace(0, np.pi / 2, 7)
-    centres = ((high[0] - radius, high[1] - radius), (low[0] + radius, high[1] - radius), low + radius, (high[0] - radius, low[1] + radius))
+    centres = (
+        (high[0] - radius, high[1] - radius),
+        (low[0] + radius, high[1] - radius),
+        low + radius,
+        (high[0] - radius, low[1] + radius),
+    )
     return np.concatenate(
         [
-            np.asarray(centre) + radius * np.column_stack([np.cos(quarter + turn), np.sin(quarter + turn)])
+            np.asarray(centre)
+            + radius * np.column_stack([np.cos(quarter + turn), np.sin(quarter + turn)])
             for centre, turn in zip(centres, np.arange(4) * np.pi / 2, strict=True)
         ]
     )
@@ -226,13 +280,16 @@ def _bar(start: FloatArray, end: FloatArray, width: float) -> FloatArray:
 
 def octahedron() -> tuple[FloatArray, Triangles]:
     """Six corners at distance 1."""
-    vertices = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], dtype=np.float64)
+    vertices = np.array(
+        [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], dtype=np.float64
+    )
     faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
     return vertices, np.array(faces, dtype=np.int64)
 
 
 def sphere(subdivisions: int) -> tuple[FloatArray, Triangles]:
-    """An octahedron whose faces are split in four ``subdivisions`` times, its corners at distance 1."""
+    """An octahedron whose faces are split in four ``subdivisions`` times, its corners at distance
+    1."""
     vertices, triangles = octahedron()
     for _ in range(subdivisions):
         edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
@@ -241,7 +298,9 @@ def sphere(subdivisions: int) -> tuple[FloatArray, Triangles]:
         middle /= np.linalg.norm(middle, axis=1, keepdims=True)
         a, b, c = triangles.T
         ab, bc, ca = (number.reshape(-1, 3) + len(vertices)).T
-        triangles = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+        triangles = np.concatenate(
+            [np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
+        )
         vertices = np.concatenate([vertices, middle])
     return vertices, triangles
 
@@ -249,10 +308,19 @@ def sphere(subdivisions: int) -> tuple[FloatArray, Triangles]:
 def torus(radius: float, thickness: float) -> tuple[FloatArray, Triangles]:
     """A ring around z: its circle has ``radius``, its tube the radius ``thickness``."""
     around, over = 40, 12
-    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, around, endpoint=False), np.linspace(0, 2 * np.pi, over, endpoint=False), indexing="ij")
+    u, v = np.meshgrid(
+        np.linspace(0, 2 * np.pi, around, endpoint=False),
+        np.linspace(0, 2 * np.pi, over, endpoint=False),
+        indexing="ij",
+    )
     away = radius + thickness * np.cos(v)
-    vertices = np.stack([away * np.cos(u), away * np.sin(u), thickness * np.sin(v)], axis=2).reshape(-1, 3)
-    i, j = (index.reshape(-1) for index in np.meshgrid(np.arange(around), np.arange(over), indexing="ij"))
+    vertices = np.stack(
+        [away * np.cos(u), away * np.sin(u), thickness * np.sin(v)], axis=2
+    ).reshape(-1, 3)
+    i, j = (
+        index.reshape(-1)
+        for index in np.meshgrid(np.arange(around), np.arange(over), indexing="ij")
+    )
     next_i, next_j = (i + 1) % around, (j + 1) % over
     a, b, c, d = i * over + j, next_i * over + j, next_i * over + next_j, i * over + next_j
     return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
@@ -274,5 +342,11 @@ def spiked_ball() -> tuple[FloatArray, Triangles]:
     tips /= np.linalg.norm(tips, axis=1, keepdims=True)
     numbers = len(vertices) + np.arange(len(tips))
     a, b, c = triangles.T
-    faces = np.concatenate([np.stack([a, b, numbers], axis=1), np.stack([b, c, numbers], axis=1), np.stack([c, a, numbers], axis=1)])
+    faces = np.concatenate(
+        [
+            np.stack([a, b, numbers], axis=1),
+            np.stack([b, c, numbers], axis=1),
+            np.stack([c, a, numbers], axis=1),
+        ]
+    )
     return np.concatenate([0.5 * vertices, tips]), faces

@@ -10,9 +10,11 @@ _picture = Picture()
 
 
 def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
-    """Both waves around the middle of the picture, over its width: the vibration in ``colour``, the sound in ``ink`` over it.
+    """Both waves around the middle of the picture, over its width: the vibration in ``colour``, the
+    sound in ``ink`` over it.
 
-    waves: equally many values of the sound and of the vibration, one byte each in hexadecimal, or empty.
+    waves: equally many values of the sound and of the vibration, one byte each in hexadecimal, or
+    empty.
     """
     pixels = blank()
     try:
@@ -22,8 +24,12 @@ def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
     if not len(values) or len(values) % 2:
         return pixels
     from_middle = np.abs(np.arange(SIZE) - (SIZE - 1) / 2)[:, None]
-    for wave, shade, opacity in zip(values.reshape(2, -1)[::-1] / 255, (colour, ink), (0.8, 0.5), strict=True):
-        heights = np.interp(np.linspace(0, 1, SIZE), np.linspace(0, 1, len(wave)), wave) * (SIZE / 2 - 2)
+    for wave, shade, opacity in zip(
+        values.reshape(2, -1)[::-1] / 255, (colour, ink), (0.8, 0.5), strict=True
+    ):
+        heights = np.interp(np.linspace(0, 1, SIZE), np.linspace(0, 1, len(wave)), wave) * (
+            SIZE / 2 - 2
+        )
         tint(pixels, shade, opacity * np.clip(heights + 0.5 - from_middle, 0.0, 1.0))
     return pixels
 

@@ -20,9 +20,16 @@ _batches = Recent(4)  # by the id of the shape, which the value keeps alive
 
 
 def draw(context: Context, scale: float) -> None:
-    """Draw the edges of the active object's shape in the last traced frame, if the object is selected. ``scale``: pixels per point."""
+    """Draw the edges of the active object's shape in the last traced frame, if the object is
+    selected. ``scale``: pixels per point."""
     active, traced = context.view_layer.objects.active, sessions.shown(context.scene)
-    if active is None or traced is None or traced.reading is None or not active.haptics.enabled or not active.select_get():
+    if (
+        active is None
+        or traced is None
+        or traced.reading is None
+        or not active.haptics.enabled
+        or not active.select_get()
+    ):
         return
     reading, name = traced.reading, active.name_full
     number = next((k for k, body in enumerate(reading.bodies) if body.name == name), None)
@@ -34,7 +41,10 @@ def draw(context: Context, scale: float) -> None:
     if known is None:
         points, lines = edges(shape)
         positions = {"pos": points.astype("f").tolist()}
-        known = _batches[id(shape)] = shape, batch_for_shader(program, "LINES", positions, indices=lines.tolist())
+        known = _batches[id(shape)] = (
+            shape,
+            batch_for_shader(program, "LINES", positions, indices=lines.tolist()),
+        )
     program.bind()
     program.uniform_float("viewportSize", (context.region.width, context.region.height))
     program.uniform_float("lineWidth", _WIDTH * scale)

@@ -1,4 +1,5 @@
-"""The watched listener, whose level, scope and path are shown, the sources that it feels, and the levels of all listeners."""
+"""The watched listener, whose level, scope and path are shown, the sources that it feels, and the
+levels of all listeners."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ def levels_of(scene: Scene) -> tuple[Level, ...]:
 
 
 def watched(scene: Scene) -> str:
-    """The watched listener: the active object, else the last active listener, else the one with the highest level; "" for none."""
+    """The watched listener: the active object, else the last active listener, else the one with the
+    highest level; "" for none."""
     traced, own = sessions.shown(scene), sessions.known(scene)
     if traced is None or own is None:
         return ""
@@ -31,7 +33,9 @@ def watched(scene: Scene) -> str:
     if own.watched in names:
         return own.watched
     levels = [level for level in levels_of(scene) if level.listener in names]
-    return max(levels, key=lambda level: level.rms).listener if levels else (names[0] if names else "")
+    return (
+        max(levels, key=lambda level: level.rms).listener if levels else (names[0] if names else "")
+    )
 
 
 def active_name() -> str:
@@ -44,7 +48,11 @@ def _felt(traced: Traced, listener: str, before: FeltSources | None = None) -> F
     """Computed on the worker; None if the frame does not have that listener."""
     result = traced.result
     names = [item.name for item in result.listeners]
-    return felt_sources(shown_sounding(result), names.index(listener), result.sample_rate) if listener in names else None
+    return (
+        felt_sources(shown_sounding(result), names.index(listener), result.sample_rate)
+        if listener in names
+        else None
+    )
 
 
 _FELT: Derived[str, FeltSources | None] = Derived(_felt)

@@ -1,4 +1,5 @@
-"""``haptic-tracing serve``: answers poses from an engine with levels, impacts and samples, and drives devices."""
+"""``haptic-tracing serve``: answers poses from an engine with levels, impacts and samples, and
+drives devices."""
 
 from __future__ import annotations
 
@@ -25,7 +26,10 @@ def run(args: argparse.Namespace) -> int:
     scene = None if args.scene is None else load(args.scene)
     host, port = _address(args.listen)
     if host not in LOCAL and args.token is None:
-        raise ValueError(f"--listen {args.listen}: others than this machine may connect only with a token: name one by --token")
+        raise ValueError(
+            f"--listen {args.listen}: others than this machine may connect only with a token: "
+            "name one by --token"
+        )
     if args.osc is not None and scene is None:
         raise ValueError("--osc: needs a scene")
     token = args.token or secrets.token_urlsafe(12)
@@ -53,12 +57,17 @@ def _end(number: int, frame: FrameType | None) -> NoReturn:
     raise SystemExit(0)
 
 
-def _greeting(address: str, token: str, stage: DeviceStage | None, args: argparse.Namespace) -> Sequence[str]:
+def _greeting(
+    address: str, token: str, stage: DeviceStage | None, args: argparse.Namespace
+) -> Sequence[str]:
     lines = [f"listening on ws://{address}, token {token}"]
     if args.osc is not None:
         lines.append(f"listening for OSC on udp://127.0.0.1:{args.osc}")
     if stage is not None:
-        lines.append(f"devices: {names([output.profile.title for output in stage.outputs.values()])}, for clients with the token")
+        lines.append(
+            f"devices: {names([output.profile.title for output in stage.outputs.values()])}, for "
+            "clients with the token"
+        )
     return lines
 
 

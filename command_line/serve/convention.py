@@ -1,4 +1,5 @@
-"""Axes and units of an engine, converted to those of haptic scenes (right-handed, z up, metres) and back."""
+"""Axes and units of an engine, converted to those of haptic scenes (right-handed, z up, metres) and
+back."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ _AXES = {
 
 @dataclass(frozen=True)
 class Convention:
-    """``up``: the axis that points up, y or z. ``handedness``: right or left. ``metres_per_unit``: length of the engine's unit."""
+    """``up``: the axis that points up, y or z. ``handedness``: right or left. ``metres_per_unit``:
+    length of the engine's unit."""
 
     up: str = "z"
     handedness: str = "right"
@@ -38,12 +40,16 @@ class Convention:
 
     def position(self, position: Sequence[float]) -> list[float]:
         """A position of the engine in metres, in the axes of scenes."""
-        placed: list[float] = (self._axes @ np.asarray(position, dtype=np.float64) * self.metres_per_unit).tolist()
+        placed: list[float] = (
+            self._axes @ np.asarray(position, dtype=np.float64) * self.metres_per_unit
+        ).tolist()
         return placed
 
     def position_back(self, position: Sequence[float]) -> list[float]:
         """A position of a scene in the engine's axes and unit."""
-        placed: list[float] = (self._axes.T @ np.asarray(position, dtype=np.float64) / self.metres_per_unit).tolist()
+        placed: list[float] = (
+            self._axes.T @ np.asarray(position, dtype=np.float64) / self.metres_per_unit
+        ).tolist()
         return placed
 
     def direction(self, direction: Sequence[float]) -> list[float]:
@@ -57,4 +63,10 @@ class Convention:
         A rotation R becomes M R M^-1, whose quaternion has the vector part det(M) M v.
         """
         turn = np.linalg.det(self._axes) * self._axes
-        return np.column_stack([poses[:, :3] @ self._axes.T * self.metres_per_unit, poses[:, 3:4], poses[:, 4:] @ turn.T])
+        return np.column_stack(
+            [
+                poses[:, :3] @ self._axes.T * self.metres_per_unit,
+                poses[:, 3:4],
+                poses[:, 4:] @ turn.T,
+            ]
+        )

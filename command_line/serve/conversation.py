@@ -1,4 +1,5 @@
-"""What a client says, and what it is answered: the messages of `docs/run_time.md`, without a socket."""
+"""What a client says, and what it is answered: the messages of `docs/run_time.md`, without a
+socket."""
 
 from __future__ import annotations
 
@@ -39,7 +40,8 @@ class Stage(Protocol):
 
 
 class Conversation:
-    """The messages of one client about one run. ``stage``: the devices that play for it, None for none."""
+    """The messages of one client about one run. ``stage``: the devices that play for it, None for
+    none."""
 
     def __init__(self, scene: Scene | None, stage: Stage | None) -> None:
         self._scene, self._stage = scene, stage
@@ -48,10 +50,13 @@ class Conversation:
         self.last: Step | None = None
 
     def answer(self, text: str | bytes) -> list[Answer]:
-        """The answers to a message. A message that is not valid is answered by an error; it never raises."""
+        """The answers to a message. A message that is not valid is answered by an error; it never
+        raises."""
         name: Any = None
         try:
-            message = parse_json(text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text, "message")
+            message = parse_json(
+                text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text, "message"
+            )
             name = message.get("id") if isinstance(message, dict) else None
             return self._answered(message)
         except PlacedError as error:
@@ -98,9 +103,13 @@ class Conversation:
                 if isinstance(items, list) and len(items) > MOST_OBJECTS:
                     raise PlacedError(("scene", key), f"must have at most {MOST_OBJECTS} items")
             try:
-                scene = Scene.of_document({"format": "haptic-scene", "version": "1.1", **message["scene"]}, "scene")
+                scene = Scene.of_document(
+                    {"format": "haptic-scene", "version": "1.1", **message["scene"]}, "scene"
+                )
             except FormatError as error:
-                raise PlacedError(("scene", *error.pointer.strip("/").split("/")), error.reason) from None
+                raise PlacedError(
+                    ("scene", *error.pointer.strip("/").split("/")), error.reason
+                ) from None
         if scene is None:
             raise PlacedError(("scene",), "is required: the server was started without one")
         self._scene = scene
@@ -125,7 +134,9 @@ class Conversation:
         given = dict(message)
         for key in ("type", "id", "samples"):
             given.pop(key, None)
-        step = self.last = run.step(**(given if self._convention.is_own else self._converted(given)))
+        step = self.last = run.step(
+            **(given if self._convention.is_own else self._converted(given))
+        )
         if self._stage is not None:
             self._stage.play(run, step)
         frame = frame_message(step, message.get("id"), self._convention)
@@ -136,7 +147,9 @@ class Conversation:
         own = self._convention
         if poses := given.get("poses"):
             try:
-                rows = own.poses(np.array(list(poses.values()), dtype=np.float64).reshape(len(poses), 7))
+                rows = own.poses(
+                    np.array(list(poses.values()), dtype=np.float64).reshape(len(poses), 7)
+                )
             except (TypeError, ValueError):
                 pass  # the run names the faulty one
             else:
@@ -145,7 +158,9 @@ class Conversation:
             if key in given:
                 given[key] = {name: own.position(place) for name, place in given[key].items()}
         if "impacts" in given:
-            given["impacts"] = [{**form, "position": own.position(form["position"])} for form in given["impacts"]]
+            given["impacts"] = [
+                {**form, "position": own.position(form["position"])} for form in given["impacts"]
+            ]
         if "contacts" in given:
             given["contacts"] = [_contact(form, own) for form in given["contacts"]]
         return given
@@ -163,7 +178,8 @@ def frame_message(step: Step, name: Any, convention: Convention) -> dict[str, An
         **({} if name is None else {"id": name}),
         "time": step.time,
         "levels": {
-            listener: {"level": level.level, "margin": level.margin, "gains": level.gains} for listener, level in step.levels.items()
+            listener: {"level": level.level, "margin": level.margin, "gains": level.gains}
+            for listener, level in step.levels.items()
         },
         "impacts": [
             {

@@ -28,7 +28,12 @@ class LiveView:
         self._shown = now
         meters = [f"{name} {meter(level.level)}" for name, level in step.levels.items()]
         line = f"{step.time:8.2f} s  " + "  ".join(meters)
-        self._out.write("\r" + line[: shutil.get_terminal_size().columns - 1].ljust(shutil.get_terminal_size().columns - 1))
+        self._out.write(
+            "\r"
+            + line[: shutil.get_terminal_size().columns - 1].ljust(
+                shutil.get_terminal_size().columns - 1
+            )
+        )
         self._out.flush()
 
 

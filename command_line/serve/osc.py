@@ -13,7 +13,8 @@ from .conversation import Conversation, text_of
 
 
 class OscDoor:
-    """Answers OSC messages on a port of this machine. The poses since the last step belong to the next one."""
+    """Answers OSC messages on a port of this machine. The poses since the last step belong to the
+    next one."""
 
     def __init__(self, conversation: Conversation, port: int) -> None:
         """Raises OSError if the port is taken."""
@@ -25,7 +26,9 @@ class OscDoor:
         dispatcher.map("/haptic/play", self._play, needs_reply_address=True)
         dispatcher.map("/haptic/stop", self._stop, needs_reply_address=True)
         self.server = BlockingOSCUDPServer(("127.0.0.1", port), dispatcher)
-        self._thread = threading.Thread(target=self.server.serve_forever, name="haptics osc", daemon=True)
+        self._thread = threading.Thread(
+            target=self.server.serve_forever, name="haptics osc", daemon=True
+        )
 
     def start(self) -> None:
         """Begin to answer."""
@@ -60,7 +63,10 @@ class OscDoor:
                 to.send_message("/haptic/error", [answer["where"], answer["message"]])
             elif answer["type"] == "frame":
                 for listener, level in answer["levels"].items():
-                    numbers = [-200.0 if level[key] is None else float(level[key]) for key in ("level", "margin")]
+                    numbers = [
+                        -200.0 if level[key] is None else float(level[key])
+                        for key in ("level", "margin")
+                    ]
                     to.send_message("/haptic/level", [listener, *numbers])
                 for blow in answer["impacts"]:
                     to.send_message("/haptic/impact", [*blow["objects"], float(blow["energy"])])

@@ -25,7 +25,8 @@ _MOST_WAITING = 64
 
 
 class Outbox:
-    """Answers on their way to a client: of frames that wait only the newest is kept, of others a bounded number."""
+    """Answers on their way to a client: of frames that wait only the newest is kept, of others a
+    bounded number."""
 
     def __init__(self) -> None:
         self._waiting: deque[list[str | bytes]] = deque()
@@ -63,11 +64,17 @@ class Outbox:
 
 
 class Door:
-    """Accepts connections. ``token``: what a client says for its steps to be played on the devices, and, where others than this machine can
-    connect, to be answered at all."""
+    """Accepts connections. ``token``: what a client says for its steps to be played on the devices,
+    and, where others than this machine can connect, to be answered at all."""
 
     def __init__(
-        self, scene: Scene | None, stage: Stage | None, host: str, token: str, origins: Sequence[str], heard: Callable[[Conversation], None]
+        self,
+        scene: Scene | None,
+        stage: Stage | None,
+        host: str,
+        token: str,
+        origins: Sequence[str],
+        heard: Callable[[Conversation], None],
     ) -> None:
         self._scene, self._stage, self._token, self._heard = scene, stage, token, heard
         self._origins = origins
@@ -80,7 +87,14 @@ class Door:
     def listen(self, port: int) -> Server:
         """The server, which accepts connections once `serve_forever` is called. Raises OSError."""
         return serve(
-            self._handle, self.host, port, max_size=LARGEST, process_request=self._admit, compression=None, max_queue=4, server_header=None
+            self._handle,
+            self.host,
+            port,
+            max_size=LARGEST,
+            process_request=self._admit,
+            compression=None,
+            max_queue=4,
+            server_header=None,
         )
 
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
@@ -89,22 +103,37 @@ class Door:
         for origin in request.headers.get_all("Origin"):
             if origin not in self._origins:
                 return connection.respond(
-                    HTTPStatus.FORBIDDEN, f"the origin {origin} is not allowed: start the server with --allow-origin\n"
+                    HTTPStatus.FORBIDDEN,
+                    f"the origin {origin} is not allowed: start the server with --allow-origin\n",
                 )
         address, port = connection.socket.getsockname()[:2]
         named = {
-            f"{name}:{port}" for name in (self.host, f"[{self.host}]", address, *(("localhost", "127.0.0.1") if self.is_local else ()))
+            f"{name}:{port}"
+            for name in (
+                self.host,
+                f"[{self.host}]",
+                address,
+                *(("localhost", "127.0.0.1") if self.is_local else ()),
+            )
         }
         if self.host not in ("0.0.0.0", "::") and request.headers.get("Host") not in named:
-            return connection.respond(HTTPStatus.FORBIDDEN, "this host name is not the address that the server listens on\n")
+            return connection.respond(
+                HTTPStatus.FORBIDDEN,
+                "this host name is not the address that the server listens on\n",
+            )
         if self._count >= MOST_CONNECTIONS:
-            return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"there are {MOST_CONNECTIONS} connections already\n")
+            return connection.respond(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                f"there are {MOST_CONNECTIONS} connections already\n",
+            )
         return None
 
     def _handle(self, connection: ServerConnection) -> None:
         """Answer one client until it goes."""
         outbox = Outbox()
-        sender = threading.Thread(target=_send, args=(connection, outbox), name="haptics answers", daemon=True)
+        sender = threading.Thread(
+            target=_send, args=(connection, outbox), name="haptics answers", daemon=True
+        )
         conversation: Conversation | None = None
         with self._lock:
             self._count += 1
@@ -114,9 +143,19 @@ class Door:
                 if conversation is None:
                     trusted = self._is_trusted(message)
                     if not trusted and not self.is_local:
-                        outbox.put([{"type": "error", "where": "/token", "message": "the first message is hello with the server's token"}])
+                        outbox.put(
+                            [
+                                {
+                                    "type": "error",
+                                    "where": "/token",
+                                    "message": "the first message is hello with the server's token",
+                                }
+                            ]
+                        )
                         continue
-                    conversation = Conversation(self._scene, self._take_stage() if trusted else None)
+                    conversation = Conversation(
+                        self._scene, self._take_stage() if trusted else None
+                    )
                     if self._holder is None and trusted:
                         self._holder = conversation
                 outbox.put(conversation.answer(message))

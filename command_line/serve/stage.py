@@ -19,26 +19,39 @@ _LOOK = 0.02
 
 
 class DeviceStage:
-    """Devices that play the blocks of one run at a time. They fall silent `SILENCE` seconds after the last block."""
+    """Devices that play the blocks of one run at a time. They fall silent `SILENCE` seconds after
+    the last block."""
 
     def __init__(self, outputs: dict[str, GuardedOutput]) -> None:
         self.outputs = outputs
-        self.latency = max((output.profile.latency for output in outputs.values() if isinstance(output.profile, Profile)), default=0.0)
+        self.latency = max(
+            (
+                output.profile.latency
+                for output in outputs.values()
+                if isinstance(output.profile, Profile)
+            ),
+            default=0.0,
+        )
         self._mapping: tuple[tuple[tuple[str, str], ...], ActuatorMapping] | None = None
         self._played = 0.0
         self._ended = threading.Event()
-        self._watch = threading.Thread(target=self._silence_late, name="haptics silence", daemon=True)
+        self._watch = threading.Thread(
+            target=self._silence_late, name="haptics silence", daemon=True
+        )
         for output in outputs.values():
             output.start()
         self._watch.start()
 
     @classmethod
     def of(cls, wanted: Sequence[str]) -> DeviceStage:
-        """The connected devices whose names contain one of the ``wanted`` texts. Raises ValueError."""
+        """The connected devices whose names contain one of the ``wanted`` texts. Raises
+        ValueError."""
         found = look().devices
         chosen = {}
         for text in wanted:
-            alike = [device for device in found if text.lower() in f"{device.key} {device.title}".lower()]
+            alike = [
+                device for device in found if text.lower() in f"{device.key} {device.title}".lower()
+            ]
             if not alike:
                 known = ", ".join(device.title for device in found) or "none"
                 raise ValueError(f"device {text!r} is not connected; connected are: {known}")

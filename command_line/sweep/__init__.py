@@ -1,5 +1,5 @@
-"""``haptic-tracing sweep STUDY.toml``: traces many variants of scenes in parallel, on this machine or on a Dask cluster; ``sweep plot``
-draws and queries the resulting table."""
+"""``haptic-tracing sweep STUDY.toml``: traces many variants of scenes in parallel, on this machine
+or on a Dask cluster; ``sweep plot`` draws and queries the resulting table."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _needing(name: str) -> Any:
-    """A module of this package. Raises ValueError with the package to install if it cannot be imported."""
+    """A module of this package. Raises ValueError with the package to install if it cannot be
+    imported."""
     try:
         return import_module(f".{name}", __name__)
     except ModuleNotFoundError as error:
@@ -50,15 +51,30 @@ def _sweep(args: argparse.Namespace, path: Path) -> int:
     versions = programs()
     keyed = list({variant.key(versions): variant for variant in study.variants()}.items())
     open_ = [(key, variant) for key, variant in keyed if not _is_done(folder, key, args.tracks)]
-    tasks = [{"key": key, "variant": asdict(variant), "folder": str(folder.resolve()), "tracks": args.tracks} for key, variant in open_]
+    tasks = [
+        {
+            "key": key,
+            "variant": asdict(variant),
+            "folder": str(folder.resolve()),
+            "tracks": args.tracks,
+        }
+        for key, variant in open_
+    ]
     failures = {}
-    with tqdm(total=len(keyed), initial=len(keyed) - len(open_), desc=path.stem, unit="variant") as bar:
-        for key, failure in _needing("scheduling").run_all(args.on, args.workers, tasks) if tasks else ():
+    with tqdm(
+        total=len(keyed), initial=len(keyed) - len(open_), desc=path.stem, unit="variant"
+    ) as bar:
+        for key, failure in (
+            _needing("scheduling").run_all(args.on, args.workers, tasks) if tasks else ()
+        ):
             if failure:
                 failures[key] = failure
             bar.update()
     table.write_table(folder.with_suffix(".parquet"), folder, keyed)
-    print(f"wrote {folder.with_suffix('.parquet')}: {len(keyed) - len(failures)} variants, {len(open_)} of them new")
+    print(
+        f"wrote {folder.with_suffix('.parquet')}: {len(keyed) - len(failures)} variants, "
+        f"{len(open_)} of them new"
+    )
     if failures:
         key, reason = next(iter(failures.items()))
         raise ValueError(f"{len(failures)} of {len(keyed)} variants failed, {key}: {reason}")
@@ -71,7 +87,10 @@ def _make_folders(folder: Path, variants: int, tracks: float) -> None:
         (folder / name).mkdir(parents=True, exist_ok=True)
     needed, free = _RESULT_BYTES * variants + tracks, shutil.disk_usage(folder).free
     if needed > free:
-        raise ValueError(f"{folder}: {variants} variants need about {needed / 1e6:.3g} MB, and {free / 1e6:.3g} MB are free")
+        raise ValueError(
+            f"{folder}: {variants} variants need about {needed / 1e6:.3g} MB, and "
+            f"{free / 1e6:.3g} MB are free"
+        )
 
 
 _RESULT_BYTES = 16_384
@@ -79,4 +98,6 @@ _RESULT_BYTES = 16_384
 
 
 def _is_done(folder: Path, key: str, tracks: bool) -> bool:
-    return (folder / "results" / f"{key}.json").exists() and (not tracks or (folder / "tracks" / f"{key}.wav").exists())
+    return (folder / "results" / f"{key}.json").exists() and (
+        not tracks or (folder / "tracks" / f"{key}.wav").exists()
+    )

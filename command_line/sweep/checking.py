@@ -26,7 +26,9 @@ def check(study: Study) -> float:
             raise ValueError(f"{path}: {error}") from None
         first, last = frames_of(scene, {"frames": study.frames})
         listeners = sum(obj.haptics.listener.enabled for obj in scene.objects)
-        size += BYTES_PER_SECOND * listeners * (last - first) * scene.render.fps_base / scene.render.fps
+        size += (
+            BYTES_PER_SECOND * listeners * (last - first) * scene.render.fps_base / scene.render.fps
+        )
     return size * study.count / len(study.scenes)
 
 
@@ -37,8 +39,14 @@ BYTES_PER_SECOND = 4 * 8000
 def _check_values(scene: Scene, study: Study) -> None:
     ranges = {**study.settings, **study.random}
     for values in zip_longest(*ranges.values(), fillvalue=None):
-        settings = {path: value for path, value in zip(ranges, values, strict=True) if value is not None}
+        settings = {
+            path: value for path, value in zip(ranges, values, strict=True) if value is not None
+        }
         vary(scene, {"mode": None, "settings": settings, "materials": {}})
     for materials in zip_longest(*study.materials.values(), fillvalue=None):
-        made_of = {name: material for name, material in zip(study.materials, materials, strict=True) if material is not None}
+        made_of = {
+            name: material
+            for name, material in zip(study.materials, materials, strict=True)
+            if material is not None
+        }
         vary(scene, {"mode": None, "settings": {}, "materials": made_of})

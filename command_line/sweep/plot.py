@@ -1,5 +1,5 @@
-"""``haptic-tracing sweep plot TABLE.parquet``: level per listener over a parameter, run time against error, and the settings nearest to
-desired levels."""
+"""``haptic-tracing sweep plot TABLE.parquet``: level per listener over a parameter, run time
+against error, and the settings nearest to desired levels."""
 
 from __future__ import annotations
 
@@ -24,13 +24,16 @@ Row = Mapping[str, Any]
 
 
 def run(args: argparse.Namespace, path: Path) -> int:
-    """Draw both pictures of a table, and print the settings nearest to the desired levels. Exit code 0."""
+    """Draw both pictures of a table, and print the settings nearest to the desired levels. Exit
+    code 0."""
     table = read_table(path)
     rows = table.to_pylist()
     wished, varied = wishes.parsed(args.wish, rows), _differing(rows, varied_columns(table))
     over = args.over or _first_number(table)
     if over is not None and over not in varied_columns(table):
-        raise ValueError(f"--over: {path} has no column {over}; it has {', '.join(varied_columns(table))}")
+        raise ValueError(
+            f"--over: {path} has no column {over}; it has {', '.join(varied_columns(table))}"
+        )
     args.out.mkdir(parents=True, exist_ok=True)
     pictures = [(f"{path.stem}.time.svg", _time_against_error(rows))]
     if over is not None:
@@ -42,22 +45,34 @@ def run(args: argparse.Namespace, path: Path) -> int:
         print(f"wrote {args.out / name}")
     best = pareto(rows)
     if not best:
-        print("no variant bounds the error and reaches every listener who feels something in another one")
+        print(
+            "no variant bounds the error and reaches every listener who feels something in "
+            "another one"
+        )
     for number, row in enumerate(best, 1):
-        print(f"{number}: fastest for its error, {row['milliseconds']:.2f} ms, {row['error_bound']:.3g}: {_words(row, varied)}")
+        print(
+            f"{number}: fastest for its error, {row['milliseconds']:.2f} ms, "
+            f"{row['error_bound']:.3g}: {_words(row, varied)}"
+        )
     if wished:
         _print_answer(rows, wished, varied)
     return 0
 
 
 def _first_number(table: pa.Table) -> str | None:
-    """The first varied parameter that is a number and has more than one value; None if there is none."""
-    names = (name for name in varied_columns(table) if pa.types.is_integer(table[name].type) or pa.types.is_floating(table[name].type))
+    """The first varied parameter that is a number and has more than one value; None if there is
+    none."""
+    names = (
+        name
+        for name in varied_columns(table)
+        if pa.types.is_integer(table[name].type) or pa.types.is_floating(table[name].type)
+    )
     return next((name for name in names if len(table[name].unique()) > 1), None)
 
 
 def _levels(rows: Sequence[Row], over: str) -> Any:
-    """The level of each listener over a parameter: the mean of the variants with the same value, and from the least to the greatest."""
+    """The level of each listener over a parameter: the mean of the variants with the same value,
+    and from the least to the greatest."""
     levels: dict[str, dict[Any, list[float]]] = defaultdict(lambda: defaultdict(list))
     for row in rows:
         if row["level"] is not None and row[over] is not None:
@@ -65,10 +80,22 @@ def _levels(rows: Sequence[Row], over: str) -> Any:
     figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
     for listener, by_value in levels.items():
         values = sorted(by_value)
-        (line,) = axes.plot(values, [sum(by_value[value]) / len(by_value[value]) for value in values], marker="o", label=listener)
-        ends = [min(by_value[value]) for value in values], [max(by_value[value]) for value in values]
+        (line,) = axes.plot(
+            values,
+            [sum(by_value[value]) / len(by_value[value]) for value in values],
+            marker="o",
+            label=listener,
+        )
+        ends = (
+            [min(by_value[value]) for value in values],
+            [max(by_value[value]) for value in values],
+        )
         axes.fill_between(values, *ends, color=line.get_color(), alpha=0.06, linewidth=0)
-    axes.set(xlabel=over, ylabel="level [dB]", title="Mean level, and its range over all else that varies")
+    axes.set(
+        xlabel=over,
+        ylabel="level [dB]",
+        title="Mean level, and its range over all else that varies",
+    )
     if levels:
         figure.legend(loc="outside right upper", fontsize="small")
     return figure
@@ -77,8 +104,9 @@ def _levels(rows: Sequence[Row], over: str) -> Any:
 def by_variant(rows: Sequence[Row]) -> list[Row]:
     """One row per variant with error bounds: that of the listener with the largest bound.
 
-    Left out are variants with a listener for which nothing bounds the error, those in which nobody feels anything, and those whose limits
-    cut off a listener who feels something in another variant: a small bound on nothing is no accuracy.
+    Left out are variants with a listener for which nothing bounds the error, those in which nobody
+    feels anything, and those whose limits cut off a listener who feels something in another
+    variant: a small bound on nothing is no accuracy.
     """
     feeling = {row["listener"] for row in rows if _is_felt(row)}
     by_key: dict[str, list[Row]] = defaultdict(list)
@@ -89,7 +117,10 @@ def by_variant(rows: Sequence[Row]) -> list[Row]:
         for own in by_key.values()
         if any(map(_is_felt, own))
         and all(row["error_bound"] is not None for row in own)
-        and not any(row["level"] is None and row["error_bound"] > 0 and row["listener"] in feeling for row in own)
+        and not any(
+            row["level"] is None and row["error_bound"] > 0 and row["listener"] in feeling
+            for row in own
+        )
     ]
 
 
@@ -112,11 +143,30 @@ def _time_against_error(rows: Sequence[Row]) -> Any:
     """Plot of all variants, with numbers at the Pareto-optimal ones."""
     figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
     every, best = by_variant(rows), pareto(rows)
-    axes.plot([row["milliseconds"] for row in every], [row["error_bound"] for row in every], "o", color="lightgray")
-    axes.plot([row["milliseconds"] for row in best], [row["error_bound"] for row in best], "o-", color="tab:blue")
+    axes.plot(
+        [row["milliseconds"] for row in every],
+        [row["error_bound"] for row in every],
+        "o",
+        color="lightgray",
+    )
+    axes.plot(
+        [row["milliseconds"] for row in best],
+        [row["error_bound"] for row in best],
+        "o-",
+        color="tab:blue",
+    )
     for number, row in enumerate(best, 1):
-        axes.annotate(str(number), (row["milliseconds"], row["error_bound"]), (4, 4), textcoords="offset points")
-    axes.set(xlabel="tracing a frame, median [ms]", ylabel="greatest error bound of a gain", title="Run time against error")
+        axes.annotate(
+            str(number),
+            (row["milliseconds"], row["error_bound"]),
+            (4, 4),
+            textcoords="offset points",
+        )
+    axes.set(
+        xlabel="tracing a frame, median [ms]",
+        ylabel="greatest error bound of a gain",
+        title="Run time against error",
+    )
     axes.set_yscale("symlog", linthresh=1e-12)
     return figure
 
@@ -126,12 +176,21 @@ def _print_answer(rows: Sequence[Row], wished: Mapping[str, float], varied: Sequ
     best = wishes.nearest(variants, wished)
     print(f"nearest to the wishes: {_words(next(iter(best.values())), varied)}")
     for name, level in wished.items():
-        print(f"  {name}: {best[name]['level']:.1f} dB, {best[name]['level'] - level:+.1f} dB from {level:.1f} dB")
+        print(
+            f"  {name}: {best[name]['level']:.1f} dB, {best[name]['level'] - level:+.1f} dB from "
+            f"{level:.1f} dB"
+        )
     found = wishes.between(variants, wished, varied)
     if found is not None:
-        print(f"between the variants, by a linear fit that misses them by up to {found.error:.2g} dB: {_named(found.settings)}")
+        print(
+            f"between the variants, by a linear fit that misses them by up to {found.error:.2g} "
+            f"dB: {_named(found.settings)}"
+        )
         for name, level in wished.items():
-            print(f"  {name}: {found.levels[name]:.1f} dB expected, {found.levels[name] - level:+.1f} dB from {level:.1f} dB")
+            print(
+                f"  {name}: {found.levels[name]:.1f} dB expected, "
+                f"{found.levels[name] - level:+.1f} dB from {level:.1f} dB"
+            )
 
 
 def _differing(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
@@ -144,4 +203,7 @@ def _words(row: Row, varied: Sequence[str]) -> str:
 
 
 def _named(values: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}" for name, value in values.items())
+    return ", ".join(
+        f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in values.items()
+    )

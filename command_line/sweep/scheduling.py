@@ -27,13 +27,15 @@ _SECONDS = 5
 
 @contextmanager
 def connected(on: str, workers: int) -> Iterator[Client]:
-    """A client of the scheduler at an address, or of ``workers`` processes on this machine. Raises ValueError if there is no answer or no
-    worker, or if a worker has other versions."""
+    """A client of the scheduler at an address, or of ``workers`` processes on this machine. Raises
+    ValueError if there is no answer or no worker, or if a worker has other versions."""
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with contextlib.ExitStack() as stack:
         address: Any = on
         if on == "local":
-            address = stack.enter_context(LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None))
+            address = stack.enter_context(
+                LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+            )
         try:
             client = stack.enter_context(Client(address, timeout=_SECONDS, set_as_default=False))
         except (OSError, ValueError) as error:
@@ -43,23 +45,33 @@ def connected(on: str, workers: int) -> Iterator[Client]:
         except Exception as error:
             raise ValueError(f"--on {on}: the workers do not answer: {error}") from None
         if not known:
-            raise ValueError(f"--on {on}: the scheduler has no worker: start some by: dask worker {on}")
+            raise ValueError(
+                f"--on {on}: the scheduler has no worker: start some by: dask worker {on}"
+            )
         for worker, versions in known.items():
             if versions != programs():
-                raise ValueError(f"--on {on}: worker {worker} has {versions}; this machine has {programs()}")
+                raise ValueError(
+                    f"--on {on}: worker {worker} has {versions}; this machine has {programs()}"
+                )
         yield client
 
 
 def run_all(on: str, workers: int, tasks: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
-    """Run all tasks; yields the key of each completed one with the reason of its failure, or "". The task of a worker that dies goes to
-    another one. See `connected`."""
+    """Run all tasks; yields the key of each completed one with the reason of its failure, or "".
+    The task of a worker that dies goes to another one. See `connected`."""
     rest = iter(tasks)
     with connected(on, min(workers, len(tasks))) as client:
 
         def submitted(count: int) -> list[Any]:
-            return [client.submit(work, task, key=task["key"], pure=False) for task in islice(rest, count)]
+            return [
+                client.submit(work, task, key=task["key"], pure=False)
+                for task in islice(rest, count)
+            ]
 
-        waiting = as_completed(submitted(_AHEAD * len(client.scheduler_info(n_workers=-1)["workers"])), loop=client.loop)
+        waiting = as_completed(
+            submitted(_AHEAD * len(client.scheduler_info(n_workers=-1)["workers"])),
+            loop=client.loop,
+        )
         for future in waiting:
             try:
                 failure = future.result()
@@ -68,15 +80,21 @@ def run_all(on: str, workers: int, tasks: Sequence[Mapping[str, Any]]) -> Iterat
             except OSError as error:
                 failure = str(error)
             except CancelledError:
-                raise ValueError(f"--on {on}: the scheduler has gone; what is done is kept: run the same command again") from None
+                raise ValueError(
+                    f"--on {on}: the scheduler has gone; what is done is kept: run the same "
+                    "command again"
+                ) from None
             yield future.key, failure
             waiting.update(submitted(1))
 
 
 def work(task: Mapping[str, Any]) -> str:
-    """Run one task in its own process; called on a worker. Returns the reason of its failure, or ""."""
+    """Run one task in its own process; called on a worker. Returns the reason of its failure, or
+    ""."""
     command = [sys.executable, "-m", "haptic_tracing.command_line.sweep.task"]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdin is not None and process.stderr is not None
         process.stdin.write(json.dumps(task) + "\n")
         process.stdin.flush()

@@ -28,7 +28,8 @@ Value = bool | int | float | str
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """One scene with its settings by path and materials by object. ``frames``: None for the scene's; ``mode``: None for the file's."""
+    """One scene with its settings by path and materials by object. ``frames``: None for the
+    scene's; ``mode``: None for the file's."""
 
     scene: str
     blend: str
@@ -39,7 +40,8 @@ class Variant:
     materials: Mapping[str, str]
 
     def key(self, programs: str) -> str:
-        """The name of its result: a checksum of everything that determines it, without the path of the file."""
+        """The name of its result: a checksum of everything that determines it, without the path of
+        the file."""
         inputs = {**asdict(self), "scene": Path(self.scene).name, "programs": programs}
         return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()[:32]
 
@@ -48,12 +50,17 @@ class Variant:
         fixed: dict[str, Value] = {"scene": Path(self.scene).stem}
         fixed |= {} if self.mode is None else {"mode": self.mode}
         fixed |= {} if self.seed is None else {"seed": self.seed}
-        return {**fixed, **self.settings, **{f"material of {name}": material for name, material in self.materials.items()}}
+        return {
+            **fixed,
+            **self.settings,
+            **{f"material of {name}": material for name, material in self.materials.items()},
+        }
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Lists of values: every combination is a variant. ``random``: least and greatest value by path, of which each seed draws one."""
+    """Lists of values: every combination is a variant. ``random``: least and greatest value by
+    path, of which each seed draws one."""
 
     scenes: tuple[Path, ...]
     frames: tuple[int, int] | None
@@ -75,11 +82,20 @@ class Study:
         """All combinations, in the order of the file."""
         paths, objects = tuple(self.settings), tuple(self.materials)
         blends = {scene: checksum_of(scene) for scene in self.scenes}
-        axes = (self.modes or (None,), self.seeds or (None,), product(*self.settings.values()), product(*self.materials.values()))
+        axes = (
+            self.modes or (None,),
+            self.seeds or (None,),
+            product(*self.settings.values()),
+            product(*self.materials.values()),
+        )
         rest = list(product(*axes))
         for scene in self.scenes:
             for mode, seed, values, materials in rest:
-                drawn = {} if seed is None else {path: _drawn(seed, path, *ends) for path, ends in self.random.items()}
+                drawn = (
+                    {}
+                    if seed is None
+                    else {path: _drawn(seed, path, *ends) for path, ends in self.random.items()}
+                )
                 settings = {**dict(zip(paths, values, strict=True)), **drawn}
                 made_of = dict(zip(objects, materials, strict=True))
                 yield Variant(str(scene), blends[scene], self.frames, mode, seed, settings, made_of)
@@ -120,7 +136,9 @@ def _study(form: Mapping[str, Any], folder: Path) -> Study:
     for name, values in form.get("materials", {}).items():
         for material in values:
             if material not in MATERIALS:
-                raise PlacedError(("materials", name), f"must be some of {', '.join(MATERIALS)}, not {material}")
+                raise PlacedError(
+                    ("materials", name), f"must be some of {', '.join(MATERIALS)}, not {material}"
+                )
     random = form.get("random", {})
     for path, (least, greatest) in random.items():
         if least > greatest:
@@ -131,8 +149,19 @@ def _study(form: Mapping[str, Any], folder: Path) -> Study:
     if random and not seeds:
         raise PlacedError(("seeds",), "[random] draws one value for each seed: list some")
     modes = tuple(dict.fromkeys(form.get("modes", ())))
-    settings, materials = ({key: _distinct(values) for key, values in form.get(name, {}).items()} for name in ("settings", "materials"))
-    study = Study(scenes, (frames[0], frames[1]) if frames else None, modes, seeds, settings, materials, random)
+    settings, materials = (
+        {key: _distinct(values) for key, values in form.get(name, {}).items()}
+        for name in ("settings", "materials")
+    )
+    study = Study(
+        scenes,
+        (frames[0], frames[1]) if frames else None,
+        modes,
+        seeds,
+        settings,
+        materials,
+        random,
+    )
     if study.count > MOST_VARIANTS:
         raise PlacedError((), f"{study.count} variants are more than {MOST_VARIANTS}")
     return study
@@ -144,6 +173,7 @@ def _distinct(values: Sequence[Any]) -> list[Any]:
 
 
 def _drawn(seed: int, path: str, least: float, greatest: float) -> float:
-    """A uniformly distributed value between the ends, from SHA-256 of seed and path, the same on every machine."""
+    """A uniformly distributed value between the ends, from SHA-256 of seed and path, the same on
+    every machine."""
     share = int.from_bytes(hashlib.sha256(f"{seed} {path}".encode()).digest()[:8]) / 2**64
     return least + (greatest - least) * share

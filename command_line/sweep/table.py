@@ -34,9 +34,9 @@ _RESULT = {
 def write_table(path: Path, folder: Path, keyed: Sequence[tuple[str, Variant]]) -> None:
     """Write the results of variants in ``folder``, in the given order.
 
-    Columns: ``key``, the varied parameters, ``level`` in dB of the RMS (0 dB: a constant 1; null if nothing is felt), ``peak``, ``gains``
-    (mean over the frames, by persistent source, including the amplitude), ``error_bound``, ``silenced``, and ``milliseconds`` of tracing a
-    frame.
+    Columns: ``key``, the varied parameters, ``level`` in dB of the RMS (0 dB: a constant 1; null if
+    nothing is felt), ``peak``, ``gains`` (mean over the frames, by persistent source, including the
+    amplitude), ``error_bound``, ``silenced``, and ``milliseconds`` of tracing a frame.
     """
     varied: dict[str, pa.DataType] = {}
     for _, variant in keyed:
@@ -76,14 +76,20 @@ def _wider(known: pa.DataType | None, value: Value) -> pa.DataType:
     return pa.float64() if {known, own} == {pa.int64(), pa.float64()} else pa.string()
 
 
-def _rows(folder: Path, keyed: Iterable[tuple[str, Variant]], varied: dict[str, pa.DataType]) -> Iterator[dict[str, Any]]:
+def _rows(
+    folder: Path, keyed: Iterable[tuple[str, Variant]], varied: dict[str, pa.DataType]
+) -> Iterator[dict[str, Any]]:
     for key, variant in keyed:
         path = folder / "results" / f"{key}.json"
         if not path.exists():
             continue  # it failed
         result = json.loads(path.read_bytes())
         known = variant.parameters()
-        parameters = {name: str(known[name]) if kind == pa.string() else known[name] for name, kind in varied.items() if name in known}
+        parameters = {
+            name: str(known[name]) if kind == pa.string() else known[name]
+            for name, kind in varied.items()
+            if name in known
+        }
         for listener in result["listeners"]:
             rms = listener.pop("rms")
             level = 20 * math.log10(rms) if rms > 0 else None

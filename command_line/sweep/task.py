@@ -1,7 +1,8 @@
-"""One variant of a study, traced in its own process: ``python -m haptic_tracing.command_line.sweep.task``.
+"""One variant of a study, traced in its own process: ``python -m
+haptic_tracing.command_line.sweep.task``.
 
-The task is one line of JSON on standard input, which stays open: when it closes, the parent process has died, and this process ends as
-well.
+The task is one line of JSON on standard input, which stays open: when it closes, the parent process
+has died, and this process ends as well.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ from ..trace import open_file, start_blender
 
 
 def main() -> int:
-    """Trace the task on standard input. Exit code 0; 2 with the reason on stderr if it cannot be traced."""
+    """Trace the task on standard input. Exit code 0; 2 with the reason on stderr if it cannot be
+    traced."""
     task = json.loads(sys.stdin.readline())
     threading.Thread(target=_end_with_the_asker, daemon=True).start()
     try:
@@ -55,8 +57,8 @@ def _end_with_the_asker() -> None:
 
 
 def vary(scene: Scene, variant: Mapping[str, Any]) -> None:
-    """Apply the mode, materials and settings of a variant to the open scene. Raises ValueError, which names the value that cannot be
-    set."""
+    """Apply the mode, materials and settings of a variant to the open scene. Raises ValueError,
+    which names the value that cannot be set."""
     if variant["mode"] is not None:
         scene.haptics.mode = variant["mode"]
     for name, material in variant["materials"].items():
@@ -90,12 +92,18 @@ def _trace(task: Mapping[str, Any]) -> None:
         felt.add(step.result, step.tracing_milliseconds)
     tracks = recorder.tracks()
     if task["tracks"] and tracks.listeners:
-        registry.write("wav", Export(key, tracks=tracks), folder / "tracks", {"encoding": "float32"})
-    write_bytes(folder / "results" / f"{key}.json", json.dumps(felt.result(tracks), allow_nan=False).encode())
+        registry.write(
+            "wav", Export(key, tracks=tracks), folder / "tracks", {"encoding": "float32"}
+        )
+    write_bytes(
+        folder / "results" / f"{key}.json",
+        json.dumps(felt.result(tracks), allow_nan=False).encode(),
+    )
 
 
 class _Felt:
-    """Gains and their error bounds over the frames of a variant, and which listeners its settings silence."""
+    """Gains and their error bounds over the frames of a variant, and which listeners its settings
+    silence."""
 
     def __init__(self) -> None:
         self._gains: dict[str, Any] = defaultdict(float)
@@ -117,11 +125,15 @@ class _Felt:
                     self._error = np.maximum(self._error, source.amplitude * found.error_bound[row])
 
     def result(self, tracks: Tracks) -> dict[str, Any]:
-        """The median time of a frame; per listener RMS (without its steady part) and peak of its samples, impacts, mean gains of persistent
-        sources (amplitudes included), the greatest error bound of any of these gains in any frame, None where there is no bound,
-        and whether a setting silences the listener, at least for some source in some frame."""
+        """The median time of a frame; per listener RMS (without its steady part) and peak of its
+        samples, impacts, mean gains of persistent sources (amplitudes included), the greatest error
+        bound of any of these gains in any frame, None where there is no bound, and whether a
+        setting silences the listener, at least for some source in some frame."""
         count = len(self._milliseconds)
-        errors, silenced = (np.broadcast_to(values, len(tracks.listeners)) for values in (self._error, self._silenced))
+        errors, silenced = (
+            np.broadcast_to(values, len(tracks.listeners))
+            for values in (self._error, self._silenced)
+        )
         return {
             "milliseconds": float(np.median(self._milliseconds)),
             "frames": count,
@@ -132,7 +144,10 @@ class _Felt:
                     "rms": float(vibration_rms(tracks.samples[row], tracks.sample_rate)),
                     "peak": float(np.abs(tracks.samples[row]).max(initial=0.0)),
                     "impacts": len(item.impacts),
-                    "gains": {name: float(total[row]) / count for name, total in sorted(self._gains.items())},
+                    "gains": {
+                        name: float(total[row]) / count
+                        for name, total in sorted(self._gains.items())
+                    },
                     "error_bound": float(errors[row]) if np.isfinite(errors[row]) else None,
                     "silenced": bool(silenced[row]),
                 }

@@ -1,1 +1,2 @@
-"""Contact detection: from shapes and poses of haptic objects to contact patches, their begin and end, and impacts."""
+"""Contact detection: from shapes and poses of haptic objects to contact patches, their begin and
+end, and impacts."""

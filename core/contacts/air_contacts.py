@@ -13,10 +13,24 @@ from .settings import Body
 from .shapes import Shape
 
 
-def contacts_through_air(bodies: Sequence[Body], transforms: FloatArray, pairs: IntArray, seen: Mapping[str, Shape], limit: float) -> int:
-    """How many ``pairs`` (p, 2) of bodies, placed by ``transforms`` (n, 4, 4), are more than ``limit`` metres apart once the shapes
-    ``seen`` replace those of the bodies with these names. Media are left out."""
-    pairs = np.array([pair for pair in np.unique(pairs, axis=0).tolist() if any(bodies[k].name in seen for k in pair)], dtype=np.int64)
+def contacts_through_air(
+    bodies: Sequence[Body],
+    transforms: FloatArray,
+    pairs: IntArray,
+    seen: Mapping[str, Shape],
+    limit: float,
+) -> int:
+    """How many ``pairs`` (p, 2) of bodies, placed by ``transforms`` (n, 4, 4), are more than
+    ``limit`` metres apart once the shapes ``seen`` replace those of the bodies with these names.
+    Media are left out."""
+    pairs = np.array(
+        [
+            pair
+            for pair in np.unique(pairs, axis=0).tolist()
+            if any(bodies[k].name in seen for k in pair)
+        ],
+        dtype=np.int64,
+    )
     pairs = pairs.reshape(-1, 2)
     pairs = pairs[[not any(bodies[k].medium for k in pair) for pair in pairs.tolist()]]
     if len(pairs) == 0:

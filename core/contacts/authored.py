@@ -18,9 +18,10 @@ ARRAYS = ("pairs", "positions", "normal", "depth", "distance", "area", "weight",
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AuthoredContacts:
-    """Authored ``contacts`` replace those found between two objects that are both ``settled`` (n,), which means placed by their author.
-    ``transmissions``: by pair of objects, the smaller number first, the transmission of their contacts wherever they are found. Objects
-    are numbered by their sorted names."""
+    """Authored ``contacts`` replace those found between two objects that are both ``settled`` (n,),
+    which means placed by their author. ``transmissions``: by pair of objects, the smaller number
+    first, the transmission of their contacts wherever they are found. Objects are numbered by their
+    sorted names."""
 
     settled: BoolArray
     contacts: ContactSet
@@ -38,7 +39,9 @@ class AuthoredContacts:
         index = {name: number for number, name in enumerate(sorted(names))}
         return cls(
             settled=np.array([name in settled for name in index], dtype=np.bool_),
-            contacts=ContactSet.from_contacts([item for item in contacts if index.keys() >= set(item.objects)], index),
+            contacts=ContactSet.from_contacts(
+                [item for item in contacts if index.keys() >= set(item.objects)], index
+            ),
             transmissions={
                 (min(index[a], index[b]), max(index[a], index[b])): function
                 for (a, b), function in transmissions.items()
@@ -56,10 +59,15 @@ class AuthoredContacts:
             if function is not None:
                 transmission[row] = len(functions)
                 functions.append(function)
-        arrays = {key: np.concatenate([getattr(left, key), getattr(self.contacts, key)]) for key in ARRAYS[:-1]}
+        arrays = {
+            key: np.concatenate([getattr(left, key), getattr(self.contacts, key)])
+            for key in ARRAYS[:-1]
+        }
         return ContactSet(
             **arrays,
-            transmission=np.concatenate([transmission, self.contacts.transmission + len(functions)]),
+            transmission=np.concatenate(
+                [transmission, self.contacts.transmission + len(functions)]
+            ),
             transmissions=(*functions, *self.contacts.transmissions),
         )
 

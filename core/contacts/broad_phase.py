@@ -7,19 +7,23 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 
 _LARGE = 6.0
-"""Extent relative to the median above which a box is compared with all others: among the rest it would widen every search."""
+"""Extent relative to the median above which a box is compared with all others: among the rest it
+would widen every search."""
 
 _CHUNK = 200_000
-"""Pairs compared at a time, so that what is compared stays in the cache; where there are no more, all are compared."""
+"""Pairs compared at a time, so that what is compared stays in the cache; where there are no more,
+all are compared."""
 
 _ROWS = 64
 """Largest number of boxes per step of the sweep."""
 
 
 def overlapping_pairs(bounds: FloatArray, moved: BoolArray | None = None) -> IntArray:
-    """Pairs (p, 2) of boxes (n, 2, 3) that overlap or touch, each once, smaller index first, sorted.
+    """Pairs (p, 2) of boxes (n, 2, 3) that overlap or touch, each once, smaller index first,
+    sorted.
 
-    With ``moved`` (n,) only pairs in which at least one box has moved. A box with NaN overlaps nothing.
+    With ``moved`` (n,) only pairs in which at least one box has moved. A box with NaN overlaps
+    nothing.
     """
     count = len(bounds)
     real = ~np.isnan(bounds).any(axis=(1, 2))
@@ -37,11 +41,19 @@ def overlapping_pairs(bounds: FloatArray, moved: BoolArray | None = None) -> Int
 def _with_all(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
     """Pairs (2, p) of each ``active`` box with all boxes, each pair once."""
     count = len(active)
-    return _compared(low, high, active, np.zeros(count, dtype=np.int64), np.full(count, count), max(1, _CHUNK // max(count, 1)))
+    return _compared(
+        low,
+        high,
+        active,
+        np.zeros(count, dtype=np.int64),
+        np.full(count, count),
+        max(1, _CHUNK // max(count, 1)),
+    )
 
 
 def _swept(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
-    """The same, each box that is not large with those alone that are as far along the axis of the widest spread."""
+    """The same, each box that is not large with those alone that are as far along the axis of the
+    widest spread."""
     axis = int((high.max(axis=1) - low.min(axis=1)).argmax())
     extent = high[axis] - low[axis]
     large = extent > _LARGE * max(float(np.median(extent)), 0.0)
@@ -53,14 +65,22 @@ def _swept(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
     others = others[low[axis, others].argsort(kind="stable")]
     low, high = low.take(others, axis=1), high.take(others, axis=1)
     # Where all are active, those before have found them.
-    begin = np.arange(len(others)) if active.all() else low[axis].searchsorted(low[axis] - extent[others].max())
+    begin = (
+        np.arange(len(others))
+        if active.all()
+        else low[axis].searchsorted(low[axis] - extent[others].max())
+    )
     end = low[axis].searchsorted(high[axis], side="right")
-    return np.concatenate([found, others[_compared(low, high, active[others], begin, end, _ROWS)]], axis=1)
+    return np.concatenate(
+        [found, others[_compared(low, high, active[others], begin, end, _ROWS)]], axis=1
+    )
 
 
-def _compared(low: FloatArray, high: FloatArray, active: BoolArray, begin: IntArray, end: IntArray, step: int) -> IntArray:
-    """Overlapping pairs (2, p) of each ``active`` box k with those from ``begin[k]`` on to ``end[k]``, each pair once; ``step`` boxes at a
-    time. ``begin`` (n,) grows."""
+def _compared(
+    low: FloatArray, high: FloatArray, active: BoolArray, begin: IntArray, end: IntArray, step: int
+) -> IntArray:
+    """Overlapping pairs (2, p) of each ``active`` box k with those from ``begin[k]`` on to
+    ``end[k]``, each pair once; ``step`` boxes at a time. ``begin`` (n,) grows."""
     found = [np.zeros((2, 0), dtype=np.int64)]
     rows = np.flatnonzero(active)
     for k in range(0, len(rows), step):

@@ -1,8 +1,9 @@
 """Shapes as Blender hands them to Bullet, from the bounding box or the vertices of an object.
 
-Boxes and round shapes have the size of the bounding box and are centred at the object's origin, wherever the centre of that box is. All
-are built without scale; Bullet then scales each shape by its own rules. The margin of boxes and cylinders lies inside, that of cones,
-hulls and meshes outside; a hull is first moved inwards by 0.04 m unless it uses its own margin.
+Boxes and round shapes have the size of the bounding box and are centred at the object's origin,
+wherever the centre of that box is. All are built without scale; Bullet then scales each shape by
+its own rules. The margin of boxes and cylinders lies inside, that of cones, hulls and meshes
+outside; a hull is first moved inwards by 0.04 m unless it uses its own margin.
 """
 
 from __future__ import annotations
@@ -20,12 +21,17 @@ DEFAULT_MARGIN = 0.04
 
 
 def shape_from_bounding_box(
-    kind: str, bounds: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN, use_margin: bool = False
+    kind: str,
+    bounds: ArrayLike,
+    scale: Sequence[float] = (1.0, 1.0, 1.0),
+    margin: float = DEFAULT_MARGIN,
+    use_margin: bool = False,
 ) -> Shape:
     """BOX, SPHERE, CAPSULE, CYLINDER or CONE around an object.
 
-    ``bounds`` (2, 3): lowest and highest corner in the object's space, or the eight corners of ``Object.bound_box``; ``scale`` of the
-    object; ``margin`` and ``use_margin`` of its rigid body. Raises ValueError for a scale that is not positive or a box without extent.
+    ``bounds`` (2, 3): lowest and highest corner in the object's space, or the eight corners of
+    ``Object.bound_box``; ``scale`` of the object; ``margin`` and ``use_margin`` of its rigid body.
+    Raises ValueError for a scale that is not positive or a box without extent.
     """
     corners = points_array("bounds", bounds)
     x, y, z = (np.ptp(corners, axis=0) / 2).tolist()
@@ -40,16 +46,22 @@ def shape_from_bounding_box(
         case "CAPSULE":
             return Capsule(round_radius * sy, max(0.0, 2 * (z - round_radius)) * sz)
         case "CYLINDER":
-            return Cylinder(max(round_radius * sx, rounding), max(2 * z * sz, 2 * rounding), rounding=rounding)
+            return Cylinder(
+                max(round_radius * sx, rounding), max(2 * z * sz, 2 * rounding), rounding=rounding
+            )
         case "CONE":
             return Cone(round_radius * sx, 2 * z * sz, margin)
     raise ValueError(f"kind: expected BOX, SPHERE, CAPSULE, CYLINDER or CONE, got {kind!r}")
 
 
 def convex_hull_shape(
-    points: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN, use_margin: bool = False
+    points: ArrayLike,
+    scale: Sequence[float] = (1.0, 1.0, 1.0),
+    margin: float = DEFAULT_MARGIN,
+    use_margin: bool = False,
 ) -> ConvexHull:
-    """CONVEX_HULL of an object's vertices (n, 3) in its own space. Raises ValueError for bad points or a scale that is not positive."""
+    """CONVEX_HULL of an object's vertices (n, 3) in its own space. Raises ValueError for bad points
+    or a scale that is not positive."""
     vertices = points_array("points", points)
     factor = np.array(_scale(scale))
     hull = convex_hull(vertices)
@@ -61,15 +73,31 @@ def convex_hull_shape(
     rounding = DEFAULT_MARGIN * float(np.min(factor))
     if np.ptp(factor) <= 1e-6 * np.max(factor):
         return ConvexHull(hull.points * factor, rounding=rounding)
-    # Moved in before it is scaled and grown afterwards: under an uneven scale Bullet's hull is not the object's.
+    # Moved in before it is scaled and grown afterwards: under an uneven scale Bullet's hull is not
+    # the object's.
     outer = shrunk_hull(Hull(inner.points * factor, inner.triangles), -rounding)
-    return ConvexHull(inner.points * factor, rounding) if outer is None else ConvexHull(outer.points, rounding=rounding)
+    return (
+        ConvexHull(inner.points * factor, rounding)
+        if outer is None
+        else ConvexHull(outer.points, rounding=rounding)
+    )
 
 
-def mesh_shape(points: ArrayLike, triangles: ArrayLike, scale: Sequence[float] = (1.0, 1.0, 1.0), margin: float = DEFAULT_MARGIN) -> Mesh:
-    """MESH of an object's vertices (n, 3) and triangles (t, 3) in its own space. Its margin, used or not, lies outside, except
-    against spheres, which touch the triangles themselves. Raises ValueError for bad arrays or a scale that is not positive."""
-    return Mesh(points_array("points", points) * np.array(_scale(scale)), np.asarray(triangles), margin, sphere_margin=0.0)
+def mesh_shape(
+    points: ArrayLike,
+    triangles: ArrayLike,
+    scale: Sequence[float] = (1.0, 1.0, 1.0),
+    margin: float = DEFAULT_MARGIN,
+) -> Mesh:
+    """MESH of an object's vertices (n, 3) and triangles (t, 3) in its own space. Its margin, used
+    or not, lies outside, except against spheres, which touch the triangles themselves. Raises
+    ValueError for bad arrays or a scale that is not positive."""
+    return Mesh(
+        points_array("points", points) * np.array(_scale(scale)),
+        np.asarray(triangles),
+        margin,
+        sphere_margin=0.0,
+    )
 
 
 def _scale(scale: Sequence[float]) -> tuple[float, float, float]:

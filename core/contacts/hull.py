@@ -10,20 +10,21 @@ import numpy as np
 from ..arrays import FloatArray, IntArray
 
 MAX_HULL_POINTS = 2048
-"""Most points a hull is computed from exactly; more are first reduced to the extreme ones in as many directions."""
+"""Most points a hull is computed from exactly; more are first reduced to the extreme ones in as
+many directions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hull:
-    """``points`` (n, 3): the corners. ``triangles`` (t, 3): the surface, counter-clockwise seen from outside; a flat hull has both sides,
-    a line has none."""
+    """``points`` (n, 3): the corners. ``triangles`` (t, 3): the surface, counter-clockwise seen
+    from outside; a flat hull has both sides, a line has none."""
 
     points: FloatArray
     triangles: IntArray
 
     def planes(self) -> tuple[FloatArray, FloatArray]:
-        """Outward unit normals (f, 3) and offsets (f,): the hull is where ``normals @ x <= offsets``. Triangles of one plane share one.
-        Shared and read-only."""
+        """Outward unit normals (f, 3) and offsets (f,): the hull is where ``normals @ x <=
+        offsets``. Triangles of one plane share one. Shared and read-only."""
         return _planes_of(self)
 
 
@@ -45,27 +46,38 @@ def _planes_of(hull: Hull) -> tuple[FloatArray, FloatArray]:
 
 
 def extreme_points(points: FloatArray, count: int) -> FloatArray:
-    """The extreme points in ``count`` directions spread evenly over the sphere. Very many points are first reduced to the farthest from the
-    centre in small solid angles."""
+    """The extreme points in ``count`` directions spread evenly over the sphere. Very many points
+    are first reduced to the farthest from the centre in small solid angles."""
     if len(points) > 10 * count:
-        points = points[_farthest(points - (points.min(axis=0) + points.max(axis=0)) / 2, 4 * count)]
+        points = points[
+            _farthest(points - (points.min(axis=0) + points.max(axis=0)) / 2, 4 * count)
+        ]
     k = np.arange(count) + 0.5
     z = 1 - 2 * k / count
     angle = np.pi * (1 + 5**0.5) * k
     ring = np.sqrt(1 - z * z)
     directions = np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
-    index = [np.argmax(part @ points.T, axis=1) for part in np.array_split(directions, max(1, count // 256))]
+    index = [
+        np.argmax(part @ points.T, axis=1)
+        for part in np.array_split(directions, max(1, count // 256))
+    ]
     return np.asarray(points[np.unique(np.concatenate(index))])
 
 
 def _farthest(offsets: FloatArray, count: int) -> IntArray:
-    """Numbers of the points farthest from the origin in about ``count`` solid angles, the cells of a grid on the faces of a cube."""
+    """Numbers of the points farthest from the origin in about ``count`` solid angles, the cells of
+    a grid on the faces of a cube."""
     side = max(1, int((count / 6) ** 0.5))
     size = np.abs(offsets)
     axis = size.argmax(axis=1)
     row = np.arange(len(offsets))
     largest = np.maximum(size[row, axis], 1e-300)
-    cell = [np.minimum((offsets[row, (axis + k) % 3] / largest + 1) / 2 * side, side - 1).astype(np.int64) for k in (1, 2)]
+    cell = [
+        np.minimum((offsets[row, (axis + k) % 3] / largest + 1) / 2 * side, side - 1).astype(
+            np.int64
+        )
+        for k in (1, 2)
+    ]
     face = 2 * axis + (offsets[row, axis] < 0)
     key = (face * side + cell[0]) * side + cell[1]
     order = np.lexsort((np.einsum("ni,ni->n", offsets, offsets), key))
@@ -74,7 +86,8 @@ def _farthest(offsets: FloatArray, count: int) -> IntArray:
 
 
 def convex_hull(points: FloatArray) -> Hull:
-    """The hull of ``points`` (n, 3), at least one. Points within 1e-9 of the extent of a face count as lying in it."""
+    """The hull of ``points`` (n, 3), at least one. Points within 1e-9 of the extent of a face count
+    as lying in it."""
     points = np.unique(np.asarray(points, dtype=np.float64), axis=0)
     if len(points) > MAX_HULL_POINTS:
         points = extreme_points(points, MAX_HULL_POINTS)
@@ -98,7 +111,9 @@ def _computed_hull(points: FloatArray) -> Hull:
     if len(simplex) == 2:
         direction = points[simplex[1]] - points[simplex[0]]
         along = points @ direction
-        return Hull(points[[int(np.argmin(along)), int(np.argmax(along))]], np.zeros((0, 3), dtype=np.int64))
+        return Hull(
+            points[[int(np.argmin(along)), int(np.argmax(along))]], np.zeros((0, 3), dtype=np.int64)
+        )
     if len(simplex) == 3:
         return _flat_hull(points, points[simplex])
     return _Quickhull(points, simplex, 1e-9 * extent).hull()
@@ -133,14 +148,17 @@ def _flat_hull(points: FloatArray, triangle: FloatArray) -> Hull:
     u = u / np.linalg.norm(u)
     normal = np.cross(u, triangle[2] - triangle[0])
     normal /= np.linalg.norm(normal)
-    plane = np.stack([(points - triangle[0]) @ u, (points - triangle[0]) @ np.cross(normal, u)], axis=1)
+    plane = np.stack(
+        [(points - triangle[0]) @ u, (points - triangle[0]) @ np.cross(normal, u)], axis=1
+    )
     outline = hull_2d(plane)
     fan = np.array([[0, k, k + 1] for k in range(1, len(outline) - 1)], dtype=np.int64)
     return Hull(points[outline], np.concatenate([fan, fan[:, ::-1]]))
 
 
 def hull_2d(points: FloatArray) -> IntArray:
-    """Indices of the corners of the convex hull of ``points`` (n, 2), counter-clockwise (Andrew's monotone chain)."""
+    """Indices of the corners of the convex hull of ``points`` (n, 2), counter-clockwise (Andrew's
+    monotone chain)."""
     order = np.lexsort((points[:, 1], points[:, 0])).tolist()
     xy = points.tolist()
 
@@ -174,14 +192,18 @@ class _Face:
 
 
 class _Quickhull:
-    """Quickhull (Barber, Dobkin, Huhdanpaa 1996): the farthest point outside a face replaces all the faces it sees."""
+    """Quickhull (Barber, Dobkin, Huhdanpaa 1996): the farthest point outside a face replaces all
+    the faces it sees."""
 
     def __init__(self, points: FloatArray, simplex: list[int], tolerance: float) -> None:
         self._points = points
         self._coordinates = points.tolist()
         self._tolerance = tolerance
         a, b, c, d = simplex
-        if np.dot(np.cross(points[b] - points[a], points[c] - points[a]), points[d] - points[a]) > 0:
+        if (
+            np.dot(np.cross(points[b] - points[a], points[c] - points[a]), points[d] - points[a])
+            > 0
+        ):
             b, c = c, b
         faces = [self._face(*corners) for corners in ((a, b, c), (a, d, b), (b, d, c), (c, d, a))]
         self._link(faces)
@@ -199,7 +221,11 @@ class _Quickhull:
         return Hull(self._points[used], flat.reshape(-1, 3).astype(np.int64))
 
     def _face(self, a: int, b: int, c: int) -> _Face:
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self._coordinates[a], self._coordinates[b], self._coordinates[c]
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (
+            self._coordinates[a],
+            self._coordinates[b],
+            self._coordinates[c],
+        )
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         length = (nx * nx + ny * ny + nz * nz) ** 0.5
@@ -222,7 +248,9 @@ class _Quickhull:
         """Assign every point outside some face to the face it is farthest from."""
         if not len(indices):
             return
-        heights = self._points[indices] @ np.array([f.normal for f in faces]).T - np.array([f.offset for f in faces])
+        heights = self._points[indices] @ np.array([f.normal for f in faces]).T - np.array(
+            [f.offset for f in faces]
+        )
         best = heights.argmax(axis=1)
         top = heights[np.arange(len(indices)), best]
         outside = np.flatnonzero(top > self._tolerance)
@@ -264,10 +292,12 @@ class _Quickhull:
 
 
 def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
-    """The hull with every face moved inwards by ``depth`` metres (outwards where negative); None where it vanishes."""
+    """The hull with every face moved inwards by ``depth`` metres (outwards where negative); None
+    where it vanishes."""
     if depth == 0:
         return hull
-    if len(hull.triangles) == 0 or len(hull.planes()[0]) <= 3:  # a flat hull has two faces in opposite directions at the same place
+    # A flat hull has two faces in opposite directions at the same place.
+    if len(hull.triangles) == 0 or len(hull.planes()[0]) <= 3:
         return None
     normals, offsets = hull.planes()
     offsets = offsets - depth
@@ -276,7 +306,8 @@ def shrunk_hull(hull: Hull, depth: float) -> Hull | None:
     extent = float(np.max(np.ptp(hull.points, axis=0)))
     if np.min(slack) <= 1e-6 * extent:
         return None
-    # Duality: a plane at distance s from the centre becomes the point normal / s; a face of their hull becomes a corner.
+    # Duality: a plane at distance s from the centre becomes the point normal / s; a face of their
+    # hull becomes a corner.
     dual = convex_hull(normals / slack[:, None])
     dual_normals, dual_offsets = dual.planes()
     return convex_hull(centre + dual_normals / dual_offsets[:, None])

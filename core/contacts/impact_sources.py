@@ -19,7 +19,8 @@ MOST_FRAMES = 4096
 """Number of frames whose impacts are stored."""
 
 _UNMOVED = 1e-5
-"""Difference of poses, relative to the largest coordinate, below which a body has not moved: poses are float32."""
+"""Difference of poses, relative to the largest coordinate, below which a body has not moved: poses
+are float32."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +36,19 @@ class Templates:
         rule = self.settings.impact_rule((a.name, a.material), (b.name, b.material))
         template = rule.template
         if not isinstance(template, Signal):
-            known = template is ImpactTemplates.BY_MATERIAL and a.impact_material and b.impact_material
-            template = impact_template(a.impact_material, b.impact_material) if known else DEFAULT_IMPACT
+            known = (
+                template is ImpactTemplates.BY_MATERIAL and a.impact_material and b.impact_material
+            )
+            template = (
+                impact_template(a.impact_material, b.impact_material) if known else DEFAULT_IMPACT
+            )
         return rule.played(template, impact.amplitude, (first, second), impact.time)
 
 
 @dataclass(frozen=True, slots=True)
 class Sounding:
-    """An impact and its source: the template's ``end`` [s], and the source's position in the frame of either body."""
+    """An impact and its source: the template's ``end`` [s], and the source's position in the frame
+    of either body."""
 
     impact: Impact
     source: Source
@@ -50,7 +56,9 @@ class Sounding:
     end: float
 
     @classmethod
-    def of(cls, impact: Impact, bodies: tuple[str, str], local: tuple[FloatArray, FloatArray]) -> Sounding:
+    def of(
+        cls, impact: Impact, bodies: tuple[str, str], local: tuple[FloatArray, FloatArray]
+    ) -> Sounding:
         """An impact of ``bodies``, by name, with the default signal."""
         first, second = bodies
         source = Source(
@@ -68,7 +76,9 @@ class Sounding:
 
     def playing(self, templates: Templates) -> Sounding:
         """The same impact, by these templates."""
-        signal, amplitude = templates.of(self.source.object, self.source.second_object or "", self.impact)
+        signal, amplitude = templates.of(
+            self.source.object, self.source.second_object or "", self.impact
+        )
         if signal == self.source.signal and amplitude == self.source.amplitude:
             return self
         source = replace(self.source, signal=signal, amplitude=amplitude)
@@ -77,8 +87,9 @@ class Sounding:
 
 @dataclass(frozen=True, slots=True)
 class FrameImpacts:
-    """The active impacts, triggers and rubbing contacts of a frame that begins at ``start`` [s]; ``poses`` (k, 2, 3, 4) of the bodies of
-    each impact at its end, and of those that slide or roll, as ``rubbed`` says; ``shots``: of sources with triggers."""
+    """The active impacts, triggers and rubbing contacts of a frame that begins at ``start`` [s];
+    ``poses`` (k, 2, 3, 4) of the bodies of each impact at its end, and of those that slide or roll,
+    as ``rubbed`` says; ``shots``: of sources with triggers."""
 
     start: float
     sounding: tuple[Sounding, ...]
@@ -89,11 +100,19 @@ class FrameImpacts:
     def stands(self, transforms: FloatArray) -> bool:
         """Whether these bodies are unmoved at ``transforms`` (n, 4, 4)."""
         poses = _touched_poses(self.sounding, self.rubbed, transforms)
-        return bool(np.allclose(poses, self.poses, rtol=0.0, atol=_UNMOVED * max(1.0, float(np.abs(poses).max(initial=0.0)))))
+        return bool(
+            np.allclose(
+                poses,
+                self.poses,
+                rtol=0.0,
+                atol=_UNMOVED * max(1.0, float(np.abs(poses).max(initial=0.0))),
+            )
+        )
 
 
 class ImpactSources:
-    """The sources of active impacts; ``late``: their largest delay at the listeners [s], by name."""
+    """The sources of active impacts; ``late``: their largest delay at the listeners [s], by
+    name."""
 
     def __init__(self) -> None:
         self.late: Mapping[str, float] = {}
@@ -109,42 +128,82 @@ class ImpactSources:
         """Names of the sources, made from their objects and times."""
         return tuple(sounding.source.name for sounding in self._sounding)
 
-    def kept(self, start: float, transforms: FloatArray, shots: tuple[Shot, ...], rubbed: Rubbed | None) -> FrameImpacts | None:
+    def kept(
+        self, start: float, transforms: FloatArray, shots: tuple[Shot, ...], rubbed: Rubbed | None
+    ) -> FrameImpacts | None:
         """The state of the frame from ``start`` [s], for `recall`; None if nothing is active."""
         if not self._sounding and not shots and rubbed is None:
             return None
-        return FrameImpacts(start, tuple(self._sounding), _touched_poses(self._sounding, rubbed, transforms), shots, rubbed)
+        return FrameImpacts(
+            start,
+            tuple(self._sounding),
+            _touched_poses(self._sounding, rubbed, transforms),
+            shots,
+            rubbed,
+        )
 
     def recall(self, kept: FrameImpacts, templates: Templates) -> tuple[Impact, ...]:
         """Restore the impacts of a frame with these ``templates``; return those that it began."""
         self._sounding = [sounding.playing(templates) for sounding in kept.sounding]
-        return tuple(sounding.impact for sounding in kept.sounding if sounding.impact.time > kept.start)
+        return tuple(
+            sounding.impact for sounding in kept.sounding if sounding.impact.time > kept.start
+        )
 
     def end_before(self, time: float) -> None:
-        """Drop the sources whose templates have ended by ``time`` [s], including delays at listeners."""
-        self._sounding = [item for item in self._sounding if item.end + self.late.get(item.source.name, 0.0) > time]
+        """Drop the sources whose templates have ended by ``time`` [s], including delays at
+        listeners."""
+        self._sounding = [
+            item
+            for item in self._sounding
+            if item.end + self.late.get(item.source.name, 0.0) > time
+        ]
 
-    def add(self, impacts: Sequence[Impact], names: Sequence[str], transforms: FloatArray, templates: Templates) -> None:
-        """Add sources for ``impacts`` of bodies called ``names`` (n,) at rigid world ``transforms`` (n, 4, 4)."""
+    def add(
+        self,
+        impacts: Sequence[Impact],
+        names: Sequence[str],
+        transforms: FloatArray,
+        templates: Templates,
+    ) -> None:
+        """Add sources for ``impacts`` of bodies called ``names`` (n,) at rigid world ``transforms``
+        (n, 4, 4)."""
         for impact in impacts:
             first, second = impact.objects
-            local = (_to_body(transforms[first], impact.positions[0]), _to_body(transforms[second], impact.positions[1]))
-            self._sounding.append(Sounding.of(impact, (names[first], names[second]), local).playing(templates))
+            local = (
+                _to_body(transforms[first], impact.positions[0]),
+                _to_body(transforms[second], impact.positions[1]),
+            )
+            self._sounding.append(
+                Sounding.of(impact, (names[first], names[second]), local).playing(templates)
+            )
 
     @property
     def bodies(self) -> IntArray:
         """The bodies (2k,) of the k sources."""
-        return np.array([sounding.impact.objects for sounding in self._sounding], dtype=np.int64).ravel()
+        return np.array(
+            [sounding.impact.objects for sounding in self._sounding], dtype=np.int64
+        ).ravel()
 
     def sources(self, transforms: FloatArray) -> tuple[Source, ...]:
         """Return the sources, each at its place on both bodies."""
-        local = np.array([place for sounding in self._sounding for place in sounding.local]).reshape(-1, 3)
+        local = np.array(
+            [place for sounding in self._sounding for place in sounding.local]
+        ).reshape(-1, 3)
         placed = transforms[self.bodies]
-        places = ((placed[:, :3, :3] * local[:, None]).sum(axis=2) + placed[:, :3, 3]).reshape(-1, 2, 3).tolist()
-        return tuple(sounding.source.moved(*place) for sounding, place in zip(self._sounding, places, strict=True))
+        places = (
+            ((placed[:, :3, :3] * local[:, None]).sum(axis=2) + placed[:, :3, 3])
+            .reshape(-1, 2, 3)
+            .tolist()
+        )
+        return tuple(
+            sounding.source.moved(*place)
+            for sounding, place in zip(self._sounding, places, strict=True)
+        )
 
 
-def _touched_poses(sounding: Sequence[Sounding], rubbed: Rubbed | None, transforms: FloatArray) -> FloatArray:
+def _touched_poses(
+    sounding: Sequence[Sounding], rubbed: Rubbed | None, transforms: FloatArray
+) -> FloatArray:
     pairs = [*(item.impact.objects for item in sounding), *(() if rubbed is None else rubbed.pairs)]
     return transforms[np.array(pairs, dtype=np.int64).reshape(-1, 2), :3]
 

@@ -1,7 +1,8 @@
 """Impacts: pairs of bodies that begin to touch with enough energy, at a time between two frames.
 
-Until they hit, both bodies follow the paths that their motion before extrapolates to (`motion`). `time_of_impact` finds where two paths
-meet; whether the bodies really hit there is judged by their poses at the end of the interval.
+Until they hit, both bodies follow the paths that their motion before extrapolates to (`motion`).
+`time_of_impact` finds where two paths meet; whether the bodies really hit there is judged by their
+poses at the end of the interval.
 """
 
 from __future__ import annotations
@@ -20,23 +21,27 @@ SLOWEST = 0.05
 """Speed of approach [m/s] below which there is no hit."""
 
 _PIVOT = 0.38
-"""Part of a point's initial height that is left at the middle of the interval, above which the point has swung down at constant speed
-(which leaves 1/2) rather than rolled down (which leaves 1/4)."""
+"""Part of a point's initial height that is left at the middle of the interval, above which the
+point has swung down at constant speed (which leaves 1/2) rather than rolled down (which leaves
+1/4)."""
 
 _SWUNG = 0.5
-"""Least speed [m/s] at which a part swings down to hit; corners of a faceted wheel and trembling bodies come down more slowly."""
+"""Least speed [m/s] at which a part swings down to hit; corners of a faceted wheel and trembling
+bodies come down more slowly."""
 
 _MOST_TURN = 2.0
 """Relative rotation in an interval [rad] up to which ``_PIVOT`` tells swinging from rolling."""
 
 _VISIBLE = 1e-3
-"""Metres that the bodies would have moved on after a hit, from which on their final poses must show the hit."""
+"""Metres that the bodies would have moved on after a hit, from which on their final poses must show
+the hit."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """Two bodies (numbers, smaller first) that begin to touch at ``time`` [s]: ``positions`` of the contact node on either body [m, world],
-    unit ``normal`` from first to second, ``energy`` [J], ``amplitude`` = min(energy / E_max, 1)."""
+    """Two bodies (numbers, smaller first) that begin to touch at ``time`` [s]: ``positions`` of the
+    contact node on either body [m, world], unit ``normal`` from first to second, ``energy`` [J],
+    ``amplitude`` = min(energy / E_max, 1)."""
 
     objects: tuple[int, int]
     time: float
@@ -48,10 +53,11 @@ class Impact:
 
 @dataclass(frozen=True, slots=True)
 class Hits:
-    """Pairs (k, 2) whose paths meet ``after`` (k,) seconds, with ``distance`` (k,), ``normal`` (k, 3) and ``centre`` (k, 3) of the patch
-    there, the speed of ``approach`` (k,) [m/s] along the normal, and the velocities (k, 2, 3) of the bodies' origins. At the end of the
-    interval: the signed distances ``expected`` (k,) on the paths and ``actual`` (k,), and whether one body ``passes`` (k,) right through
-    the other."""
+    """Pairs (k, 2) whose paths meet ``after`` (k,) seconds, with ``distance`` (k,), ``normal`` (k,
+    3) and ``centre`` (k, 3) of the patch there, the speed of ``approach`` (k,) [m/s] along the
+    normal, and the velocities (k, 2, 3) of the bodies' origins. At the end of the interval: the
+    signed distances ``expected`` (k,) on the paths and ``actual`` (k,), and whether one body
+    ``passes`` (k,) right through the other."""
 
     pairs: IntArray
     after: FloatArray
@@ -69,7 +75,18 @@ class Hits:
         """No hits."""
         number, vector = np.zeros(0), np.zeros((0, 3))
         no = np.zeros(0, dtype=np.bool_)
-        return cls(np.zeros((0, 2), dtype=np.int64), number, number, vector, vector, number, np.zeros((0, 2, 3)), number, number, no)
+        return cls(
+            np.zeros((0, 2), dtype=np.int64),
+            number,
+            number,
+            vector,
+            vector,
+            number,
+            np.zeros((0, 2, 3)),
+            number,
+            number,
+            no,
+        )
 
     def __len__(self) -> int:
         return len(self.pairs)
@@ -84,27 +101,49 @@ class Hits:
 
     def joined(self, other: Hits) -> Hits:
         """These and others."""
-        return Hits(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))
+        return Hits(
+            *(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self))
+        )
 
     def impact(self, k: int, time: float, energy: float, full_energy: float) -> Impact:
-        """Hit number ``k`` at ``time`` [s] with ``energy`` [J]; ``full_energy`` [J] gives amplitude 1."""
+        """Hit number ``k`` at ``time`` [s] with ``energy`` [J]; ``full_energy`` [J] gives amplitude
+        1."""
         gap = self.normal[k] * (self.distance[k] / 2)
         a, b = self.pairs[k].tolist()
-        (ax, ay, az), (bx, by, bz) = (self.centre[k] - gap).tolist(), (self.centre[k] + gap).tolist()
+        (ax, ay, az), (bx, by, bz) = (
+            (self.centre[k] - gap).tolist(),
+            (self.centre[k] + gap).tolist(),
+        )
         nx, ny, nz = self.normal[k].tolist()
-        return Impact((a, b), time, ((ax, ay, az), (bx, by, bz)), (nx, ny, nz), energy, min(energy / full_energy, 1.0))
+        return Impact(
+            (a, b),
+            time,
+            ((ax, ay, az), (bx, by, bz)),
+            (nx, ny, nz),
+            energy,
+            min(energy / full_energy, 1.0),
+        )
 
 
 def landings(
-    paths: Paths, pairs: IntArray, nodes: FloatArray, old_nodes: FloatArray, normal: FloatArray, distance: FloatArray, apart: float
+    paths: Paths,
+    pairs: IntArray,
+    nodes: FloatArray,
+    old_nodes: FloatArray,
+    normal: FloatArray,
+    distance: FloatArray,
+    apart: float,
 ) -> Hits:
-    """Hits of ``pairs`` (p, 2) that touched throughout, such as a rod that stands on one end and falls onto the other.
+    """Hits of ``pairs`` (p, 2) that touched throughout, such as a rod that stands on one end and
+    falls onto the other.
 
-    A hit needs material at the new contact that swung down: at the start of the interval it was more than ``apart`` metres away from the
-    other body. Material that rolls into contact arrives without speed; where bodies slide, the material of one of them stays the same.
+    A hit needs material at the new contact that swung down: at the start of the interval it was
+    more than ``apart`` metres away from the other body. Material that rolls into contact arrives
+    without speed; where bodies slide, the material of one of them stays the same.
 
-    The speed of approach is the greater of the means over this interval and the one before: the hit that turned the bodies and this one may
-    lie in consecutive intervals. Two hits of a pair within one interval count as one.
+    The speed of approach is the greater of the means over this interval and the one before: the hit
+    that turned the bodies and this one may lie in consecutive intervals. Two hits of a pair within
+    one interval count as one.
 
     Args:
         nodes: (2, 3, p) world positions of the contact on either body at the end of the interval.
@@ -113,7 +152,12 @@ def landings(
     """
     count = len(pairs)
     ends = paths.of(pairs.T.reshape(-1)).to_the_ends()
-    before, start, half = _gaps((ends.earlier, ends.start, ends.poses(slice(None), ends.duration / 2)), ends.end, nodes, normal)
+    before, start, half = _gaps(
+        (ends.earlier, ends.start, ends.poses(slice(None), ends.duration / 2)),
+        ends.end,
+        nodes,
+        normal,
+    )
     spin = ends.spin[:, count:] - ends.spin[:, :count]
     turn = np.sqrt((spin * spin).sum(axis=0)) * paths.duration
     approach = np.maximum(start / paths.duration, (before - start) / paths.earlier_duration)
@@ -138,13 +182,18 @@ def landings(
     )
 
 
-def _gaps(poses: Sequence[FloatArray], end: FloatArray, nodes: FloatArray, normal: FloatArray) -> FloatArray:
-    """Distances (k, p) along ``normal`` between the material that is at ``nodes`` (2, 3, p) at the ``end``, in each of the k ``poses``. All
-    poses are (12, 2p): those of the first bodies, then those of the second."""
+def _gaps(
+    poses: Sequence[FloatArray], end: FloatArray, nodes: FloatArray, normal: FloatArray
+) -> FloatArray:
+    """Distances (k, p) along ``normal`` between the material that is at ``nodes`` (2, 3, p) at the
+    ``end``, in each of the k ``poses``. All poses are (12, 2p): those of the first bodies, then
+    those of the second."""
     place = np.concatenate(nodes, axis=1)
     local = turned_back(end[:9].reshape(3, 3, -1), place - end[9:])
     then, count = np.concatenate(poses, axis=1), len(poses)
-    moved = turned(then[:9].reshape(3, 3, -1), np.tile(local, count)) + then[9:] - np.tile(place, count)
+    moved = (
+        turned(then[:9].reshape(3, 3, -1), np.tile(local, count)) + then[9:] - np.tile(place, count)
+    )
     along = (moved * np.tile(normal, 2 * count)).sum(axis=0).reshape(count, 2, -1)
     return np.asarray(along[:, 1] - along[:, 0])
 
@@ -152,22 +201,27 @@ def _gaps(poses: Sequence[FloatArray], end: FloatArray, nodes: FloatArray, norma
 def confirmed(hits: Hits, paths: Paths, tolerance: float) -> BoolArray:
     """Which hits agree with the poses of the bodies at the end of the interval.
 
-    Where a hit leaves enough time to show, the bodies must be further apart than on their paths, or deep in each other, or have passed
-    through each other; otherwise they must touch. Of several hits of one body the first counts, and later ones only if those bodies touch
-    as well, unless the body's path is certain.
+    Where a hit leaves enough time to show, the bodies must be further apart than on their paths, or
+    deep in each other, or have passed through each other; otherwise they must touch. Of several
+    hits of one body the first counts, and later ones only if those bodies touch as well, unless the
+    body's path is certain.
     """
     remaining = hits.approach * (paths.duration - hits.after)
     stopped = hits.actual - hits.expected >= 0.3 * remaining
     shows = remaining >= _VISIBLE
     deep = hits.actual <= np.minimum(-_VISIBLE, -0.3 * remaining)
     touching = hits.actual <= tolerance
-    real = (hits.approach > SLOWEST) & ((shows & stopped) | (~shows & touching) | deep | hits.passes)
+    real = (hits.approach > SLOWEST) & (
+        (shows & stopped) | (~shows & touching) | deep | hits.passes
+    )
     deflected: dict[int, float] = dict.fromkeys(np.flatnonzero(paths.turned).tolist(), -np.inf)
     for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
         if not real[k]:
             continue
         time = float(hits.after[k])
-        if not touching[k] and any(deflected.get(body, np.inf) < time - 1e-3 for body in hits.pairs[k].tolist()):
+        if not touching[k] and any(
+            deflected.get(body, np.inf) < time - 1e-3 for body in hits.pairs[k].tolist()
+        ):
             real[k] = False
             continue
         for body in hits.pairs[k].tolist():
@@ -176,17 +230,24 @@ def confirmed(hits: Hits, paths: Paths, tolerance: float) -> BoolArray:
     return np.asarray(real)
 
 
-def impact_energies(hits: Hits, mass: FloatArray, fixed: BoolArray, energy: ImpactEnergy) -> FloatArray:
-    """Energies (k,) in joules of hits between bodies of ``mass`` (n,) [kg]; ``fixed`` (n,) bodies can't be pushed.
+def impact_energies(
+    hits: Hits, mass: FloatArray, fixed: BoolArray, energy: ImpactEnergy
+) -> FloatArray:
+    """Energies (k,) in joules of hits between bodies of ``mass`` (n,) [kg]; ``fixed`` (n,) bodies
+    can't be pushed.
 
-    KINETIC: ``1/2 m1 v1^2 + 1/2 m2 v2^2``, of the velocities of their origins just before. NORMAL: ``1/2 mu v_n^2`` with the reduced mass
-    ``mu`` and the speed of approach along the normal.
+    KINETIC: ``1/2 m1 v1^2 + 1/2 m2 v2^2``, of the velocities of their origins just before. NORMAL:
+    ``1/2 mu v_n^2`` with the reduced mass ``mu`` and the speed of approach along the normal.
     """
     masses = mass[hits.pairs]
     if energy is ImpactEnergy.KINETIC:
         return np.asarray((masses * (hits.velocities**2).sum(axis=2)).sum(axis=1) / 2)
     stiff = fixed[hits.pairs]
     first, second = masses.T
-    both = np.where(first + second > 0, first * second / np.where(first + second > 0, first + second, 1.0), 0.0)
-    reduced = np.where(stiff[:, 0], np.where(stiff[:, 1], 0.0, second), np.where(stiff[:, 1], first, both))
+    both = np.where(
+        first + second > 0, first * second / np.where(first + second > 0, first + second, 1.0), 0.0
+    )
+    reduced = np.where(
+        stiff[:, 0], np.where(stiff[:, 1], 0.0, second), np.where(stiff[:, 1], first, both)
+    )
     return np.asarray(reduced * hits.approach**2 / 2)

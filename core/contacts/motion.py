@@ -1,8 +1,9 @@
 """Motion of bodies between two frames, estimated from their poses at whole frames.
 
-A physics engine gives poses, not velocities, and the pose of the frame in which a body hits something already contains the bounce. So a
-body's path up to its next hit is extrapolated from the frames before: position with constant acceleration, rotation with constant angular
-velocity. Free fall is exact. A kinematic body's path is known at both ends and interpolated.
+A physics engine gives poses, not velocities, and the pose of the frame in which a body hits
+something already contains the bounce. So a body's path up to its next hit is extrapolated from the
+frames before: position with constant acceleration, rotation with constant angular velocity. Free
+fall is exact. A kinematic body's path is known at both ends and interpolated.
 
 Poses are arrays (12, n): rotation by rows, then position.
 """
@@ -20,7 +21,8 @@ _DEPTH = 3
 """Number of poses stored before the current one."""
 
 _PLAUSIBLE = 2.5
-"""Multiple of gravity up to which an acceleration is estimated by second differences of poses; larger ones are due to a hit."""
+"""Multiple of gravity up to which an acceleration is estimated by second differences of poses;
+larger ones are due to a hit."""
 
 _DEVIATION = 0.001
 """Metres of deviation from the extrapolated path above which a body counts as disturbed."""
@@ -28,9 +30,10 @@ _DEVIATION = 0.001
 
 @dataclass(frozen=True, slots=True)
 class Paths:
-    """Paths of bodies from one frame to the next, ``duration`` seconds: from ``start`` (12, n) with ``velocity`` (3, n), constant
-    ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the body's origin. ``end`` (12, n): the actual poses at the end.
-    ``certain`` (n,): the path is known throughout, without a hit. ``turned`` (n,): it was deflected by a hit in the interval before.
+    """Paths of bodies from one frame to the next, ``duration`` seconds: from ``start`` (12, n) with
+    ``velocity`` (3, n), constant ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the
+    body's origin. ``end`` (12, n): the actual poses at the end. ``certain`` (n,): the path is known
+    throughout, without a hit. ``turned`` (n,): it was deflected by a hit in the interval before.
     ``earlier`` (12, n): the poses ``earlier_duration`` seconds before the start."""
 
     duration: float
@@ -46,20 +49,38 @@ class Paths:
 
     def of(self, bodies: IntArray) -> Paths:
         """The paths of ``bodies`` (k,)."""
-        columns = ("start", "velocity", "acceleration", "spin", "end", "certain", "turned", "earlier")
-        return replace(self, **{name: getattr(self, name).take(bodies, axis=-1) for name in columns})
+        columns = (
+            "start",
+            "velocity",
+            "acceleration",
+            "spin",
+            "end",
+            "certain",
+            "turned",
+            "earlier",
+        )
+        return replace(
+            self, **{name: getattr(self, name).take(bodies, axis=-1) for name in columns}
+        )
 
     def to_the_ends(self) -> Paths:
-        """The paths from the same starts with the same accelerations to the actual poses at the end."""
+        """The paths from the same starts with the same accelerations to the actual poses at the
+        end."""
         direct = (self.end[9:] - self.start[9:]) / self.duration
         velocity = direct - self.acceleration * (self.duration / 2)
         return replace(self, velocity=velocity, spin=spins(self.start, self.end, self.duration))
 
     def poses(self, bodies: IntArray | slice, time: FloatArray | float) -> FloatArray:
         """Poses (12, k) of ``bodies`` (k,) at ``time`` (k,) seconds after the start."""
-        start, velocity, spin = self.start[:, bodies], self.velocity[:, bodies], self.spin[:, bodies]
+        start, velocity, spin = (
+            self.start[:, bodies],
+            self.velocity[:, bodies],
+            self.spin[:, bodies],
+        )
         poses = np.empty_like(start)
-        poses[9:] = start[9:] + (velocity + self.acceleration[:, bodies] * (np.asarray(time) / 2)) * time
+        poses[9:] = (
+            start[9:] + (velocity + self.acceleration[:, bodies] * (np.asarray(time) / 2)) * time
+        )
         turn = rotations(spin * time)
         poses[:9] = product(turn, start[:9].reshape(3, 3, -1)).reshape(9, -1)
         return poses
@@ -73,7 +94,8 @@ class Paths:
         return np.asarray((self.velocity + self.acceleration * (self.duration / 2)) * self.duration)
 
     def fastest(self) -> FloatArray:
-        """Greatest speed (n,) of each body's origin on its path, or on the straight line to its actual position at the end."""
+        """Greatest speed (n,) of each body's origin on its path, or on the straight line to its
+        actual position at the end."""
         final = self.velocity + self.acceleration * self.duration
         direct = (self.end[9:] - self.start[9:]) / self.duration
         squared = np.stack([_squared(self.velocity), _squared(final), _squared(direct)])
@@ -81,7 +103,8 @@ class Paths:
 
 
 class MotionHistory:
-    """The last poses of bodies, and for how many intervals each has moved, and has moved undisturbed."""
+    """The last poses of bodies, and for how many intervals each has moved, and has moved
+    undisturbed."""
 
     def __init__(self, count: int) -> None:
         self.times: list[float] = []
@@ -97,7 +120,8 @@ class MotionHistory:
         return self.times[-1] - self.times[-2] if len(self.times) > 1 else 0.0
 
     def advance(self, time: float, poses: FloatArray, moved: IntArray) -> None:
-        """Add a frame: ``poses`` (12, n), stored without a copy, and the numbers of the bodies that have moved."""
+        """Add a frame: ``poses`` (12, n), stored without a copy, and the numbers of the bodies that
+        have moved."""
         self.times = [*self.times[-_DEPTH:], time]
         self._poses = [*self._poses[-_DEPTH:], poses]
         self._onset += 1
@@ -115,12 +139,16 @@ class MotionHistory:
         self.advance(time, self._poses[-1], np.zeros(0, dtype=np.int64))
 
     def disturb(self, bodies: IntArray | BoolArray) -> None:
-        """Mark bodies that hit something in the last interval: their motion up to then does not predict what follows."""
+        """Mark bodies that hit something in the last interval: their motion up to then does not
+        predict what follows."""
         self._clean[bodies] = 0
 
     def history(self) -> tuple[FloatArray, ...]:
-        """What later paths depend on: times and poses stored, and the counts as far as they are asked for."""
-        counts = (np.minimum(count, _DEPTH + 1) for count in (self._still, self._clean, self._onset))
+        """What later paths depend on: times and poses stored, and the counts as far as they are
+        asked for."""
+        counts = (
+            np.minimum(count, _DEPTH + 1) for count in (self._still, self._clean, self._onset)
+        )
         return np.array(self.times), *self._poses, np.stack([self.moving(), *counts])
 
     @property
@@ -139,7 +167,8 @@ class MotionHistory:
         return np.asarray(np.sqrt(_squared(self._poses[-1][9:] - self._poses[-2][9:])) / self.step)
 
     def speed_bound(self, gravity: FloatArray) -> FloatArray:
-        """Estimated upper bound (n,) on the speed of each body in the last interval; 0 before there are three poses."""
+        """Estimated upper bound (n,) on the speed of each body in the last interval; 0 before there
+        are three poses."""
         if len(self.times) < 3:
             return np.zeros(len(self._still))
         step, known = self.times[-1] - self.times[-2], self.times[-2] - self.times[-3]
@@ -149,9 +178,15 @@ class MotionHistory:
         bend = np.sqrt(_squared(direct - chord)) * (2 / (step + known))
         if len(self.times) > 3:
             older = self.times[-3] - self.times[-4]
-            bend = np.maximum(bend, np.sqrt(_squared(chord - (before - self._poses[-4][9:]) / older)) * (2 / (known + older)))
+            bend = np.maximum(
+                bend,
+                np.sqrt(_squared(chord - (before - self._poses[-4][9:]) / older))
+                * (2 / (known + older)),
+            )
         bend = np.clip(bend, weight, _PLAUSIBLE * weight)
-        return np.asarray(np.sqrt(np.maximum(_squared(direct), _squared(chord))) + bend * (step + known / 2))
+        return np.asarray(
+            np.sqrt(np.maximum(_squared(direct), _squared(chord))) + bend * (step + known / 2)
+        )
 
     def drift(self, bodies: IntArray) -> FloatArray:
         """Displacement (3, k) of bodies in the last interval, 0 before there is one."""
@@ -161,21 +196,27 @@ class MotionHistory:
         return np.where(np.isfinite(drift), drift, 0.0)
 
     def surprised(self, paths: Paths) -> BoolArray:
-        """Which bodies (n,) are neither at the ends of ``paths`` nor where they would be without acceleration."""
+        """Which bodies (n,) are neither at the ends of ``paths`` nor where they would be without
+        acceleration."""
         t = paths.duration
         straight = paths.end[9:] - paths.start[9:] - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
-        return np.asarray(self.moving() & (np.minimum(_squared(straight), _squared(bent)) > _DEVIATION**2))
+        return np.asarray(
+            self.moving() & (np.minimum(_squared(straight), _squared(bent)) > _DEVIATION**2)
+        )
 
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
         """Paths from the last frame but one to the last. None before there are three poses.
 
-        ``kinematic`` (n,): known at both ends. ``airborne`` (n,): fall with ``gravity`` (3,) [m/s^2] where their acceleration can't be
-        measured.
+        ``kinematic`` (n,): known at both ends. ``airborne`` (n,): fall with ``gravity`` (3,)
+        [m/s^2] where their acceleration can't be measured.
         """
         if len(self.times) < 3:
             return None
-        step, known, *older = (later - earlier for earlier, later in zip(self.times[-2::-1], self.times[:0:-1], strict=True))
+        step, known, *older = (
+            later - earlier
+            for earlier, later in zip(self.times[-2::-1], self.times[:0:-1], strict=True)
+        )
         end, start, earlier = self._poses[-1], self._poses[-2], self._poses[-3]
         now, last, before = end[9:], start[9:], earlier[9:]
         weight = float(np.linalg.norm(gravity))
@@ -185,7 +226,11 @@ class MotionHistory:
         bend = np.where(airborne, gravity[:, None], 0.0)
         if older:
             measured = 2 * (chord - (before - self._poses[-4][9:]) / older[0]) / (known + older[0])
-            plausible = (clean >= 2) & (self._onset > 2) & (_squared(measured) <= (_PLAUSIBLE * weight) ** 2)
+            plausible = (
+                (clean >= 2)
+                & (self._onset > 2)
+                & (_squared(measured) <= (_PLAUSIBLE * weight) ** 2)
+            )
             bend = np.where(plausible, measured, bend)
         begin = chord + bend * (known / 2)
         if weight > 0:
@@ -193,20 +238,39 @@ class MotionHistory:
             down = gravity / weight
             fallen = down @ chord * known
             level = _squared(chord * known - fallen * down[:, None])
-            from_rest = (fallen > 0) & (fallen <= 0.501 * weight * known**2) & (level <= (0.1 * fallen) ** 2)
+            from_rest = (
+                (fallen > 0)
+                & (fallen <= 0.501 * weight * known**2)
+                & (level <= (0.1 * fallen) ** 2)
+            )
             dropped = (self._onset == 1) & airborne & from_rest
-            begin = np.where(dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin)
-        # Kinematic: through both ends, unless it turned sharply in between, as in a hit. Dynamic bodies that were hit in the interval
-        # before: only the motion since then is known.
+            begin = np.where(
+                dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin
+            )
+        # Kinematic: through both ends, unless it turned sharply in between, as in a hit. Dynamic
+        # bodies that were hit in the interval before: only the motion since then is known.
         curved = 2 * (direct - chord) / (step + known)
-        smooth = kinematic & (4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord)))
+        smooth = kinematic & (
+            4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord))
+        )
         given = smooth | (~kinematic & (clean < 1))
         moving = self.moving()
         acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
         spin = np.where(given, spins(start, end, step), spins(earlier, start, known))
         turned = kinematic & ~smooth & (clean < 1)
-        return Paths(step, start, velocity, acceleration, np.where(moving, spin, 0.0), end, smooth, turned, earlier, known)
+        return Paths(
+            step,
+            start,
+            velocity,
+            acceleration,
+            np.where(moving, spin, 0.0),
+            end,
+            smooth,
+            turned,
+            earlier,
+            known,
+        )
 
 
 def _squared(vectors: FloatArray) -> FloatArray:
@@ -215,14 +279,17 @@ def _squared(vectors: FloatArray) -> FloatArray:
 
 
 def spins(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
-    """Angular velocities (3, n) that turn the one poses into the others within ``time``, by less than half a turn."""
+    """Angular velocities (3, n) that turn the one poses into the others within ``time``, by less
+    than half a turn."""
     a, b = start[:9].reshape(3, 3, -1), end[:9].reshape(3, 3, -1)
     turn = product(b, a.transpose(1, 0, 2))
     twist = np.stack([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
     sine = np.sqrt(_squared(twist)) / 2
     angle = np.arctan2(sine, (turn[0, 0] + turn[1, 1] + turn[2, 2] - 1) / 2)
     turning = sine > 1e-9
-    return np.asarray(twist * (np.where(turning, angle / np.where(turning, sine, 1.0), 1.0) / (2 * time)))
+    return np.asarray(
+        twist * (np.where(turning, angle / np.where(turning, sine, 1.0), 1.0) / (2 * time))
+    )
 
 
 def rotations(vectors: FloatArray) -> FloatArray:

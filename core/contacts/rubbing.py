@@ -1,13 +1,17 @@
 """Temporary sources of sliding and rolling contacts.
 
-The sliding speed of a contact is the relative speed of its two material points along the surface, including rotation about the normal. The
-rolling speed is the rate of the relative rotation about the other axes (less than half a turn per frame) times the distance from the
-contact to the middle of the faster rotating body; the other body is assumed flat. Rolling bodies creep slightly even without slip.
+The sliding speed of a contact is the relative speed of its two material points along the surface,
+including rotation about the normal. The rolling speed is the rate of the relative rotation about
+the other axes (less than half a turn per frame) times the distance from the contact to the middle
+of the faster rotating body; the other body is assumed flat. Rolling bodies creep slightly even
+without slip.
 
-The phase of a contact's tone is a function of the path length over the surface. To limit the dependence on earlier frames, the length is
-accumulated in blocks of frames, from zero in each. The fraction of a cycle that remains from the block before is added as a phase offset,
-which decreases to zero over the block. The tone is therefore continuous across blocks with an error of at most half a cycle per block, and
-a frame depends only on its own block and the one before: tracing from any earlier frame gives identical bits.
+The phase of a contact's tone is a function of the path length over the surface. To limit the
+dependence on earlier frames, the length is accumulated in blocks of frames, from zero in each. The
+fraction of a cycle that remains from the block before is added as a phase offset, which decreases
+to zero over the block. The tone is therefore continuous across blocks with an error of at most half
+a cycle per block, and a frame depends only on its own block and the one before: tracing from any
+earlier frame gives identical bits.
 """
 
 from __future__ import annotations
@@ -31,20 +35,22 @@ from .settings import Body, ContactSettings, Motion
 from .tracker import STILL
 
 CREEP = 0.02
-"""Part of the rolling speed up to which bodies creep without slipping: wheels on rails slip from a creep of one or two per cent on."""
+"""Part of the rolling speed up to which bodies creep without slipping: wheels on rails slip from a
+creep of one or two per cent on."""
 
 _PIVOT = 2.0 / 3.0
 """Mean distance from the middle of a disc, relative to its radius."""
 
 
 _NAMES = ("{0} sliding on {1}", "{1} sliding on {0}"), ("{0} rolling on {1}", "{1} rolling on {0}")
-"""Names of sliding and rolling sources in even and in odd frames: a source plays for two frames and overlaps the next one."""
+"""Names of sliding and rolling sources in even and in odd frames: a source plays for two frames and
+overlaps the next one."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Moving:
-    """Contacts ``rows`` of bodies that slide or roll in a frame; ``speeds`` [m/s] of sliding and of rolling, ``force`` [N],
-    NaN if unknown."""
+    """Contacts ``rows`` of bodies that slide or roll in a frame; ``speeds`` [m/s] of sliding and of
+    rolling, ``force`` [N], NaN if unknown."""
 
     rows: tuple[int, int]
     names: tuple[str, str]
@@ -55,8 +61,9 @@ class _Moving:
 
 @dataclass(frozen=True, slots=True)
 class Rubbed:
-    """Sliding and rolling contacts of a frame from ``start`` [s] on for ``step`` [s]; ``paths`` [m] in its block of frames and in the one
-    before, by names and whether it rolls; ``last``: sources of the frame before."""
+    """Sliding and rolling contacts of a frame from ``start`` [s] on for ``step`` [s]; ``paths`` [m]
+    in its block of frames and in the one before, by names and whether it rolls; ``last``: sources
+    of the frame before."""
 
     number: int = 0
     start: float = 0.0
@@ -72,7 +79,8 @@ class Rubbed:
 
 
 class Rubbing:
-    """Follows sliding and rolling from frame to frame; blocks end at frames whose number is a multiple of ``block``."""
+    """Follows sliding and rolling from frame to frame; blocks end at frames whose number is a
+    multiple of ``block``."""
 
     def __init__(self, block: int) -> None:
         self._block = block
@@ -96,7 +104,12 @@ class Rubbing:
 
     def history(self) -> str:
         """The state that later frames depend on, except poses."""
-        return repr((sorted(self._paths.items()), [(source.name, source.onset, source.amplitude) for source in self._sources]))
+        return repr(
+            (
+                sorted(self._paths.items()),
+                [(source.name, source.onset, source.amplitude) for source in self._sources],
+            )
+        )
 
     def follow(
         self,
@@ -108,15 +121,18 @@ class Rubbing:
         middles: FloatArray,
         settings: ContactSettings,
     ) -> None:
-        """Follow to frame ``number``, from and to the times ``span`` [s]; None where it follows no other. ``contacts`` number
-        ``bodies``, whose ``middles`` (n, 3) are in their own space and whose rigid transforms (n, 4, 4) are these."""
+        """Follow to frame ``number``, from and to the times ``span`` [s]; None where it follows no
+        other. ``contacts`` number ``bodies``, whose ``middles`` (n, 3) are in their own space and
+        whose rigid transforms (n, 4, 4) are these."""
         before, self._before, self._now = self._before, transforms, Rubbed()
         if span is None or before is None or len(before) != len(transforms):
             return
         start, step = span[0], span[1] - span[0]
         if (number - 1) % self._block == 0:
             self._paths = {key: (0.0, path) for key, (path, _) in self._paths.items() if path}
-        poses = _Poses(before, transforms, _placed(before, middles), _placed(transforms, middles), step)
+        poses = _Poses(
+            before, transforms, _placed(before, middles), _placed(transforms, middles), step
+        )
         moving = _moving_contacts(bodies, contacts, poses, settings)
         for item in moving:
             for rolls, speed in zip((False, True), item.speeds, strict=True):
@@ -128,27 +144,40 @@ class Rubbing:
         self._now = Rubbed(number, start, step, moving, dict(self._paths), last)
 
     def sources(self, bodies: Sequence[Body], textures: RuleTable[Texture]) -> tuple[Source, ...]:
-        """The sources of the frame that was followed last, by the materials of ``bodies`` and by these rules."""
+        """The sources of the frame that was followed last, by the materials of ``bodies`` and by
+        these rules."""
         new = [source for item in self._now.moving for source in self._of(item, bodies, textures)]
         there = {item.names: item.positions for item in self._now.moving}
         last = [
-            source.moved(*there[pair]) if (pair := (source.object, source.second_object or "")) in there else source
+            source.moved(*there[pair])
+            if (pair := (source.object, source.second_object or "")) in there
+            else source
             for source in self._now.last
         ]
         self._sources = (*last, *new)
         return self._sources
 
-    def _of(self, item: _Moving, bodies: Sequence[Body], textures: RuleTable[Texture]) -> list[Source]:
+    def _of(
+        self, item: _Moving, bodies: Sequence[Body], textures: RuleTable[Texture]
+    ) -> list[Source]:
         now, (first, second) = self._now, item.rows
         texture = textures.of(bodies[first].named, bodies[second].named)
         found = []
         for rolls, speed in zip((False, True), item.speeds, strict=True):
-            amplitude = texture.amplitude(speed, item.force, rolls) if texture is not None and speed else 0.0
+            amplitude = (
+                texture.amplitude(speed, item.force, rolls)
+                if texture is not None and speed
+                else 0.0
+            )
             if texture is None or not amplitude:
                 continue
             name = _NAMES[rolls][now.number % 2].format(*item.names)
-            seed = int.from_bytes(blake2b(f"{name}\0{now.number}".encode(), digest_size=6).digest(), "big")
-            signal = texture.piece(speed, self._cycles(item, rolls, speed, texture.period), now.step, seed)
+            seed = int.from_bytes(
+                blake2b(f"{name}\0{now.number}".encode(), digest_size=6).digest(), "big"
+            )
+            signal = texture.piece(
+                speed, self._cycles(item, rolls, speed, texture.period), now.step, seed
+            )
             found.append(_source(name, item, amplitude, signal, now.start))
         return found
 
@@ -162,7 +191,8 @@ class Rubbing:
 
 @dataclass(frozen=True, slots=True)
 class _Poses:
-    """Transforms (n, 4, 4) of bodies and the places (n, 3) of their middles, ``before`` and ``now``, ``step`` seconds later."""
+    """Transforms (n, 4, 4) of bodies and the places (n, 3) of their middles, ``before`` and
+    ``now``, ``step`` seconds later."""
 
     before: FloatArray
     now: FloatArray
@@ -171,12 +201,15 @@ class _Poses:
     step: float
 
 
-def _moving_contacts(bodies: Sequence[Body], contacts: ContactSet, poses: _Poses, settings: ContactSettings) -> tuple[_Moving, ...]:
+def _moving_contacts(
+    bodies: Sequence[Body], contacts: ContactSet, poses: _Poses, settings: ContactSettings
+) -> tuple[_Moving, ...]:
     """The touching pairs with a texture that move along each other."""
     moved = (poses.before != poses.now).any(axis=(1, 2))
     rows = np.flatnonzero(moved[contacts.pairs].any(axis=1))
     textured = [
-        not (bodies[a].medium or bodies[b].medium) and settings.textures.of(bodies[a].named, bodies[b].named) is not None
+        not (bodies[a].medium or bodies[b].medium)
+        and settings.textures.of(bodies[a].named, bodies[b].named) is not None
         for a, b in contacts.pairs[rows].tolist()
     ]
     rows = rows[np.array(textured, dtype=np.bool_)]
@@ -186,36 +219,60 @@ def _moving_contacts(bodies: Sequence[Body], contacts: ContactSet, poses: _Poses
     if len(rows) == 0:
         return ()
     forces = _forces(bodies, contacts, rows, poses.middle, settings.gravity).tolist()
-    found = zip(contacts.pairs[rows].tolist(), contacts.positions[rows].tolist(), speeds.T.tolist(), forces, strict=True)
+    found = zip(
+        contacts.pairs[rows].tolist(),
+        contacts.positions[rows].tolist(),
+        speeds.T.tolist(),
+        forces,
+        strict=True,
+    )
     return tuple(
         _Moving((a, b), (bodies[a].name, bodies[b].name), (first, second), (slides, rolls), force)
         for (a, b), (first, second), (slides, rolls), force in found
     )
 
 
-def _surface_speeds(contacts: ContactSet, rows: IntArray, poses: _Poses) -> tuple[FloatArray, FloatArray]:
-    """Speeds (k,) of sliding and of rolling at contacts ``rows`` [m/s], seen from the bodies that turn less."""
+def _surface_speeds(
+    contacts: ContactSet, rows: IntArray, poses: _Poses
+) -> tuple[FloatArray, FloatArray]:
+    """Speeds (k,) of sliding and of rolling at contacts ``rows`` [m/s], seen from the bodies that
+    turn less."""
     pairs = contacts.pairs[rows]
-    rates = [np.linalg.norm(spins(_rows(poses.before[body]), _rows(poses.now[body]), poses.step), axis=0) for body in pairs.T]
+    rates = [
+        np.linalg.norm(spins(_rows(poses.before[body]), _rows(poses.now[body]), poses.step), axis=0)
+        for body in pairs.T
+    ]
     faster = np.where(rates[0] >= rates[1], 0, 1)
-    body, base = (np.take_along_axis(pairs, side[:, None], axis=1)[:, 0] for side in (faster, 1 - faster))
+    body, base = (
+        np.take_along_axis(pairs, side[:, None], axis=1)[:, 0] for side in (faster, 1 - faster)
+    )
     before, now = poses.before[base, :3, :3].swapaxes(1, 2), poses.now[base, :3, :3].swapaxes(1, 2)
-    spin = spins(_rows(before @ poses.before[body, :3, :3]), _rows(now @ poses.now[body, :3, :3]), poses.step).T
+    spin = spins(
+        _rows(before @ poses.before[body, :3, :3]), _rows(now @ poses.now[body, :3, :3]), poses.step
+    ).T
     place_before = _turned(before, poses.middle_before[body] - poses.middle_before[base])
     travel = _turned(now, poses.middle[body] - poses.middle[base]) - place_before
     arm = _turned(now, contacts.positions[rows, faster] - poses.middle[body])
     normal = _turned(now, contacts.normal[rows])
     pivot = _PIVOT * np.sqrt(contacts.area[rows] / np.pi) * _dot(spin, normal)
-    slip = np.hypot(np.linalg.norm(_tangential(travel / poses.step + np.cross(spin, arm), normal), axis=1), pivot)
+    slip = np.hypot(
+        np.linalg.norm(_tangential(travel / poses.step + np.cross(spin, arm), normal), axis=1),
+        pivot,
+    )
     roll = np.linalg.norm(_tangential(spin, normal), axis=1) * np.abs(_dot(arm, normal))
     return np.maximum(slip - CREEP * roll, 0.0), roll
 
 
 def _forces(
-    bodies: Sequence[Body], contacts: ContactSet, rows: IntArray, middle: FloatArray, gravity: tuple[float, float, float]
+    bodies: Sequence[Body],
+    contacts: ContactSet,
+    rows: IntArray,
+    middle: FloatArray,
+    gravity: tuple[float, float, float],
 ) -> FloatArray:
-    """The forces (k,) of contacts ``rows`` [N]: those of resting bodies; where that can't be known, the weight of the lighter of the two
-    that move and have a mass; NaN where neither does, and without gravity."""
+    """The forces (k,) of contacts ``rows`` [N]: those of resting bodies; where that can't be known,
+    the weight of the lighter of the two that move and have a mass; NaN where neither does, and
+    without gravity."""
     strength = math.hypot(*gravity)
     if not strength:
         return np.full(len(rows), np.nan)
@@ -239,7 +296,8 @@ def _turned(rotations: FloatArray, vectors: FloatArray) -> FloatArray:
 
 
 def _rows(rotations: FloatArray) -> FloatArray:
-    """Rotations in the upper left of matrices (k, 3, 3) or (k, 4, 4), as `spins` takes them, (9, k)."""
+    """Rotations in the upper left of matrices (k, 3, 3) or (k, 4, 4), as `spins` takes them, (9,
+    k)."""
     return rotations[:, :3, :3].reshape(-1, 9).T
 
 
@@ -254,4 +312,13 @@ def _tangential(vectors: FloatArray, normal: FloatArray) -> FloatArray:
 def _source(name: str, item: _Moving, amplitude: float, signal: Signal, onset: float) -> Source:
     (x, y, z), (u, v, w) = item.positions
     first, second = item.names
-    return Source(name, first, (x, y, z), amplitude, signal=signal, second_object=second, second_position=(u, v, w), onset=onset)
+    return Source(
+        name,
+        first,
+        (x, y, z),
+        amplitude,
+        signal=signal,
+        second_object=second,
+        second_position=(u, v, w),
+        onset=onset,
+    )

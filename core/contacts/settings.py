@@ -1,4 +1,5 @@
-"""The input of the tracker: bodies, and the settings of contacts, which `core.scene.rules` defines."""
+"""The input of the tracker: bodies, and the settings of contacts, which `core.scene.rules`
+defines."""
 
 from __future__ import annotations
 
@@ -13,8 +14,9 @@ from .shapes import Shape
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """An object for the tracker. ``mass`` in kg, None if it has none. ``medium``: a volume (air, water) that touches what it
-    overlaps; a mesh then stands for its hull. ``material``: its name in tables of rules."""
+    """An object for the tracker. ``mass`` in kg, None if it has none. ``medium``: a volume (air,
+    water) that touches what it overlaps; a mesh then stands for its hull. ``material``: its name in
+    tables of rules."""
 
     name: str
     shape: Shape

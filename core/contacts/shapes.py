@@ -1,7 +1,8 @@
 """Collision shapes as values: a core with its origin at the body's origin, grown by a margin.
 
-Round shapes stand along local z and are centred at half their height, the cone too (base at ``-height / 2``, tip at ``+height / 2``).
-A shape with margin m is its core and every point within m metres of it: the margin lies outside and rounds edges.
+Round shapes stand along local z and are centred at half their height, the cone too (base at
+``-height / 2``, tip at ``+height / 2``). A shape with margin m is its core and every point within m
+metres of it: the margin lies outside and rounds edges.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ def _length(key: str, value: float, positive: bool = False) -> float:
 
 
 def points_array(key: str, value: ArrayLike) -> FloatArray:
-    """``value`` as a read-only array (n, 3) of finite numbers, n > 0. Raises ValueError that begins with ``key``."""
+    """``value`` as a read-only array (n, 3) of finite numbers, n > 0. Raises ValueError that begins
+    with ``key``."""
     try:
         points = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
@@ -40,9 +42,14 @@ def points_array(key: str, value: ArrayLike) -> FloatArray:
     if points.size == 0:
         raise ValueError(f"{key}: there are none")
     if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError(f"{key}: expected a list of points of three numbers, got an array of shape {points.shape}")
+        raise ValueError(
+            f"{key}: expected a list of points of three numbers, got an array of shape "
+            f"{points.shape}"
+        )
     if not np.isfinite(points).all():
-        raise ValueError(f"{key}: point {int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])} is not finite")
+        raise ValueError(
+            f"{key}: point {int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])} is not finite"
+        )
     points.setflags(write=False)
     return points
 
@@ -68,8 +75,8 @@ def pose_matrix(pose: Pose) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """Base of all shapes: values, hashable and compared by content. Every field of type float is a length; those named in ``positive`` are
-    greater than 0."""
+    """Base of all shapes: values, hashable and compared by content. Every field of type float is a
+    length; those named in ``positive`` are greater than 0."""
 
     type: ClassVar[str] = ""
     positive: ClassVar[frozenset[str]] = frozenset({"radius", "height"})
@@ -77,7 +84,11 @@ class Shape:
     def __post_init__(self) -> None:
         for item in fields(self):
             if item.type == "float":
-                object.__setattr__(self, item.name, _length(item.name, getattr(self, item.name), item.name in self.positive))
+                object.__setattr__(
+                    self,
+                    item.name,
+                    _length(item.name, getattr(self, item.name), item.name in self.positive),
+                )
 
     @property
     def margin(self) -> float:
@@ -103,15 +114,22 @@ class Shape:
         for item in fields(self):
             value = getattr(self, item.name)
             if item.default is MISSING or value != item.default:
-                form[item.name] = value.tolist() if isinstance(value, np.ndarray) else list(value) if isinstance(value, tuple) else value
+                form[item.name] = (
+                    value.tolist()
+                    if isinstance(value, np.ndarray)
+                    else list(value)
+                    if isinstance(value, tuple)
+                    else value
+                )
         return form
 
 
 @dataclass(frozen=True, slots=True)
 class Box(Shape):
-    """``size`` (x, y, z) in metres. ``rounding`` is the radius of its edges within that size (Bullet's embedded margin), used against
-    all shapes but boxes: two boxes meet with sharp edges. A box thinner than twice its rounding is thin and sharp, but has that thickness
-    against a mesh."""
+    """``size`` (x, y, z) in metres. ``rounding`` is the radius of its edges within that size
+    (Bullet's embedded margin), used against all shapes but boxes: two boxes meet with sharp edges.
+    A box thinner than twice its rounding is thin and sharp, but has that thickness against a
+    mesh."""
 
     type: ClassVar[str] = "box"
     size: Vector
@@ -123,7 +141,9 @@ class Box(Shape):
             x, y, z = self.size
         except (TypeError, ValueError):
             raise ValueError(f"size: expected three lengths, got {self.size!r}") from None
-        object.__setattr__(self, "size", tuple(_length("size", length, True) for length in (x, y, z)))
+        object.__setattr__(
+            self, "size", tuple(_length("size", length, True) for length in (x, y, z))
+        )
         Shape.__post_init__(self)
 
     def half(self) -> ArrayLike:
@@ -167,7 +187,8 @@ class Capsule(_Upright):
 
 @dataclass(frozen=True, slots=True)
 class Cylinder(_Upright):
-    """``radius`` and ``height`` in metres. ``rounding`` is the radius of its edges within that size (Bullet's embedded margin)."""
+    """``radius`` and ``height`` in metres. ``rounding`` is the radius of its edges within that size
+    (Bullet's embedded margin)."""
 
     type: ClassVar[str] = "cylinder"
     rounding: float = 0.0
@@ -179,7 +200,8 @@ class Cylinder(_Upright):
 
 @dataclass(frozen=True, slots=True)
 class Cone(_Upright):
-    """``radius`` of the base and ``height`` in metres. The base lies at ``z = -height / 2``, the tip at ``z = +height / 2``."""
+    """``radius`` of the base and ``height`` in metres. The base lies at ``z = -height / 2``, the
+    tip at ``z = +height / 2``."""
 
     type: ClassVar[str] = "cone"
 
@@ -192,18 +214,27 @@ class _PointShape(Shape):
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return all(np.array_equal(getattr(self, item.name), getattr(other, item.name)) for item in fields(self))
+        return all(
+            np.array_equal(getattr(self, item.name), getattr(other, item.name))
+            for item in fields(self)
+        )
 
     def __hash__(self) -> int:
         values = [getattr(self, item.name) for item in fields(self)]
-        return hash((self.type, *(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)))
+        return hash(
+            (
+                self.type,
+                *(value.tobytes() if isinstance(value, np.ndarray) else value for value in values),
+            )
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConvexHull(_PointShape):
-    """The convex hull of ``points`` (n, 3) in metres, which may lie in one plane or on one line, but not all in one place. ``rounding`` is
-    the radius of its edges within that hull (Bullet's embedded margin); where it is thinner than that, it stays sharp. With ``sunk_in`` it
-    stands for a closed surface, inside which bodies touch it down to that depth [m], as for a `Mesh`."""
+    """The convex hull of ``points`` (n, 3) in metres, which may lie in one plane or on one line,
+    but not all in one place. ``rounding`` is the radius of its edges within that hull (Bullet's
+    embedded margin); where it is thinner than that, it stays sharp. With ``sunk_in`` it stands for
+    a closed surface, inside which bodies touch it down to that depth [m], as for a `Mesh`."""
 
     type: ClassVar[str] = "convex_hull"
     points: FloatArray
@@ -226,12 +257,14 @@ class ConvexHull(_PointShape):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mesh(_PointShape):
-    """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres. ``sphere_margin`` is its margin where the other shape is
-    a sphere (0 in Bullet), None the same as for all.
+    """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres.
+    ``sphere_margin`` is its margin where the other shape is a sphere (0 in Bullet), None the same
+    as for all.
 
-    With ``sunk_in`` 0 it is a shell: what touches it touches a triangle. Otherwise it is a solid, closed and counter-clockwise seen from
-    outside: what crosses its surface, or lies inside at most ``sunk_in`` metres beneath it (or half the smallest extent of the smaller
-    body, if that is less), touches it."""
+    With ``sunk_in`` 0 it is a shell: what touches it touches a triangle. Otherwise it is a solid,
+    closed and counter-clockwise seen from outside: what crosses its surface, or lies inside at most
+    ``sunk_in`` metres beneath it (or half the smallest extent of the smaller body, if that is
+    less), touches it."""
 
     type: ClassVar[str] = "mesh"
     points: FloatArray
@@ -245,14 +278,23 @@ class Mesh(_PointShape):
         triangles = np.array(self.triangles)
         if triangles.size == 0:
             raise ValueError("triangles: there are none")
-        if triangles.dtype.kind == "f" and (triangles == np.rint(triangles)).all():  # 3.0 is an integer in JSON Schema
+        if (
+            triangles.dtype.kind == "f" and (triangles == np.rint(triangles)).all()
+        ):  # 3.0 is an integer in JSON Schema
             triangles = triangles.astype(np.int64)
         if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
             raise ValueError("triangles: expected a list of three indices each")
         if len(triangles) > MAX_TRIANGLES:
-            raise ValueError(f"triangles: {len(triangles):,} are more than the {MAX_TRIANGLES:,} that a collision mesh can have")
+            raise ValueError(
+                f"triangles: {len(triangles):,} are more than the {MAX_TRIANGLES:,} that a "
+                "collision mesh can have"
+            )
         if np.min(triangles) < 0 or np.max(triangles) >= len(points):
-            worst = int(np.flatnonzero((triangles < 0).any(axis=1) | (triangles >= len(points)).any(axis=1))[0])
+            worst = int(
+                np.flatnonzero(
+                    (triangles < 0).any(axis=1) | (triangles >= len(points)).any(axis=1)
+                )[0]
+            )
             raise ValueError(f"triangles: triangle {worst} refers to a point that is not there")
         triangles = triangles.astype(np.int64)
         triangles.setflags(write=False)
@@ -283,19 +325,29 @@ class Compound(Shape):
         Shape.__post_init__(self)
 
     def core_bounds(self) -> FloatArray:
-        bounds = np.array([transformed_bounds(shape.local_bounds(), pose_matrix(pose)) for shape, pose in self.children])
+        bounds = np.array(
+            [
+                transformed_bounds(shape.local_bounds(), pose_matrix(pose))
+                for shape, pose in self.children
+            ]
+        )
         return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
     def to_dict(self) -> dict[str, Any]:
         form = Shape.to_dict(self)
         form["children"] = [
-            {**shape.to_dict(), "pose": {"position": list(pose.position), "rotation": list(pose.rotation)}} for shape, pose in self.children
+            {
+                **shape.to_dict(),
+                "pose": {"position": list(pose.position), "rotation": list(pose.rotation)},
+            }
+            for shape, pose in self.children
         ]
         return form
 
 
 def transformed_bounds(bounds: FloatArray, matrices: FloatArray) -> FloatArray:
-    """World bounding boxes (..., 2, 3) of local ones (..., 2, 3) under rigid ``matrices`` (..., 4, 4)."""
+    """World bounding boxes (..., 2, 3) of local ones (..., 2, 3) under rigid ``matrices`` (..., 4,
+    4)."""
     centre = (bounds[..., 0, :] + bounds[..., 1, :]) / 2
     half = (bounds[..., 1, :] - bounds[..., 0, :]) / 2
     rotation = matrices[..., :3, :3]
@@ -304,13 +356,17 @@ def transformed_bounds(bounds: FloatArray, matrices: FloatArray) -> FloatArray:
     return np.stack([world_centre - world_half, world_centre + world_half], axis=-2)
 
 
-SHAPES: dict[str, type[Shape]] = {cls.type: cls for cls in (Box, Sphere, Capsule, Cylinder, Cone, ConvexHull, Mesh, Compound)}
+SHAPES: dict[str, type[Shape]] = {
+    cls.type: cls for cls in (Box, Sphere, Capsule, Cylinder, Cone, ConvexHull, Mesh, Compound)
+}
 
 
 def shape_from_dict(form: Mapping[str, Any]) -> Shape:
-    """The shape of a scene file's ``{"type": name, ...}``. The children of a compound are such forms with a ``pose`` beside.
+    """The shape of a scene file's ``{"type": name, ...}``. The children of a compound are such
+    forms with a ``pose`` beside.
 
-    Raises ValueError that begins with the key (``children/0/radius: ...`` inside a compound) for what is unknown, missing or out of range.
+    Raises ValueError that begins with the key (``children/0/radius: ...`` inside a compound) for
+    what is unknown, missing or out of range.
     """
     if not isinstance(form, Mapping):
         raise ValueError(f"shape: expected an object, got {form!r}")
@@ -362,8 +418,9 @@ def _pose(form: Any) -> Pose:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A primitive of a shape in the body's local space: ``shape`` (never a compound) under the rigid ``matrix`` (4, 4), its core grown by
-    ``radius`` metres in all (its own margin and those of the compounds it is in)."""
+    """A primitive of a shape in the body's local space: ``shape`` (never a compound) under the
+    rigid ``matrix`` (4, 4), its core grown by ``radius`` metres in all (its own margin and those of
+    the compounds it is in)."""
 
     shape: Shape
     matrix: FloatArray

@@ -1,4 +1,5 @@
-"""The shape of a surface that is seen: its convex hull where that is hardly different, otherwise its triangles, as a solid or a shell."""
+"""The shape of a surface that is seen: its convex hull where that is hardly different, otherwise
+its triangles, as a solid or a shell."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ _SAME_PLACE = 1e-6
 """Part of a mesh's extent up to which two vertices are one: seams have two at a place."""
 
 _FEW, _MOST = 500_000, 20_000_000
-"""Corners times planes of the hull that are compared first, to find most concave meshes, and above which a mesh isn't compared wholly."""
+"""Corners times planes of the hull that are compared first, to find most concave meshes, and above
+which a mesh isn't compared wholly."""
 
 
 class Surface(Enum):
@@ -33,18 +35,25 @@ class Surface(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SurfaceShape:
-    """A shape, and how far the convex hull is from the surface [m], a lower bound where that has very many triangles; ``seen``: of a hull
-    that was chosen for a concave surface, the shape that this has."""
+    """A shape, and how far the convex hull is from the surface [m], a lower bound where that has
+    very many triangles; ``seen``: of a hull that was chosen for a concave surface, the shape that
+    this has."""
 
     shape: Shape
     deviation: float = 0.0
     seen: Shape | None = None
 
 
-def surface_shape(points: FloatArray, triangles: IntArray, surface: Surface, tolerance: float, sunk_in: float = SUNK_IN) -> SurfaceShape:
-    """The shape of the ``triangles`` (t, 3) over ``points`` (n, 3) [m], without triangles that of the points' hull. A hull stands for a
-    closed surface from which it deviates by at most ``tolerance`` metres. ``sunk_in``: of a solid [m]. Raises ValueError where there is
-    no shape."""
+def surface_shape(
+    points: FloatArray,
+    triangles: IntArray,
+    surface: Surface,
+    tolerance: float,
+    sunk_in: float = SUNK_IN,
+) -> SurfaceShape:
+    """The shape of the ``triangles`` (t, 3) over ``points`` (n, 3) [m], without triangles that of
+    the points' hull. A hull stands for a closed surface from which it deviates by at most
+    ``tolerance`` metres. ``sunk_in``: of a solid [m]. Raises ValueError where there is no shape."""
     hulled = ConvexHull(points)
     if len(triangles) == 0:
         return SurfaceShape(hulled)
@@ -68,9 +77,12 @@ def surface_shape(points: FloatArray, triangles: IntArray, surface: Surface, tol
 
 
 def is_closed(points: FloatArray, triangles: IntArray) -> bool:
-    """Whether every edge of a triangle belongs to exactly one other, which runs through it in the other direction."""
+    """Whether every edge of a triangle belongs to exactly one other, which runs through it in the
+    other direction."""
     size = float(np.ptp(points, axis=0).max())
-    _, place = np.unique(np.round(points / max(_SAME_PLACE * size, 1e-300)), axis=0, return_inverse=True)
+    _, place = np.unique(
+        np.round(points / max(_SAME_PLACE * size, 1e-300)), axis=0, return_inverse=True
+    )
     merged = place.reshape(-1)[triangles]
     merged = merged[(merged != np.roll(merged, 1, axis=1)).all(axis=1)]
     start, end = merged.reshape(-1), np.roll(merged, -1, axis=1).reshape(-1)
@@ -80,20 +92,24 @@ def is_closed(points: FloatArray, triangles: IntArray) -> bool:
 
 
 def hull_deviation(points: FloatArray, triangles: IntArray) -> float:
-    """How far the convex hull of ``points`` (n, 3) is from ``triangles`` (t, 3) over them [m]; of very many, from some."""
+    """How far the convex hull of ``points`` (n, 3) is from ``triangles`` (t, 3) over them [m]; of
+    very many, from some."""
     return _deviation(convex_hull(points), points[triangles], _FEW) if len(triangles) else 0.0
 
 
 def _deviation(hull: Hull, corners: FloatArray, most: int) -> float:
-    """How far triangles (t, 3, 3) are beneath the hull of their points [m]: each, the farthest of its corners from that plane of the hull
-    to which it is nearest. Of as many as have at most ``most`` corners times planes."""
+    """How far triangles (t, 3, 3) are beneath the hull of their points [m]: each, the farthest of
+    its corners from that plane of the hull to which it is nearest. Of as many as have at most
+    ``most`` corners times planes."""
     normals, offsets = hull.planes()
     if len(normals) == 0:
         return 0.0
     corners = corners[:: max(1, corners.size // 3 * len(normals) // most)]
     step = max(1, _FEW // (3 * len(normals)))
     parts = (corners[k : k + step] for k in range(0, len(corners), step))
-    return max(0.0, *(float((offsets - part @ normals.T).max(axis=1).min(axis=1).max()) for part in parts))
+    return max(
+        0.0, *(float((offsets - part @ normals.T).max(axis=1).min(axis=1).max()) for part in parts)
+    )
 
 
 def _covers(hull: Hull, corners: FloatArray) -> BoolArray | bool:
@@ -102,5 +118,8 @@ def _covers(hull: Hull, corners: FloatArray) -> BoolArray | bool:
     if len(normals) > 2:
         return False
     faces = hull.points[hull.triangles]
-    ours, whole = (np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1).sum() for c in (corners, faces))
+    ours, whole = (
+        np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1).sum()
+        for c in (corners, faces)
+    )
     return bool(2 * ours >= whole * (1 - 1e-6))  # a flat hull has both sides

@@ -1,7 +1,8 @@
 """Times of impact: when two moving bodies first touch within an interval.
 
-The time is found on the bodies' paths: by conservative advancement (Mirtich 1996) where they move far compared with their thickness or one
-of them is a mesh, by regula falsi on their signed distance otherwise.
+The time is found on the bodies' paths: by conservative advancement (Mirtich 1996) where they move
+far compared with their thickness or one of them is a mesh, by regula falsi on their signed distance
+otherwise.
 """
 
 from __future__ import annotations
@@ -39,10 +40,14 @@ class TimeOfImpact:
         self._radius = np.sqrt((np.abs(bounds).max(axis=1) ** 2).sum(axis=1))
         self._thickness = narrow.thickness
 
-    def may_hit(self, paths: Paths, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
-        """Which pairs have bounding boxes that overlap while one moves relative to the other; ``low`` and ``high`` (3, n) of the boxes at
-        the start."""
-        turning = np.minimum(np.sqrt((paths.spin**2).sum(axis=0)) * paths.duration, 2.0) * self._radius
+    def may_hit(
+        self, paths: Paths, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray
+    ) -> BoolArray:
+        """Which pairs have bounding boxes that overlap while one moves relative to the other;
+        ``low`` and ``high`` (3, n) of the boxes at the start."""
+        turning = (
+            np.minimum(np.sqrt((paths.spin**2).sum(axis=0)) * paths.duration, 2.0) * self._radius
+        )
         turning += np.abs(paths.acceleration).sum(axis=0) * (paths.duration**2 / 8)
         move = paths.displacement()
         relative = move[:, second] - move[:, first]
@@ -56,11 +61,17 @@ class TimeOfImpact:
         relative = paths.displacement()[:, second] - paths.displacement()[:, first]
         bend = np.sqrt(dot(paths.acceleration, paths.acceleration)) * (paths.duration**2 / 8)
         turn = np.minimum(np.sqrt(dot(paths.spin, paths.spin)) * paths.duration, 2.0) * self._radius
-        return np.asarray(np.sqrt(dot(relative, relative)) + (bend + turn)[first] + (bend + turn)[second])
+        return np.asarray(
+            np.sqrt(dot(relative, relative)) + (bend + turn)[first] + (bend + turn)[second]
+        )
 
     def hits_at(self, meetings: Meetings | None) -> Hits:
         """The hits at ``meetings``, whose patches are asked for here."""
-        return Hits.none() if meetings is None else meetings.hits(self._narrow.query(*meetings.placing))
+        return (
+            Hits.none()
+            if meetings is None
+            else meetings.hits(self._narrow.query(*meetings.placing))
+        )
 
     def meetings(self, paths: Paths, pairs: IntArray) -> Meetings | None:
         """The pairs among ``pairs`` (p, 2) that meet on their paths, None if there are none."""
@@ -70,10 +81,15 @@ class TimeOfImpact:
         relative = paths.velocities(b, paths.duration / 2) - paths.velocities(a, paths.duration / 2)
         travel = np.sqrt((relative * relative).sum(axis=0)) * paths.duration
         far = travel > (self._thickness[a] + self._thickness[b]) / 4
-        moving = _MovingPairs(self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b]))
+        moving = _MovingPairs(
+            self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b])
+        )
         mesh = self._narrow.is_mesh[a] | self._narrow.is_mesh[b]
         expected, after = np.full((2, len(pairs)), np.inf)
-        for rows, touches in (((~mesh).nonzero()[0], self._touches), (mesh.nonzero()[0], self._touches_of_meshes)):
+        for rows, touches in (
+            ((~mesh).nonzero()[0], self._touches),
+            (mesh.nonzero()[0], self._touches_of_meshes),
+        ):
             if len(rows):
                 expected[rows], after[rows] = touches(moving.chosen(rows), far[rows])
         met = (after <= paths.duration).nonzero()[0]
@@ -82,11 +98,13 @@ class TimeOfImpact:
         moving, after = moving.chosen(met), after[met]
         poses = moving.poses(after)
         placing = moving.pairs, *relative_pose(*poses), np.full(len(after), _AROUND)
-        return Meetings(moving, after, poses, placing, expected[met], moving.actual(), far[met], mesh[met])
+        return Meetings(
+            moving, after, poses, placing, expected[met], moving.actual(), far[met], mesh[met]
+        )
 
     def _touches(self, moving: _MovingPairs, far: BoolArray) -> tuple[FloatArray, FloatArray]:
-        """Distances (k,) at the end of the paths, and times (k,) of the first touch, infinite where there is none; ``far`` (k,) as in
-        `Meetings`."""
+        """Distances (k,) at the end of the paths, and times (k,) of the first touch, infinite where
+        there is none; ``far`` (k,) as in `Meetings`."""
         duration = moving.paths.duration
         expected = moving.clearances(np.full(len(far), duration))
         after = np.full(len(far), np.inf)
@@ -98,33 +116,47 @@ class TimeOfImpact:
         rows, start = rows[start > _TOUCH], start[start > _TOUCH]
         slow, fast = (~far[rows]).nonzero()[0], far[rows].nonzero()[0]
         if len(slow):
-            after[rows[slow]] = moving.chosen(rows[slow]).first_touch(start[slow], expected[rows[slow]])
+            after[rows[slow]] = moving.chosen(rows[slow]).first_touch(
+                start[slow], expected[rows[slow]]
+            )
         if len(fast):
             after[rows[fast]] = moving.chosen(rows[fast]).advanced(self._radius)
         return expected, after
 
-    def _touches_of_meshes(self, moving: _MovingPairs, far: BoolArray) -> tuple[FloatArray, FloatArray]:
+    def _touches_of_meshes(
+        self, moving: _MovingPairs, far: BoolArray
+    ) -> tuple[FloatArray, FloatArray]:
         """The same of pairs with a mesh; distances at the end only where they can touch."""
         duration = moving.paths.duration
         start, speed = moving.approaching(np.zeros(len(far)), self._radius)
         expected, after = np.full(len(far), np.inf), np.where(start <= _TOUCH, 0.0, np.inf)
         possible = (start <= speed * duration).nonzero()[0]
         if len(possible):
-            expected[possible] = moving.chosen(possible).clearances(np.full(len(possible), duration))
+            expected[possible] = moving.chosen(possible).clearances(
+                np.full(len(possible), duration)
+            )
         rows = possible[start[possible] > _TOUCH]
         if len(rows):
-            after[rows] = moving.chosen(rows).stepped(start[rows], start[rows] / speed[rows], expected[rows], self._radius)
+            after[rows] = moving.chosen(rows).stepped(
+                start[rows], start[rows] / speed[rows], expected[rows], self._radius
+            )
         return expected, after
 
     def final_distances(self, paths: Paths, pairs: IntArray, limit: FloatArray) -> FloatArray:
-        """Signed distances (p,) of ``pairs`` at the end of their paths, exact up to ``limit`` (p,)."""
-        return _MovingPairs(self._narrow, paths, pairs, limit).clearances(np.full(len(pairs), paths.duration))
+        """Signed distances (p,) of ``pairs`` at the end of their paths, exact up to ``limit``
+        (p,)."""
+        return _MovingPairs(self._narrow, paths, pairs, limit).clearances(
+            np.full(len(pairs), paths.duration)
+        )
 
 
 class _MovingPairs:
-    """Pairs of bodies on their paths, each pair at its own time. Distances are exact up to ``limit`` (k,)."""
+    """Pairs of bodies on their paths, each pair at its own time. Distances are exact up to
+    ``limit`` (k,)."""
 
-    def __init__(self, narrow: NarrowPhase, paths: Paths, pairs: IntArray, limit: FloatArray) -> None:
+    def __init__(
+        self, narrow: NarrowPhase, paths: Paths, pairs: IntArray, limit: FloatArray
+    ) -> None:
         self.narrow = narrow
         self.paths = paths
         self.pairs = pairs
@@ -146,16 +178,28 @@ class _MovingPairs:
         return self.narrow.clearances(self.pairs, *relative_pose(first, second), self._limit)
 
     def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes, by regula falsi (Illinois) from the time
-        at which bodies with constant acceleration would meet."""
+        """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes,
+        by regula falsi (Illinois) from the time at which bodies with constant acceleration would
+        meet."""
         duration = self.paths.duration
         low, high = np.zeros(len(start)), np.full(len(start), duration)
         f_low, f_high = start.copy(), end.copy()
-        bend = self.paths.acceleration[:, self.pairs[:, 1]] - self.paths.acceleration[:, self.pairs[:, 0]]
+        bend = (
+            self.paths.acceleration[:, self.pairs[:, 1]]
+            - self.paths.acceleration[:, self.pairs[:, 0]]
+        )
         pull = np.sqrt((bend * bend).sum(axis=0))
         slope = (start - end) / duration - pull * (duration / 2)
-        falling = 2 * start / np.maximum(slope + np.sqrt(np.maximum(slope * slope + 2 * pull * start, 0.0)), 1e-300)
-        time = np.where(slope >= 0, np.clip(falling, 0.0, duration), duration * start / np.maximum(start - end, 1e-300))
+        falling = (
+            2
+            * start
+            / np.maximum(slope + np.sqrt(np.maximum(slope * slope + 2 * pull * start, 0.0)), 1e-300)
+        )
+        time = np.where(
+            slope >= 0,
+            np.clip(falling, 0.0, duration),
+            duration * start / np.maximum(start - end, 1e-300),
+        )
         enough = np.maximum(_TOUCH, (start - end) / duration * _INSTANT)
         active = np.arange(len(start))
         side = np.zeros(len(start), dtype=np.int64)
@@ -163,9 +207,16 @@ class _MovingPairs:
             t = time[active]
             f = self.chosen(active).clearances(t)
             before = f > 0
-            f_high[active] = np.where(before, np.where(side[active] == 1, f_high[active] / 2, f_high[active]), f)
-            f_low[active] = np.where(before, f, np.where(side[active] == -1, f_low[active] / 2, f_low[active]))
-            low[active], high[active] = np.where(before, t, low[active]), np.where(before, high[active], t)
+            f_high[active] = np.where(
+                before, np.where(side[active] == 1, f_high[active] / 2, f_high[active]), f
+            )
+            f_low[active] = np.where(
+                before, f, np.where(side[active] == -1, f_low[active] / 2, f_low[active])
+            )
+            low[active], high[active] = (
+                np.where(before, t, low[active]),
+                np.where(before, high[active], t),
+            )
             side[active] = np.where(before, 1, -1)
             active = active[(np.abs(f) > enough[active]) & (high[active] - low[active] > 1e-7)]
             if len(active) == 0:
@@ -175,9 +226,11 @@ class _MovingPairs:
         return time
 
     def advanced(self, radius: FloatArray) -> FloatArray:
-        """Times (k,) of the first touch, infinite where there is none. ``radius`` (n,): of all bodies about their origins.
+        """Times (k,) of the first touch, infinite where there is none. ``radius`` (n,): of all
+        bodies about their origins.
 
-        The distance can't shrink faster than the bodies move along the normal, which bounds the next step.
+        The distance can't shrink faster than the bodies move along the normal, which bounds the
+        next step.
         """
         duration = self.paths.duration
         time = np.zeros(len(self.pairs))
@@ -195,23 +248,32 @@ class _MovingPairs:
         return result
 
     def approaching(self, now: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distances (k,) ``now`` (k,), and bounds (k,) on how fast they can shrink from then on [m/s]; ``radius`` as in `advanced`."""
+        """Distances (k,) ``now`` (k,), and bounds (k,) on how fast they can shrink from then on
+        [m/s]; ``radius`` as in `advanced`."""
         a, b = self.pairs.T
         first, second = self.poses(now)
-        distance, normal = self.narrow.directed_clearances(self.pairs, *relative_pose(first, second), self._limit)
+        distance, normal = self.narrow.directed_clearances(
+            self.pairs, *relative_pose(first, second), self._limit
+        )
         relative = self.paths.velocities(a, now) - self.paths.velocities(b, now)
         bend = self.paths.acceleration[:, b] - self.paths.acceleration[:, a]
-        turning = (np.sqrt(dot(self.paths.spin, self.paths.spin)) * radius)[self.pairs.T].sum(axis=0)
+        turning = (np.sqrt(dot(self.paths.spin, self.paths.spin)) * radius)[self.pairs.T].sum(
+            axis=0
+        )
         speed = np.maximum(dot(relative, turned(first[:9].reshape(3, 3, -1), normal)), 0.0)
         speed += np.sqrt((bend * bend).sum(axis=0)) * (self.paths.duration - now) + turning
         return distance, np.maximum(speed, 1e-9)
 
-    def stepped(self, start: FloatArray, time: FloatArray, end: FloatArray, radius: FloatArray) -> FloatArray:
-        """Times (k,) of the first touch of pairs with a mesh, whose distances tell nothing once they overlap, infinite where there is none.
-        ``start`` and ``end`` (k,): distances at either end; ``time`` (k,) up to which they can't touch; ``radius`` as in `advanced`.
+    def stepped(
+        self, start: FloatArray, time: FloatArray, end: FloatArray, radius: FloatArray
+    ) -> FloatArray:
+        """Times (k,) of the first touch of pairs with a mesh, whose distances tell nothing once
+        they overlap, infinite where there is none. ``start`` and ``end`` (k,): distances at either
+        end; ``time`` (k,) up to which they can't touch; ``radius`` as in `advanced`.
 
-        Conservative steps, lengthened to where the distance would vanish as it has shrunk in the step before; where that is too far, the
-        next one halves it. Pairs not found in `_MOST_STEPS_OF_MESHES` steps have what the end says.
+        Conservative steps, lengthened to where the distance would vanish as it has shrunk in the
+        step before; where that is too far, the next one halves it. Pairs not found in
+        `_MOST_STEPS_OF_MESHES` steps have what the end says.
         """
         duration, count = self.paths.duration, len(start)
         low, high = np.zeros(count), np.full(count, np.inf)
@@ -225,13 +287,19 @@ class _MovingPairs:
             ahead = distance > _TOUCH
             before, through = active[ahead], active[~ahead]
             step = now[ahead] - low[before]
-            rate[before] = np.divide(last[before] - distance[ahead], step, out=np.zeros(len(before)), where=step > 0)
+            rate[before] = np.divide(
+                last[before] - distance[ahead], step, out=np.zeros(len(before)), where=step > 0
+            )
             low[before], last[before] = now[ahead], distance[ahead]
             high[through] = result[through] = now[~ahead]
             safe = low[active] + np.where(ahead, distance / speed, 0.0)
             shrinking = rate[active] > 0
-            ahead_by = np.divide(last[active], rate[active], out=np.zeros(len(active)), where=shrinking)
-            guess = np.minimum(low[active] + ahead_by, np.minimum((low[active] + high[active]) / 2, duration))
+            ahead_by = np.divide(
+                last[active], rate[active], out=np.zeros(len(active)), where=shrinking
+            )
+            guess = np.minimum(
+                low[active] + ahead_by, np.minimum((low[active] + high[active]) / 2, duration)
+            )
             time[active] = np.maximum(safe, guess)
             touched = ~ahead & (distance > 0)
             missed = ahead & (safe > duration)
@@ -243,17 +311,26 @@ class _MovingPairs:
         return result
 
     def go_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
-        """Which pairs overlap by ``depth`` (k,) somewhere on their paths ``within`` (k,) seconds after the first touch."""
-        at = np.minimum(after + np.array([[0.2], [0.4], [0.6], [0.8]]) * within, self.paths.duration)
-        deepest = self.chosen(np.tile(np.arange(len(after)), len(at))).clearances(at.reshape(-1)).reshape(at.shape).min(axis=0)
+        """Which pairs overlap by ``depth`` (k,) somewhere on their paths ``within`` (k,) seconds
+        after the first touch."""
+        at = np.minimum(
+            after + np.array([[0.2], [0.4], [0.6], [0.8]]) * within, self.paths.duration
+        )
+        deepest = (
+            self.chosen(np.tile(np.arange(len(after)), len(at)))
+            .clearances(at.reshape(-1))
+            .reshape(at.shape)
+            .min(axis=0)
+        )
         return np.asarray(deepest <= -depth)
 
 
 @dataclass(frozen=True, slots=True)
 class Meetings:
-    """Pairs of bodies that first touch ``after`` (k,) seconds on their paths, in ``poses`` (12, k) of the first and of the second;
-    ``placing``: a query for their patches there. ``expected`` and ``actual`` (k,) as in `Hits`; ``far`` (k,): whether the bodies move far
-    compared with their thickness; ``mesh`` (k,): whether one is a mesh."""
+    """Pairs of bodies that first touch ``after`` (k,) seconds on their paths, in ``poses`` (12, k)
+    of the first and of the second; ``placing``: a query for their patches there. ``expected`` and
+    ``actual`` (k,) as in `Hits`; ``far`` (k,): whether the bodies move far compared with their
+    thickness; ``mesh`` (k,): whether one is a mesh."""
 
     moving: _MovingPairs
     after: FloatArray
@@ -278,8 +355,21 @@ class Meetings:
         if len(fast):
             one, other = moving.narrow.thickness[bodies[:, fast]]
             within = (one + other) / np.maximum(approach[fast], SLOWEST)
-            passes[fast] = moving.chosen(fast).go_through(after[fast], within, np.minimum(one, other) / 4)
+            passes[fast] = moving.chosen(fast).go_through(
+                after[fast], within, np.minimum(one, other) / 4
+            )
         ways = normal.T, centre.T, approach, velocities.transpose(2, 1, 0)
-        # Meshes that have passed through each other are not deeper for it: as deep as they would be at this speed.
-        deep = np.where(self.mesh, -np.maximum(approach, 0.0) * (moving.paths.duration - after), np.inf)
-        return Hits(moving.pairs, after, found.distance, *ways, np.minimum(self.expected, deep), self.actual, passes)
+        # Meshes that have passed through each other are not deeper for it: as deep as they would be
+        # at this speed.
+        deep = np.where(
+            self.mesh, -np.maximum(approach, 0.0) * (moving.paths.duration - after), np.inf
+        )
+        return Hits(
+            moving.pairs,
+            after,
+            found.distance,
+            *ways,
+            np.minimum(self.expected, deep),
+            self.actual,
+            passes,
+        )

@@ -25,16 +25,20 @@ _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
 
 
 STILL = 1e-5
-"""Metres of motion below which a body counts as at rest: simulations at rest tremble, and poses are float32."""
+"""Metres of motion below which a body counts as at rest: simulations at rest tremble, and poses are
+float32."""
 
 _SAME = 1e-12
-"""Metres of relative motion up to which a contact is unchanged: bodies that move together differ by rounding."""
+"""Metres of relative motion up to which a contact is unchanged: bodies that move together differ by
+rounding."""
 
 _RESTING = 0.2
-"""Part of the tolerance up to which a gap counts as that of bodies at rest; up to twice that, corners and edges touch."""
+"""Part of the tolerance up to which a gap counts as that of bodies at rest; up to twice that,
+corners and edges touch."""
 
 _APART = 0.1
-"""Weight of a corner or an edge of a box that is near but does not touch, relative to faces at the same distance."""
+"""Weight of a corner or an edge of a box that is near but does not touch, relative to faces at the
+same distance."""
 
 _FACING = 0.05
 """Part of a body's face covered by the patch at which the contact counts half as one of faces."""
@@ -46,10 +50,12 @@ _CREEP = 0.05
 """Speed of approach [m/s] up to which touching bodies have come to rest against each other."""
 
 _STRONGER = 1.25
-"""Factor of the last impact's speed (2 dB) above which another one counts within the refractory time."""
+"""Factor of the last impact's speed (2 dB) above which another one counts within the refractory
+time."""
 
 _SOON = 3
-"""Frames in which gravity may accelerate a body to an impact: its contacts are watched that long before, wanted or not."""
+"""Frames in which gravity may accelerate a body to an impact: its contacts are watched that long
+before, wanted or not."""
 
 _FAT = 0.05
 """Metres added to the bounds of the broad phase, so that they hold for several frames."""
@@ -57,8 +63,8 @@ _FAT = 0.05
 
 @dataclass(frozen=True, slots=True)
 class ContactStatistics:
-    """Work of one update: ``candidates`` (pairs with overlapping bounds), narrow-phase ``queries`` made and ``avoided``, time of the broad
-    phase [s]."""
+    """Work of one update: ``candidates`` (pairs with overlapping bounds), narrow-phase ``queries``
+    made and ``avoided``, time of the broad phase [s]."""
 
     candidates: int = 0
     queries: int = 0
@@ -76,9 +82,9 @@ class Ends:
 
 @dataclass(frozen=True, slots=True)
 class FrameContacts:
-    """One frame: all ``contacts`` (pairs by number of the body, sorted), the pairs (k, 2) that ``began`` and ``ended``, ``impacts`` by
-    time, and ``warnings`` about objects. Where nothing has changed, ``contacts`` is the same object as in the last
-    frame."""
+    """One frame: all ``contacts`` (pairs by number of the body, sorted), the pairs (k, 2) that
+    ``began`` and ``ended``, ``impacts`` by time, and ``warnings`` about objects. Where nothing has
+    changed, ``contacts`` is the same object as in the last frame."""
 
     contacts: ContactSet
     began: IntArray
@@ -88,18 +94,27 @@ class FrameContacts:
     warnings: tuple[Message, ...]
 
 
-# Rows of the values of a pair, in the frame of its larger body unless said otherwise: centre of the smaller body's bounds, its rotation,
-# the contact on the larger and (in its own frame) on the smaller body, normal from larger to smaller, distance, area.
-_PLACE, _TURN, _ON_LARGER, _ON_SMALLER, _NORMAL = slice(0, 3), slice(3, 12), slice(12, 15), slice(15, 18), slice(18, 21)
+# Rows of the values of a pair, in the frame of its larger body unless said otherwise: centre of the
+# smaller body's bounds, its rotation, the contact on the larger and (in its own frame) on the
+# smaller body, normal from larger to smaller, distance, area.
+_PLACE, _TURN, _ON_LARGER, _ON_SMALLER, _NORMAL = (
+    slice(0, 3),
+    slice(3, 12),
+    slice(12, 15),
+    slice(15, 18),
+    slice(18, 21),
+)
 _DISTANCE, _AREA, _ROWS = 21, 22, 23
 
 
 @dataclass(slots=True)
 class _Pairs:
-    """Candidate pairs (p,), sorted by ``key`` = smaller number * n + larger number, and their state.
+    """Candidate pairs (p,), sorted by ``key`` = smaller number * n + larger number, and their
+    state.
 
-    ``larger`` and ``smaller`` (p,): the bodies by size. ``known``: has been queried, at ``version`` (2, p) of their poses, with ``values``
-    (rows, p). ``touching``: in contact. ``struck``: no further hit until they part. ``looked``: examined in the last frame.
+    ``larger`` and ``smaller`` (p,): the bodies by size. ``known``: has been queried, at ``version``
+    (2, p) of their poses, with ``values`` (rows, p). ``touching``: in contact. ``struck``: no
+    further hit until they part. ``looked``: examined in the last frame.
     """
 
     key: IntArray
@@ -119,7 +134,9 @@ class _Pairs:
         known, touching, struck = np.zeros((3, count), dtype=np.bool_)
         looked = np.ones(count, dtype=np.bool_)
         version = np.full((2, count), -1)
-        return cls(key, larger, smaller, known, touching, struck, looked, version, np.zeros((_ROWS, count)))
+        return cls(
+            key, larger, smaller, known, touching, struck, looked, version, np.zeros((_ROWS, count))
+        )
 
     def carried_to(self, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
         """The pairs ``key``, with the state of those that were candidates before."""
@@ -129,7 +146,12 @@ class _Pairs:
             return _Pairs.of(key, larger, smaller)
         place = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
         here = self.key[place] == key
-        carried = _Pairs(key, larger, smaller, *(getattr(self, f.name).take(place, axis=-1) for f in fields(self)[3:]))
+        carried = _Pairs(
+            key,
+            larger,
+            smaller,
+            *(getattr(self, f.name).take(place, axis=-1) for f in fields(self)[3:]),
+        )
         for state in (carried.known, carried.touching, carried.struck):
             state &= here
         carried.looked |= ~here
@@ -142,13 +164,18 @@ class ContactTracker:
     def __init__(self, bodies: Sequence[Body], settings: ContactSettings | None = None) -> None:
         self.settings = settings or ContactSettings()
         limits = self.settings.all_limits()
-        self._least, self._refractory = min(item.least_energy for item in limits), max(item.refractory for item in limits)
+        self._least, self._refractory = (
+            min(item.least_energy for item in limits),
+            max(item.refractory for item in limits),
+        )
         self._set(tuple(bodies))
         self.reset()
 
     def _set(self, bodies: tuple[Body, ...], before: NarrowPhase | None = None) -> None:
         self.bodies = bodies
-        local = np.array([b.shape.local_bounds() for b in bodies], dtype=np.float64).reshape(-1, 2, 3)
+        local = np.array([b.shape.local_bounds() for b in bodies], dtype=np.float64).reshape(
+            -1, 2, 3
+        )
         self._middle = local.mean(axis=1).T.copy()
         self._extent = (np.ptp(local, axis=1) / 2).T.copy()
         self._radius = np.sqrt((self._extent**2).sum(axis=0))
@@ -177,7 +204,8 @@ class ContactTracker:
         self._near, self._near_larger, self._near_smaller = none, none, none
         self._pairs = _Pairs.of(none, none, none)
         self._airborne = self._dynamic.copy()
-        self._last_impact: dict[int, tuple[float, float]] = {}  # time [s] and speed of approach [m/s] by key
+        # Time [s] and speed of approach [m/s] by key.
+        self._last_impact: dict[int, tuple[float, float]] = {}
         self._queries = 0
         self._same = _SAME
         self._begun = 0.0
@@ -187,21 +215,31 @@ class ContactTracker:
         self._heap = np.arange(count)
 
     def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
-        """The state that later frames depend on, except their own poses: motion, contacts, and impacts within the refractory time."""
-        pairs, since = self._pairs, self._history.times[-1] - self._refractory if self._history.times else 0.0
+        """The state that later frames depend on, except their own poses: motion, contacts, and
+        impacts within the refractory time."""
+        pairs, since = (
+            self._pairs,
+            self._history.times[-1] - self._refractory if self._history.times else 0.0,
+        )
         touching = pairs.touching.nonzero()[0]
-        recent = np.array([(key, *last) for key, last in sorted(self._last_impact.items()) if last[0] >= since])
+        recent = np.array(
+            [(key, *last) for key, last in sorted(self._last_impact.items()) if last[0] >= since]
+        )
         pair_state = (pairs.key[touching], pairs.struck[touching], pairs.values[:, touching])
         return *self._history.history(), *pair_state, self._airborne, recent
 
     def replace_bodies(self, bodies: Sequence[Body]) -> None:
-        """Replace shapes or masses of the same bodies, in the same order (deforming meshes); their motion and contacts go on.
+        """Replace shapes or masses of the same bodies, in the same order (deforming meshes); their
+        motion and contacts go on.
 
         Raises ValueError where the names differ.
         """
         if [b.name for b in bodies] != [b.name for b in self.bodies]:
             raise ValueError("bodies: they must have the same names as before")
-        changed = np.array([a is not b and a != b for a, b in zip(bodies, self.bodies, strict=True)], dtype=np.bool_)
+        changed = np.array(
+            [a is not b and a != b for a, b in zip(bodies, self.bodies, strict=True)],
+            dtype=np.bool_,
+        )
         self._set(tuple(bodies), self._narrow)
         self._flat[changed] = self._rest[changed] = np.nan
         self._fat_low[:, changed], self._fat_high[:, changed] = np.inf, -np.inf
@@ -220,21 +258,28 @@ class ContactTracker:
         impacts: bool = True,
         exact: bool = False,
     ) -> FrameContacts:
-        """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in the shapes.
+        """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in
+        the shapes.
 
         Args:
-            ends: only contacts through which a signal may pass, of bodies that are joined by pairs with overlapping bounds to a listener,
-                and to a source or an impact; None: all. Impacts are found all the same. A pair that was not examined in the last frame
-                gets no slack.
+            ends: only contacts through which a signal may pass, of bodies that are joined by pairs
+                with overlapping bounds to a listener, and to a source or an impact; None: all.
+                Impacts are found all the same. A pair that was not examined in the last frame gets
+                no slack.
             continuous: False where this step does not follow the last one; history is then dropped.
-            impacts: False where none are looked for. What touches meanwhile makes an impact only once it has parted.
-            exact: contacts are computed again for all bodies that have moved, even if only by rounding.
+            impacts: False where none are looked for. What touches meanwhile makes an impact only
+                once it has parted.
+            exact: contacts are computed again for all bodies that have moved, even if only by
+                rounding.
 
         A body whose transform is not finite is left out, with a warning.
         """
         transforms = np.asarray(transforms, dtype=np.float64)
         if transforms.shape != (len(self.bodies), 4, 4):
-            raise ValueError(f"transforms: expected {len(self.bodies)} matrices of 4 x 4, got an array of shape {transforms.shape}")
+            raise ValueError(
+                f"transforms: expected {len(self.bodies)} matrices of 4 x 4, got an array of "
+                f"shape {transforms.shape}"
+            )
         if not continuous or (self._history.times and time <= self._history.times[-1]):
             self.reset()
         self._queries = 0
@@ -272,8 +317,11 @@ class ContactTracker:
         """Pairs (k, 2), smaller number first."""
         return np.stack([key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)], axis=1)
 
-    def _update_poses(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[Message, ...]]:
-        """Store the poses that have changed. Returns the numbers of their bodies, and warnings about bodies left out."""
+    def _update_poses(
+        self, time: float, transforms: FloatArray
+    ) -> tuple[IntArray, tuple[Message, ...]]:
+        """Store the poses that have changed. Returns the numbers of their bodies, and warnings
+        about bodies left out."""
         # The same read-only array need not be compared.
         same = transforms is self._seen and not transforms.flags.writeable
         self._seen = transforms
@@ -308,12 +356,14 @@ class ContactTracker:
         self._history.advance(time, columns, left)
         self._history.disturb(lost)
         names = [self.bodies[k].name for k in lost.tolist()]
-        warnings = tuple(Message.of(Cause.TRANSFORM_NOT_FINITE, name, object=name) for name in names)
+        warnings = tuple(
+            Message.of(Cause.TRANSFORM_NOT_FINITE, name, object=name) for name in names
+        )
         return (moved if len(lost) == 0 else np.union1d(moved, gone)), warnings
 
     def _world_bounds(self, bodies: IntArray, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Lowest and highest corners (3, k) of bounding boxes of ``bodies`` (k,) in ``pose`` (12, k), grown so that they overlap wherever
-        two bodies can touch."""
+        """Lowest and highest corners (3, k) of bounding boxes of ``bodies`` (k,) in ``pose`` (12,
+        k), grown so that they overlap wherever two bodies can touch."""
         turn = pose[:9].reshape(3, 3, -1)
         centre = turned(turn, self._middle.take(bodies, axis=1)) + pose[9:]
         grow = (self.settings.tolerance + self.settings.slack) / 2 + 2 * STILL
@@ -328,16 +378,24 @@ class ContactTracker:
         return FrameContacts(self._last.contacts, none, none, (), statistics, warnings)
 
     def _energies(self, speed: FloatArray) -> FloatArray:
-        """Upper bound on the energy (n,) that bodies with at most this ``speed`` (n,) bring into an impact."""
+        """Upper bound on the energy (n,) that bodies with at most this ``speed`` (n,) bring into an
+        impact."""
         mass = self._mass
         if self.settings.energy is ImpactEnergy.NORMAL:
-            # Twice the speed of the faster of two at most, and no more than the mass of a dynamic one of them.
+            # Twice the speed of the faster of two at most, and no more than the mass of a dynamic
+            # one of them.
             mass = 4 * np.where(self._dynamic, mass, np.max(mass, where=self._dynamic, initial=0.0))
         return np.asarray(mass / 2 * (speed / self.settings.time_scale) ** 2)
 
     def _lively(self) -> BoolArray:
-        """Which bodies (n,) may take part in an impact soon: all that move and have a mass, once one of them has the energy for it."""
-        gain = float(np.linalg.norm(self.settings.gravity)) * self.settings.time_scale**2 * self._history.step * _SOON
+        """Which bodies (n,) may take part in an impact soon: all that move and have a mass, once
+        one of them has the energy for it."""
+        gain = (
+            float(np.linalg.norm(self.settings.gravity))
+            * self.settings.time_scale**2
+            * self._history.step
+            * _SOON
+        )
         energy = self._energies(self._history.speeds() + gain)
         moving = self._history.moving()
         return np.asarray(moving & (self._mass > 0) & np.any(moving & (energy >= self._least / 2)))
@@ -347,7 +405,8 @@ class ContactTracker:
         return np.isin(self._heap, self._heap[bodies])
 
     def _catch_up(self, rows: IntArray) -> bool:
-        """Find which pairs ``rows``, not examined in the last frame, touched then. Returns whether any did."""
+        """Find which pairs ``rows``, not examined in the last frame, touched then. Returns whether
+        any did."""
         if len(rows) == 0:
             return False
         pairs = self._pairs
@@ -365,14 +424,16 @@ class ContactTracker:
         return bool(touching.any())
 
     def _near_pairs(self, moved: IntArray, impacts: bool) -> tuple[Paths | None, IntArray]:
-        """Update the near pairs. Returns the paths of the bodies if any is fast enough for an impact, and the numbers among the near pairs
-        of those that have the energy for one."""
+        """Update the near pairs. Returns the paths of the bodies if any is fast enough for an
+        impact, and the numbers among the near pairs of those that have the energy for one."""
         low, high = self._low, self._high
         paths, none = None, np.zeros(0, dtype=np.int64)
         gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
         least = self._least
         turning = self.settings.energy is ImpactEnergy.NORMAL
-        if impacts and (turning or np.any(self._energies(self._history.speed_bound(gravity)) >= least / 2)):
+        if impacts and (
+            turning or np.any(self._energies(self._history.speed_bound(gravity)) >= least / 2)
+        ):
             paths = self._history.paths(~self._dynamic, self._airborne, gravity)
         if paths is not None:
             speed = paths.fastest()
@@ -396,11 +457,16 @@ class ContactTracker:
         a, b = self._near_larger, self._near_smaller
         # To enter a medium is not to hit it.
         solid = ~(self._medium[a] | self._medium[b])
-        return paths, (solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least)).nonzero()[0]
+        return paths, (solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= least)).nonzero()[
+            0
+        ]
 
     def _widen(self, low: FloatArray, high: FloatArray, moved: IntArray) -> None:
-        """Enlarge the wide bounds to contain the bounds ``low`` to ``high`` again, and find the pairs whose wide bounds overlap."""
-        inside = (low[:, moved] >= self._fat_low[:, moved]) & (high[:, moved] <= self._fat_high[:, moved])
+        """Enlarge the wide bounds to contain the bounds ``low`` to ``high`` again, and find the
+        pairs whose wide bounds overlap."""
+        inside = (low[:, moved] >= self._fat_low[:, moved]) & (
+            high[:, moved] <= self._fat_high[:, moved]
+        )
         rows = moved[~inside.all(axis=0)]
         if len(rows) == 0:
             return
@@ -412,14 +478,23 @@ class ContactTracker:
         found = overlapping_pairs(np.stack([self._fat_low.T, self._fat_high.T], axis=1), escaped)
         near = found[:, 0] * len(self.bodies) + found[:, 1]
         if len(rows) < len(self.bodies):
-            near = np.sort(np.concatenate([self._near[~(escaped[self._near_larger] | escaped[self._near_smaller])], near]))
+            near = np.sort(
+                np.concatenate(
+                    [self._near[~(escaped[self._near_larger] | escaped[self._near_smaller])], near]
+                )
+            )
         if not np.array_equal(near, self._near):
             self._near = near
             self._heap = connected(self._numbers(near), len(self.bodies))
             self._near_larger, self._near_smaller = self._by_size(near)
 
     def _contacts(
-        self, ends: Ends | None, paths: Paths | None, lively: BoolArray, able: IntArray, warnings: tuple[Message, ...]
+        self,
+        ends: Ends | None,
+        paths: Paths | None,
+        lively: BoolArray,
+        able: IntArray,
+        warnings: tuple[Message, ...],
     ) -> FrameContacts:
         first_frame = self._last is None
         old = self._pairs
@@ -428,7 +503,11 @@ class ContactTracker:
         key = self._near[met]
         pairs = self._pairs = old.carried_to(key, self._near_larger[met], self._near_smaller[met])
         broad = perf_counter() - self._begun
-        fresh = pairs.known & (pairs.version[0] == self._version[pairs.larger]) & (pairs.version[1] == self._version[pairs.smaller])
+        fresh = (
+            pairs.known
+            & (pairs.version[0] == self._version[pairs.larger])
+            & (pairs.version[1] == self._version[pairs.smaller])
+        )
         asked = self._asked(ends, lively, able)
         looked = asked | fresh
         if ends is not None:
@@ -443,7 +522,9 @@ class ContactTracker:
         last = pairs.values.copy()
         examined = looked & ~fresh
         free = able[~_among(self._near[able], struck)]
-        hits = self._look(examined.nonzero()[0], before, None if paths is None else self._meetings(paths, free))
+        hits = self._look(
+            examined.nonzero()[0], before, None if paths is None else self._meetings(paths, free)
+        )
         if paths is not None and len(able):
             hits = self._hits_of_frame(paths, hits, able, free, before, examined, last)
         impacts = self._impacts(hits, paths)
@@ -460,7 +541,9 @@ class ContactTracker:
             began=self._numbers(began),
             ended=self._numbers(lost),
             impacts=impacts,
-            statistics=ContactStatistics(len(key), self._queries, max(0, len(key) - self._queries), broad),
+            statistics=ContactStatistics(
+                len(key), self._queries, max(0, len(key) - self._queries), broad
+            ),
             warnings=warnings,
         )
 
@@ -472,27 +555,46 @@ class ContactTracker:
         return met
 
     def _hits_of_frame(
-        self, paths: Paths, met: Hits, able: IntArray, free: IntArray, before: BoolArray, examined: BoolArray, last: FloatArray
+        self,
+        paths: Paths,
+        met: Hits,
+        able: IntArray,
+        free: IntArray,
+        before: BoolArray,
+        examined: BoolArray,
+        last: FloatArray,
     ) -> Hits:
-        """The hits of this frame among near pairs ``able``, of which those ``free`` to do so have ``met``. ``examined`` (p,): which pairs
-        were looked at now. ``last``: the values of all pairs in the last frame."""
+        """The hits of this frame among near pairs ``able``, of which those ``free`` to do so have
+        ``met``. ``examined`` (p,): which pairs were looked at now. ``last``: the values of all
+        pairs in the last frame."""
         pairs, time = self._pairs, self._history.times[-1]
         key = pairs.key
         now = pairs.touching & examined
         pivoting = (before & now & _among(key, self._near[able])).nonzero()[0]
         arrived = key[now & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
         hits = self._hits(paths, met, arrived[_among(arrived, self._near[free])])
-        self._last_impact = {k: hit for k, hit in self._last_impact.items() if time - hit[0] <= self._refractory + paths.duration}
+        self._last_impact = {
+            k: hit
+            for k, hit in self._last_impact.items()
+            if time - hit[0] <= self._refractory + paths.duration
+        }
         recent = np.array(sorted(self._last_impact), dtype=np.int64)
         return hits.joined(self._landings(paths, pivoting[_among(key[pivoting], recent)], last))
 
-    def _settle(self, before: BoolArray, distance: FloatArray, impacts: Sequence[Impact], first_frame: bool) -> None:
-        """Note which pairs have nothing more to hit until they part, and which bodies are in free flight. ``distance`` (p,) is that of the
-        last frame."""
+    def _settle(
+        self, before: BoolArray, distance: FloatArray, impacts: Sequence[Impact], first_frame: bool
+    ) -> None:
+        """Note which pairs have nothing more to hit until they part, and which bodies are in free
+        flight. ``distance`` (p,) is that of the last frame."""
         pairs = self._pairs
         settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
         if len(impacts):
-            settled |= _among(pairs.key, np.sort([a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)]))
+            settled |= _among(
+                pairs.key,
+                np.sort(
+                    [a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)]
+                ),
+            )
         pairs.struck = pairs.touching & (pairs.struck | settled | first_frame)
         self._airborne = self._dynamic.copy()
         self._airborne[pairs.larger[pairs.struck]] = False
@@ -500,9 +602,12 @@ class ContactTracker:
 
     def _reported_contacts(self, rows: IntArray) -> ContactSet:
         """Contacts of the pairs ``rows``; those of the last frame where nothing has changed."""
-        # Whether a pair has parted depends on the past, by the slack; its contact only on the poses.
+        # Whether a pair has parted depends on the past, by the slack; its contact only on the
+        # poses.
         pairs = self._pairs
-        state = np.stack([pairs.key[rows], self._version[pairs.larger[rows]], self._version[pairs.smaller[rows]]])
+        state = np.stack(
+            [pairs.key[rows], self._version[pairs.larger[rows]], self._version[pairs.smaller[rows]]]
+        )
         computed = self._same == 0 and self._queries > 0
         if self._last is not None and not computed and np.array_equal(state, self._reported):
             return self._last.contacts
@@ -510,7 +615,8 @@ class ContactTracker:
         return self._contact_set(rows)
 
     def _asked(self, ends: Ends | None, lively: BoolArray, able: IntArray) -> BoolArray:
-        """Which candidate pairs the caller asked for: those of heaps with a listener in which something sounds, or may after an impact."""
+        """Which candidate pairs the caller asked for: those of heaps with a listener in which
+        something sounds, or may after an impact."""
         pairs = self._pairs
         if ends is None:
             return np.ones(len(pairs.key), dtype=np.bool_)
@@ -519,28 +625,44 @@ class ContactTracker:
         return np.asarray((self._in_heaps(ends.heard) & self._in_heaps(sounding))[pairs.larger])
 
     def _look(self, rows: IntArray, before: BoolArray, meetings: Meetings | None = None) -> Hits:
-        """Update pairs ``rows``, by a query where they have moved relative to each other. Returns the hits at ``meetings``: one query for
-        both costs less than two."""
+        """Update pairs ``rows``, by a query where they have moved relative to each other. Returns
+        the hits at ``meetings``: one query for both costs less than two."""
         if len(rows) == 0:
             return self._time_of_impact.hits_at(meetings)
         pairs = self._pairs
         larger, smaller = pairs.larger[rows], pairs.smaller[rows]
-        pairs.version[0, rows], pairs.version[1, rows] = self._version[larger], self._version[smaller]
-        limit: FloatArray = np.where(before[rows], self.settings.tolerance + self.settings.slack, self.settings.tolerance)
-        turn, offset = relative_pose(self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1))
+        pairs.version[0, rows], pairs.version[1, rows] = (
+            self._version[larger],
+            self._version[smaller],
+        )
+        limit: FloatArray = np.where(
+            before[rows], self.settings.tolerance + self.settings.slack, self.settings.tolerance
+        )
+        turn, offset = relative_pose(
+            self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
+        )
         place = turned(turn, self._middle.take(smaller, axis=1)) + offset
         stays = self._stays(rows, turn, place, self._radius[smaller], limit, before[rows])
         if stays.any():
             asked = (~stays).nonzero()[0]
             rows, larger, smaller, limit = rows[asked], larger[asked], smaller[asked], limit[asked]
-            turn, offset, place = turn.take(asked, axis=2), offset.take(asked, axis=1), place.take(asked, axis=1)
+            turn, offset, place = (
+                turn.take(asked, axis=2),
+                offset.take(asked, axis=1),
+                place.take(asked, axis=1),
+            )
         placing = np.stack([larger, smaller], axis=1), turn, offset, limit
         if meetings is None:
             found, hits = self._patches(*placing), self._time_of_impact.hits_at(meetings)
         else:
             several = zip(placing, meetings.placing, (0, 2, 1, 0), strict=True)
-            both = self._patches(*(np.concatenate([mine, theirs], axis=axis) for mine, theirs, axis in several))
-            found, hits = both.part(slice(len(rows))), meetings.hits(both.part(slice(len(rows), None)))
+            both = self._patches(
+                *(np.concatenate([mine, theirs], axis=axis) for mine, theirs, axis in several)
+            )
+            found, hits = (
+                both.part(slice(len(rows))),
+                meetings.hits(both.part(slice(len(rows), None))),
+            )
         values = np.empty((_ROWS, len(rows)))
         values[_PLACE], values[_TURN], values[_NORMAL] = place, turn.reshape(9, -1), found.normal
         values[_DISTANCE], values[_AREA] = found.distance, found.area
@@ -554,40 +676,70 @@ class ContactTracker:
         return hits
 
     def _stays(
-        self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray, limit: FloatArray, before: BoolArray
+        self,
+        rows: IntArray,
+        turn: FloatArray,
+        place: FloatArray,
+        radius: FloatArray,
+        limit: FloatArray,
+        before: BoolArray,
     ) -> BoolArray:
-        """Which of the pairs ``rows`` are unchanged: touching and not moved relative to each other, or still too far apart to touch."""
+        """Which of the pairs ``rows`` are unchanged: touching and not moved relative to each other,
+        or still too far apart to touch."""
         pairs, motion = self._pairs, self._motion(rows, turn, place, radius)
         apart = pairs.values[_DISTANCE, rows] - motion > limit
-        return np.asarray(pairs.known[rows] & np.where(before, motion <= self._same, apart) & (pairs.touching[rows] == before))
+        return np.asarray(
+            pairs.known[rows]
+            & np.where(before, motion <= self._same, apart)
+            & (pairs.touching[rows] == before)
+        )
 
-    def _motion(self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray) -> FloatArray:
-        """How far any point of the smaller bodies of the pairs ``rows`` (k,), within ``radius`` (k,) of the middles of their bounds, has
-        moved since these pairs were queried: (k,)."""
+    def _motion(
+        self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray
+    ) -> FloatArray:
+        """How far any point of the smaller bodies of the pairs ``rows`` (k,), within ``radius``
+        (k,) of the middles of their bounds, has moved since these pairs were queried: (k,)."""
         values = self._pairs.values[: _ON_LARGER.start].take(rows, axis=1)
         travel, change = place - values[_PLACE], turn - values[_TURN].reshape(3, 3, -1)
-        return np.asarray(np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2))
+        return np.asarray(
+            np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2)
+        )
 
-    def _patches(self, numbers: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
-        """Patches of pairs ``numbers`` (p, 2) by the narrow phase. A medium and a body in it touch at the centre of the intersection of
-        their bounds, without area or depth."""
+    def _patches(
+        self, numbers: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray
+    ) -> PairPatches:
+        """Patches of pairs ``numbers`` (p, 2) by the narrow phase. A medium and a body in it touch
+        at the centre of the intersection of their bounds, without area or depth."""
         medium = self._medium[numbers[:, 0]] | self._medium[numbers[:, 1]]
         if not medium.any():
             return self._narrow.query(numbers, turn, offset, limit)
         inside, others = medium.nonzero()[0], (~medium).nonzero()[0]
-        found = self._narrow.query(numbers[others], turn[..., others], offset[:, others], limit[others])
+        found = self._narrow.query(
+            numbers[others], turn[..., others], offset[:, others], limit[others]
+        )
         distance = self._narrow.gaps(numbers[inside], turn[..., inside], offset[:, inside])
         a, b = numbers[inside].T
-        middle = (np.maximum(self._low[:, a], self._low[:, b]) + np.minimum(self._high[:, a], self._high[:, b])) / 2
+        middle = (
+            np.maximum(self._low[:, a], self._low[:, b])
+            + np.minimum(self._high[:, a], self._high[:, b])
+        ) / 2
         pose = self._pose[:, a]
-        centre, normal = turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:]), np.tile([[0.0], [0.0], [1.0]], len(inside))
+        centre, normal = (
+            turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:]),
+            np.tile([[0.0], [0.0], [1.0]], len(inside)),
+        )
         wet = PairPatches(distance, normal, centre, np.zeros(len(inside)))
         return PairPatches.joined(len(medium), (others, found), (inside, wet))
 
     def _contact_set(self, rows: IntArray) -> ContactSet:
         """Contacts of pairs ``rows``, each at the centre of its patch."""
         pairs = self._pairs
-        larger, smaller, key, values = pairs.larger[rows], pairs.smaller[rows], pairs.key[rows], pairs.values.take(rows, axis=1)
+        larger, smaller, key, values = (
+            pairs.larger[rows],
+            pairs.smaller[rows],
+            pairs.key[rows],
+            pairs.values.take(rows, axis=1),
+        )
         pose_l, pose_s = self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
         turn = pose_l[:9].reshape(3, 3, -1)
         normal = turned(turn, values[_NORMAL])
@@ -609,10 +761,11 @@ class ContactTracker:
         )
 
     def _weights(self, larger: IntArray, smaller: IntArray, values: FloatArray) -> FloatArray:
-        """Weights of contacts (k,) with ``values`` (rows, k): 1 up to the gap of bodies at rest, falling smoothly to 0 at the tolerance.
+        """Weights of contacts (k,) with ``values`` (rows, k): 1 up to the gap of bodies at rest,
+        falling smoothly to 0 at the tolerance.
 
-        Boxes that do not touch are also weighted by the patch's area relative to the face of the smaller one: their nearest edges do not
-        face each other as round bodies do.
+        Boxes that do not touch are also weighted by the patch's area relative to the face of the
+        smaller one: their nearest edges do not face each other as round bodies do.
         """
         distance, turn = values[_DISTANCE], values[_TURN].reshape(3, 3, -1)
         rest = _RESTING * self.settings.tolerance
@@ -632,15 +785,21 @@ class ContactTracker:
 
     def _meetings(self, paths: Paths, able: IntArray) -> Meetings | None:
         """Which near pairs ``able`` meet on their ``paths``."""
-        possible = self._time_of_impact.may_hit(paths, self._near_larger[able], self._near_smaller[able], *self._before)
+        possible = self._time_of_impact.may_hit(
+            paths, self._near_larger[able], self._near_smaller[able], *self._before
+        )
         able = able[possible]
-        meshes = (self._narrow.is_mesh[self._near_larger[able]] | self._narrow.is_mesh[self._near_smaller[able]]).nonzero()[0]
+        meshes = (
+            self._narrow.is_mesh[self._near_larger[able]]
+            | self._narrow.is_mesh[self._near_smaller[able]]
+        ).nonzero()[0]
         if len(meshes):  # their distances take long: use those of the last query
             able = np.delete(able, meshes[self._stay_apart(paths, self._near[able[meshes]])])
         return self._time_of_impact.meetings(paths, self._numbers(self._near[able]))
 
     def _stay_apart(self, paths: Paths, key: IntArray) -> BoolArray:
-        """Which near pairs, by key, were so far apart when they were queried that they can't meet on their ``paths``."""
+        """Which near pairs, by key, were so far apart when they were queried that they can't meet
+        on their ``paths``."""
         pairs = self._pairs
         if len(pairs.key) == 0:
             return np.zeros(len(key), dtype=np.bool_)
@@ -648,19 +807,28 @@ class ContactTracker:
         larger, smaller = pairs.larger[rows], pairs.smaller[rows]
         turn, offset = relative_pose(paths.start[:, larger], paths.start[:, smaller])
         place = turned(turn, self._middle[:, smaller]) + offset
-        least = pairs.values[_DISTANCE, rows] - self._motion(rows, turn, place, self._radius[smaller])
-        return np.asarray((pairs.key[rows] == key) & pairs.known[rows] & (least > self._time_of_impact.closing(paths, larger, smaller)))
+        least = pairs.values[_DISTANCE, rows] - self._motion(
+            rows, turn, place, self._radius[smaller]
+        )
+        return np.asarray(
+            (pairs.key[rows] == key)
+            & pairs.known[rows]
+            & (least > self._time_of_impact.closing(paths, larger, smaller))
+        )
 
     def _hits(self, paths: Paths, hits: Hits, arrived: IntArray) -> Hits:
-        """The confirmed ones among ``hits``. Pairs (by key) that have ``arrived`` at each other by the end of the interval although their
-        motion did not lead there were moved by something else: their paths then lead to where they are."""
+        """The confirmed ones among ``hits``. Pairs (by key) that have ``arrived`` at each other by
+        the end of the interval although their motion did not lead there were moved by something
+        else: their paths then lead to where they are."""
         if len(hits):
             hits = hits.chosen(confirmed(hits, paths, self.settings.tolerance))
         if len(arrived):
             arrived = arrived[~_among(arrived, np.sort(hits.pairs @ (len(self.bodies), 1)))]
         if len(arrived):
             pairs = self._numbers(arrived)
-            expected = self._time_of_impact.final_distances(paths, pairs, np.full(len(pairs), self.settings.tolerance))
+            expected = self._time_of_impact.final_distances(
+                paths, pairs, np.full(len(pairs), self.settings.tolerance)
+            )
             pulled = pairs[expected > 2 * _FIRM]
             if len(pulled):
                 meetings = self._time_of_impact.meetings(paths.to_the_ends(), pulled)
@@ -668,9 +836,10 @@ class ContactTracker:
         return hits
 
     def _landings(self, paths: Paths, rows: IntArray, last: FloatArray) -> Hits:
-        """Hits of the pairs ``rows``, which touch in both frames, by a part that was away from the other body before; of each pair, the hit
-        of the patch's fastest point. ``last``: the values of all pairs in the last frame. Only for pairs with an impact within the
-        refractory time: bodies that have touched for longer are at rest."""
+        """Hits of the pairs ``rows``, which touch in both frames, by a part that was away from the
+        other body before; of each pair, the hit of the patch's fastest point. ``last``: the values
+        of all pairs in the last frame. Only for pairs with an impact within the refractory time:
+        bodies that have touched for longer are at rest."""
         pairs = self._pairs
         rows = rows[~(self._medium[pairs.larger[rows]] | self._medium[pairs.smaller[rows]])]
         if len(rows) == 0:
@@ -680,29 +849,48 @@ class ContactTracker:
         limit = np.full(len(rows), self.settings.tolerance + self.settings.slack)
         normal, distance = pairs.values[_NORMAL, rows], pairs.values[_DISTANCE, rows]
         centre = pairs.values[_ON_LARGER, rows] + normal * (distance / 2)
-        of, points = self._narrow.corners(np.stack([larger, smaller], axis=1), *relative_pose(pose, other), limit, normal, centre)
+        of, points = self._narrow.corners(
+            np.stack([larger, smaller], axis=1), *relative_pose(pose, other), limit, normal, centre
+        )
         turn = pose[:9].reshape(3, 3, -1)[..., of]
         points = turned(turn, points) + pose[9:, of]
         keys = pairs.key[rows]
         flipped = larger != keys // len(self.bodies)
         normal = turned(turn, normal[:, of]) * np.where(flipped[of], -1.0, 1.0)
         gap = normal * (distance[of] / 2)
-        old = np.stack([_placed(pose, last[_ON_LARGER, rows]), _placed(other, last[_ON_SMALLER, rows])])
+        old = np.stack(
+            [_placed(pose, last[_ON_LARGER, rows]), _placed(other, last[_ON_SMALLER, rows])]
+        )
         old = np.where(flipped, old[::-1], old)[..., of]
-        hits = landings(paths, self._numbers(keys[of]), np.stack([points - gap, points + gap]), old, normal, distance[of], _FIRM)
+        hits = landings(
+            paths,
+            self._numbers(keys[of]),
+            np.stack([points - gap, points + gap]),
+            old,
+            normal,
+            distance[of],
+            _FIRM,
+        )
         order = hits.approach.argsort(kind="stable")[::-1]
         fastest = np.unique(hits.pairs[order] @ (len(self.bodies), 1), return_index=True)[1]
         return hits.chosen(order[fastest])
 
     def _impacts(self, hits: Hits, paths: Paths | None) -> tuple[Impact, ...]:
-        """Impacts from hits, by time. Within the refractory time of a pair only a clearly stronger hit makes another impact."""
+        """Impacts from hits, by time. Within the refractory time of a pair only a clearly stronger
+        hit makes another impact."""
         if paths is None or len(hits) == 0:
             return ()
-        energies = impact_energies(hits, self._mass, ~self._dynamic, self.settings.energy) / self.settings.time_scale**2
+        energies = (
+            impact_energies(hits, self._mass, ~self._dynamic, self.settings.energy)
+            / self.settings.time_scale**2
+        )
         impacts = []
         for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
             a, b = hits.pairs[k].tolist()
-            key, when = a * len(self.bodies) + b, self._history.times[-1] - paths.duration + float(hits.after[k])
+            key, when = (
+                a * len(self.bodies) + b,
+                self._history.times[-1] - paths.duration + float(hits.after[k]),
+            )
             last, speed = self._last_impact.get(key, (-np.inf, 0.0))
             limits = self.settings.impact_limits(self.bodies[a].named, self.bodies[b].named)
             resting = when - last < limits.refractory and hits.approach[k] < _STRONGER * speed
@@ -713,7 +901,8 @@ class ContactTracker:
         return tuple(impacts)
 
     def _disturb(self, hits: Hits, paths: Paths) -> None:
-        """Mark the bodies whose motion was disturbed: those that hit something, and those that are not where their motion led."""
+        """Mark the bodies whose motion was disturbed: those that hit something, and those that are
+        not where their motion led."""
         disturbed = self._history.surprised(paths) & self._dynamic
         disturbed[hits.pairs] = True
         self._history.disturb(disturbed)

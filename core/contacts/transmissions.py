@@ -13,15 +13,21 @@ from .contact_set import ContactSet
 
 
 class TransmissionRules:
-    """Transmission functions of contacts between ``objects``, each given by name and material: from the ``table``, otherwise the identity.
+    """Transmission functions of contacts between ``objects``, each given by name and material: from
+    the ``table``, otherwise the identity.
 
     Pairs are looked up once.
     """
 
-    def __init__(self, table: RuleTable[ModulationFunction], objects: Sequence[tuple[str, str]]) -> None:
+    def __init__(
+        self, table: RuleTable[ModulationFunction], objects: Sequence[tuple[str, str]]
+    ) -> None:
         self.table = table
         self.objects = objects
-        self.functions: tuple[ModulationFunction, ...] = (Identity(), *(row.does for row in table.rows))
+        self.functions: tuple[ModulationFunction, ...] = (
+            Identity(),
+            *(row.does for row in table.rows),
+        )
         self._known: dict[tuple[int, int], int] = {}
 
     @property
@@ -34,7 +40,9 @@ class TransmissionRules:
         if len(self.functions) == 1:
             return replace(contacts, transmissions=self.functions)
         numbers = [self._number(a, b) for a, b in contacts.pairs.tolist()]
-        return replace(contacts, transmission=np.array(numbers, dtype=np.int64), transmissions=self.functions)
+        return replace(
+            contacts, transmission=np.array(numbers, dtype=np.int64), transmissions=self.functions
+        )
 
     def _number(self, a: int, b: int) -> int:
         number = self._known.get((a, b))

@@ -1,5 +1,6 @@
-"""Changes that let a listener feel what reaches it: of its gain, then of the amplitude and frequency of its strongest source, then of
-materials; each only where those before are not enough."""
+"""Changes that let a listener feel what reaches it: of its gain, then of the amplitude and
+frequency of its strongest source, then of materials; each only where those before are not
+enough."""
 
 from __future__ import annotations
 
@@ -25,13 +26,15 @@ from ..signals import Automation, Pulse, Sine
 from .wishes import FreeMaterial, Wish, fulfil, with_changed_k
 
 _ROUNDS = 4
-"""Number of trials per change, because limiters and ceilings make margins deviate from the gains."""
+"""Number of trials per change, because limiters and ceilings make margins deviate from the
+gains."""
 _NEAR = 0.1
 """Deviation [dB] up to which a margin counts as the wanted one."""
 MOST_GAIN = 10.0
 """Largest gain of a listener, +20 dB: beyond, what others bring to it is raised too much."""
 _TONES = tuple(40.0 * 2 ** (k / 3) for k in range(10))
-"""Frequencies that a tone may get [Hz], 40 to 320 by thirds of an octave: outside, the skin feels little."""
+"""Frequencies that a tone may get [Hz], 40 to 320 by thirds of an octave: outside, the skin feels
+little."""
 
 
 class Kind(enum.StrEnum):
@@ -45,7 +48,8 @@ class Kind(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A value of the listener, source or material ``name`` that changes; of a material K = (1 - kappa) rho."""
+    """A value of the listener, source or material ``name`` that changes; of a material K = (1 -
+    kappa) rho."""
 
     kind: Kind
     name: str
@@ -55,8 +59,9 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Means:
-    """What may be changed: the gains of ``listeners`` up to `MOST_GAIN`, the amplitudes of ``loud`` sources, the frequencies of ``tuned``
-    ones, and ``materials``, of which the objects are given by name."""
+    """What may be changed: the gains of ``listeners`` up to `MOST_GAIN`, the amplitudes of ``loud``
+    sources, the frequencies of ``tuned`` ones, and ``materials``, of which the objects are given by
+    name."""
 
     listeners: frozenset[str] = frozenset()
     loud: frozenset[str] = frozenset()
@@ -66,8 +71,9 @@ class Means:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """``changes`` that bring the margin of a listener from ``before`` to ``after`` [dB], and the frame ``result`` as it is then. Without
-    changes, ``after`` is what all means together would reach."""
+    """``changes`` that bring the margin of a listener from ``before`` to ``after`` [dB], and the
+    frame ``result`` as it is then. Without changes, ``after`` is what all means together would
+    reach."""
 
     listener: str
     before: float
@@ -76,9 +82,11 @@ class Plan:
     result: FrameResult
 
 
-def plan(result: FrameResult, settings: Settings, listener: str, wanted: float, means: Means) -> Plan:
-    """The changes that bring the margin of a listener to ``wanted`` decibels, or as near as they can; none if all of them together leave it
-    under the threshold of feeling."""
+def plan(
+    result: FrameResult, settings: Settings, listener: str, wanted: float, means: Means
+) -> Plan:
+    """The changes that bring the margin of a listener to ``wanted`` decibels, or as near as they
+    can; none if all of them together leave it under the threshold of feeling."""
     column = [item.name for item in result.listeners].index(listener)
     before = margin_of(result, column)
     now, margin = result, before
@@ -97,52 +105,87 @@ def plan(result: FrameResult, settings: Settings, listener: str, wanted: float, 
 
 
 def margin_of(result: FrameResult, column: int) -> float:
-    """The level of a listener above the threshold of feeling in the steady state of a frame [dB]."""
-    return float(sensation_level(still_samples(result, STILL_SECONDS)[column : column + 1], result.sample_rate)[0])
+    """The level of a listener above the threshold of feeling in the steady state of a frame
+    [dB]."""
+    return float(
+        sensation_level(
+            still_samples(result, STILL_SECONDS)[column : column + 1], result.sample_rate
+        )[0]
+    )
 
 
-def _with_gain(result: FrameResult, settings: Settings, column: int, missing: float, means: Means) -> FrameResult | None:
+def _with_gain(
+    result: FrameResult, settings: Settings, column: int, missing: float, means: Means
+) -> FrameResult | None:
     item = result.listeners[column]
     if item.name not in means.listeners or not 0 < item.gain < MOST_GAIN:
         return None
     raised = replace(item, gain=min(item.gain * 10 ** (missing / 20), MOST_GAIN))
-    return replace(result, listeners=(*result.listeners[:column], raised, *result.listeners[column + 1 :]))
+    return replace(
+        result, listeners=(*result.listeners[:column], raised, *result.listeners[column + 1 :])
+    )
 
 
-def _with_amplitude(result: FrameResult, settings: Settings, column: int, missing: float, means: Means) -> FrameResult | None:
+def _with_amplitude(
+    result: FrameResult, settings: Settings, column: int, missing: float, means: Means
+) -> FrameResult | None:
     row = _strongest(result, column, means.loud)
     if row is None or not 0 < result.sources[row].amplitude < 1:
         return None
     source = result.sources[row]
-    return _with_source(result, row, replace(source, amplitude=min(source.amplitude * 10 ** (missing / 20), 1.0)))
+    return _with_source(
+        result, row, replace(source, amplitude=min(source.amplitude * 10 ** (missing / 20), 1.0))
+    )
 
 
-def _with_frequency(result: FrameResult, settings: Settings, column: int, missing: float, means: Means) -> FrameResult | None:
+def _with_frequency(
+    result: FrameResult, settings: Settings, column: int, missing: float, means: Means
+) -> FrameResult | None:
     """The nearest frequency at which enough is felt, else the one at which most is."""
     row = _strongest(result, column, means.tuned)
     here = None if row is None else _frequency(result.sources[row])
     if row is None or here is None:
         return None
-    source, signal, wanted = result.sources[row], cast(Any, result.sources[row].emitted), margin_of(result, column) + missing - _NEAR
+    source, signal, wanted = (
+        result.sources[row],
+        cast(Any, result.sources[row].emitted),
+        margin_of(result, column) + missing - _NEAR,
+    )
     tones = sorted(_TONES, key=lambda tone: abs(math.log(tone / here)))
-    tried = [_with_source(result, row, replace(source, signal=replace(signal, frequency=tone))) for tone in tones]
+    tried = [
+        _with_source(result, row, replace(source, signal=replace(signal, frequency=tone)))
+        for tone in tones
+    ]
     margins = [margin_of(other, column) for other in tried]
-    return next((other for other, margin in zip(tried, margins, strict=True) if margin >= wanted), tried[int(np.argmax(margins))])
+    return next(
+        (other for other, margin in zip(tried, margins, strict=True) if margin >= wanted),
+        tried[int(np.argmax(margins))],
+    )
 
 
 def _frequency(source: Source) -> float | None:
     """The frequency of a source that emits a steady tone or pulses [Hz]; None for other signals."""
     signal = source.emitted
-    return float(signal.frequency) if isinstance(signal, Sine | Pulse) and not isinstance(signal.frequency, Automation) else None
+    return (
+        float(signal.frequency)
+        if isinstance(signal, Sine | Pulse) and not isinstance(signal.frequency, Automation)
+        else None
+    )
 
 
-def _with_material(result: FrameResult, settings: Settings, column: int, missing: float, means: Means) -> FrameResult | None:
+def _with_material(
+    result: FrameResult, settings: Settings, column: int, missing: float, means: Means
+) -> FrameResult | None:
     """K of the materials on the best path of the strongest source."""
     row = _strongest(result, column, frozenset(source.name for source in result.sources))
     if row is None or settings.mode not in (Mode.HT, Mode.SD):
         return None
     on_path = set(result.path_objects(row, column))
-    free = [FreeMaterial(objects) for objects in means.materials.values() if not on_path.isdisjoint(objects)]
+    free = [
+        FreeMaterial(objects)
+        for objects in means.materials.values()
+        if not on_path.isdisjoint(objects)
+    ]
     if not free:
         return None
     index = result.graph.table.index()
@@ -150,15 +193,24 @@ def _with_material(result: FrameResult, settings: Settings, column: int, missing
     wish = Wish(result.listeners[column].name, missing)
     answer = fulfil(result.graph, settings, source_energies(result.sources), [wish], free)
     objects = (result.graph.table.objects[numbers[0]] for numbers in groups)
-    change = [math.log(k / max(transfer_coefficient(item.kappa, item.rho), 1e-9)) for k, item in zip(answer.k, objects, strict=True)]
+    change = [
+        math.log(k / max(transfer_coefficient(item.kappa, item.rho), 1e-9))
+        for k, item in zip(answer.k, objects, strict=True)
+    ]
     graph = with_changed_k(result.graph, groups, np.array(change))
     found = propagate(graph, settings, sounding_only=True)
-    return replace(result, graph=graph, propagation=found, amplitudes=arriving(result.sources, found))
+    return replace(
+        result, graph=graph, propagation=found, amplitudes=arriving(result.sources, found)
+    )
 
 
 def _strongest(result: FrameResult, column: int, names: frozenset[str]) -> int | None:
     """The row of the source of these names that arrives with the highest amplitude."""
-    rows = [row for row, source in enumerate(result.sources) if source.name in names and result.amplitudes[row, column] > 0]
+    rows = [
+        row
+        for row, source in enumerate(result.sources)
+        if source.name in names and result.amplitudes[row, column] > 0
+    ]
     return max(rows, key=lambda row: float(result.amplitudes[row, column]), default=None)
 
 
@@ -169,13 +221,28 @@ def _with_source(result: FrameResult, row: int, source: Source) -> FrameResult:
 
 def _changes(before: FrameResult, after: FrameResult, means: Means) -> tuple[Change, ...]:
     """The values that differ between two frames."""
-    found = [Change(Kind.GAIN, one.name, one.gain, other.gain) for one, other in zip(before.listeners, after.listeners, strict=True)]
+    found = [
+        Change(Kind.GAIN, one.name, one.gain, other.gain)
+        for one, other in zip(before.listeners, after.listeners, strict=True)
+    ]
     for first, second in zip(before.sources, after.sources, strict=True):
         found.append(Change(Kind.AMPLITUDE, first.name, first.amplitude, second.amplitude))
         if first.signal != second.signal:
-            found.append(Change(Kind.FREQUENCY, first.name, *(_frequency(item) or 0.0 for item in (first, second))))
+            found.append(
+                Change(
+                    Kind.FREQUENCY,
+                    first.name,
+                    *(_frequency(item) or 0.0 for item in (first, second)),
+                )
+            )
     index = before.graph.table.index()
     for name, objects in means.materials.items():
         items = [result.graph.table.objects[index[objects[0]]] for result in (before, after)]
-        found.append(Change(Kind.MATERIAL, name, *(transfer_coefficient(item.kappa, item.rho) for item in items)))
-    return tuple(change for change in found if abs(change.after - change.before) > 1e-4 * abs(change.before))
+        found.append(
+            Change(
+                Kind.MATERIAL, name, *(transfer_coefficient(item.kappa, item.rho) for item in items)
+            )
+        )
+    return tuple(
+        change for change in found if abs(change.after - change.before) > 1e-4 * abs(change.before)
+    )

@@ -1,7 +1,8 @@
-"""Material values that give listeners the desired levels, and the levels along the best paths with their derivatives.
+"""Material values that give listeners the desired levels, and the levels along the best paths with
+their derivatives.
 
-The gain of a path is a product, so its logarithm is a sum over the connections, and the derivative by a value of an object is the sum of
-closed forms over the connections inside that object.
+The gain of a path is a product, so its logarithm is a sum over the connections, and the derivative
+by a value of an object is the sum of closed forms over the connections inside that object.
 """
 
 from __future__ import annotations
@@ -27,14 +28,16 @@ DECIBELS = 20 / np.log(10)
 
 _ROUNDS = 60
 _SOFTNESS = 1e-6
-"""Regularisation: weight of a material's change relative to a deviation from a wish, so that the smallest of several solutions is taken."""
+"""Regularisation: weight of a material's change relative to a deviation from a wish, so that the
+smallest of several solutions is taken."""
 _FIRST_STEP, _LAST_STEP = 0.5, 1e-6
 """Largest change of ln K in the first step, and that at which the search ends."""
 
 
 @dataclass(frozen=True, slots=True)
 class FreeMaterial:
-    """Objects that change together, by name, all with the same K = (1 - kappa) rho, which may lie from ``least`` to ``most``, in (0, 1]."""
+    """Objects that change together, by name, all with the same K = (1 - kappa) rho, which may lie
+    from ``least`` to ``most``, in (0, 1]."""
 
     objects: tuple[str, ...]
     least: float = 0.01
@@ -51,18 +54,25 @@ class Wish:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """``k``: the new K of each free material. ``changes``: the resulting change of the level of each wish's listener [dB]; NaN if nothing
-    arrives."""
+    """``k``: the new K of each free material. ``changes``: the resulting change of the level of
+    each wish's listener [dB]; NaN if nothing arrives."""
 
     k: tuple[float, ...]
     changes: tuple[float, ...]
 
 
-def fulfil(graph: HapticGraph, settings: Settings, energies: FloatArray, wishes: Sequence[Wish], free: Sequence[FreeMaterial]) -> Answer:
-    """The values of ``free`` materials that change the levels as wished, or as closely as their bounds and paths allow (least squares).
+def fulfil(
+    graph: HapticGraph,
+    settings: Settings,
+    energies: FloatArray,
+    wishes: Sequence[Wish],
+    free: Sequence[FreeMaterial],
+) -> Answer:
+    """The values of ``free`` materials that change the levels as wished, or as closely as their
+    bounds and paths allow (least squares).
 
-    Gauss-Newton steps within a trust region, which shrinks if a step fails because other paths become the best ones. ``energies``: as for
-    `log_levels`.
+    Gauss-Newton steps within a trust region, which shrinks if a step fails because other paths
+    become the best ones. ``energies``: as for `log_levels`.
     """
     index = graph.table.index()
     groups = [[index[name] for name in material.objects] for material in free]
@@ -83,8 +93,16 @@ def fulfil(graph: HapticGraph, settings: Settings, energies: FloatArray, wishes:
     found, missing = at(change)
     region = _FIRST_STEP
     for _ in range(_ROUNDS):
-        slope = np.stack([found.slope[columns][:, numbers].sum(axis=1) for numbers in groups], axis=1)
-        step = bounded_least_squares(slope, missing, np.maximum(low - change, -region), np.minimum(high - change, region), _SOFTNESS)
+        slope = np.stack(
+            [found.slope[columns][:, numbers].sum(axis=1) for numbers in groups], axis=1
+        )
+        step = bounded_least_squares(
+            slope,
+            missing,
+            np.maximum(low - change, -region),
+            np.minimum(high - change, region),
+            _SOFTNESS,
+        )
         tried, left = at(change + step)
         if left @ left < missing @ missing:
             change, found, missing, region = change + step, tried, left, 2 * region
@@ -98,39 +116,53 @@ def fulfil(graph: HapticGraph, settings: Settings, energies: FloatArray, wishes:
 
 @dataclass(frozen=True, slots=True)
 class LogLevels:
-    """``level`` (l,): half the logarithm of the energy that arrives at each listener over the best path of each source, minus infinity if
-    none does; ``slope`` (l, o): its derivative by ln K of each object."""
+    """``level`` (l,): half the logarithm of the energy that arrives at each listener over the best
+    path of each source, minus infinity if none does; ``slope`` (l, o): its derivative by ln K of
+    each object."""
 
     level: FloatArray
     slope: FloatArray
 
 
 def log_levels(graph: HapticGraph, settings: Settings, energies: FloatArray) -> LogLevels:
-    """The levels on a graph. ``energies`` (s, bands): squared amplitudes of each source by frequency band."""
-    found = propagate(graph, replace(settings, mode=Mode.HT, strategy=Strategy.AUTO, threshold=0.0, localise=0.0))
+    """The levels on a graph. ``energies`` (s, bands): squared amplitudes of each source by
+    frequency band."""
+    found = propagate(
+        graph, replace(settings, mode=Mode.HT, strategy=Strategy.AUTO, threshold=0.0, localise=0.0)
+    )
     total = np.zeros(len(graph.listeners))
     weighted = np.zeros((len(graph.listeners), len(graph.table.names)))
     for (row, column), path in found.best_path.items():
-        gain = np.full(BAND_COUNT, found.gain[row, column]) if found.band_gain is None else found.band_gain[row, column]
+        gain = (
+            np.full(BAND_COUNT, found.gain[row, column])
+            if found.band_gain is None
+            else found.band_gain[row, column]
+        )
         energy = energies[row] * gain**2
         total[column] += energy.sum()
         for a, b in pairwise(path):
             if graph.partner[a] != b:
                 item = graph.table.objects[int(graph.node_object[a])]
                 distance = float(graph.node_distances(np.array([a]), np.array([b]))[0])
-                slopes = item.propagation.slopes(distance, item.kappa, item.rho, graph.table.epsilon)
+                slopes = item.propagation.slopes(
+                    distance, item.kappa, item.rho, graph.table.epsilon
+                )
                 weighted[column, graph.node_object[a]] += energy @ slopes
     with np.errstate(divide="ignore"):
         level = np.log(total) / 2
     return LogLevels(level, weighted / np.where(total > 0, total, 1.0)[:, None])
 
 
-def with_changed_k(graph: HapticGraph, groups: Sequence[Sequence[int]], change: FloatArray) -> HapticGraph:
+def with_changed_k(
+    graph: HapticGraph, groups: Sequence[Sequence[int]], change: FloatArray
+) -> HapticGraph:
     """The graph whose objects of each group (numbers) have their ln K raised by ``change`` (f,)."""
     objects = list(graph.table.objects)
     for numbers, rise in zip(groups, change.tolist(), strict=True):
         for number in numbers:
             item = objects[number]
-            kappa, rho = coefficients_of(transfer_coefficient(item.kappa, item.rho) * math.exp(rise), item.rho)
+            kappa, rho = coefficients_of(
+                transfer_coefficient(item.kappa, item.rho) * math.exp(rise), item.rho
+            )
             objects[number] = replace(item, kappa=kappa, rho=rho)
     return replace(graph, table=ObjectTable.of(objects, graph.table.epsilon))

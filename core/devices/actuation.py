@@ -1,7 +1,8 @@
 """Conversion of samples to the drive of actuators.
 
-Devices driven by samples get them at their own rate, without their steady part. All others get values from a short-time spectrum every
-10 ms: for each channel the amplitude of its part of the signal (a full-scale sine is 1) and, if the device can reproduce it, its frequency.
+Devices driven by samples get them at their own rate, without their steady part. All others get
+values from a short-time spectrum every 10 ms: for each channel the amplitude of its part of the
+signal (a full-scale sine is 1) and, if the device can reproduce it, its frequency.
 """
 
 from __future__ import annotations
@@ -21,9 +22,11 @@ from .resampling import Resampler
 HOP = 0.010
 """Seconds between two steps: two thirds of the 15 ms by which touch may lead the picture."""
 
-# The window rises for 32 ms, long enough to tell frequencies 25 Hz apart, and falls within 8 ms, so that an impact is detected at once.
+# The window rises for 32 ms, long enough to tell frequencies 25 Hz apart, and falls within 8 ms, so
+# that an impact is detected at once.
 _RISE, _FALL = 0.032, 0.008
-# A spectrum with this share of its power so near its peak is one tone, and goes to one channel: split, its halves would beat.
+# A spectrum with this share of its power so near its peak is one tone, and goes to one channel:
+# split, its halves would beat.
 _TONE_SHARE, _TONE_HALF_WIDTH = 0.97, 60.0
 # -54 dB: what is weaker stays silent, so that a calibration's floor does not make a device hum.
 _SILENT = 0.002
@@ -38,28 +41,39 @@ class Step:
 
 
 def calibrated(amplitude: FloatArray, calibration: Calibration) -> FloatArray:
-    """``floor + (1 - floor) min(gain a, 1)^exponent``, and 0 for the amplitude 0. amplitude: any shape, 0 or more."""
+    """``floor + (1 - floor) min(gain a, 1)^exponent``, and 0 for the amplitude 0. amplitude: any
+    shape, 0 or more."""
     driven = np.minimum(calibration.gain * amplitude, 1.0)
     curve = calibration.floor + (1.0 - calibration.floor) * driven**calibration.exponent
     return np.where(driven < _SILENT, 0.0, curve)
 
 
 class SpectralDescription:
-    """Amplitude and frequency per band, every ``HOP`` seconds, of signals that arrive block by block. hop: samples between two steps."""
+    """Amplitude and frequency per band, every ``HOP`` seconds, of signals that arrive block by
+    block. hop: samples between two steps."""
 
     def __init__(self, rate: int, bands: list[list[tuple[float, float]]]) -> None:
-        """rate: samples per second. bands: for each signal, the (low, high) limits in Hz of each of its channels."""
+        """rate: samples per second. bands: for each signal, the (low, high) limits in Hz of each of
+        its channels."""
         self.hop = max(round(HOP * rate), 1)
         self._rate = rate
         rise, fall = round(_RISE * rate), max(round(_FALL * rate), 1)
         self._window = np.concatenate(
-            [np.sin(0.5 * np.pi * (np.arange(rise) + 0.5) / rise) ** 2, np.cos(0.5 * np.pi * (np.arange(fall) + 0.5) / fall) ** 2]
+            [
+                np.sin(0.5 * np.pi * (np.arange(rise) + 0.5) / rise) ** 2,
+                np.cos(0.5 * np.pi * (np.arange(fall) + 0.5) / fall) ** 2,
+            ]
         )
         self._size = 1 << (2 * len(self._window) - 1).bit_length()
         self._frequencies = np.fft.rfftfreq(self._size, 1.0 / rate)
         # Parseval: the bins' sum is the mean square under the window; a full-scale sine has 1/2.
         self._scale = 2.0 * 2.0 / (self._size * np.sum(self._window**2))
-        self._masks = [np.array([(low <= self._frequencies) & (self._frequencies < high) for low, high in limits]) for limits in bands]
+        self._masks = [
+            np.array(
+                [(low <= self._frequencies) & (self._frequencies < high) for low, high in limits]
+            )
+            for limits in bands
+        ]
         self.reset()
 
     @property
@@ -72,16 +86,22 @@ class SpectralDescription:
         self._history = np.zeros((len(self._masks), len(self._window) - self.hop))
 
     def process(self, block: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-        """For each signal, amplitudes and frequencies [Hz], both (steps, channels). block: (signals, n)."""
+        """For each signal, amplitudes and frequencies [Hz], both (steps, channels). block:
+        (signals, n)."""
         samples = np.concatenate([self._history, block], axis=1)
         width = len(self._window)
         count = max((samples.shape[1] - width) // self.hop + 1, 0)
         self._history = samples[:, count * self.hop :]
         if count == 0:
             return [(np.zeros((0, len(masks))),) * 2 for masks in self._masks]
-        windows = np.stack([samples[:, begin : begin + width] for begin in range(0, count * self.hop, self.hop)], axis=1)
+        windows = np.stack(
+            [samples[:, begin : begin + width] for begin in range(0, count * self.hop, self.hop)],
+            axis=1,
+        )
         power = self._scale * np.abs(np.fft.rfft(windows * self._window, self._size, axis=2)) ** 2
-        return [self._describe(signal, masks) for signal, masks in zip(power, self._masks, strict=True)]
+        return [
+            self._describe(signal, masks) for signal, masks in zip(power, self._masks, strict=True)
+        ]
 
     def _describe(self, power: FloatArray, masks: BoolArray) -> tuple[FloatArray, FloatArray]:
         """power: (steps, bins); masks: (channels, bins)."""
@@ -90,33 +110,48 @@ class SpectralDescription:
         near = np.where(np.abs(self._frequencies - peak) <= _TONE_HALF_WIDTH, taken, 0.0)
         total = taken.sum(axis=1)
         is_tone = near.sum(axis=1) >= _TONE_SHARE * total
-        # (steps, channels, bins): a tone goes entirely to the channel with its peak, any other spectrum is divided by bins.
+        # (steps, channels, bins): a tone goes entirely to the channel with its peak, any other
+        # spectrum is divided by bins.
         shares = taken[:, None, :]
         if len(masks) > 1:
-            holds: BoolArray = masks[:, np.searchsorted(self._frequencies, peak[:, 0])].T  # (steps, channels)
-            shares = np.where(is_tone[:, None, None], shares * holds[:, :, None], power[:, None, :] * masks)
+            # (steps, channels).
+            holds: BoolArray = masks[:, np.searchsorted(self._frequencies, peak[:, 0])].T
+            shares = np.where(
+                is_tone[:, None, None], shares * holds[:, :, None], power[:, None, :] * masks
+            )
         sums = shares.sum(axis=2)
         weights = np.where(is_tone[:, None, None], np.minimum(shares, near[:, None, :]), shares)
         divisor = weights.sum(axis=2)
-        centroids = np.divide(weights @ self._frequencies, divisor, out=np.zeros_like(divisor), where=divisor > 0.0)
+        centroids = np.divide(
+            weights @ self._frequencies, divisor, out=np.zeros_like(divisor), where=divisor > 0.0
+        )
         return np.sqrt(sums), centroids
 
 
 class ToneActuation:
-    """Blocks of samples, one row per actuator, to steps of amplitude and frequency for a rumble family."""
+    """Blocks of samples, one row per actuator, to steps of amplitude and frequency for a rumble
+    family."""
 
     def __init__(self, profile: Profile, family: RumbleFamily, rate: int) -> None:
         self._actuators = profile.actuators
         self.calibrate({})
         self._rest = family.silence()
         self._has_tones = family.has_tones
-        self._places = [[family.channels.index(channel.name) for channel in actuator.channels] for actuator in profile.actuators]
-        self._description = SpectralDescription(rate, [[channel.takes for channel in actuator.channels] for actuator in profile.actuators])
+        self._places = [
+            [family.channels.index(channel.name) for channel in actuator.channels]
+            for actuator in profile.actuators
+        ]
+        self._description = SpectralDescription(
+            rate,
+            [[channel.takes for channel in actuator.channels] for actuator in profile.actuators],
+        )
         self.rate, self.hop = rate, self._description.hop
 
     def calibrate(self, calibrations: Mapping[str, Calibration]) -> None:
         """Use these calibrations by actuator, in place of the profile's, from the next block on."""
-        self._calibrations = [calibrations.get(actuator.name, actuator.calibration) for actuator in self._actuators]
+        self._calibrations = [
+            calibrations.get(actuator.name, actuator.calibration) for actuator in self._actuators
+        ]
 
     def process(self, block: FloatArray) -> list[Step]:
         """Steps of a block, in order; silence has the frequencies at rest. block: (actuators, n).
@@ -126,15 +161,23 @@ class ToneActuation:
         start = -self._description.pending
         described = self._description.process(block)
         count = described[0][0].shape[0]
-        amplitudes, frequencies = (np.full((count, len(values)), values) for values in (self._rest.amplitudes, self._rest.frequencies))
+        amplitudes, frequencies = (
+            np.full((count, len(values)), values)
+            for values in (self._rest.amplitudes, self._rest.frequencies)
+        )
         for actuator, calibration, places, (amplitude, frequency) in zip(
             self._actuators, self._calibrations, self._places, described, strict=True
         ):
             amplitudes[:, places] = calibrated(amplitude, calibration)
             if self._has_tones:
                 driven = amplitudes[:, places] > 0.0
-                frequencies[:, places] = np.where(driven, np.clip(frequency, *actuator.band), frequencies[:, places])
-        tones = (Tones(tuple(row), tuple(hz)) for row, hz in zip(amplitudes.tolist(), frequencies.tolist(), strict=True))
+                frequencies[:, places] = np.where(
+                    driven, np.clip(frequency, *actuator.band), frequencies[:, places]
+                )
+        tones = (
+            Tones(tuple(row), tuple(hz))
+            for row, hz in zip(amplitudes.tolist(), frequencies.tolist(), strict=True)
+        )
         return [Step(start + i * self.hop / self.rate, tone) for i, tone in enumerate(tones)]
 
     def reset(self) -> None:
@@ -143,23 +186,33 @@ class ToneActuation:
 
 
 class SampleActuation:
-    """Blocks of samples, one row per actuator, to samples of a stream family's channels at its rate."""
+    """Blocks of samples, one row per actuator, to samples of a stream family's channels at its
+    rate."""
 
     def __init__(self, profile: Profile, family: StreamFamily, rate: int) -> None:
         self._actuators = profile.actuators
         self.calibrate({})
-        self._places = [family.channels.index(actuator.channels[0].name) for actuator in profile.actuators]
+        self._places = [
+            family.channels.index(actuator.channels[0].name) for actuator in profile.actuators
+        ]
         self._channels = len(family.channels)
         self._high_pass = HighPass(len(profile.actuators), rate)
         self._resampler = Resampler(len(profile.actuators), rate, family.rate)
         self.rate, self.hop = rate, round(HOP * rate)
 
     def calibrate(self, calibrations: Mapping[str, Calibration]) -> None:
-        """Use the gains of these calibrations by actuator, in place of the profile's, from the next block on."""
-        self._gains = np.array([[calibrations.get(actuator.name, actuator.calibration).gain] for actuator in self._actuators])
+        """Use the gains of these calibrations by actuator, in place of the profile's, from the next
+        block on."""
+        self._gains = np.array(
+            [
+                [calibrations.get(actuator.name, actuator.calibration).gain]
+                for actuator in self._actuators
+            ]
+        )
 
     def process(self, block: FloatArray) -> FloatArray:
-        """(actuators, n) at the input rate -> (channels, m) at the device's. Only the calibration's gain applies to samples."""
+        """(actuators, n) at the input rate -> (channels, m) at the device's. Only the calibration's
+        gain applies to samples."""
         resampled = self._gains * self._resampler.process(self._high_pass.process(block))
         samples = np.zeros((self._channels, resampled.shape[1]))
         samples[self._places] = resampled
@@ -172,7 +225,8 @@ class SampleActuation:
 
 
 def checked_block(block: FloatArray, actuators: int) -> FloatArray:
-    """A private float64 copy of a block; raises ValueError unless it is (actuators, n) and finite."""
+    """A private float64 copy of a block; raises ValueError unless it is (actuators, n) and
+    finite."""
     copy = np.array(block, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[0] != actuators:
         raise ValueError(f"block has the shape {copy.shape}, not ({actuators}, n)")

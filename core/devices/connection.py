@@ -31,26 +31,33 @@ class DeviceInUse(DeviceError):
 
 
 def carried_module(name: str, needed_by: str) -> Any:
-    """A module of a package that is part of the extension. Raises DeviceError with instructions if it is missing."""
+    """A module of a package that is part of the extension. Raises DeviceError with instructions if
+    it is missing."""
     try:
         return import_module(name)
     except ImportError:
         package = name.partition(".")[0]
-        reason = f"{needed_by} need the Python package {package}, which is part of the extension: install the extension from its zip"
+        reason = (
+            f"{needed_by} need the Python package {package}, which is part of the "
+            "extension: install the extension from its zip"
+        )
         raise DeviceError(reason) from None
 
 
 class HidModule(Protocol):
-    """The part of cython-hidapi's module that is used. A replacement may enumerate interfaces instead of dictionaries."""
+    """The part of cython-hidapi's module that is used. A replacement may enumerate interfaces
+    instead of dictionaries."""
 
     def enumerate(self) -> Iterable[Mapping[str, Any] | Interface]: ...
     def device(self) -> HidDevice: ...
 
 
 def hid_module() -> HidModule:
-    """cython-hidapi: on Linux its ``hidraw`` module (its ``hid`` sees no Bluetooth and takes pads away from games), else ``hid``.
+    """cython-hidapi: on Linux its ``hidraw`` module (its ``hid`` sees no Bluetooth and takes pads
+    away from games), else ``hid``.
 
-    Raises DeviceError if it is missing, or if another package of the same name is installed instead.
+    Raises DeviceError if it is missing, or if another package of the same name is installed
+    instead.
     """
     name = "hidraw" if sys.platform.startswith("linux") else "hid"
     try:
@@ -58,14 +65,18 @@ def hid_module() -> HidModule:
     except ImportError as error:
         raise DeviceError(f"the Python package hidapi can't be loaded: {error}") from None
     if not (hasattr(module, "device") and hasattr(module, "enumerate")):
-        raise DeviceError(f"the Python module {name} is not that of the package hidapi: another package of the same name is installed")
+        raise DeviceError(
+            f"the Python module {name} is not that of the package hidapi: another package of the "
+            "same name is installed"
+        )
     found: HidModule = module
     return found
 
 
 @dataclass(frozen=True, slots=True)
 class StandInModule:
-    """Replacement for hidapi's module with one device, whether or not it is present. make: makes a `HidDevice` that is not open yet."""
+    """Replacement for hidapi's module with one device, whether or not it is present. make: makes a
+    `HidDevice` that is not open yet."""
 
     interface: Interface
     make: Callable[[], HidDevice]
@@ -79,7 +90,8 @@ class StandInModule:
 
 @dataclass(frozen=True, slots=True)
 class Connected:
-    """A connected device: its possible interfaces, and the families that can drive it, the default first.
+    """A connected device: its possible interfaces, and the families that can drive it, the default
+    first.
 
     families is empty for an unsupported gamepad.
     """
@@ -108,10 +120,17 @@ def connected(hid: HidModule) -> tuple[Connected, ...]:
     for interface in interfaces(hid):
         matching = families_of(interface)
         if matching or is_gamepad(interface):
-            # A device's interfaces share its serial number; without one, all interfaces of a family with `probe_input` count as one device.
+            # A device's interfaces share its serial number; without one, all interfaces of a family
+            # with `probe_input` count as one device.
             alternative = bool(interface.serial) or any(family.probe_input for family in matching)
             place = b"" if alternative else interface.path
-            key = (interface.vendor, interface.product, interface.serial, place, tuple(family.name for family in matching))
+            key = (
+                interface.vendor,
+                interface.product,
+                interface.serial,
+                place,
+                tuple(family.name for family in matching),
+            )
             devices.setdefault(key, []).append(interface)
             families[key] = matching
     return tuple(Connected(tuple(group), families[key]) for key, group in devices.items())
@@ -133,12 +152,15 @@ class Opened:
 
 
 def open_device(hid: HidModule, family: AnyFamily, serial: str = "") -> Opened:
-    """Open the first device of the family that this process has not opened. serial: the one with this number, unless empty.
+    """Open the first device of the family that this process has not opened. serial: the one with
+    this number, unless empty.
 
     Raises DeviceError with the reason.
     """
     # hidapi lists a path once per top-level collection.
-    matching = {i.path: i for i in interfaces(hid) if family.matches(i) and serial in ("", i.serial)}
+    matching = {
+        i.path: i for i in interfaces(hid) if family.matches(i) and serial in ("", i.serial)
+    }
     if not matching:
         raise DeviceError(f"{family.title} is not connected")
     free = [interface for path, interface in matching.items() if path not in _held]
@@ -189,17 +211,22 @@ def _emits_input(device: HidDevice) -> bool:
 def udev_rule(interface: Interface) -> str:
     """The line for a udev rules file that lets the logged-in user write to the device.
 
-    Bluetooth devices have no USB attributes; the kernel names them after bus, vendor and product in upper-case hexadecimal.
+    Bluetooth devices have no USB attributes; the kernel names them after bus, vendor and product in
+    upper-case hexadecimal.
     """
     if interface.transport == "usb":
-        match = f'ATTRS{{idVendor}}=="{interface.vendor:04x}", ATTRS{{idProduct}}=="{interface.product:04x}"'
+        match = (
+            f'ATTRS{{idVendor}}=="{interface.vendor:04x}", '
+            f'ATTRS{{idProduct}}=="{interface.product:04x}"'
+        )
     else:
         match = f'KERNELS=="*{interface.vendor:04X}:{interface.product:04X}*"'
     return f'KERNEL=="hidraw*", {match}, MODE="0660", TAG+="uaccess"'
 
 
 def missing_permission(interface: Interface) -> str | None:
-    """Why this user may not open the interface (Linux), and the udev rule that lets them; None if they may, or if that is unknown."""
+    """Why this user may not open the interface (Linux), and the udev rule that lets them; None if
+    they may, or if that is unknown."""
     if not sys.platform.startswith("linux"):
         return None
     name, path = interface.label, os.fsdecode(interface.path)
@@ -207,10 +234,16 @@ def missing_permission(interface: Interface) -> str | None:
         return None
     if not os.access(path, os.F_OK):
         return f"{name}: {path} is gone, or a sandbox (Flatpak, Snap) hides it"
-    return f"{name}: no permission for {path}: put this line into {UDEV_FILE} and plug the device in again: {udev_rule(interface)}"
+    return (
+        f"{name}: no permission for {path}: put this line into {UDEV_FILE} and plug the "
+        f"device in again: {udev_rule(interface)}"
+    )
 
 
 def open_failure(interface: Interface) -> str:
     """Why opening an interface failed, and what to do about it."""
-    failure = f"{interface.label} can't be opened: another program (Steam, a game, a remapper) holds it, or it was just disconnected"
+    failure = (
+        f"{interface.label} can't be opened: another program (Steam, a game, a remapper) "
+        "holds it, or it was just disconnected"
+    )
     return missing_permission(interface) or failure

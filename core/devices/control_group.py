@@ -1,6 +1,8 @@
-"""The guard's own control group (cgroup v2, Linux): what kills or freezes the program's group then leaves the guard to silence the devices.
+"""The guard's own control group (cgroup v2, Linux): what kills or freezes the program's group then
+leaves the guard to silence the devices.
 
-A group that contains the one in which the guard finds a place still ends both: a container, a user's whole session.
+A group that contains the one in which the guard finds a place still ends both: a container, a
+user's whole session.
 """
 
 from __future__ import annotations
@@ -15,32 +17,42 @@ _NAME = "haptic-tracing-guard-"
 
 @contextmanager
 def own_control_group() -> Iterator[None]:
-    """Move this process to a group of its own, as far up as the user may, and back at the end; does nothing where the user may not."""
+    """Move this process to a group of its own, as far up as the user may, and back at the end; does
+    nothing where the user may not."""
     before = current_group()
     own = before and _moved(before)
     try:
         yield
     finally:
         if before and own:
-            with suppress(OSError):  # the group from before is gone: whoever comes next removes this one
+            # The group from before is gone: whoever comes next removes this one.
+            with suppress(OSError):
                 _join(before)
             _remove(own)
 
 
 def current_group() -> Path | None:
-    """The folder of this process's control group; None without cgroup v2, or in its root, which nothing kills."""
+    """The folder of this process's control group; None without cgroup v2, or in its root, which
+    nothing kills."""
     try:
         mounts = [line.split() for line in Path("/proc/self/mountinfo").read_text().splitlines()]
         groups = Path("/proc/self/cgroup").read_text().splitlines()
     except OSError:
         return None
     path = next((line.removeprefix("0::/") for line in groups if line.startswith("0::/")), "")
-    folders = [Path(fields[4], path) for fields in mounts if "cgroup2" in fields[fields.index("-") :]]
-    return next((folder for folder in folders if folder.is_dir()), None) if path and ".." not in path else None
+    folders = [
+        Path(fields[4], path) for fields in mounts if "cgroup2" in fields[fields.index("-") :]
+    ]
+    return (
+        next((folder for folder in folders if folder.is_dir()), None)
+        if path and ".." not in path
+        else None
+    )
 
 
 def _moved(group: Path) -> Path | None:
-    """The new group of this process, in the outermost of the groups around ``group`` that permits it."""
+    """The new group of this process, in the outermost of the groups around ``group`` that permits
+    it."""
     around = [parent for parent in group.parents if (parent / "cgroup.procs").exists()]
     for parent in reversed(around):
         for left_behind in parent.glob(f"{_NAME}*"):

@@ -1,7 +1,9 @@
-"""The Linux kernel's force feedback, for gamepads that cannot be opened as HID devices or are not HID devices (an Xbox pad on a cable).
+"""The Linux kernel's force feedback, for gamepads that cannot be opened as HID devices or are not
+HID devices (an Xbox pad on a cable).
 
-The kernel's driver implements the pad's protocol; an event device takes the amplitudes of two motors. Effects end with the process that
-holds the device, and each after half a second. Constants and layouts are those of ``linux/input.h``.
+The kernel's driver implements the pad's protocol; an event device takes the amplitudes of two
+motors. Effects end with the process that holds the device, and each after half a second. Constants
+and layouts are those of ``linux/input.h``.
 """
 
 from __future__ import annotations
@@ -23,8 +25,9 @@ _SYSTEM = Path("/sys/class/input")
 _RUMBLE_BIT = 0x50
 _EV_FF = 0x15
 _SYSTEM_BUS_BLUETOOTH = 0x0005
-# struct ff_effect: type, id, direction, trigger (two), replay length and delay in ms, padding, strong and weak magnitude; 48 bytes where
-# pointers have 8, as the last member of its union holds one.
+# struct ff_effect: type, id, direction, trigger (two), replay length and delay in ms, padding,
+# strong and weak magnitude; 48 bytes where pointers have 8, as the last member of its union holds
+# one.
 _EFFECT = struct.Struct("@HhHHHHH2xHH")
 _EFFECT_SIZE = 48 if struct.calcsize("P") == 8 else 44
 _EVENT = struct.Struct("@llHHi")
@@ -48,15 +51,24 @@ def event_nodes(system: Path = _SYSTEM) -> tuple[Interface, ...]:
 def _takes_rumble(capabilities: str) -> bool:
     """capabilities: words of hexadecimal as long as a C long, the last holding the lowest bits."""
     bits = 8 * struct.calcsize("l")
-    value = sum(int(word, 16) << bits * place for place, word in enumerate(reversed(capabilities.split())))
+    value = sum(
+        int(word, 16) << bits * place for place, word in enumerate(reversed(capabilities.split()))
+    )
     return bool(value >> _RUMBLE_BIT & 1)
 
 
 def _node(name: str, device: Path) -> Interface:
-    vendor, product, bus = (int((device / "id" / key).read_text(), 16) for key in ("vendor", "product", "bustype"))
-    title, serial = ((device / key).read_text().strip() if (device / key).exists() else "" for key in ("name", "uniq"))
+    vendor, product, bus = (
+        int((device / "id" / key).read_text(), 16) for key in ("vendor", "product", "bustype")
+    )
+    title, serial = (
+        (device / key).read_text().strip() if (device / key).exists() else ""
+        for key in ("name", "uniq")
+    )
     transport: Transport = "bt" if bus == _SYSTEM_BUS_BLUETOOTH else "usb"
-    return Interface(f"/dev/input/{name}".encode(), vendor, product, serial, title, 0, 0, -1, transport)
+    return Interface(
+        f"/dev/input/{name}".encode(), vendor, product, serial, title, 0, 0, -1, transport
+    )
 
 
 class ForceFeedbackModule(StandInModule):
@@ -87,12 +99,18 @@ class _EventDevice(HidDevice):
         if strong or weak:
             self._upload(strong, weak)
         if self._effect >= 0:
-            os.write(self._file, _EVENT.pack(0, 0, _EV_FF, self._effect, 1 if strong or weak else 0))
+            os.write(
+                self._file, _EVENT.pack(0, 0, _EV_FF, self._effect, 1 if strong or weak else 0)
+            )
 
     def _upload(self, strong: int, weak: int) -> None:
         import fcntl
 
-        effect = bytearray(_EFFECT.pack(_RUMBLE_BIT, self._effect, 0, 0, 0, _LENGTH, 0, strong, weak).ljust(_EFFECT_SIZE, b"\0"))
+        effect = bytearray(
+            _EFFECT.pack(_RUMBLE_BIT, self._effect, 0, 0, 0, _LENGTH, 0, strong, weak).ljust(
+                _EFFECT_SIZE, b"\0"
+            )
+        )
         fcntl.ioctl(self._file, _UPLOAD, effect)
         self._effect = _EFFECT.unpack_from(effect)[1]
 
@@ -120,7 +138,27 @@ FORCE_FEEDBACK = RumbleFamily(
 
 
 def force_feedback_profile(node: Interface) -> Profile:
-    """The profile of such a gamepad: a strong, slow motor and a weak, fast one, which shake the whole pad."""
+    """The profile of such a gamepad: a strong, slow motor and a weak, fast one, which shake the
+    whole pad."""
     channels = (Channel("left", (10.0, 100.0)), Channel("right", (100.0, 1000.0)))
-    actuator = Actuator("both motors", ("hand.L", "hand.R"), "ERM", (30.0, 250.0), 0.06, 1.0, channels, Calibration())
-    return Profile("force-feedback", node.title or FORCE_FEEDBACK.title, FORCE_FEEDBACK, False, None, 50.0, 0.7, 10.0, (actuator,))
+    actuator = Actuator(
+        "both motors",
+        ("hand.L", "hand.R"),
+        "ERM",
+        (30.0, 250.0),
+        0.06,
+        1.0,
+        channels,
+        Calibration(),
+    )
+    return Profile(
+        "force-feedback",
+        node.title or FORCE_FEEDBACK.title,
+        FORCE_FEEDBACK,
+        False,
+        None,
+        50.0,
+        0.7,
+        10.0,
+        (actuator,),
+    )

@@ -1,8 +1,10 @@
-"""The program's side of the guard: starts the process that drives the devices, sends it orders, and reads the statuses of the outputs.
+"""The program's side of the guard: starts the process that drives the devices, sends it orders, and
+reads the statuses of the outputs.
 
-Nothing here blocks the caller: an order is written as far as the pipe accepts it, and a thread writes the rest; another thread reads the
-statuses. An order that is not written yet is replaced by a newer one of the same method. The guard ends with the last output. A guard that
-does not answer is killed, and a new one silences the devices.
+Nothing here blocks the caller: an order is written as far as the pipe accepts it, and a thread
+writes the rest; another thread reads the statuses. An order that is not written yet is replaced by
+a newer one of the same method. The guard ends with the last output. A guard that does not answer is
+killed, and a new one silences the devices.
 """
 
 from __future__ import annotations
@@ -36,8 +38,9 @@ from .status import UNREACHED, Output, Status, stop_together
 from .writer import DeviceWriter
 
 _PACKAGE = __package__.removesuffix(".core.devices")
-# Importing the package would import Blender's modules: an empty module of its name, with its folder as the path, takes its place.
-# Where the user may do that, the guard takes precedence over other programs from its first import on.
+# Importing the package would import Blender's modules: an empty module of its name, with its folder
+# as the path, takes its place. Where the user may do that, the guard takes precedence over other
+# programs from its first import on.
 _BOOT = """
 import importlib, json, os, sys, types
 try:
@@ -53,30 +56,44 @@ for count in range(1, len(names) + 1):
     sys.modules[module.__name__] = module
 importlib.import_module(package + ".core.devices.guard_process").main(program)
 """
-# Windows ends a tree of processes by following their parents: the guard's parent, which starts it with its own pipes, has ended by then.
-_LAUNCH = "import subprocess, sys; subprocess.Popen(sys.argv[2:], stdin=0, stdout=1, creationflags=int(sys.argv[1]))"
+# Windows ends a tree of processes by following their parents: the guard's parent, which starts it
+# with its own pipes, has ended by then.
+_LAUNCH = (
+    "import subprocess, sys; subprocess.Popen(sys.argv[2:], stdin=0, stdout=1, "
+    "creationflags=int(sys.argv[1]))"
+)
 _EXIT_SECONDS = 1.0
 _FULL = 0.002  # seconds after which a full pipe is tried again
-# Seconds without an answer after which the guard is killed, while a device is open and otherwise: starting it and searching take long.
+# Seconds without an answer after which the guard is killed, while a device is open and otherwise:
+# starting it and searching take long.
 _ANSWERS_WITHIN, _STARTS_WITHIN = 0.5, 10.0
 # Earlier orders that an order makes obsolete, besides those of the same method.
-_OBSOLETE = {"send": ("expect",), **dict.fromkeys(("silence", "rest", "request_stop"), ("send", "expect"))}
+_OBSOLETE = {
+    "send": ("expect",),
+    **dict.fromkeys(("silence", "rest", "request_stop"), ("send", "expect")),
+}
 
 
 def start_process(by_launcher: bool = sys.platform == "win32") -> subprocess.Popen[bytes]:
-    """Start the guard with the Python that runs this program (Blender's own, inside Blender). Raises OSError.
+    """Start the guard with the Python that runs this program (Blender's own, inside Blender).
+    Raises OSError.
 
-    by_launcher: it is the child of a process that ends at once. On Windows it leaves the job of the program if that permits it.
+    by_launcher: it is the child of a process that ends at once. On Windows it leaves the job of the
+    program if that permits it.
     """
     paths = [str(Path(path).absolute()) for path in sys.path if path]
     what = json.dumps([paths, _PACKAGE, str(Path(__file__).parents[2]), os.getpid()])
     run = [sys.executable, "-I", "-S", "-c"]
-    flags = getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "ABOVE_NORMAL_PRIORITY_CLASS", 0)
+    flags = getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(
+        subprocess, "ABOVE_NORMAL_PRIORITY_CLASS", 0
+    )
     command = [*run, _LAUNCH, str(flags), *run, _BOOT, what] if by_launcher else [*run, _BOOT, what]
 
     def start(flags: int) -> subprocess.Popen[bytes]:
         pipe = subprocess.PIPE
-        return subprocess.Popen(command, stdin=pipe, stdout=pipe, start_new_session=True, creationflags=flags)
+        return subprocess.Popen(
+            command, stdin=pipe, stdout=pipe, start_new_session=True, creationflags=flags
+        )
 
     try:
         return start(flags | getattr(subprocess, "CREATE_BREAKAWAY_FROM_JOB", 0))
@@ -104,7 +121,8 @@ class Guard:
         self._threads = started_threads(orders=self._write, statuses=self._read, watch=self._watch)
 
     def open(self, output: GuardedOutput, name: str = "open") -> bool:
-        """Let the guard create and start an output, or ``quieten`` its device. Returns False if the guard is ending."""
+        """Let the guard create and start an output, or ``quieten`` its device. Returns False if the
+        guard is ending."""
         with self._condition:
             if self._closing or self._ended.is_set():
                 return False
@@ -116,10 +134,15 @@ class Guard:
     def outputs(self) -> list[GuardedOutput]:
         """The outputs that have not ended."""
         with self._condition:
-            return [output for number, output in self._outputs.items() if not self._status(number).is_over]
+            return [
+                output
+                for number, output in self._outputs.items()
+                if not self._status(number).is_over
+            ]
 
     def order(self, number: int, name: str, *arguments: Any) -> None:
-        """Call a method of an output, in the order of the calls; a later call of the same method replaces a pending one."""
+        """Call a method of an output, in the order of the calls; a later call of the same method
+        replaces a pending one."""
         with self._condition:
             before = self._orders.pop((number, name), None)
             if name == "send":
@@ -133,7 +156,9 @@ class Guard:
         """The last status of an output."""
         with self._condition:
             status = self._status(number)
-            return replace(status, dropped_blocks=status.dropped_blocks + self._replaced.get(number, 0))
+            return replace(
+                status, dropped_blocks=status.dropped_blocks + self._replaced.get(number, 0)
+            )
 
     def _status(self, number: int) -> Status:
         return self._statuses.get(number, Status())
@@ -151,7 +176,8 @@ class Guard:
             thread.join(max(deadline - time.monotonic(), 0.0))
 
     def _write_some(self) -> None:
-        """Write orders as far as the pipe accepts them at once; the thread writes the rest. Called under _condition.
+        """Write orders as far as the pipe accepts them at once; the thread writes the rest. Called
+        under _condition.
 
         The thread alone would have to wait until the caller releases the GIL.
         """
@@ -160,8 +186,11 @@ class Guard:
             return
         if not self._unwritten and self._orders:
             self._unwritten, self._orders = _message(self._orders), {}
-        with suppress(OSError):  # the pipe is full; or the guard has ended, which the thread of statuses sees
-            self._unwritten = self._unwritten[os.write(self._process.stdin.fileno(), self._unwritten) :]
+        # The pipe is full; or the guard has ended, which the thread of statuses sees.
+        with suppress(OSError):
+            self._unwritten = self._unwritten[
+                os.write(self._process.stdin.fileno(), self._unwritten) :
+            ]
 
     def _write(self) -> None:
         """The thread that writes a heartbeat, and orders that could not be written at once."""
@@ -207,7 +236,8 @@ class Guard:
             self._condition.notify_all()
 
     def _watch(self) -> None:
-        """The thread that kills a guard that does not answer. It counts its own steps, because this program may have been stopped."""
+        """The thread that kills a guard that does not answer. It counts its own steps, because this
+        program may have been stopped."""
         silent = 0
         while not self._ended.wait(ANSWER):
             with self._condition:
@@ -226,11 +256,16 @@ class Guard:
 
 def _message(orders: Mapping[tuple[int, str], tuple[Any, ...]]) -> memoryview:
     """Orders as the guard reads them."""
-    return memoryview(pickle.dumps([(*key, arguments) for key, arguments in orders.items()], pickle.HIGHEST_PROTOCOL))
+    return memoryview(
+        pickle.dumps(
+            [(*key, arguments) for key, arguments in orders.items()], pickle.HIGHEST_PROTOCOL
+        )
+    )
 
 
 def _never_blocks(pipe: BinaryIO) -> bool:
-    """Make a pipe non-blocking for writes. Returns False if the system cannot (Windows before Python 3.12)."""
+    """Make a pipe non-blocking for writes. Returns False if the system cannot (Windows before
+    Python 3.12)."""
     try:
         os.set_blocking(pipe.fileno(), False)
     except (AttributeError, OSError):
@@ -248,7 +283,8 @@ class _State:
         self.numbers = itertools.count()
 
     def open(self, output: GuardedOutput, name: str = "open") -> Guard:
-        """Let a guard drive one more output, or ``quieten`` its device. Raises OSError if none can be started."""
+        """Let a guard drive one more output, or ``quieten`` its device. Raises OSError if none can
+        be started."""
         with self._lock:
             if self.guard is None or not self.guard.open(output, name):
                 self.guard = Guard()
@@ -287,7 +323,9 @@ class GuardedOutput(Output):
         try:
             self._guard = _state.open(self)
         except OSError as error:
-            self._own = Status("failed", f"the process that guards the devices can't be started: {error}")
+            self._own = Status(
+                "failed", f"the process that guards the devices can't be started: {error}"
+            )
 
     def lose(self, guard: Guard | None, reason: str) -> None:
         """Fail for a reason, while ``guard`` silences the device."""
@@ -305,7 +343,9 @@ class GuardedOutput(Output):
         return sent
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        self._order("expect", packed(checked_block(np.asarray(ahead), len(self.profile.actuators))), sent)
+        self._order(
+            "expect", packed(checked_block(np.asarray(ahead), len(self.profile.actuators))), sent
+        )
 
     def silence(self) -> None:
         self._order("silence")
@@ -334,8 +374,14 @@ class GuardedOutput(Output):
         status = self._guard.status(self.number)
         if not self._lost:
             return status
-        outcome = {"stopped": "another one has silenced it", "failed": f"another one can't silence it ({status.message}): {UNREACHED}"}
-        message = f"{self._lost}; {outcome.get(status.state, 'another one is silencing it')}. Disconnect it and connect it again"
+        outcome = {
+            "stopped": "another one has silenced it",
+            "failed": f"another one can't silence it ({status.message}): {UNREACHED}",
+        }
+        message = (
+            f"{self._lost}; {outcome.get(status.state, 'another one is silencing it')}. "
+            "Disconnect it and connect it again"
+        )
         return Status("failed", message)
 
     @property
@@ -352,15 +398,20 @@ class GuardedOutput(Output):
 class DeviceOutput(GuardedOutput):
     """One device that is fed with blocks of samples, one row per actuator of its profile."""
 
-    def __init__(self, profile: Profile, adjustment: Adjustment | None = None, **options: Any) -> None:
+    def __init__(
+        self, profile: Profile, adjustment: Adjustment | None = None, **options: Any
+    ) -> None:
         """options: those of `DeviceWriter`; ``hid`` is pickled. Raises ValueError as that does."""
         super().__init__(profile, partial(DeviceWriter, profile, adjustment=adjustment, **options))
 
 
 class SoundCardOutput(GuardedOutput):
-    """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceOutput`."""
+    """A sound card that is fed with blocks of samples, one row per actuator; used like
+    `DeviceOutput`."""
 
-    def __init__(self, card: SoundCard, adjustment: Adjustment | None = None, **options: Any) -> None:
+    def __init__(
+        self, card: SoundCard, adjustment: Adjustment | None = None, **options: Any
+    ) -> None:
         """options: those of `SoundCardWriter`."""
         super().__init__(card, partial(SoundCardWriter, card, adjustment=adjustment, **options))
 
@@ -372,7 +423,8 @@ def outputs() -> list[GuardedOutput]:
 
 @atexit.register
 def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
-    """Stop all outputs within ``timeout`` seconds together, and the guard with them. Returns whether all are done."""
+    """Stop all outputs within ``timeout`` seconds together, and the guard with them. Returns
+    whether all are done."""
     deadline = time.perf_counter() + timeout
     done = stop_together(outputs(), timeout)
     if done and _state.guard is not None:

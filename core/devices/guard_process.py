@@ -1,9 +1,11 @@
-"""The guard process: drives the devices on the orders of a program, and silences them when that program stops or ends.
+"""The guard process: drives the devices on the orders of a program, and silences them when that
+program stops or ends.
 
-The program sends a list of orders at least every `HEARTBEAT` seconds; a list may be empty. The guard answers with the statuses of the
-outputs every `ANSWER` seconds. A closed pipe means that the program has ended. If a list is late, the guard queries the state of the
-program: if it is stopped, crashing or gone, the devices are silenced; if it runs, it only waits for the GIL, and the samples that it has
-sent ahead are played.
+The program sends a list of orders at least every `HEARTBEAT` seconds; a list may be empty. The
+guard answers with the statuses of the outputs every `ANSWER` seconds. A closed pipe means that the
+program has ended. If a list is late, the guard queries the state of the program: if it is stopped,
+crashing or gone, the devices are silenced; if it runs, it only waits for the GIL, and the samples
+that it has sent ahead are played.
 """
 
 from __future__ import annotations
@@ -95,7 +97,8 @@ class Service:
             self._quieting += started_threads(quieten=partial(self._quieten, number, output))
 
     def _quieten(self, number: int, output: Output) -> None:
-        """Open a device, which writes zero, and close it again; it failed if the device can't be opened."""
+        """Open a device, which writes zero, and close it again; it failed if the device can't be
+        opened."""
         deadline = time.perf_counter() + _QUIETEN_SECONDS
         while output.status.state == "searching" and time.perf_counter() < deadline:
             time.sleep(_LOOK)
@@ -105,18 +108,26 @@ class Service:
         output.request_stop()
 
     def _watch(self) -> None:
-        """The thread that silences the devices while the program is stopped, again after orders that were still executed."""
+        """The thread that silences the devices while the program is stopped, again after orders
+        that were still executed."""
         silenced = 0.0
         while not self._ended.wait(_LOOK):
             heard = self._heard
-            if heard != silenced and time.perf_counter() - heard > _LATE and not self._program_runs():
+            if (
+                heard != silenced
+                and time.perf_counter() - heard > _LATE
+                and not self._program_runs()
+            ):
                 silenced = heard
                 for output in self._all():
                     output.silence()
 
     def _answer(self) -> None:
-        """Send the id of this process and the statuses of the outputs, which also tells the program that the guard works."""
-        statuses = {number: output.status for number, output in self._outputs.items()} | self._failed
+        """Send the id of this process and the statuses of the outputs, which also tells the program
+        that the guard works."""
+        statuses = {
+            number: output.status for number, output in self._outputs.items()
+        } | self._failed
         pickle.dump((os.getpid(), statuses), self._statuses)
         self._statuses.flush()
 
@@ -134,7 +145,10 @@ class Service:
 
 def started_threads(**works: Callable[[], None]) -> list[threading.Thread]:
     """Threads that do these works, by their names."""
-    threads = [threading.Thread(target=work, name=f"haptics guard {name}", daemon=True) for name, work in works.items()]
+    threads = [
+        threading.Thread(target=work, name=f"haptics guard {name}", daemon=True)
+        for name, work in works.items()
+    ]
     for thread in threads:
         thread.start()
     return threads
@@ -146,7 +160,11 @@ def packed(block: FloatArray) -> tuple[int, bytes]:
 
 
 def _unpacked(argument: Any) -> Any:
-    return np.frombuffer(argument[1]).reshape(argument[0], -1) if isinstance(argument, tuple) else argument
+    return (
+        np.frombuffer(argument[1]).reshape(argument[0], -1)
+        if isinstance(argument, tuple)
+        else argument
+    )
 
 
 def main(program: int) -> None:

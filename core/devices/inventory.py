@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from .connection import Connected, StandInModule, connected, hid_module, missing_permission, udev_rule
+from .connection import (
+    Connected,
+    StandInModule,
+    connected,
+    hid_module,
+    missing_permission,
+    udev_rule,
+)
 from .families.family import Interface
 from .force_feedback import ForceFeedbackModule, event_nodes, force_feedback_profile
 from .guard import DeviceOutput, GuardedOutput, SoundCardOutput
@@ -23,8 +30,9 @@ _BUS = {"usb": "USB", "bt": "Bluetooth"}
 class Found:
     """A device that can be driven.
 
-    key: its name in settings. kind: description of its connection. permission: why this user may not open it, or empty; rule: the udev rule
-    that permits it, if that suffices. open: creates the output without starting it.
+    key: its name in settings. kind: description of its connection. permission: why this user may
+    not open it, or empty; rule: the udev rule that permits it, if that suffices. open: creates the
+    output without starting it.
     """
 
     key: str
@@ -45,8 +53,11 @@ class Inventory:
     problems: tuple[str, ...] = ()
 
 
-def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_players: bool = False) -> Inventory:
-    """Search for devices. The failure of one kind is reported as a problem and does not affect the others.
+def look(
+    folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_players: bool = False
+) -> Inventory:
+    """Search for devices. The failure of one kind is reported as a problem and does not affect the
+    others.
 
     folders: those with the user's device profiles.
     """
@@ -67,7 +78,11 @@ def look(folders: Iterable[Path] = (), *, with_sound_cards: bool = False, with_p
         except OSError as error:
             problems = (*problems, str(error))
     driven = {device.title for device in devices}
-    others = [device for device in gamepads if not _matching(profiles.values(), device) and device.first.title not in driven]
+    others = [
+        device
+        for device in gamepads
+        if not _matching(profiles.values(), device) and device.first.title not in driven
+    ]
     strangers = tuple(device.first.label for device in others)
     return Inventory(_with_unique_keys(devices), strangers, problems)
 
@@ -80,29 +95,48 @@ def _matching(profiles: Iterable[Profile], device: Connected) -> list[Profile]:
 def _hid_devices(profiles: Sequence[Profile], gamepads: list[Connected]) -> list[Found]:
     """The supported HID devices. All HID gamepads are added to ``gamepads``."""
     gamepads += connected(hid_module())
-    return [_hid_device(profile, device) for device in gamepads for profile in _matching(profiles, device)]
+    return [
+        _hid_device(profile, device)
+        for device in gamepads
+        for profile in _matching(profiles, device)
+    ]
 
 
 def _force_feedback(profiles: Sequence[Profile], gamepads: Sequence[Connected]) -> list[Found]:
-    """Devices driven by the kernel's force feedback, without those that are driven as HID devices (``gamepads``)."""
-    drivable = [device for device in gamepads if _matching(profiles, device) and not all(map(missing_permission, device.interfaces))]
+    """Devices driven by the kernel's force feedback, without those that are driven as HID devices
+    (``gamepads``)."""
+    drivable = [
+        device
+        for device in gamepads
+        if _matching(profiles, device) and not all(map(missing_permission, device.interfaces))
+    ]
     return [
         _event_device(node)
         for node in event_nodes()
-        if missing_permission(node) is None and not any(_is_same(node, device.first) for device in drivable)
+        if missing_permission(node) is None
+        and not any(_is_same(node, device.first) for device in drivable)
     ]
 
 
 def _is_same(node: Interface, pad: Interface) -> bool:
-    """Whether an event device and a HID interface belong to the same pad by their serial numbers."""
+    """Whether an event device and a HID interface belong to the same pad by their serial
+    numbers."""
     alike = (node.vendor, node.product) == (pad.vendor, pad.product)
-    return alike and (not node.serial or not pad.serial or node.serial.lower() == pad.serial.lower())
+    return alike and (
+        not node.serial or not pad.serial or node.serial.lower() == pad.serial.lower()
+    )
 
 
 def _event_device(node: Interface) -> Found:
     profile, module = force_feedback_profile(node), ForceFeedbackModule(node)
     key = " ".join(filter(None, ("force-feedback", node.title, node.serial)))
-    return Found(key, profile.title, f"{_BUS[node.transport]}, kernel", profile, partial(DeviceOutput, profile, hid=module))
+    return Found(
+        key,
+        profile.title,
+        f"{_BUS[node.transport]}, kernel",
+        profile,
+        partial(DeviceOutput, profile, hid=module),
+    )
 
 
 def _hid_device(profile: Profile, device: Connected) -> Found:
@@ -123,14 +157,26 @@ def _hid_device(profile: Profile, device: Connected) -> Found:
 
 def _sound_cards() -> list[Found]:
     return [
-        Found(f"sound card {card.title}", card.title, f"sound card, {card.channels} channels", card, partial(SoundCardOutput, card))
+        Found(
+            f"sound card {card.title}",
+            card.title,
+            f"sound card, {card.channels} channels",
+            card,
+            partial(SoundCardOutput, card),
+        )
         for card in sound_cards(sound_module())
     ]
 
 
 def _players(look: Callable[[], Iterable[tuple[Profile, StandInModule]]]) -> list[Found]:
     return [
-        Found(f"player {profile.title}", profile.title, "haptic player", profile, partial(DeviceOutput, profile, hid=module))
+        Found(
+            f"player {profile.title}",
+            profile.title,
+            "haptic player",
+            profile,
+            partial(DeviceOutput, profile, hid=module),
+        )
         for profile, module in look()
     ]
 
@@ -141,5 +187,9 @@ def _with_unique_keys(devices: list[Found]) -> tuple[Found, ...]:
     unique = []
     for device in devices:
         seen[device.key] = number = seen.get(device.key, 0) + 1
-        unique.append(device if number == 1 else replace(device, key=f"{device.key} #{number}", title=f"{device.title} {number}"))
+        unique.append(
+            device
+            if number == 1
+            else replace(device, key=f"{device.key} #{number}", title=f"{device.title} {number}")
+        )
     return tuple(unique)

@@ -1,6 +1,8 @@
-"""Whether another process runs: not after its end, and where the system says so, not while it is stopped or crashes.
+"""Whether another process runs: not after its end, and where the system says so, not while it is
+stopped or crashes.
 
-Linux reads ``/proc``, macOS is asked through kqueue and libproc, Windows through a handle of the process.
+Linux reads ``/proc``, macOS is asked through kqueue and libproc, Windows through a handle of the
+process.
 """
 
 from __future__ import annotations
@@ -15,14 +17,19 @@ from typing import Any
 
 IsRunning = Callable[[], bool]
 
-_CRASHES = sum(1 << member.value - 1 for member in signal.Signals if member.name in ("SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT"))
+_CRASHES = sum(
+    1 << member.value - 1
+    for member in signal.Signals
+    if member.name in ("SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT")
+)
 _SYNCHRONIZE, _WAIT_TIMEOUT = 0x0010_0000, 0x102
 # libproc's flavour PROC_PIDTBSDINFO, the size of its answer, and the states of sys/proc.h.
 _PIDTBSDINFO, _BSDINFO_SIZE, _STOPPED, _ZOMBIE = 3, 136, 4, 5
 
 
 def liveness_of(process: int) -> IsRunning:
-    """A function that tells whether a process, by its id, runs. True on systems where that is unknown."""
+    """A function that tells whether a process, by its id, runs. True on systems where that is
+    unknown."""
     if sys.platform.startswith("linux"):
         return lambda: runs_on_linux(process)
     if sys.platform == "darwin":
@@ -33,14 +40,21 @@ def liveness_of(process: int) -> IsRunning:
 
 
 def runs_on_linux(process: int) -> bool:
-    """An exit is detected before the process is gone and its pipes are closed, which takes long if it frees much memory: it then has no
-    address space. In a crash, the main thread runs a handler with the signal blocked, or a core dump is announced."""
+    """An exit is detected before the process is gone and its pipes are closed, which takes long if
+    it frees much memory: it then has no address space. In a crash, the main thread runs a handler
+    with the signal blocked, or a core dump is announced."""
     try:
-        lines = Path(f"/proc/{process}/status").read_text(encoding="ascii", errors="replace").splitlines()
+        lines = (
+            Path(f"/proc/{process}/status")
+            .read_text(encoding="ascii", errors="replace")
+            .splitlines()
+        )
     except OSError:
         return False
     fields = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
-    crashing = fields.get("CoreDumping") == "1" or bool(int(fields.get("SigBlk", "0"), 16) & _CRASHES)
+    crashing = fields.get("CoreDumping") == "1" or bool(
+        int(fields.get("SigBlk", "0"), 16) & _CRASHES
+    )
     return fields.get("State", "R")[:1] not in "TtZX" and not crashing and "VmSize" in fields
 
 
@@ -51,7 +65,10 @@ def runs_on_macos(process: int, select: Any, libproc: Any) -> IsRunning:
     """
     queue, ended = select.kqueue(), False
     try:
-        queue.control([select.kevent(process, select.KQ_FILTER_PROC, select.KQ_EV_ADD, select.KQ_NOTE_EXIT)], 0)
+        queue.control(
+            [select.kevent(process, select.KQ_FILTER_PROC, select.KQ_EV_ADD, select.KQ_NOTE_EXIT)],
+            0,
+        )
     except ProcessLookupError:
         ended = True
 
@@ -59,7 +76,13 @@ def runs_on_macos(process: int, select: Any, libproc: Any) -> IsRunning:
         nonlocal ended
         ended = ended or bool(queue.control(None, 1, 0))
         answer = ctypes.create_string_buffer(_BSDINFO_SIZE)
-        if ended or libproc.proc_pidinfo(process, _PIDTBSDINFO, ctypes.c_uint64(0), answer, _BSDINFO_SIZE) != _BSDINFO_SIZE:
+        if (
+            ended
+            or libproc.proc_pidinfo(
+                process, _PIDTBSDINFO, ctypes.c_uint64(0), answer, _BSDINFO_SIZE
+            )
+            != _BSDINFO_SIZE
+        ):
             return False
         return int.from_bytes(answer.raw[4:8], sys.byteorder) not in (_STOPPED, _ZOMBIE)
 
@@ -67,7 +90,10 @@ def runs_on_macos(process: int, select: Any, libproc: Any) -> IsRunning:
 
 
 def runs_on_windows(process: int, kernel32: Any) -> IsRunning:
-    """A handle of the process is signalled at its end; there are no stopped processes. kernel32: the library of the system."""
+    """A handle of the process is signalled at its end; there are no stopped processes. kernel32:
+    the library of the system."""
     kernel32.OpenProcess.restype = ctypes.c_void_p
     handle = kernel32.OpenProcess(_SYNCHRONIZE, False, process)
-    return lambda: bool(handle) and kernel32.WaitForSingleObject(ctypes.c_void_p(handle), 0) == _WAIT_TIMEOUT
+    return lambda: (
+        bool(handle) and kernel32.WaitForSingleObject(ctypes.c_void_p(handle), 0) == _WAIT_TIMEOUT
+    )

@@ -1,7 +1,8 @@
-"""WebSocket connections to haptic players on this computer, and replacements for hidapi's module for a player's devices.
+"""WebSocket connections to haptic players on this computer, and replacements for hidapi's module
+for a player's devices.
 
-Connects only to the loopback address, without proxies and redirects. Messages are limited in size and time. Needs the Python
-package websockets.
+Connects only to the loopback address, without proxies and redirects. Messages are limited in size
+and time. Needs the Python package websockets.
 """
 
 from __future__ import annotations
@@ -30,11 +31,13 @@ LARGEST_MESSAGE = 65_536
 _LOOPBACK = "127.0.0.1"
 _CONNECT_WITHIN, _CLOSE_WITHIN = 0.5, 0.2
 _NO_LOG = logging.Logger("haptic players", logging.CRITICAL + 1)  # errors are told by the panel
-_LONGEST_TALK = 100  # messages that are read while an answer is waited for, or between two that are sent
+# Messages that are read while an answer is waited for, or between two that are sent.
+_LONGEST_TALK = 100
 
 
 def websockets_client() -> Any:
-    """The client of the package websockets. Raises DeviceError with instructions if it is missing."""
+    """The client of the package websockets. Raises DeviceError with instructions if it is
+    missing."""
     return carried_module("websockets.sync.client", "haptic players")
 
 
@@ -67,7 +70,9 @@ class Connection:
         exceptions = import_module("websockets.exceptions")
         place = urlsplit(url)
         if place.scheme != "ws" or place.hostname != _LOOPBACK:
-            raise DeviceError(f"{url.partition('?')[0]} is not on this computer: use ws://{_LOOPBACK}")
+            raise DeviceError(
+                f"{url.partition('?')[0]} is not on this computer: use ws://{_LOOPBACK}"
+            )
         self.users, self.broken = 0, False
         self._lock = threading.Lock()
         self._closing = threading.Event()
@@ -75,7 +80,9 @@ class Connection:
         self._errors = (exceptions.WebSocketException, OSError, ValueError, EOFError, LookupError)
         self._resources = ExitStack()
         try:
-            self._raw = self._resources.enter_context(socket.create_connection((_LOOPBACK, place.port or 80), _CONNECT_WITHIN))
+            self._raw = self._resources.enter_context(
+                socket.create_connection((_LOOPBACK, place.port or 80), _CONNECT_WITHIN)
+            )
             with _cancellable(self._raw):
                 # With a socket of its own the client follows no redirect.
                 connecting = client.connect(
@@ -92,10 +99,13 @@ class Connection:
                 self._socket = self._resources.enter_context(connecting)
         except self._errors as error:
             self._resources.close()
-            raise DeviceError(f"no player answers at {url.partition('?')[0]}: {str(error).partition(chr(10))[0]}") from None
+            raise DeviceError(
+                f"no player answers at {url.partition('?')[0]}: {str(error).partition(chr(10))[0]}"
+            ) from None
 
     def send(self, text: str) -> None:
-        """Send a message; messages received meanwhile are dropped. Raises OSError if the connection is closed."""
+        """Send a message; messages received meanwhile are dropped. Raises OSError if the connection
+        is closed."""
         with self._lock:
             try:
                 self._socket.send(text)
@@ -107,15 +117,20 @@ class Connection:
                 raise OSError(f"the player closed the connection: {error}") from None
 
     def ask(self, message: Mapping[str, Any], wanted: str) -> dict[str, Any]:
-        """Send a Buttplug message and wait for the answer of the ``wanted`` kind. Raises DeviceError."""
+        """Send a Buttplug message and wait for the answer of the ``wanted`` kind. Raises
+        DeviceError."""
         end = monotonic() + ANSWER_WITHIN
         with self._lock, _cancellable(self._raw):
             try:
                 self._socket.send(json.dumps([message]))
                 for _ in range(_LONGEST_TALK):
-                    for kind, content in messages_of(self._socket.recv(timeout=max(end - monotonic(), 0.0))):
+                    for kind, content in messages_of(
+                        self._socket.recv(timeout=max(end - monotonic(), 0.0))
+                    ):
                         if kind == "Error":
-                            raise DeviceError(f"Intiface: {str(content.get('ErrorMessage', 'error'))[:200]}")
+                            raise DeviceError(
+                                f"Intiface: {str(content.get('ErrorMessage', 'error'))[:200]}"
+                            )
                         if kind == wanted:
                             return content
             except DeviceError:
@@ -126,7 +141,9 @@ class Connection:
 
     def ping_every(self, seconds: float, message: str) -> None:
         """Send ``message`` every ``seconds`` from now on, until the connection is closed."""
-        self._pinging = threading.Thread(target=self._ping, args=(seconds, message), name="haptics ping", daemon=True)
+        self._pinging = threading.Thread(
+            target=self._ping, args=(seconds, message), name="haptics ping", daemon=True
+        )
         self._pinging.start()
 
     def _ping(self, seconds: float, message: str) -> None:
@@ -149,14 +166,20 @@ def messages_of(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
     packet = parse_json(text.encode() if isinstance(text, str) else text, "its message")
     if not isinstance(packet, list) or not all(isinstance(message, dict) for message in packet):
         raise ValueError("it is no list of messages")
-    return [(kind, content) for message in packet for kind, content in message.items() if isinstance(content, dict)]
+    return [
+        (kind, content)
+        for message in packet
+        for kind, content in message.items()
+        if isinstance(content, dict)
+    ]
 
 
 @dataclass(frozen=True, slots=True)
 class Player:
     """Address and greeting of a player, with its connection.
 
-    greet: introduces the program. last: part of a message that must arrive, if necessary on a new connection.
+    greet: introduces the program. last: part of a message that must arrive, if necessary on a new
+    connection.
     """
 
     url: str

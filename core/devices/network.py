@@ -1,6 +1,8 @@
-"""Haptic players on this computer: bHaptics Player (vests, sleeves, gloves) and Intiface (Buttplug protocol, version 3).
+"""Haptic players on this computer: bHaptics Player (vests, sleeves, gloves) and Intiface (Buttplug
+protocol, version 3).
 
-A connection replaces a HID device: `DeviceOutput` drives both with the same intervals, limits, watchdog, zero and release.
+A connection replaces a HID device: `DeviceOutput` drives both with the same intervals, limits,
+watchdog, zero and release.
 """
 
 from __future__ import annotations
@@ -25,27 +27,45 @@ BHAPTICS = "ws://127.0.0.1:15881/v2/feedbacks?app_id=haptic-tracing&app_name=Hap
 INTIFACE = "ws://127.0.0.1:12345"
 
 _INTERVAL = 0.05
-# Number of pings within the server's time-out, after which it stops its devices; two of them may be late.
+# Number of pings within the server's time-out, after which it stops its devices; two of them may be
+# late.
 _PINGS_IN_TIME = 3
 _SHORTEST_PING = 10.0
 _PING = json.dumps([{"Ping": {"Id": 2}}])
 # Duration of a frame, after which the vest is silent if the program hangs.
 _FRAME_MILLISECONDS = 100
 _TAKES = (10.0, 1000.0)
-_MOTORS = tuple((position, index) for device in DEVICES.values() for position, places in device.items() for index in range(len(places)))
+_MOTORS = tuple(
+    (position, index)
+    for device in DEVICES.values()
+    for position, places in device.items()
+    for index in range(len(places))
+)
 
 
 def bhaptics(url: str = BHAPTICS) -> tuple[Profile, StandInModule]:
     """bHaptics Player: every motor is an actuator. Raises DeviceError if it does not run."""
     Connection(url).close()
     names = [f"{position} {index + 1}" for position, index in _MOTORS]
-    family = _family("bhaptics", "bHaptics Player", names, _encode_bhaptics, _release_bhaptics, refresh=0.06)
-    places = {position: places for device in DEVICES.values() for position, places in device.items()}
+    family = _family(
+        "bhaptics", "bHaptics Player", names, _encode_bhaptics, _release_bhaptics, refresh=0.06
+    )
+    places = {
+        position: places for device in DEVICES.values() for position, places in device.items()
+    }
     felt = [
-        tuple(part.name for part in BODY_PARTS if part.bhaptics == position and index in region(part, places[position]))
+        tuple(
+            part.name
+            for part in BODY_PARTS
+            if part.bhaptics == position and index in region(part, places[position])
+        )
         for position, index in _MOTORS
     ]
-    profile = _profile(family, dict(zip(names, felt, strict=True)), [places[position][index] for position, index in _MOTORS])
+    profile = _profile(
+        family,
+        dict(zip(names, felt, strict=True)),
+        [places[position][index] for position, index in _MOTORS],
+    )
     return profile, player_module(Player(url, _no_greeting, b"turnOffAll"), family.name)
 
 
@@ -56,12 +76,18 @@ def _no_greeting(connection: Connection) -> None:
 def _encode_bhaptics(drive: Tones, transport: Transport, sequence: int) -> Report:
     frames: dict[str, list[dict[str, int]]] = {}
     for amplitude, (position, index) in zip(drive.amplitudes, _MOTORS, strict=True):
-        frames.setdefault(position, []).append({"Index": index, "Intensity": round(100 * amplitude)})
+        frames.setdefault(position, []).append(
+            {"Index": index, "Intensity": round(100 * amplitude)}
+        )
     submits = [
         {
             "Type": "frame",
             "Key": f"haptic-tracing {position}",
-            "Frame": {"Position": position, "DotPoints": points, "DurationMillis": _FRAME_MILLISECONDS},
+            "Frame": {
+                "Position": position,
+                "DotPoints": points,
+                "DurationMillis": _FRAME_MILLISECONDS,
+            },
         }
         for position, points in frames.items()
     ]
@@ -73,7 +99,8 @@ def _release_bhaptics(transport: Transport, sequence: int) -> tuple[Report, ...]
 
 
 def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, StandInModule], ...]:
-    """The devices of Intiface: every motor is an actuator without a body part. Raises DeviceError if it does not run."""
+    """The devices of Intiface: every motor is an actuator without a body part. Raises DeviceError
+    if it does not run."""
     player = Player(url, _greet, b"StopDeviceCmd")
     connection = player.open()
     try:
@@ -84,13 +111,15 @@ def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, StandInModule], ...]:
 
 
 def devices_of(player: Player, listed: dict[str, Any]) -> tuple[tuple[Profile, StandInModule], ...]:
-    """The devices with motors in Intiface's DeviceList. Raises DeviceError where it is malformed."""
+    """The devices with motors in Intiface's DeviceList. Raises DeviceError where it is
+    malformed."""
     devices = _checked(listed, "DeviceList")["Devices"]
     return tuple(_intiface_device(player, device) for device in devices if _motors(device))
 
 
 def _greet(connection: Connection) -> None:
-    """Introduce the program, and keep the connection alive at the server's interval. Raises DeviceError."""
+    """Introduce the program, and keep the connection alive at the server's interval. Raises
+    DeviceError."""
     greeting = {"RequestServerInfo": {"Id": 1, "ClientName": "Haptic Tracing", "MessageVersion": 3}}
     seconds = ping_seconds(connection.ask(greeting, "ServerInfo"))
     if seconds is not None:
@@ -98,13 +127,15 @@ def _greet(connection: Connection) -> None:
 
 
 def ping_seconds(info: dict[str, Any]) -> float | None:
-    """Seconds between two pings that Intiface's ServerInfo asks for; None for no pings. Raises DeviceError where it is malformed."""
+    """Seconds between two pings that Intiface's ServerInfo asks for; None for no pings. Raises
+    DeviceError where it is malformed."""
     milliseconds = _checked(info, "ServerInfo").get("MaxPingTime") or 0
     return max(milliseconds, _SHORTEST_PING) / 1000 / _PINGS_IN_TIME if milliseconds else None
 
 
 def _checked(content: dict[str, Any], kind: str) -> dict[str, Any]:
-    """A message of Intiface as ``intiface.schema.json`` defines it. Raises DeviceError with the place of a fault."""
+    """A message of Intiface as ``intiface.schema.json`` defines it. Raises DeviceError with the
+    place of a fault."""
     try:
         validate({kind: content}, "intiface", "Intiface")
     except FormatError as error:
@@ -114,7 +145,11 @@ def _checked(content: dict[str, Any], kind: str) -> dict[str, Any]:
 
 def _motors(device: Mapping[str, Any]) -> list[int]:
     commands = device["DeviceMessages"].get("ScalarCmd", [])
-    return [number for number, command in enumerate(commands) if command.get("ActuatorType") == "Vibrate"]
+    return [
+        number
+        for number, command in enumerate(commands)
+        if command.get("ActuatorType") == "Vibrate"
+    ]
 
 
 def _intiface_device(player: Player, device: Mapping[str, Any]) -> tuple[Profile, StandInModule]:
@@ -122,20 +157,32 @@ def _intiface_device(player: Player, device: Mapping[str, Any]) -> tuple[Profile
     names = [f"motor {number + 1}" for number in range(len(motors))]
     gap = max((device.get("DeviceMessageTimingGap") or 0) / 1000, _INTERVAL)
     encode, release = partial(_encode_intiface, index, motors), partial(_release_intiface, index)
-    family = _family(f"intiface {index}", device["DeviceName"], names, encode, release, interval=gap)
+    family = _family(
+        f"intiface {index}", device["DeviceName"], names, encode, release, interval=gap
+    )
     return _profile(family, dict.fromkeys(names, ())), player_module(player, family.name)
 
 
-def _encode_intiface(index: int, motors: Sequence[int], drive: Tones, transport: Transport, sequence: int) -> Report:
+def _encode_intiface(
+    index: int, motors: Sequence[int], drive: Tones, transport: Transport, sequence: int
+) -> Report:
     scalars = [
         {"Index": motor, "Scalar": round(amplitude, 3), "ActuatorType": "Vibrate"}
         for motor, amplitude in zip(motors, drive.amplitudes, strict=True)
     ]
-    return Report(json.dumps([{"ScalarCmd": {"Id": 3 + sequence, "DeviceIndex": index, "Scalars": scalars}}]).encode())
+    return Report(
+        json.dumps(
+            [{"ScalarCmd": {"Id": 3 + sequence, "DeviceIndex": index, "Scalars": scalars}}]
+        ).encode()
+    )
 
 
 def _release_intiface(index: int, transport: Transport, sequence: int) -> tuple[Report, ...]:
-    return (Report(json.dumps([{"StopDeviceCmd": {"Id": 3 + sequence, "DeviceIndex": index}}]).encode()),)
+    return (
+        Report(
+            json.dumps([{"StopDeviceCmd": {"Id": 3 + sequence, "DeviceIndex": index}}]).encode()
+        ),
+    )
 
 
 def _alike(count: int, left: float, right: float) -> Tones:
@@ -168,10 +215,22 @@ def _family(
 
 
 def _profile(
-    family: RumbleFamily, parts: Mapping[str, tuple[str, ...]], positions: Iterable[tuple[float, float] | None] = itertools.repeat(None)
+    family: RumbleFamily,
+    parts: Mapping[str, tuple[str, ...]],
+    positions: Iterable[tuple[float, float] | None] = itertools.repeat(None),
 ) -> Profile:
     actuators = tuple(
-        Actuator(name, places, "ERM", (30.0, 250.0), 0.05, 1.0, (Channel(name, _TAKES),), Calibration(), position=position)
+        Actuator(
+            name,
+            places,
+            "ERM",
+            (30.0, 250.0),
+            0.05,
+            1.0,
+            (Channel(name, _TAKES),),
+            Calibration(),
+            position=position,
+        )
         for (name, places), position in zip(parts.items(), positions, strict=False)
     )
     return Profile(family.name, family.title, family, True, None, 20.0, 0.7, 10.0, actuators)

@@ -1,4 +1,5 @@
-"""Schedule of a device's reports: interval, refresh, watchdog and limits. Uses no clock and no device: time is an argument."""
+"""Schedule of a device's reports: interval, refresh, watchdog and limits. Uses no clock and no
+device: time is an argument."""
 
 from __future__ import annotations
 
@@ -16,12 +17,12 @@ from .profiles import Adjustment, Profile
 from .report import Report, Tones, Transport
 
 WATCHDOG = 0.500
-"""Seconds without a fresh block after which a device is silenced. Blender's operators may delay frames by up to that; the samples sent
-ahead are played meanwhile."""
+"""Seconds without a fresh block after which a device is silenced. Blender's operators may delay
+frames by up to that; the samples sent ahead are played meanwhile."""
 
 _MARGIN = 0.010
-"""Buffering of a stream in addition to one report [s]: a frame may be that late without a gap. A block that is earlier by more cuts off the
-rest of the one before."""
+"""Buffering of a stream in addition to one report [s]: a frame may be that late without a gap. A
+block that is earlier by more cuts off the rest of the one before."""
 _LATE = 0.050
 """A stream that is later than this [s] restarts instead of catching up."""
 _SEAM = 8
@@ -29,12 +30,15 @@ _SEAM = 8
 
 
 class Ahead:
-    """Samples to be played after a block if no other block arrives in time; true while there are any.
+    """Samples to be played after a block if no other block arrives in time; true while there are
+    any.
 
     start: when the first of them is due, in seconds. begun: whether any was taken.
     """
 
-    def __init__(self, samples: FloatArray | None = None, rate: int = 1, start: float = 0.0) -> None:
+    def __init__(
+        self, samples: FloatArray | None = None, rate: int = 1, start: float = 0.0
+    ) -> None:
         self.samples, self.rate, self.start, self.begun = samples, rate, start, False
 
     def __bool__(self) -> bool:
@@ -57,12 +61,16 @@ class Ahead:
 
 
 class SampleQueue:
-    """Samples (channels, n) in the order in which they are due, continued by the samples sent ahead.
+    """Samples (channels, n) in the order in which they are due, continued by the samples sent
+    ahead.
 
-    ahead: samples of the source, (actuators, m). dry: the queue ran out at the last `take`. last: the last sample taken.
+    ahead: samples of the source, (actuators, m). dry: the queue ran out at the last `take`. last:
+    the last sample taken.
     """
 
-    def __init__(self, channels: int, hop: int, process: Callable[[FloatArray], FloatArray]) -> None:
+    def __init__(
+        self, channels: int, hop: int, process: Callable[[FloatArray], FloatArray]
+    ) -> None:
         """process: makes samples of the queue of at most ``hop`` samples sent ahead."""
         self.samples, self.last = np.zeros((channels, 0)), np.zeros((channels, 1))
         self.ahead, self.dry = Ahead(), False
@@ -105,7 +113,8 @@ def join(samples: FloatArray, start: int, last: FloatArray) -> None:
 class Pacing(ABC):
     """Decides what to write next.
 
-    interval: least seconds between two reports. lead: buffering of a block in seconds, in addition to the requested delay.
+    interval: least seconds between two reports. lead: buffering of a block in seconds, in addition
+    to the requested delay.
     """
 
     def __init__(
@@ -118,11 +127,16 @@ class Pacing(ABC):
         sequence: int,
         command_seconds: float,
     ) -> None:
-        """sequence: number of the first report. command_seconds: time for which a report drives the device."""
+        """sequence: number of the first report. command_seconds: time for which a report drives the
+        device."""
         self.interval, self.lead = profile.interval(transport), 0.0
         self._family, self._actuation = family, actuation
         self._transport, self._sequence = transport, sequence
-        ceilings = {channel.name: actuator.safe_maximum for actuator in profile.actuators for channel in actuator.channels}
+        ceilings = {
+            channel.name: actuator.safe_maximum
+            for actuator in profile.actuators
+            for channel in actuator.channels
+        }
         self._limits = DriveLimits(
             np.array([ceilings.get(channel, 1.0) for channel in family.channels]),
             profile.slew,
@@ -149,7 +163,8 @@ class Pacing(ABC):
         """Play a fresh block of (actuators, n) samples, whose first is to be felt at ``sent``."""
 
     def expect(self, ahead: FloatArray, sent: float) -> None:
-        """Play the (actuators, m) samples after the block of ``sent`` if no other block comes in time."""
+        """Play the (actuators, m) samples after the block of ``sent`` if no other block comes in
+        time."""
         if sent == self._fresh:
             self._continue(Ahead(ahead, self._actuation.rate, self._end))
 
@@ -182,7 +197,8 @@ class Pacing(ABC):
     def _zero(self) -> Report: ...
 
     def ending(self, farewell: bool) -> tuple[Report, ...]:
-        """The reports that stop the device, to be written one ``interval`` apart: zero, release, and ``farewell`` before it is closed."""
+        """The reports that stop the device, to be written one ``interval`` apart: zero, release,
+        and ``farewell`` before it is closed."""
         reports = [self._zero(), *self._family.release(self._transport, self._sequence + 1)]
         if farewell:
             reports += self._family.farewell(self._transport, self._sequence + len(reports))
@@ -198,17 +214,26 @@ class Pacing(ABC):
 class RumblePacing(Pacing):
     """Pacing of a device that is commanded by amplitude.
 
-    A command uses the largest amplitude of each channel since the last one, so that a slow device does not miss a short impact.
+    A command uses the largest amplitude of each channel since the last one, so that a slow device
+    does not miss a short impact.
     """
 
     _family: RumbleFamily
     _actuation: ToneActuation
 
     def __init__(
-        self, profile: Profile, family: RumbleFamily, transport: Transport, rate: int, adjustment: Adjustment, sequence: int
+        self,
+        profile: Profile,
+        family: RumbleFamily,
+        transport: Transport,
+        rate: int,
+        adjustment: Adjustment,
+        sequence: int,
     ) -> None:
         actuation = ToneActuation(profile, family, rate)
-        super().__init__(profile, family, transport, actuation, adjustment, sequence, profile.interval(transport))
+        super().__init__(
+            profile, family, transport, actuation, adjustment, sequence, profile.interval(transport)
+        )
         self._steps: deque[tuple[float, Tones]] = deque()
         self._ahead = Ahead()
         self._rest = self._current = self._family.silence()
@@ -223,7 +248,9 @@ class RumblePacing(Pacing):
 
     def accept(self, block: FloatArray, sent: float) -> None:
         start = sent + self._delay
-        self._steps = deque((start + step.offset, step.tones) for step in self._actuation.process(block))
+        self._steps = deque(
+            (start + step.offset, step.tones) for step in self._actuation.process(block)
+        )
         self._end = start + block.shape[1] / self._actuation.rate
         self._ahead = self._ahead.after(self._end)
         self._fresh = sent
@@ -249,7 +276,11 @@ class RumblePacing(Pacing):
         elapsed = min(now - self._looked, 1e6)
         self._looked = now
         amplitudes = self._limits.limited(np.array(wanted.amplitudes), elapsed)
-        drive = Tones(tuple(amplitudes.tolist()), wanted.frequencies) if amplitudes.any() else self._rest
+        drive = (
+            Tones(tuple(amplitudes.tolist()), wanted.frequencies)
+            if amplitudes.any()
+            else self._rest
+        )
         return self._unless_known(drive, now)
 
     def failed(self) -> None:
@@ -257,10 +288,19 @@ class RumblePacing(Pacing):
         self._tell_anew()
 
     def wake(self, now: float) -> float | None:
-        if self._startup or self._steps or self._ahead or self._zeros_left or self._current.amplitudes != self._rest.amplitudes:
+        if (
+            self._startup
+            or self._steps
+            or self._ahead
+            or self._zeros_left
+            or self._current.amplitudes != self._rest.amplitudes
+        ):
             look = max(self._wrote, self._looked) + self.interval
             if self._known != self._silent:
-                return max(min(look, self._wrote + self._family.refresh_interval), self._wrote + self.interval)
+                return max(
+                    min(look, self._wrote + self._family.refresh_interval),
+                    self._wrote + self.interval,
+                )
             return look
         return None
 
@@ -272,11 +312,14 @@ class RumblePacing(Pacing):
         return self._family.encode(self._rest, self._transport, self._sequence)
 
     def _due(self, now: float) -> Tones:
-        """The strongest of the steps due since the last call, channel by channel; the last of them stays in force."""
+        """The strongest of the steps due since the last call, channel by channel; the last of them
+        stays in force."""
         while self._ahead and self._ahead.start <= now:
             start = self._ahead.start
             chunk = self._ahead.pop(self._actuation.hop)
-            self._steps.extend((start + step.offset, step.tones) for step in self._actuation.process(chunk))
+            self._steps.extend(
+                (start + step.offset, step.tones) for step in self._actuation.process(chunk)
+            )
         due: list[Tones] = []
         while self._steps and self._steps[0][0] <= now:
             due.append(self._steps.popleft()[1])
@@ -310,7 +353,8 @@ class RumblePacing(Pacing):
 
 
 class StreamPacing(Pacing):
-    """Pacing of a device driven by samples: each report is due when the one before it has been played.
+    """Pacing of a device driven by samples: each report is due when the one before it has been
+    played.
 
     The schedule does not depend on the duration of writes.
     """
@@ -319,9 +363,23 @@ class StreamPacing(Pacing):
     _actuation: SampleActuation
 
     def __init__(
-        self, profile: Profile, family: StreamFamily, transport: Transport, rate: int, adjustment: Adjustment, sequence: int
+        self,
+        profile: Profile,
+        family: StreamFamily,
+        transport: Transport,
+        rate: int,
+        adjustment: Adjustment,
+        sequence: int,
     ) -> None:
-        super().__init__(profile, family, transport, SampleActuation(profile, family, rate), adjustment, sequence, family.period)
+        super().__init__(
+            profile,
+            family,
+            transport,
+            SampleActuation(profile, family, rate),
+            adjustment,
+            sequence,
+            family.period,
+        )
         channels = len(family.channels)
         self.lead = family.period + _MARGIN
         self._queue = SampleQueue(channels, self._actuation.hop, self._actuation.process)
@@ -350,7 +408,8 @@ class StreamPacing(Pacing):
         self._fresh = sent
 
     def _place(self, sent: float) -> int:
-        """Index in the queue where a block begins: at its time, or at the end if that differs by less than a frame may be early."""
+        """Index in the queue where a block begins: at its time, or at the end if that differs by
+        less than a frame may be early."""
         if self._due is None:
             return len(self._queue)
         place = max(round((sent + self._delay + self.lead - self._due) * self._family.rate), 0)
@@ -400,8 +459,16 @@ class StreamPacing(Pacing):
         return report
 
 
-def pacing_of(profile: Profile, family: AnyFamily, transport: Transport, rate: int, adjustment: Adjustment, sequence: int = 0) -> Pacing:
-    """The pacing for the family. rate: samples per second of the blocks. sequence: number of the first report."""
+def pacing_of(
+    profile: Profile,
+    family: AnyFamily,
+    transport: Transport,
+    rate: int,
+    adjustment: Adjustment,
+    sequence: int = 0,
+) -> Pacing:
+    """The pacing for the family. rate: samples per second of the blocks. sequence: number of the
+    first report."""
     if isinstance(family, RumbleFamily):
         return RumblePacing(profile, family, transport, rate, adjustment, sequence)
     return StreamPacing(profile, family, transport, rate, adjustment, sequence)

@@ -1,4 +1,5 @@
-"""Device profiles: positions, capabilities and limits of a device's actuators, one JSON file per device."""
+"""Device profiles: positions, capabilities and limits of a device's actuators, one JSON file per
+device."""
 
 from __future__ import annotations
 
@@ -29,9 +30,11 @@ EARLIEST = -0.050
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """Mapping from the signal's amplitude to the device's: ``floor + (1 - floor) (gain a)^exponent``, 0 staying 0.
+    """Mapping from the signal's amplitude to the device's: ``floor + (1 - floor) (gain
+    a)^exponent``, 0 staying 0.
 
-    gain: 0 or more. floor: least amplitude at which the actuator moves, in [0, 1). exponent: above 0; below 1 lifts weak signals.
+    gain: 0 or more. floor: least amplitude at which the actuator moves, in [0, 1). exponent: above
+    0; below 1 lifts weak signals.
     """
 
     gain: float = 1.0
@@ -51,8 +54,9 @@ class Calibration:
 class Adjustment:
     """The user's adjustment of one device, in addition to its profile.
 
-    calibrations: by actuator, in place of the profile's. ceiling: factor in [0, 1] on every safe maximum.
-    delay: seconds from -0.05 to 1 by which touch is delayed; below 0 it is advanced, as far as its samples are not yet due.
+    calibrations: by actuator, in place of the profile's. ceiling: factor in [0, 1] on every safe
+    maximum. delay: seconds from -0.05 to 1 by which touch is delayed; below 0 it is advanced, as
+    far as its samples are not yet due.
     """
 
     calibrations: Mapping[str, Calibration] = field(default_factory=dict)
@@ -75,7 +79,8 @@ def check_adjustment(adjustment: Adjustment, actuators: Iterable[Actuator]) -> N
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One value that the device is commanded by. takes: its range of the signal's frequencies [Hz]."""
+    """One value that the device is commanded by. takes: its range of the signal's frequencies
+    [Hz]."""
 
     name: str
     takes: tuple[float, float]
@@ -85,9 +90,10 @@ class Channel:
 class Actuator:
     """
 
-    body_parts: those at which it is felt. band: its range of frequencies [Hz]; resonances: its resonance frequencies, if known. latency:
-    seconds from command to touch. safe_maximum: amplitude in (0, 1] never exceeded. position: coordinates from the wearer's left and from
-    the top, in any unit, among the actuators of its body part; None: it always plays at full amplitude.
+    body_parts: those at which it is felt. band: its range of frequencies [Hz]; resonances: its
+    resonance frequencies, if known. latency: seconds from command to touch. safe_maximum: amplitude
+    in (0, 1] never exceeded. position: coordinates from the wearer's left and from the top, in any
+    unit, among the actuators of its body part; None: it always plays at full amplitude.
     """
 
     name: str
@@ -106,9 +112,9 @@ class Actuator:
 class Profile:
     """A device as the user sees it.
 
-    minimum_interval: seconds between commands if longer than the family's, else None.
-    slew: largest rise of amplitude per second.
-    sustained_maximum, sustained_seconds: the running mean square of the drive over that time stays below the maximum's square.
+    minimum_interval: seconds between commands if longer than the family's, else None. slew: largest
+    rise of amplitude per second. sustained_maximum, sustained_seconds: the running mean square of
+    the drive over that time stays below the maximum's square.
     """
 
     name: str
@@ -132,10 +138,13 @@ class Profile:
 
     @property
     def best_frequency(self) -> float:
-        """The frequency in Hz at which it is felt most: of its actuators' resonances, or of their bands without known resonances, the one
-        with the lowest threshold of feeling."""
+        """The frequency in Hz at which it is felt most: of its actuators' resonances, or of their
+        bands without known resonances, the one with the lowest threshold of feeling."""
         known = [hertz for actuator in self.actuators for hertz in actuator.resonances]
-        inside = [min(max(BEST_FREQUENCY, actuator.band[0]), actuator.band[1]) for actuator in self.actuators]
+        inside = [
+            min(max(BEST_FREQUENCY, actuator.band[0]), actuator.band[1])
+            for actuator in self.actuators
+        ]
         return min(known or inside, key=lambda hertz: float(threshold_level(hertz)))
 
     @property
@@ -155,12 +164,18 @@ def parse_profile(data: bytes, file: str | Path) -> Profile:
 def _profile(document: Mapping[str, Any]) -> Profile:
     family = FAMILIES.get(document["family"])
     if family is None:
-        raise PlacedError(("family",), f"{document['family']!r} is unknown: use one of {', '.join(FAMILIES)}")
+        raise PlacedError(
+            ("family",), f"{document['family']!r} is unknown: use one of {', '.join(FAMILIES)}"
+        )
     interval = document.get("minimum_interval")
     if interval is not None and interval < min(family.minimum_interval.values()):
         fastest = min(family.minimum_interval.values())
-        raise PlacedError(("minimum_interval",), f"{interval} s is faster than the device allows ({fastest} s)")
-    actuators = tuple(_actuator(("actuators", i), data) for i, data in enumerate(document["actuators"]))
+        raise PlacedError(
+            ("minimum_interval",), f"{interval} s is faster than the device allows ({fastest} s)"
+        )
+    actuators = tuple(
+        _actuator(("actuators", i), data) for i, data in enumerate(document["actuators"])
+    )
     _check_channels(family, actuators)
     return Profile(
         name=document["name"],
@@ -178,12 +193,30 @@ def _profile(document: Mapping[str, Any]) -> Profile:
 def _actuator(place: Place, data: Mapping[str, Any]) -> Actuator:
     for i, part in enumerate(data["body_parts"]):
         if part not in BODY_PART:
-            raise PlacedError((*place, "body_parts", i), f"body part {part!r} is unknown: use one of {', '.join(BODY_PART)}")
-    takes = [_band((*place, "channels", i, "takes"), channel["takes"]) for i, channel in enumerate(data["channels"])]
-    channels = tuple(Channel(channel["name"], band) for channel, band in zip(data["channels"], takes, strict=True))
+            raise PlacedError(
+                (*place, "body_parts", i),
+                f"body part {part!r} is unknown: use one of {', '.join(BODY_PART)}",
+            )
+    takes = [
+        _band((*place, "channels", i, "takes"), channel["takes"])
+        for i, channel in enumerate(data["channels"])
+    ]
+    channels = tuple(
+        Channel(channel["name"], band)
+        for channel, band in zip(data["channels"], takes, strict=True)
+    )
     calibration = Calibration(**data.get("calibration", {}))
-    values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}
-    return Actuator(**{**values, "band": _band((*place, "band"), data["band"]), "channels": channels, "calibration": calibration})
+    values: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in data.items()
+    }
+    return Actuator(
+        **{
+            **values,
+            "band": _band((*place, "band"), data["band"]),
+            "channels": channels,
+            "calibration": calibration,
+        }
+    )
 
 
 def _band(place: Place, limits: list[float]) -> tuple[float, float]:
@@ -194,8 +227,8 @@ def _band(place: Place, limits: list[float]) -> tuple[float, float]:
 
 
 def _check_channels(family: AnyFamily, actuators: tuple[Actuator, ...]) -> None:
-    """Check that every channel exists and is used once, that names of actuators are unique, and that an actuator of a stream has one
-    channel."""
+    """Check that every channel exists and is used once, that names of actuators are unique, and
+    that an actuator of a stream has one channel."""
     names: set[str] = set()
     used: set[str] = set()
     for i, actuator in enumerate(actuators):
@@ -203,11 +236,18 @@ def _check_channels(family: AnyFamily, actuators: tuple[Actuator, ...]) -> None:
             raise PlacedError(("actuators", i, "name"), f"{actuator.name!r} is used twice")
         names.add(actuator.name)
         if not isinstance(family, RumbleFamily) and len(actuator.channels) > 1:
-            raise PlacedError(("actuators", i, "channels"), f"{family.name} takes samples, so an actuator has one channel")
+            raise PlacedError(
+                ("actuators", i, "channels"),
+                f"{family.name} takes samples, so an actuator has one channel",
+            )
         for k, channel in enumerate(actuator.channels):
             place = ("actuators", i, "channels", k, "name")
             if channel.name not in family.channels:
-                raise PlacedError(place, f"{family.name} has no channel {channel.name!r}: use one of {', '.join(family.channels)}")
+                raise PlacedError(
+                    place,
+                    f"{family.name} has no channel {channel.name!r}: use one of "
+                    f"{', '.join(family.channels)}",
+                )
             if channel.name in used:
                 raise PlacedError(place, f"channel {channel.name!r} is used twice")
             used.add(channel.name)
@@ -219,10 +259,14 @@ def _parsed(data: bytes, file: Path) -> Profile:
     return parse_profile(data, file)
 
 
-def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Profile], tuple[str, ...]]:
-    """Profiles by name from the ``*.json`` files of the folders, and one line for each invalid file.
+def load_profiles(
+    folders: Iterable[Path] = (BUILT_IN,),
+) -> tuple[dict[str, Profile], tuple[str, ...]]:
+    """Profiles by name from the ``*.json`` files of the folders, and one line for each invalid
+    file.
 
-    A later folder's profile replaces an earlier one of the same name, so a user's file can override a built-in one.
+    A later folder's profile replaces an earlier one of the same name, so a user's file can override
+    a built-in one.
     """
     profiles: dict[str, Profile] = {}
     problems: list[str] = []
@@ -232,7 +276,9 @@ def load_profiles(folders: Iterable[Path] = (BUILT_IN,)) -> tuple[dict[str, Prof
             try:
                 profile = _parsed(read_bytes(file, MAX_BYTES), file)
                 if profile.name in seen:
-                    raise FormatError(file, "/name", f"{profile.name!r} is used by another file of this folder")
+                    raise FormatError(
+                        file, "/name", f"{profile.name!r} is used by another file of this folder"
+                    )
             except OSError as error:
                 problems.append(f"{file}: {error.strerror}")
                 continue

@@ -9,7 +9,8 @@ from typing import Literal
 
 Transport = Literal["usb", "bt"]
 
-# Sony's Bluetooth reports end in a CRC-32 that also covers the HID transaction byte for "output report".
+# Sony's Bluetooth reports end in a CRC-32 that also covers the HID transaction byte for "output
+# report".
 _OUTPUT_REPORT_SEED = b"\xa2"
 
 
@@ -65,5 +66,6 @@ def percent(amplitude: float) -> int:
 
 
 def with_crc(body: bytes) -> bytes:
-    """``body`` followed by its CRC-32 for Sony's pads over Bluetooth: seeded with 0xA2, little-endian."""
+    """``body`` followed by its CRC-32 for Sony's pads over Bluetooth: seeded with 0xA2,
+    little-endian."""
     return body + zlib.crc32(_OUTPUT_REPORT_SEED + body).to_bytes(4, "little")

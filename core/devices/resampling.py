@@ -1,9 +1,11 @@
 """Streaming sample rate conversion with a low delay, for devices that are driven by samples.
 
-A linear-phase low-pass of this quality would lag by 14 samples of the lower rate, 14 ms at 1 kHz. This one is a least-squares fit of a
-plain delay of `DELAY` samples up to 0.8 times the lower Nyquist frequency and of silence from 1.2 times on, to within -86 dB; between the
-two only its magnitude is bounded (it reaches +4 dB). Frequencies above the lower Nyquist frequency therefore alias only to those above 0.8
-times it. The fit is a sum of B-splines, so it can be evaluated at any ratio of the rates.
+A linear-phase low-pass of this quality would lag by 14 samples of the lower rate, 14 ms at 1 kHz.
+This one is a least-squares fit of a plain delay of `DELAY` samples up to 0.8 times the lower
+Nyquist frequency and of silence from 1.2 times on, to within -86 dB; between the two only its
+magnitude is bounded (it reaches +4 dB). Frequencies above the lower Nyquist frequency therefore
+alias only to those above 0.8 times it. The fit is a sum of B-splines, so it can be evaluated at any
+ratio of the rates.
 """
 
 from __future__ import annotations
@@ -31,7 +33,8 @@ _BETWEEN = 1.5e-8
 class Resampler:
     """Changes the sample rate of some channels block by block.
 
-    The output does not depend on the division of the input into blocks. It lags by ``delay`` seconds.
+    The output does not depend on the division of the input into blocks. It lags by ``delay``
+    seconds.
     """
 
     def __init__(self, channels: int, rate_in: int, rate_out: int) -> None:
@@ -42,18 +45,22 @@ class Resampler:
         self._up, self._down = rate_out // common, rate_in // common
         self._same = rate_in == rate_out
         self.delay = 0.0 if self._same else DELAY / min(rate_in, rate_out)
-        self._taps = np.ones((1, 1)) if self._same else _phases(self._up, min(1.0, rate_out / rate_in))
+        self._taps = (
+            np.ones((1, 1)) if self._same else _phases(self._up, min(1.0, rate_out / rate_in))
+        )
         self._channels = channels
         self.reset()
 
     def reset(self) -> None:
         """Reset to silence."""
         self._history = np.zeros((self._channels, self._taps.shape[1] - 1))
-        # Position of the next output sample after the start of the history, in steps of 1 / up of an input sample.
+        # Position of the next output sample after the start of the history, in steps of 1 / up of
+        # an input sample.
         self._position = 0
 
     def process(self, block: FloatArray) -> FloatArray:
-        """Return the next output samples, shape (channels, m), for the next input samples, shape (channels, n), n >= 0."""
+        """Return the next output samples, shape (channels, m), for the next input samples, shape
+        (channels, n), n >= 0."""
         if self._same:
             return block
         samples = np.concatenate([self._history, block], axis=1)
@@ -62,9 +69,9 @@ class Resampler:
         count = max(-(-(available * self._up - self._position) // self._down), 0)
         places = self._position + self._down * np.arange(count)
         start, phase = places // self._up, places % self._up
-        windows = np.lib.stride_tricks.as_strided(samples, (self._channels, available, width), (*samples.strides, samples.itemsize))[
-            :, start
-        ]
+        windows = np.lib.stride_tricks.as_strided(
+            samples, (self._channels, available, width), (*samples.strides, samples.itemsize)
+        )[:, start]
         output: FloatArray = np.einsum("cmw,mw->cm", windows, self._taps[phase])
         kept = min(available, (self._position + self._down * count) // self._up)
         self._history = samples[:, kept:]
@@ -73,7 +80,8 @@ class Resampler:
 
 
 def _phases(up: int, lower: float) -> FloatArray:
-    """Return the weights of input samples, the oldest first, one row for each of ``up`` positions between two of them; each row sums to 1.
+    """Return the weights of input samples, the oldest first, one row for each of ``up`` positions
+    between two of them; each row sums to 1.
 
     lower: the lower of the two rates by the input's.
     """
@@ -84,7 +92,8 @@ def _phases(up: int, lower: float) -> FloatArray:
 
 
 def _impulse_response(times: FloatArray) -> FloatArray:
-    """Return the low-pass's impulse response at ``times`` (any shape) in samples of the lower rate."""
+    """Return the low-pass's impulse response at ``times`` (any shape) in samples of the lower
+    rate."""
     coefficients = np.concatenate([_coefficients(), np.zeros(_DEGREE + 1)])
     position = np.clip(times * _PER_SAMPLE, 0.0, len(coefficients) - 1e-9)
     last = position.astype(np.intp)
@@ -97,7 +106,10 @@ def _impulse_response(times: FloatArray) -> FloatArray:
 
 def _spline(at: FloatArray) -> FloatArray:
     """Return the B-spline with integer knots from 0 to `_DEGREE` + 1 at positions between them."""
-    terms = ((-1) ** knot * math.comb(_DEGREE + 1, knot) * np.maximum(at - knot, 0.0) ** _DEGREE for knot in range(_DEGREE + 1))
+    terms = (
+        (-1) ** knot * math.comb(_DEGREE + 1, knot) * np.maximum(at - knot, 0.0) ** _DEGREE
+        for knot in range(_DEGREE + 1)
+    )
     return np.asarray(sum(terms) / math.factorial(_DEGREE))
 
 
@@ -107,7 +119,9 @@ def _coefficients() -> FloatArray:
     centre = (np.arange(_LENGTH * _PER_SAMPLE - _DEGREE) + (_DEGREE + 1) / 2) / _PER_SAMPLE
     # Chebyshev nodes in either band: with them the least-squares fit is close to the minimax one.
     passed = _PASS * np.sin(np.pi / 2 * np.arange(120) / 119)
-    stopped = _STOP + (_HIGHEST - _STOP) * (1.0 - np.cos(np.pi * (np.arange(400) + 0.5) / 400)) / 2.0
+    stopped = (
+        _STOP + (_HIGHEST - _STOP) * (1.0 - np.cos(np.pi * (np.arange(400) + 0.5) / 400)) / 2.0
+    )
     between = np.linspace(_PASS, _STOP, 25)
     frequency = np.concatenate([passed, stopped, between])
     weight = np.sqrt(np.concatenate([np.ones(120), stopped / _STOP, np.full(25, _BETWEEN)]))

@@ -1,7 +1,9 @@
-"""Sound cards whose channels are actuators: a DualSense over USB (channels 3 and 4), bass shakers, cushions and headsets.
+"""Sound cards whose channels are actuators: a DualSense over USB (channels 3 and 4), bass shakers,
+cushions and headsets.
 
-Through python-sounddevice, which is PortAudio: its wheels for Windows and macOS contain it; Linux has a package (libportaudio2). PortAudio
-requests samples from its own thread; they come from a queue that runs empty, so the card falls silent if the program hangs.
+Through python-sounddevice, which is PortAudio: its wheels for Windows and macOS contain it; Linux
+has a package (libportaudio2). PortAudio requests samples from its own thread; they come from a
+queue that runs empty, so the card falls silent if the program hangs.
 """
 
 from __future__ import annotations
@@ -29,21 +31,33 @@ from .writer import RESCAN, SAMPLE_RATE
 
 # Recognised cards: name, least number of channels, and the actuators by channel.
 _KNOWN: tuple[tuple[str, int, Mapping[int, tuple[str, str]]], ...] = (
-    (r"DualSense|^Wireless Controller", 4, {2: ("left grip", "hand.L"), 3: ("right grip", "hand.R")}),
+    (
+        r"DualSense|^Wireless Controller",
+        4,
+        {2: ("left grip", "hand.L"), 3: ("right grip", "hand.R")},
+    ),
 )
 # Audio systems that offer the same card, the one with the least latency first.
-_HOSTS = ("Windows WASAPI", "Core Audio", "PipeWire", "PulseAudio", "JACK Audio Connection Kit", "ALSA")
+_HOSTS = (
+    "Windows WASAPI",
+    "Core Audio",
+    "PipeWire",
+    "PulseAudio",
+    "JACK Audio Connection Kit",
+    "ALSA",
+)
 _MOST_CHANNELS = 8
 _BAND = (20.0, 1000.0)
 _SAFE_MAXIMUM, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS = 1.0, 50.0, 0.7, 10.0
-# Seconds that are queued before the first block, so that a frame may be late without a gap, and the length to which a longer queue is cut.
+# Seconds that are queued before the first block, so that a frame may be late without a gap, and the
+# length to which a longer queue is cut.
 _MARGIN, _EARLY = 0.015, 0.030
 
 
 @dataclass(frozen=True, slots=True)
 class SoundCard:
-    """A sound card. index: PortAudio's number. channels: their number. rate: hertz. actuators: those of its used channels, each with the
-    channel's number (from 0) as its channel's name."""
+    """A sound card. index: PortAudio's number. channels: their number. rate: hertz. actuators:
+    those of its used channels, each with the channel's number (from 0) as its channel's name."""
 
     title: str
     index: int
@@ -62,7 +76,10 @@ def sound_module() -> Any:
     except DeviceError:
         raise
     except OSError:
-        raise DeviceError("sound cards need the library PortAudio (Debian, Ubuntu: libportaudio2; Fedora: portaudio)") from None
+        raise DeviceError(
+            "sound cards need the library PortAudio (Debian, Ubuntu: libportaudio2; Fedora: "
+            "portaudio)"
+        ) from None
 
 
 def sound_cards(module: Any) -> tuple[SoundCard, ...]:
@@ -72,9 +89,22 @@ def sound_cards(module: Any) -> tuple[SoundCard, ...]:
         devices = [dict(device) for device in module.query_devices()]
     except module.PortAudioError as error:
         raise DeviceError(f"sound cards can't be listed: {error}") from None
-    wanted = next((name for name in _HOSTS if name in hosts and any(hosts[d["hostapi"]] == name for d in devices)), None)
+    wanted = next(
+        (
+            name
+            for name in _HOSTS
+            if name in hosts and any(hosts[d["hostapi"]] == name for d in devices)
+        ),
+        None,
+    )
     return tuple(
-        SoundCard(device["name"], number, device["max_output_channels"], round(device["default_samplerate"]), _actuators(device))
+        SoundCard(
+            device["name"],
+            number,
+            device["max_output_channels"],
+            round(device["default_samplerate"]),
+            _actuators(device),
+        )
         for number, device in enumerate(devices)
         if device["max_output_channels"] > 0 and wanted in (None, hosts[device["hostapi"]])
     )
@@ -82,20 +112,39 @@ def sound_cards(module: Any) -> tuple[SoundCard, ...]:
 
 def _actuators(device: Mapping[str, Any]) -> tuple[Actuator, ...]:
     channels = device["max_output_channels"]
-    used: Mapping[int, tuple[str, str]] = {number: (f"channel {number + 1}", "") for number in range(min(channels, _MOST_CHANNELS))}
+    used: Mapping[int, tuple[str, str]] = {
+        number: (f"channel {number + 1}", "") for number in range(min(channels, _MOST_CHANNELS))
+    }
     for pattern, least, known in _KNOWN:
         if channels >= least and re.search(pattern, device["name"]):
             used = known
     return tuple(
-        Actuator(name, (part,) if part else (), "PCM", _BAND, 0.005, _SAFE_MAXIMUM, (Channel(str(number), _BAND),), Calibration())
+        Actuator(
+            name,
+            (part,) if part else (),
+            "PCM",
+            _BAND,
+            0.005,
+            _SAFE_MAXIMUM,
+            (Channel(str(number), _BAND),),
+            Calibration(),
+        )
         for number, (name, part) in used.items()
     )
 
 
 class SoundCardWriter(ThreadedOutput):
-    """A sound card that is fed with blocks of samples, one row per actuator; used like `DeviceWriter`."""
+    """A sound card that is fed with blocks of samples, one row per actuator; used like
+    `DeviceWriter`."""
 
-    def __init__(self, card: SoundCard, *, rate: int = SAMPLE_RATE, adjustment: Adjustment | None = None, module: Any = None) -> None:
+    def __init__(
+        self,
+        card: SoundCard,
+        *,
+        rate: int = SAMPLE_RATE,
+        adjustment: Adjustment | None = None,
+        module: Any = None,
+    ) -> None:
         """rate: samples per second of the blocks. module: replacement for python-sounddevice."""
         super().__init__(card.title)
         self.profile = card
@@ -122,13 +171,17 @@ class SoundCardWriter(ThreadedOutput):
     def adjust(self, adjustment: Adjustment) -> None:
         self._adjustment = adjustment
         self._drive.scale_ceilings(adjustment.ceiling)
-        gains = [adjustment.calibrations.get(actuator.name, actuator.calibration).gain for actuator in self.profile.actuators]
+        gains = [
+            adjustment.calibrations.get(actuator.name, actuator.calibration).gain
+            for actuator in self.profile.actuators
+        ]
         self._gains = np.array(gains)[:, None]
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
         """Play a block after the rest of the one before. (actuators, n) in [-1, 1] at the rate.
 
-        sent: when that was decided, which only distinguishes blocks; None for now. Returns that time.
+        sent: when that was decided, which only distinguishes blocks; None for now. Returns that
+        time.
         """
         checked = checked_block(np.asarray(block), self._rows)
         sent = time.perf_counter() if sent is None else sent
@@ -149,7 +202,9 @@ class SoundCardWriter(ThreadedOutput):
             if seam:
                 join(samples, 0, queue.samples[:, -1:])
             if queue.dry:
-                queue.append(np.zeros((self._rows, round(max(_MARGIN + self._adjustment.delay, 0.0) * rate))))
+                queue.append(
+                    np.zeros((self._rows, round(max(_MARGIN + self._adjustment.delay, 0.0) * rate)))
+                )
             self._delays.append(len(queue) / rate)
             queue.append(samples)
             self._sent, self._end = sent, sent + block_seconds

@@ -27,13 +27,14 @@ _MEASURED_BLOCKS = 256
 class Status:
     """The status of an output.
 
-    state: ``searching`` until the device is found; ``open``; ``stopped``: the device is silent, or was never found; ``failed`` after an
-    error that ends the output, or if the device did not take the last zero.
-    message: why it is not open, or the last error; empty if all is well.
-    written, failed_writes: reports. losses: number of disconnections while it was open. dropped_blocks: blocks that were replaced before
-    they were played. writing_for: seconds that the write in progress has been blocking, else 0. delay: median seconds from ``send`` to the
-    report written, over the last blocks; None before the first. lag: delay of touch relative to the picture: ``delay``, a stream's
-    buffering, the requested delay and the actuators' latency.
+    state: ``searching`` until the device is found; ``open``; ``stopped``: the device is silent, or
+    was never found; ``failed`` after an error that ends the output, or if the device did not take
+    the last zero. message: why it is not open, or the last error; empty if all is well. written,
+    failed_writes: reports. losses: number of disconnections while it was open. dropped_blocks:
+    blocks that were replaced before they were played. writing_for: seconds that the write in
+    progress has been blocking, else 0. delay: median seconds from ``send`` to the report written,
+    over the last blocks; None before the first. lag: delay of touch relative to the picture:
+    ``delay``, a stream's buffering, the requested delay and the actuators' latency.
     """
 
     state: State = "searching"
@@ -53,37 +54,45 @@ class Status:
 
 
 class Output(Protocol):
-    """What plays blocks of samples: a writer in the guard process, or a `GuardedOutput` that passes orders on to it. Only ``stop`` blocks.
+    """What plays blocks of samples: a writer in the guard process, or a `GuardedOutput` that passes
+    orders on to it. Only ``stop`` blocks.
 
-    Blocks are arrays (actuators, n) in [-1, 1] at the rate of the output; one of another shape, or that is not finite, raises ValueError.
+    Blocks are arrays (actuators, n) in [-1, 1] at the rate of the output; one of another shape, or
+    that is not finite, raises ValueError.
     """
 
     def start(self) -> None:
         """Search for the device and drive it from now on."""
 
     def adjust(self, adjustment: Adjustment) -> None:
-        """Follow these settings from now on. Raises ValueError for a calibration of an unknown actuator."""
+        """Follow these settings from now on. Raises ValueError for a calibration of an unknown
+        actuator."""
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
-        """Play a block, whose first sample is to be felt now; the rest of the block before is dropped.
+        """Play a block, whose first sample is to be felt now; the rest of the block before is
+        dropped.
 
         sent: when that was decided, by `time.perf_counter`; None for now. Returns that time.
         """
 
     def expect(self, ahead: ArrayLike, sent: float) -> None:
-        """Play the samples ``ahead`` after the block of ``sent`` if no other block arrives in time."""
+        """Play the samples ``ahead`` after the block of ``sent`` if no other block arrives in
+        time."""
 
     def silence(self) -> None:
-        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next block plays again."""
+        """Go to zero as soon as the device accepts it, and discard everything sent so far. The next
+        block plays again."""
 
     def rest(self) -> None:
-        """Write zero and the release report, but keep the device open: the next block plays again."""
+        """Write zero and the release report, but keep the device open: the next block plays
+        again."""
 
     def request_stop(self) -> None:
         """Begin to stop, without waiting."""
 
     def stop(self, timeout: float = 1.0) -> bool:
-        """Write zero and the release report, and close the device. Returns after at most ``timeout`` seconds whether that is done.
+        """Write zero and the release report, and close the device. Returns after at most
+        ``timeout`` seconds whether that is done.
 
         If not, a write is blocked inside the system; zero and release follow as soon as it returns.
         """
@@ -94,7 +103,8 @@ class Output(Protocol):
 
 
 class ThreadedOutput(Output, ABC):
-    """The state of an output that a thread of its own drives. That thread writes it, anyone may read it."""
+    """The state of an output that a thread of its own drives. That thread writes it, anyone may
+    read it."""
 
     def __init__(self, name: str) -> None:
         self._state: State = "searching"
@@ -116,7 +126,8 @@ class ThreadedOutput(Output, ABC):
         self._thread.start()
 
     def stop(self, timeout: float = 1.0) -> bool:
-        # The thread is a daemon: if a write is blocked, the thread does not keep the process from exiting.
+        # The thread is a daemon: if a write is blocked, the thread does not keep the process from
+        # exiting.
         self.request_stop()
         if self._thread.is_alive():
             self._thread.join(timeout)

@@ -1,8 +1,9 @@
-"""Writing to devices in this process: one thread per device takes the newest block, keeps the device's report interval and silences the
-device at the end.
+"""Writing to devices in this process: one thread per device takes the newest block, keeps the
+device's report interval and silences the device at the end.
 
-Nothing here blocks the caller: ``send`` puts a block into a mailbox of size one, in which the latest replaces the previous.
-`guard.DeviceOutput` does this in the guard process, so that a device falls silent whatever ends the program.
+Nothing here blocks the caller: ``send`` puts a block into a mailbox of size one, in which the
+latest replaces the previous. `guard.DeviceOutput` does this in the guard process, so that a device
+falls silent whatever ends the program.
 """
 
 from __future__ import annotations
@@ -29,9 +30,11 @@ SAMPLE_RATE = 8000
 RESCAN = 1.5
 """Seconds between two searches for a missing device."""
 REOPEN = 0.1
-"""Seconds after which a device is tried again that another output of this process is about to close."""
+"""Seconds after which a device is tried again that another output of this process is about to
+close."""
 
-# hidapi reports a vanished device only by failing writes; a single failure can be a radio disturbance.
+# hidapi reports a vanished device only by failing writes; a single failure can be a radio
+# disturbance.
 _FAILURES_TO_CLOSE = 3
 # Time-out for silencing all devices at exit.
 _EXIT_SECONDS = 1.0
@@ -52,8 +55,8 @@ class DeviceWriter(ThreadedOutput):
         adjustment: Adjustment | None = None,
         hid: HidModule | None = None,
     ) -> None:
-        """rate: samples per second of the blocks. serial: selects one of several equal devices. adjustment: the user's settings. hid:
-        replacement for cython-hidapi.
+        """rate: samples per second of the blocks. serial: selects one of several equal devices.
+        adjustment: the user's settings. hid: replacement for cython-hidapi.
 
         Raises ValueError for a rate out of range, or a calibration of an unknown actuator.
         """
@@ -130,7 +133,10 @@ class DeviceWriter(ThreadedOutput):
                 if opened is not None:
                     self._play(opened)
             if self._may_vibrate:
-                raise DeviceError(f"{self._message or f'{self.profile.title} did not take the last zero'}: {UNREACHED}")
+                raise DeviceError(
+                    f"{self._message or f'{self.profile.title} did not take the last zero'}: "
+                    f"{UNREACHED}"
+                )
             self._state = "stopped"
         except DeviceError as error:
             self._state, self._message = "failed", str(error)
@@ -154,7 +160,8 @@ class DeviceWriter(ThreadedOutput):
         return opened
 
     def _play(self, opened: Opened) -> None:
-        """Drive the device until a stop or its disconnection. Always leaves it silent and closed."""
+        """Drive the device until a stop or its disconnection. Always leaves it silent and
+        closed."""
         pacing: Pacing | None = None
         try:
             pacing = self._prepare(opened)
@@ -183,9 +190,13 @@ class DeviceWriter(ThreadedOutput):
         family: AnyFamily = self.profile.family
         before = self._written
         if family.prepare is not None:
-            family = family.prepare(opened.hid, opened.interface, partial(self._write, opened)) or family
+            family = (
+                family.prepare(opened.hid, opened.interface, partial(self._write, opened)) or family
+            )
         transport = opened.interface.transport
-        return pacing_of(self.profile, family, transport, self._rate, self._adjustment, self._written - before)
+        return pacing_of(
+            self.profile, family, transport, self._rate, self._adjustment, self._written - before
+        )
 
     def _pause(self, seconds: float) -> None:
         """Wait until the next search for the device, or until a stop."""
@@ -243,13 +254,18 @@ class DeviceWriter(ThreadedOutput):
     def _wait(self, pacing: Pacing) -> None:
         """Wait until a report is due, a block arrives, or a stop."""
         with self._wake:
-            if self._mail is None and self._expected is None and not (self._silence or self._rest or self._stopping):
+            if (
+                self._mail is None
+                and self._expected is None
+                and not (self._silence or self._rest or self._stopping)
+            ):
                 now = time.perf_counter()
                 due = pacing.wake(now)
                 self._wake.wait(None if due is None else max(due - now, 0.0))
 
     def _write(self, opened: Opened, report: Report) -> bool:
-        """Write a report; returns whether the device accepted it. hidapi returns -1 for failure and blocks as long as the system does."""
+        """Write a report; returns whether the device accepted it. hidapi returns -1 for failure and
+        blocks as long as the system does."""
         self._writing_since = time.perf_counter()
         try:
             send = opened.hid.send_feature_report if report.feature else opened.hid.write
@@ -264,7 +280,9 @@ class DeviceWriter(ThreadedOutput):
             self._written += 1
         else:
             self._failed += 1
-            self._message = f"{self.profile.title}: write failed: {reason or 'the device does not answer'}"
+            self._message = (
+                f"{self.profile.title}: write failed: {reason or 'the device does not answer'}"
+            )
         return done
 
     def _lose(self) -> None:
@@ -273,8 +291,11 @@ class DeviceWriter(ThreadedOutput):
         self._losses += 1
 
     def _end(self, opened: Opened, pacing: Pacing, *, farewell: bool) -> bool:
-        """Write zero and release at the device's pace, the second even if the first fails. Returns whether both arrived."""
-        taken = [self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell)]
+        """Write zero and release at the device's pace, the second even if the first fails. Returns
+        whether both arrived."""
+        taken = [
+            self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell)
+        ]
         self._may_vibrate = not all(taken)
         return not self._may_vibrate
 
@@ -305,6 +326,7 @@ def _at_exit() -> None:
 
 
 def _stop_at_exit() -> None:
-    """Silence the devices before hidapi's own exit handler runs, after which a write crashes: what is registered last runs first."""
+    """Silence the devices before hidapi's own exit handler runs, after which a write crashes: what
+    is registered last runs first."""
     atexit.unregister(_at_exit)
     atexit.register(_at_exit)

@@ -26,7 +26,8 @@ _NARROW = 10
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """The bodies of a frame with their ``transforms`` (n, 4, 4), and the settings of contacts between them."""
+    """The bodies of a frame with their ``transforms`` (n, 4, 4), and the settings of contacts
+    between them."""
 
     bodies: tuple[Body, ...]
     transforms: FloatArray
@@ -42,30 +43,53 @@ class Gap:
     distance: float
 
 
-def complete_graph(result: FrameResult, settings: Settings, surroundings: Surroundings | None) -> HapticGraph:
-    """The frame's graph with all its contacts: tracing may have left out those that no signal could reach."""
+def complete_graph(
+    result: FrameResult, settings: Settings, surroundings: Surroundings | None
+) -> HapticGraph:
+    """The frame's graph with all its contacts: tracing may have left out those that no signal could
+    reach."""
     graph = result.graph
     if surroundings is not None and len(surroundings.bodies):
         tracker = ContactTracker(surroundings.bodies, surroundings.contact_settings)
         contacts = tracker.update(0.0, surroundings.transforms).contacts
         index = graph.table.index()
         numbers = np.array([index[body.name] for body in surroundings.bodies], dtype=np.int64)
-        contacts = replace(contacts, pairs=numbers[contacts.pairs], transmissions=result.contacts.transmissions)
+        contacts = replace(
+            contacts, pairs=numbers[contacts.pairs], transmissions=result.contacts.transmissions
+        )
         graph = build_graph(graph.table, contacts, result.sources, result.listeners)
     return distance_only(graph) if settings.mode is Mode.SD else graph
 
 
-def gap_message(result: FrameResult, graph: HapticGraph, row: int, listener: int, surroundings: Surroundings | None) -> Message:
-    """Message that no chain of contacts leads from source ``row`` to ``listener``, with the objects at its gap."""
+def gap_message(
+    result: FrameResult,
+    graph: HapticGraph,
+    row: int,
+    listener: int,
+    surroundings: Surroundings | None,
+) -> Message:
+    """Message that no chain of contacts leads from source ``row`` to ``listener``, with the objects
+    at its gap."""
     source, felt_at = result.sources[row], result.listeners[listener]
     names = graph.table.names
     start = {names[graph.node_object[node]] for node in graph.sources[row].nodes}
     end = names[graph.node_object[graph.listener_nodes[listener]]]
     found = gaps(surroundings, graph, start, end) if surroundings is not None else ()
     if surroundings is None or not found:
-        return Message.of(Cause.NO_CONTACT, end, source=source.name, carrier=source.object, object=end, listener=felt_at.name)
+        return Message.of(
+            Cause.NO_CONTACT,
+            end,
+            source=source.name,
+            carrier=source.object,
+            object=end,
+            listener=felt_at.name,
+        )
     widest, tolerance = found[0], surroundings.contact_settings.tolerance
-    arguments: dict[str, Argument] = {"source": source.name, "first": widest.first, "second": widest.second}
+    arguments: dict[str, Argument] = {
+        "source": source.name,
+        "first": widest.first,
+        "second": widest.second,
+    }
     arguments["distance"] = Metres(widest.distance)
     if len(found) > 1:
         return Message.of(Cause.SEVERAL_GAPS, widest.second, **arguments, count=len(found))
@@ -74,23 +98,33 @@ def gap_message(result: FrameResult, graph: HapticGraph, row: int, listener: int
     return Message.of(Cause.GAP, widest.second, **arguments)
 
 
-def gaps(surroundings: Surroundings, graph: HapticGraph, start: set[str], end: str) -> tuple[Gap, ...]:
-    """The gaps, widest first, on the route from the objects ``start`` to ``end`` with the least total gap.
+def gaps(
+    surroundings: Surroundings, graph: HapticGraph, start: set[str], end: str
+) -> tuple[Gap, ...]:
+    """The gaps, widest first, on the route from the objects ``start`` to ``end`` with the least
+    total gap.
 
-    Contacts have the cost 0 and gaps the distance of bounding boxes; the gaps found are then measured exactly.
+    Contacts have the cost 0 and gaps the distance of bounding boxes; the gaps found are then
+    measured exactly.
     """
     bodies = surroundings.bodies
     row = {body.name: number for number, body in enumerate(bodies)}
     if end not in row or not start & row.keys():
         return ()
-    bounds = transformed_bounds(np.array([body.shape.local_bounds() for body in bodies]), surroundings.transforms)
+    bounds = transformed_bounds(
+        np.array([body.shape.local_bounds() for body in bodies]), surroundings.transforms
+    )
     touching = _touching(graph, row)
-    predecessor = _least_air(bounds, touching, [row[name] for name in sorted(start & row.keys())], row[end])
+    predecessor = _least_air(
+        bounds, touching, [row[name] for name in sorted(start & row.keys())], row[end]
+    )
     path = [row[end]]
     while predecessor[path[-1]] >= 0:
         path.append(int(predecessor[path[-1]]))
     apart = [(a, b) for a, b in itertools.pairwise(reversed(path)) if b not in touching[a]]
-    found = [Gap(bodies[a].name, bodies[b].name, _distance(surroundings, bounds, a, b)) for a, b in apart]
+    found = [
+        Gap(bodies[a].name, bodies[b].name, _distance(surroundings, bounds, a, b)) for a, b in apart
+    ]
     return tuple(sorted(found, key=lambda gap: -gap.distance))
 
 
@@ -98,7 +132,11 @@ def _touching(graph: HapticGraph, row: dict[str, int]) -> list[set[int]]:
     """The bodies in contact with each body, by ``row``."""
     touching: list[set[int]] = [set() for _ in row]
     contact = np.flatnonzero(graph.partner > np.arange(graph.node_count))
-    for a, b in zip(graph.node_object[contact].tolist(), graph.node_object[graph.partner[contact]].tolist(), strict=True):
+    for a, b in zip(
+        graph.node_object[contact].tolist(),
+        graph.node_object[graph.partner[contact]].tolist(),
+        strict=True,
+    ):
         first, second = row.get(graph.table.names[a]), row.get(graph.table.names[b])
         if first is not None and second is not None:
             touching[first].add(second)
@@ -106,7 +144,9 @@ def _touching(graph: HapticGraph, row: dict[str, int]) -> list[set[int]]:
     return touching
 
 
-def _least_air(bounds: FloatArray, touching: Sequence[set[int]], start: Sequence[int], end: int) -> IntArray:
+def _least_air(
+    bounds: FloatArray, touching: Sequence[set[int]], start: Sequence[int], end: int
+) -> IntArray:
     """Predecessors (n,) of Dijkstra's search over all bodies, -1 at the start."""
     count = len(bounds)
     air, predecessor = np.full(count, np.inf), np.full(count, -1, dtype=np.int64)
@@ -115,7 +155,9 @@ def _least_air(bounds: FloatArray, touching: Sequence[set[int]], start: Sequence
     while open_bodies[end]:
         here = int(np.argmin(np.where(open_bodies, air, np.inf)))
         open_bodies[here] = False
-        apart = np.maximum(np.maximum(bounds[:, 0] - bounds[here, 1], bounds[here, 0] - bounds[:, 1]), 0.0)
+        apart = np.maximum(
+            np.maximum(bounds[:, 0] - bounds[here, 1], bounds[here, 0] - bounds[:, 1]), 0.0
+        )
         step = np.sqrt((apart**2).sum(axis=1)) + 1e-3  # prefers fewer steps among equal distances
         step[list(touching[here])] = 1e-9
         better = open_bodies & (air[here] + step < air)
@@ -125,9 +167,17 @@ def _least_air(bounds: FloatArray, touching: Sequence[set[int]], start: Sequence
 
 def _distance(surroundings: Surroundings, bounds: FloatArray, a: int, b: int) -> float:
     """Distance [m] between two bodies, at least 0."""
-    poses = np.array([[*surroundings.transforms[k, :3, :3].ravel(), *surroundings.transforms[k, :3, 3]] for k in (a, b)]).T
+    poses = np.array(
+        [
+            [*surroundings.transforms[k, :3, :3].ravel(), *surroundings.transforms[k, :3, 3]]
+            for k in (a, b)
+        ]
+    ).T
     rotation, offset = relative_pose(poses[:, :1], poses[:, 1:])
     reach = np.linalg.norm(bounds[[a, b], 1].max(axis=0) - bounds[[a, b], 0].min(axis=0))
     bodies = [surroundings.bodies[k] for k in (a, b)]
     narrow = NarrowPhase([body.shape for body in bodies], [body.medium for body in bodies])
-    return max(float(narrow.query(np.array([[0, 1]]), rotation, offset, np.array([reach])).distance[0]), 0.0)
+    return max(
+        float(narrow.query(np.array([[0, 1]]), rotation, offset, np.array([reach])).distance[0]),
+        0.0,
+    )

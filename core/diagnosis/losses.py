@@ -23,10 +23,13 @@ from ..scene.values import Mode, Settings
 NEPER = 20 / math.log(10)
 """Decibels per neper."""
 _BARRIER = 40.0
-"""Cost [Np] given to an object that transmits nothing, to find the path with the fewest such objects."""
+"""Cost [Np] given to an object that transmits nothing, to find the path with the fewest such
+objects."""
 
 
-def straight_line_message(result: FrameResult, settings: Settings, row: int, listener: int) -> Message:
+def straight_line_message(
+    result: FrameResult, settings: Settings, row: int, listener: int
+) -> Message:
     """Why nothing arrives in the modes MD and MN, which ignore objects."""
     if settings.max_connections is not None and settings.max_connections < 1:
         return Message.of(Cause.NO_CONNECTION_ALLOWED)
@@ -34,11 +37,19 @@ def straight_line_message(result: FrameResult, settings: Settings, row: int, lis
     distance = float(straight_distances(result.graph)[row, listener])
     loss = DISTANCE_ONLY.alpha * distance * NEPER if settings.mode is Mode.MD else 0.0
     threshold = Decibels(-_threshold_loss(settings))
-    return Message.of(Cause.TOO_FAR, source, source=source, distance=Metres(distance), gain=Decibels(-loss), threshold=threshold)
+    return Message.of(
+        Cause.TOO_FAR,
+        source,
+        source=source,
+        distance=Metres(distance),
+        gain=Decibels(-loss),
+        threshold=threshold,
+    )
 
 
 def loss_message(graph: HapticGraph, settings: Settings, row: int, column: int) -> Message | None:
-    """The losses on the best chain of contacts from source ``row`` to listener ``column``; None without a chain."""
+    """The losses on the best chain of contacts from source ``row`` to listener ``column``; None
+    without a chain."""
     path = _best_path(graph, row, column)
     if path:
         return _weak_path_message(graph, settings, path)
@@ -77,17 +88,28 @@ def _barrier_message(graph: HapticGraph, path: tuple[int, ...]) -> Message:
                 return Message.of(Cause.CONTACT_ZERO, first, first=first, second=second)
         elif not math.isfinite(float(intra_costs(graph, np.array([a]), np.array([b]))[0])):
             return _object_message(graph, a, b)
-    return Message.of(Cause.NO_SIMPLE_PATH, graph.table.names[graph.node_object[path[0]]], path=Chain(objects_on(graph, path)))
+    return Message.of(
+        Cause.NO_SIMPLE_PATH,
+        graph.table.names[graph.node_object[path[0]]],
+        path=Chain(objects_on(graph, path)),
+    )
 
 
 def _object_message(graph: HapticGraph, a: int, b: int) -> Message:
     """Message that the object with the nodes ``a`` and ``b`` transmits nothing between them."""
     item = graph.table.objects[graph.node_object[a]]
-    if item.propagation.name == "haptic_tracing" and transfer_coefficient(item.kappa, item.rho) == 0:
-        return Message.of(Cause.KAPPA_ONE if item.kappa == 1 else Cause.RHO_ZERO, item.name, object=item.name)
+    if (
+        item.propagation.name == "haptic_tracing"
+        and transfer_coefficient(item.kappa, item.rho) == 0
+    ):
+        return Message.of(
+            Cause.KAPPA_ONE if item.kappa == 1 else Cause.RHO_ZERO, item.name, object=item.name
+        )
     distance = Metres(graph.node_distances(np.array([a]), np.array([b]))[0])
     function = item.propagation.name.replace("_", " ")
-    return Message.of(Cause.FUNCTION_ZERO, item.name, object=item.name, distance=distance, function=function)
+    return Message.of(
+        Cause.FUNCTION_ZERO, item.name, object=item.name, distance=distance, function=function
+    )
 
 
 def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, float, float]]:
@@ -99,7 +121,10 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
             cost, length = float(graph.transmission_loss[graph.contact[a]]), 0.0
         else:
             ends = np.array([a]), np.array([b])
-            cost, length = float(intra_costs(graph, *ends)[0]), float(graph.node_distances(*ends)[0])
+            cost, length = (
+                float(intra_costs(graph, *ends)[0]),
+                float(graph.node_distances(*ends)[0]),
+            )
         loss, distance = result.get(name, (0.0, 0.0))
         result[name] = loss + NEPER * cost, distance + length
     return [(name, loss, distance) for name, (loss, distance) in result.items()]
@@ -107,7 +132,9 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
 
 def _best_path(graph: HapticGraph, row: int, column: int) -> tuple[int, ...]:
     """Nodes of the best path without limits, () if there is none."""
-    return best_paths(graph, np.array([[row, column]]), None, 0.0, BUDGET, amplifying(graph), {}, {}).nodes.get((row, column), ())
+    return best_paths(
+        graph, np.array([[row, column]]), None, 0.0, BUDGET, amplifying(graph), {}, {}
+    ).nodes.get((row, column), ())
 
 
 def _with_barriers(graph: HapticGraph) -> HapticGraph:
@@ -115,7 +142,9 @@ def _with_barriers(graph: HapticGraph) -> HapticGraph:
     barriers = np.where(graph.table.loss >= _BARRIER, _BARRIER, 1e-3)
     barriers[sorted(graph.table.special)] = _BARRIER / 4
     decay = np.full(len(barriers), 1e-3)
-    table = replace(graph.table, factor=np.exp(-barriers), decay=decay, loss=barriers, special=frozenset())
+    table = replace(
+        graph.table, factor=np.exp(-barriers), decay=decay, loss=barriers, special=frozenset()
+    )
     loss = np.minimum(graph.transmission_loss, _BARRIER)
     return replace(graph, table=table, transmission=np.exp(-loss), transmission_loss=loss)
 

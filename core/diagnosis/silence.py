@@ -36,27 +36,42 @@ def reasons(
         settings: those that ``result`` was traced with.
         surroundings: the bodies of the frame, to measure gaps between them.
         muted: names of muted sources, as opposed to those with amplitude 0.
-        recent: (n,) the last samples of the listener at the result's rate; None for those of the frame.
+        recent: (n,) the last samples of the listener at the result's rate; None for those of the
+            frame.
         waiting: names of sources that have not been triggered.
 
     Returns:
         One message per cause; () if the listener feels something.
     """
     if not result.sources:
-        return (Message.of(Cause.WAITING, waiting[0], source=waiting[0]) if waiting else Message.of(Cause.NO_SOURCE),)
-    arriving = [row for row in range(len(result.sources)) if result.amplitudes[row, listener] > 0 and not _is_over(result, row)]
+        return (
+            Message.of(Cause.WAITING, waiting[0], source=waiting[0])
+            if waiting
+            else Message.of(Cause.NO_SOURCE),
+        )
+    arriving = [
+        row
+        for row in range(len(result.sources))
+        if result.amplitudes[row, listener] > 0 and not _is_over(result, row)
+    ]
     if arriving:
         return _arrival_messages(result, listener, arriving, recent)
-    loudest = sorted(range(len(result.sources)), key=lambda row: -result.sources[row].amplitude)[:_MOST_SOURCES]
-    graph = cache(lambda: complete_graph(result, settings, surroundings))  # once, for the first source that needs it
+    loudest = sorted(range(len(result.sources)), key=lambda row: -result.sources[row].amplitude)[
+        :_MOST_SOURCES
+    ]
+    # Once, for the first source that needs it.
+    graph = cache(lambda: complete_graph(result, settings, surroundings))
     found = [
-        _source_message(result, settings, row, listener, muted) or _interruption(result, settings, row, listener, surroundings, graph)
+        _source_message(result, settings, row, listener, muted)
+        or _interruption(result, settings, row, listener, surroundings, graph)
         for row in loudest
     ]
     return tuple(dict.fromkeys(found))
 
 
-def _arrival_messages(result: FrameResult, listener: int, arriving: Sequence[int], recent: FloatArray | None) -> tuple[Message, ...]:
+def _arrival_messages(
+    result: FrameResult, listener: int, arriving: Sequence[int], recent: FloatArray | None
+) -> tuple[Message, ...]:
     """Why the signals of the sources ``arriving`` at the listener are not felt."""
     item = result.listeners[listener]
     if item.gain == 0:
@@ -66,7 +81,10 @@ def _arrival_messages(result: FrameResult, listener: int, arriving: Sequence[int
     if recent is None or len(recent) < 2:
         return (Message.of(Cause.NOT_RENDERED),)
     strongest = max(arriving, key=lambda row: float(result.amplitudes[row, listener]))
-    name, gain = result.sources[strongest].name, Decibels(NEPER * np.log(float(result.gains[strongest, listener])))
+    name, gain = (
+        result.sources[strongest].name,
+        Decibels(NEPER * np.log(float(result.gains[strongest, listener]))),
+    )
     if not np.any(recent):
         return (Message.of(Cause.PAUSE, name, source=name, gain=gain),)
     margin = float(sensation_level(recent, result.sample_rate))
@@ -75,25 +93,50 @@ def _arrival_messages(result: FrameResult, listener: int, arriving: Sequence[int
     frequency = Hertz(dominant_frequency(recent, result.sample_rate))
     with np.errstate(divide="ignore"):
         level = Decibels(NEPER * np.log(vibration_rms(recent, result.sample_rate)))
-    return (Message.of(Cause.NOT_FELT, name, source=name, gain=gain, level=level, frequency=frequency, margin=Decibels(-margin)),)
+    return (
+        Message.of(
+            Cause.NOT_FELT,
+            name,
+            source=name,
+            gain=gain,
+            level=level,
+            frequency=frequency,
+            margin=Decibels(-margin),
+        ),
+    )
 
 
 def _interruption(
-    result: FrameResult, settings: Settings, row: int, listener: int, surroundings: Surroundings | None, graph: Callable[[], HapticGraph]
+    result: FrameResult,
+    settings: Settings,
+    row: int,
+    listener: int,
+    surroundings: Surroundings | None,
+    graph: Callable[[], HapticGraph],
 ) -> Message:
     """Why nothing of source ``row`` arrives. ``graph``: gives the complete graph."""
     if settings.mode in (Mode.MD, Mode.MN):
         return straight_line_message(result, settings, row, listener)
-    return loss_message(graph(), settings, row, listener) or gap_message(result, graph(), row, listener, surroundings)
+    return loss_message(graph(), settings, row, listener) or gap_message(
+        result, graph(), row, listener, surroundings
+    )
 
 
-def _source_message(result: FrameResult, settings: Settings, row: int, listener: int, muted: Collection[str]) -> Message | None:
+def _source_message(
+    result: FrameResult, settings: Settings, row: int, listener: int, muted: Collection[str]
+) -> Message | None:
     """Why source ``row`` emits nothing, or nothing for this listener; None if neither holds."""
     source = result.sources[row]
     if source.amplitude == 0:
-        return Message.of(Cause.MUTED if source.name in muted else Cause.ZERO_AMPLITUDE, source.name, source=source.name)
+        return Message.of(
+            Cause.MUTED if source.name in muted else Cause.ZERO_AMPLITUDE,
+            source.name,
+            source=source.name,
+        )
     if _is_over(result, row):
-        return Message.of(Cause.FINISHED, source.name, source=source.name, end=Seconds(_signal_end(source)))
+        return Message.of(
+            Cause.FINISHED, source.name, source=source.name, end=Seconds(_signal_end(source))
+        )
     if settings.mode is Mode.SD or (settings.mode is Mode.HT and settings.localise == 1):
         nearest = int(np.flatnonzero(nearest_listener(result.graph)[row])[0])
         if nearest != listener:

@@ -27,14 +27,16 @@ class Hop:
 
 @dataclass(frozen=True, slots=True)
 class Waterfall:
-    """From the amplitude of a source to the level of a listener, all in decibels, minus infinity for silence.
+    """From the amplitude of a source to the level of a listener, all in decibels, minus infinity
+    for silence.
 
     Attributes:
         amplitude: of the source.
         hops: the objects of the best path; () in the modes without paths.
         gain: of the path, or of all paths that the strategy counts together.
         listener_gain: the factor of the listener's mix.
-        signal: RMS of what the source sends, relative to a constant of its amplitude: −3 dB for a sine.
+        signal: RMS of what the source sends, relative to a constant of its amplitude: −3 dB for a
+            sine.
         level: RMS of what is played, relative to full scale.
     """
 
@@ -49,19 +51,22 @@ class Waterfall:
 
     @property
     def others(self) -> float:
-        """What the gain has beyond the best path: other paths, the weights of frequency bands, and the mean over the listener's volume. The
-        whole gain in the modes without paths."""
+        """What the gain has beyond the best path: other paths, the weights of frequency bands, and
+        the mean over the listener's volume. The whole gain in the modes without paths."""
         return self.gain + sum(hop.loss for hop in self.hops)
 
     @property
     def mix(self) -> float:
-        """What the level has beyond this source: other sources and how they are mixed, ducking, ceiling and limiter, and what has changed
-        within the time over which the level is measured. 0 where this source is silent."""
+        """What the level has beyond this source: other sources and how they are mixed, ducking,
+        ceiling and limiter, and what has changed within the time over which the level is measured.
+        0 where this source is silent."""
         alone = self.amplitude + self.gain + self.listener_gain + self.signal
         return self.level - alone if math.isfinite(alone) else 0.0
 
 
-def waterfall(result: FrameResult, mode: Mode, row: int, column: int, level: float, seconds: float) -> Waterfall:
+def waterfall(
+    result: FrameResult, mode: Mode, row: int, column: int, level: float, seconds: float
+) -> Waterfall:
     """The waterfall from source ``row``, which reaches the listener, to listener ``column``.
 
     Args:
@@ -69,12 +74,18 @@ def waterfall(result: FrameResult, mode: Mode, row: int, column: int, level: flo
         level: of the listener [dB of full scale].
         seconds: the time over which the level is measured.
     """
-    source, listener, propagation = result.sources[row], result.listeners[column], result.propagation
+    source, listener, propagation = (
+        result.sources[row],
+        result.listeners[column],
+        result.propagation,
+    )
     nodes = propagation.best_path.get((row, column), ())
     hops: tuple[Hop, ...] = ()
     if nodes and mode in (Mode.HT, Mode.SD):
         graph = distance_only(result.graph) if mode is Mode.SD else result.graph
-        hops = tuple(Hop(*loss) for loss in object_losses(graph.in_band(graph.sources[row].band), nodes))
+        hops = tuple(
+            Hop(*loss) for loss in object_losses(graph.in_band(graph.sources[row].band), nodes)
+        )
     arriving = float(result.amplitudes[row, column])
     return Waterfall(
         listener=listener.name,
@@ -89,7 +100,8 @@ def waterfall(result: FrameResult, mode: Mode, row: int, column: int, level: flo
 
 
 def _rms_alone(result: FrameResult, row: int, column: int, seconds: float) -> float:
-    """RMS of a source at a listener of gain 1, without other sources, from the beginning of the frame's interval."""
+    """RMS of a source at a listener of gain 1, without other sources, from the beginning of the
+    frame's interval."""
     propagation, pair = result.propagation, np.ix_([row], [column])
     alone = replace(
         propagation,
@@ -98,7 +110,9 @@ def _rms_alone(result: FrameResult, row: int, column: int, seconds: float) -> fl
         delay=None if propagation.delay is None else propagation.delay[pair],
     )
     start = result.first_sample / result.sample_rate
-    sounding = Sounding(start, (result.sources[row],), (replace(result.listeners[column], gain=1.0),), alone)
+    sounding = Sounding(
+        start, (result.sources[row],), (replace(result.listeners[column], gain=1.0),), alone
+    )
     samples = source_samples(sounding, 0, seconds, result.sample_rate)
     return float(vibration_rms(samples[0], result.sample_rate))
 

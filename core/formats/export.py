@@ -17,7 +17,8 @@ from .tracks.listener_tracks import Tracks
 class Export:
     """A scene with its recording and its rendered tracks.
 
-    Files are named after ``name``; ``date`` is in ISO 8601. ``unknown``: JSON pointers of keys of a newer version that were not read.
+    Files are named after ``name``; ``date`` is in ISO 8601. ``unknown``: JSON pointers of keys of a
+    newer version that were not read.
     """
 
     name: str
@@ -33,7 +34,9 @@ class Export:
     def need_tracks(self) -> Tracks:
         """The rendered tracks. Raises ValueError if there are none."""
         if self.tracks is None or not self.tracks.listeners:
-            raise ValueError("tracks: this format carries what listeners feel, and there is no listener")
+            raise ValueError(
+                "tracks: this format carries what listeners feel, and there is no listener"
+            )
         return self.tracks
 
     def need_scene(self) -> HapticScene:

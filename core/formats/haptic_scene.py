@@ -29,7 +29,11 @@ def loss(export: Export, options: Mapping[str, Any]) -> Iterator[str]:
     if export.recording is not None and not options["frames"]:
         yield "what changes over time"
     elif export.recording is not None:
-        yield from (f"how {part.modality.title.lower()} changes over time" for part in export.modalities if part.enabled)
+        yield from (
+            f"how {part.modality.title.lower()} changes over time"
+            for part in export.modalities
+            if part.enabled
+        )
     if export.tracks is not None and options["tracks"] == "none":
         yield "the rendered tracks, which can be rendered again"
     elif export.tracks is not None and options["encoding"] == "pcm16":
@@ -41,16 +45,26 @@ def keeps(options: Mapping[str, Any]) -> Measures | None:
     return None if options["tracks"] == "none" else Measures(Kind.SAMPLES)
 
 
-def write(export: Export, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None) -> list[Path]:
+def write(
+    export: Export, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None
+) -> list[Path]:
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
     if export.tracks is not None and measured is not None:
         wav.compare_encoded(export.tracks, options["encoding"], measured)
     path = scene_file(export.name, folder, "scene")
     path = path.with_name(f"{path.name}.gz") if options["compressed"] else path
-    return write_export(export, path, frames=options["frames"], tracks=options["tracks"], encoding=options["encoding"])
+    return write_export(
+        export,
+        path,
+        frames=options["frames"],
+        tracks=options["tracks"],
+        encoding=options["encoding"],
+    )
 
 
-def write_export(export: Export, path: Path, frames: bool = True, tracks: str = "none", encoding: str = "pcm16") -> list[Path]:
+def write_export(
+    export: Export, path: Path, frames: bool = True, tracks: str = "none", encoding: str = "pcm16"
+) -> list[Path]:
     """Write to ``path``, compressed if it ends in ``.gz``. Raises ValueError or OSError."""
     document = scene_to_dict(export.need_scene())
     extras = {key: document.pop(key) for key in ("extras",) if key in document}
@@ -74,7 +88,9 @@ def write_export(export: Export, path: Path, frames: bool = True, tracks: str = 
         if tracks == "wav":
             wav.write_wav(export.tracks, sidecar, encoding)
             files.insert(0, sidecar)
-        document["tracks"] = tracks_to_dict(export.tracks, encoding, sidecar.name if tracks == "wav" else None)
+        document["tracks"] = tracks_to_dict(
+            export.tracks, encoding, sidecar.name if tracks == "wav" else None
+        )
     write_document({**document, **extras}, path)
     return files
 

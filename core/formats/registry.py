@@ -1,7 +1,8 @@
 """Writes and reads all formats by name.
 
-A format is an entry of `io.catalogue` and a module with ``write(export, folder, options, measured)``, ``loss(export, options)`` and
-``keeps(options)``; one that can be imported also has ``read(path)``.
+A format is an entry of `io.catalogue` and a module with ``write(export, folder, options,
+measured)``, ``loss(export, options)`` and ``keeps(options)``; one that can be imported also has
+``read(path)``.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from .tracks.vibration_file import VibrationFile
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """Result of writing: ``files`` in the order of writing, ``losses`` one sentence each, the measured ones last.
+    """Result of writing: ``files`` in the order of writing, ``losses`` one sentence each, the
+    measured ones last.
 
     ``fidelity``: the measured losses, None without tracks or for silence.
     """
@@ -37,11 +39,15 @@ class Written:
 
 
 Consent = Callable[[Written], bool]
-"""Called before a file is replaced by one that keeps little of the vibration; returns whether to write."""
+"""Called before a file is replaced by one that keeps little of the vibration; returns whether to
+write."""
 
 
-def losses(name: str, export: Export, chosen: Mapping[str, Value] = MappingProxyType({})) -> tuple[str, ...]:
-    """The losses of an export in a format, one sentence each. Raises ValueError if it cannot be written."""
+def losses(
+    name: str, export: Export, chosen: Mapping[str, Value] = MappingProxyType({})
+) -> tuple[str, ...]:
+    """The losses of an export in a format, one sentence each. Raises ValueError if it cannot be
+    written."""
     form = named(name)
     return tuple(_module(form).loss(export, complete(form.options, chosen)))
 
@@ -56,8 +62,9 @@ def write(
 ) -> Written:
     """Write an export into an existing folder, and measure the losses of the files.
 
-    If consent is requested and refused, nothing is written, and the result has no files. ``progress`` is called with the measured share; if
-    it raises an error, nothing is written. Raises ValueError for invalid options or contents, and OSError.
+    If consent is requested and refused, nothing is written, and the result has no files.
+    ``progress`` is called with the measured share; if it raises an error, nothing is written.
+    Raises ValueError for invalid options or contents, and OSError.
     """
     form = named(name)
     module, values = _module(form), complete(form.options, chosen)
@@ -65,12 +72,22 @@ def write(
     with staging(Path(folder)) as place:
         measures = module.keeps(values)
         has_tracks = export.tracks is not None and len(export.tracks.listeners) > 0
-        measured = Comparison(export.need_tracks(), measures, progress) if has_tracks and measures else None
+        measured = (
+            Comparison(export.need_tracks(), measures, progress)
+            if has_tracks and measures
+            else None
+        )
         files = module.write(export, place.folder, values, measured)
         fidelity = None if measured is None else measured.result()
         targets = place.targets(files)
         written = Written(tuple(targets), (*lost, *sentences(fidelity)), fidelity)
-        if consent and fidelity and fidelity.is_poor and any(path.exists() for path in targets) and not consent(written):
+        if (
+            consent
+            and fidelity
+            and fidelity.is_poor
+            and any(path.exists() for path in targets)
+            and not consent(written)
+        ):
             return replace(written, files=())
         place.commit(files)
     return written
@@ -80,7 +97,9 @@ def read(path: str | Path) -> VibrationFile:
     """The vibrations in a file, by its suffix. Raises FormatError or OSError."""
     path = Path(path)
     if path.suffix.lower() not in READERS:
-        raise FormatError(path, "/", f"can't be imported: the ending must be one of {', '.join(READERS)}")
+        raise FormatError(
+            path, "/", f"can't be imported: the ending must be one of {', '.join(READERS)}"
+        )
     try:
         return cast(VibrationFile, _module(named(READERS[path.suffix.lower()])).read(path))
     except FormatError:

@@ -14,7 +14,8 @@ DISTANCE_ONLY = Exponential(alpha=0.2)
 
 
 def distance_only(graph: HapticGraph) -> HapticGraph:
-    """The graph with `DISTANCE_ONLY` as the propagation function of every object, without bands and delays; its objects are unchanged."""
+    """The graph with `DISTANCE_ONLY` as the propagation function of every object, without bands and
+    delays; its objects are unchanged."""
     count = len(graph.table.names)
     table = dataclasses.replace(
         graph.table,

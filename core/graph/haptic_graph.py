@@ -1,7 +1,9 @@
-"""The haptic graph: nodes as arrays sorted by object, inter-connections stored, intra-connections implied by the object.
+"""The haptic graph: nodes as arrays sorted by object, inter-connections stored, intra-connections
+implied by the object.
 
-All nodes of one object are connected to each other, so the number of connections is quadratic in theirs and connections are not stored. An
-object's nodes are one slice, and the gain between two of them is its propagation function at their distance.
+All nodes of one object are connected to each other, so the number of connections is quadratic in
+theirs and connections are not stored. An object's nodes are one slice, and the gain between two of
+them is its propagation function at their distance.
 """
 
 from __future__ import annotations
@@ -40,7 +42,8 @@ class NodeKind(IntEnum):
 
 
 class NoGain(ValueError):
-    """Error for an expression without a valid gain; ``objects``: the name of its object, or those of the contact's two objects."""
+    """Error for an expression without a valid gain; ``objects``: the name of its object, or those
+    of the contact's two objects."""
 
     def __init__(self, message: str, objects: tuple[str, ...]) -> None:
         super().__init__(message)
@@ -51,8 +54,9 @@ class NoGain(ValueError):
 class ObjectTable:
     """The propagation functions of all objects as arrays, in the order of their sorted names.
 
-    The gain of an object over d metres is ``factor * exp(-decay * d)``, times that of its `Spreading`. The cost ``-log(gain)`` is therefore
-    a constant plus a metric, a concave function of distance that is 0 at distance 0.
+    The gain of an object over d metres is ``factor * exp(-decay * d)``, times that of its
+    `Spreading`. The cost ``-log(gain)`` is therefore a constant plus a metric, a concave function
+    of distance that is 0 at distance 0.
 
     Attributes:
         factor, decay: (n,); NaN for the objects in ``special``.
@@ -78,31 +82,41 @@ class ObjectTable:
     slowness: FloatArray | None
     properties: FloatArray
     _index: dict[str, int] = field(init=False, repr=False, compare=False)
-    _in_bands: dict[int, ObjectTable] = field(init=False, repr=False, compare=False, default_factory=dict)
+    _in_bands: dict[int, ObjectTable] = field(
+        init=False, repr=False, compare=False, default_factory=dict
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_index", {name: i for i, name in enumerate(self.names)})
 
     def in_band(self, band: int) -> ObjectTable:
-        """The table whose plain gains are those of a frequency band; functions of another form keep theirs. Returns itself if nothing
-        differs."""
+        """The table whose plain gains are those of a frequency band; functions of another form keep
+        theirs. Returns itself if nothing differs."""
         if band not in self._in_bands:
             loss, decay = self.loss, self.decay
             with np.errstate(divide="ignore"):
                 loss = loss if self.band_gains is None else loss - np.log(self.band_gains[:, band])
             decay = decay if self.band_decays is None else decay + self.band_decays[:, band]
-            same = np.array_equal(loss, self.loss, equal_nan=True) and np.array_equal(decay, self.decay, equal_nan=True)
-            self._in_bands[band] = self if same else replace(self, factor=np.exp(-loss), loss=loss, decay=decay)
+            same = np.array_equal(loss, self.loss, equal_nan=True) and np.array_equal(
+                decay, self.decay, equal_nan=True
+            )
+            self._in_bands[band] = (
+                self if same else replace(self, factor=np.exp(-loss), loss=loss, decay=decay)
+            )
         return self._in_bands[band]
 
     @classmethod
     def of(cls, objects: Sequence[HapticObject], epsilon: float) -> ObjectTable:
-        """Tabulate the objects (each name once). Sorting by name makes every result independent of their order."""
+        """Tabulate the objects (each name once). Sorting by name makes every result independent of
+        their order."""
         ordered = tuple(sorted(objects, key=lambda o: o.name))
         pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in ordered]
-        forms = np.array([(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64).reshape(-1, 2)
+        forms = np.array(
+            [(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64
+        ).reshape(-1, 2)
         bands, decays, slowness = _spectrum_arrays(
-            [o.propagation for o in ordered], [o.propagation.band_decays(o.kappa, o.rho) for o in ordered]
+            [o.propagation for o in ordered],
+            [o.propagation.band_decays(o.kappa, o.rho) for o in ordered],
         )
         return cls(
             names=tuple(o.name for o in ordered),
@@ -110,7 +124,10 @@ class ObjectTable:
             factor=forms[:, 0].copy(),
             decay=forms[:, 1].copy(),
             loss=np.array(
-                [math.nan if p is None else o.propagation.loss(o.kappa, o.rho, epsilon) for o, p in zip(ordered, pairs, strict=True)]
+                [
+                    math.nan if p is None else o.propagation.loss(o.kappa, o.rho, epsilon)
+                    for o, p in zip(ordered, pairs, strict=True)
+                ]
             ),
             spreading=Spreading.of([o.propagation.spreading_law() for o in ordered]),
             special=frozenset(i for i, pair in enumerate(pairs) if pair is None),
@@ -118,7 +135,11 @@ class ObjectTable:
             band_gains=bands,
             band_decays=decays,
             slowness=slowness,
-            properties=np.array([(o.kappa, o.rho, o.propagation.impedance) for o in ordered], dtype=np.float64).reshape(-1, 3).T,
+            properties=np.array(
+                [(o.kappa, o.rho, o.propagation.impedance) for o in ordered], dtype=np.float64
+            )
+            .reshape(-1, 3)
+            .T,
         )
 
     def index(self) -> Mapping[str, int]:
@@ -126,16 +147,22 @@ class ObjectTable:
         return self._index
 
     def gain(self, index: int, distance: FloatArray) -> FloatArray:
-        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain if its expression gives none, and ValueError for a
-        distance that is negative or not finite."""
+        """Gains of object ``index`` over ``distance`` (metres, any shape). Raises NoGain if its
+        expression gives none, and ValueError for a distance that is negative or not finite."""
         if not np.all((distance >= 0) & (distance < math.inf)):
             raise ValueError("distance: must be finite and at least 0 m")
         if index not in self.special:
             gains = self.factor[index] * np.exp(-self.decay[index] * distance)
-            return np.asarray(gains if self.spreading is None else gains * np.exp(-self.spreading.at(index).cost(distance)))
+            return np.asarray(
+                gains
+                if self.spreading is None
+                else gains * np.exp(-self.spreading.at(index).cost(distance))
+            )
         haptic_object = self.objects[index]
         try:
-            return haptic_object.propagation.gain(distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
+            return haptic_object.propagation.gain(
+                distance, haptic_object.kappa, haptic_object.rho, self.epsilon
+            )
         except ValueError as error:
             raise NoGain(f"object {haptic_object.name!r}: {error}", (haptic_object.name,)) from None
 
@@ -157,37 +184,48 @@ class ObjectTable:
         for number in self._special_among(index):
             chosen = np.flatnonzero(index == number)
             with np.errstate(divide="ignore"):
-                constant[chosen], varying[chosen] = 0.0, -np.log(self.gain(number, distance[chosen]))
+                constant[chosen], varying[chosen] = (
+                    0.0,
+                    -np.log(self.gain(number, distance[chosen])),
+                )
         return constant, varying
 
     def _special_among(self, index: IntArray) -> set[int]:
         return set(index.tolist()) & self.special if self.special else set()
 
     def gain_bounds(self, index: int, max_distance: float) -> tuple[float, float]:
-        """Guaranteed (lowest, highest) gain of object ``index`` over any distance up to ``max_distance`` metres."""
+        """Guaranteed (lowest, highest) gain of object ``index`` over any distance up to
+        ``max_distance`` metres."""
         haptic_object = self.objects[index]
-        return haptic_object.propagation.bounds(max_distance, haptic_object.kappa, haptic_object.rho, self.epsilon)
+        return haptic_object.propagation.bounds(
+            max_distance, haptic_object.kappa, haptic_object.rho, self.epsilon
+        )
 
 
 def _spectrum_arrays(
     functions: Sequence[ModulationFunction], band_decays: Sequence[tuple[float, ...]]
 ) -> tuple[FloatArray | None, FloatArray | None, FloatArray | None]:
-    """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None if none of them uses it."""
+    """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None if
+    none of them uses it."""
     gains = decays = slowness = None
     spectra, band_gains = [f.spectrum for f in functions], [f.band_gains() for f in functions]
     if any(band_gains):
         gains = np.array([values or (1.0,) * BAND_COUNT for values in band_gains], dtype=np.float64)
     if any(band_decays):
-        decays = np.array([values or (0.0,) * BAND_COUNT for values in band_decays], dtype=np.float64)
+        decays = np.array(
+            [values or (0.0,) * BAND_COUNT for values in band_decays], dtype=np.float64
+        )
     if any(s.wave_speed for s in spectra):
-        slowness = np.array([1.0 / s.wave_speed if s.wave_speed else 0.0 for s in spectra], dtype=np.float64)
+        slowness = np.array(
+            [1.0 / s.wave_speed if s.wave_speed else 0.0 for s in spectra], dtype=np.float64
+        )
     return gains, decays, slowness
 
 
 @dataclass(frozen=True, slots=True)
 class SourceNodes:
-    """A source in the graph: one node, or one on each side of the contact for an impact. ``band``: its lowest strong band, see
-    `core.scene.spectra.leading_band`; 0 if the graph has no bands."""
+    """A source in the graph: one node, or one on each side of the contact for an impact. ``band``:
+    its lowest strong band, see `core.scene.spectra.leading_band`; 0 if the graph has no bands."""
 
     name: str
     nodes: tuple[int, ...]
@@ -202,7 +240,8 @@ class HapticGraph:
 
     Attributes:
         table: propagation functions of the objects.
-        start: (o + 1,) nodes are sorted by object; those of object k are ``start[k] : start[k + 1]``.
+        start: (o + 1,) nodes are sorted by object; those of object k are ``start[k] : start[k +
+            1]``.
         node_object: (n,) object of each node.
         node_kind: (n,) a `NodeKind`.
         node_position: (n, 3) [m, world].
@@ -216,9 +255,11 @@ class HapticGraph:
         sources, listeners: by name, with their nodes.
         listener_nodes: (l,) node of each listener.
         frames: centres and axes of the objects.
-        forces: (c,) normal forces of the contacts [N], NaN if unknown, 0 for contacts whose function does not use it; None if no function
-        does. reach: (n,) radius [m] about a listener's node within which distances to it are 0, 0 for other nodes; None if all are 0.
-        points: the nodes over which each listener takes the mean, its own first; None if no listener does.
+        forces: (c,) normal forces of the contacts [N], NaN if unknown, 0 for contacts whose
+        function does not use it; None if no function does. reach: (n,) radius [m] about a
+        listener's node within which distances to it are 0, 0 for other nodes; None if all are 0.
+        points: the nodes over which each listener takes the mean, its own first; None if no
+            listener does.
     """
 
     table: ObjectTable
@@ -252,7 +293,11 @@ class HapticGraph:
     @property
     def uses_bands(self) -> bool:
         """True if any function has band gains or band decays."""
-        return self.table.band_gains is not None or self.table.band_decays is not None or self.contact_band_gains is not None
+        return (
+            self.table.band_gains is not None
+            or self.table.band_decays is not None
+            or self.contact_band_gains is not None
+        )
 
     @property
     def uses_delays(self) -> bool:
@@ -286,15 +331,21 @@ class HapticGraph:
         return nodes
 
     def node_distances(self, a: IntArray, b: IntArray) -> FloatArray:
-        """Distances in metres between nodes ``a[i]`` and ``b[i]``, from the nearest point of a listener's volume."""
+        """Distances in metres between nodes ``a[i]`` and ``b[i]``, from the nearest point of a
+        listener's volume."""
         places = self.node_position.T
         apart = _lengths(*(places.take(a, axis=1) - places.take(b, axis=1)))
-        return apart if self.reach is None else np.maximum(apart - (self.reach[a] + self.reach[b]), 0.0)
+        return (
+            apart
+            if self.reach is None
+            else np.maximum(apart - (self.reach[a] + self.reach[b]), 0.0)
+        )
 
     def to_networkx(self) -> networkx.Graph:
         """The explicit graph, every intra-connection an edge: for small scenes and for tests.
 
-        Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter") and ``gain``.
+        Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter")
+        and ``gain``.
         """
         import networkx
 
@@ -312,15 +363,20 @@ class HapticGraph:
             gains = self.table.gain(index, self.node_distances(a, b))
             for node, other, gain in zip(a.tolist(), b.tolist(), gains.tolist(), strict=True):
                 graph.add_edge(node, other, connection="intra", gain=gain)
-        for node, (partner, contact) in enumerate(zip(self.partner.tolist(), self.contact.tolist(), strict=True)):
+        for node, (partner, contact) in enumerate(
+            zip(self.partner.tolist(), self.contact.tolist(), strict=True)
+        ):
             if node < partner:
-                graph.add_edge(node, partner, connection="inter", gain=float(self.transmission[contact]))
+                graph.add_edge(
+                    node, partner, connection="inter", gain=float(self.transmission[contact])
+                )
         return graph
 
 
 def distances(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Euclidean distances over the last axis, of length 3. Accurate also for 1e200 m and 1e-200 m, whose squares overflow or underflow. The
-    distance of two points depends neither on the other elements nor on their order."""
+    """Euclidean distances over the last axis, of length 3. Accurate also for 1e200 m and 1e-200 m,
+    whose squares overflow or underflow. The distance of two points depends neither on the other
+    elements nor on their order."""
     return _lengths(a[..., 0] - b[..., 0], a[..., 1] - b[..., 1], a[..., 2] - b[..., 2])
 
 
@@ -344,12 +400,14 @@ def build_graph(
     frames: ObjectFrames | None = None,
     gravity: Vector = (0.0, 0.0, -9.81),
 ) -> HapticGraph:
-    """The haptic graph of one frame. ``contacts`` and ``frames`` number objects as ``table`` does; frames may be unknown. ``gravity``
-    [m/s^2] determines the forces of resting contacts if a function uses them.
+    """The haptic graph of one frame. ``contacts`` and ``frames`` number objects as ``table`` does;
+    frames may be unknown. ``gravity`` [m/s^2] determines the forces of resting contacts if a
+    function uses them.
 
-    Nodes are put into a canonical order (object, kind, contact by objects and position), so that the result does not depend on the order
-    in which contacts were found. Raises ValueError that names the argument for an object that is not in the table, a contact of an object
-    with itself or a number that is not finite, and the objects if a transmission expression gives no valid gain.
+    Nodes are put into a canonical order (object, kind, contact by objects and position), so that
+    the result does not depend on the order in which contacts were found. Raises ValueError that
+    names the argument for an object that is not in the table, a contact of an object with itself or
+    a number that is not finite, and the objects if a transmission expression gives no valid gain.
     """
     index = table.index()
     _check(table, index, contacts, sources, listeners)
@@ -358,19 +416,31 @@ def build_graph(
     source_entries = [
         (number, name, position)
         for number, source in enumerate(sources)
-        for name, position in ((source.object, source.position), (source.second_object, source.second_position))
+        for name, position in (
+            (source.object, source.position),
+            (source.second_object, source.second_position),
+        )
         if name is not None
     ]
-    ends = [(name, position) for _, name, position in source_entries] + [(item.object, item.position) for item in listeners]
+    ends = [(name, position) for _, name, position in source_entries] + [
+        (item.object, item.position) for item in listeners
+    ]
     ends += [(item.object, point) for item in listeners for point in points_in(item)]
-    node_object = np.concatenate([contacts.pairs.T.reshape(-1), np.array([index[name] for name, _ in ends], dtype=np.int64)])
+    node_object = np.concatenate(
+        [contacts.pairs.T.reshape(-1), np.array([index[name] for name, _ in ends], dtype=np.int64)]
+    )
     node_kind = np.repeat(
         np.array([NodeKind.CONTACT, NodeKind.SOURCE, NodeKind.LISTENER], dtype=np.int8),
         [2 * count, len(source_entries), len(ends) - len(source_entries)],
     )
     node_position = np.empty((3, len(node_object)))
-    node_position[:, :count], node_position[:, count : 2 * count] = contacts.positions[:, 0].T, contacts.positions[:, 1].T
-    node_position[:, 2 * count :] = np.array([position for _, position in ends], dtype=np.float64).reshape(-1, 3).T
+    node_position[:, :count], node_position[:, count : 2 * count] = (
+        contacts.positions[:, 0].T,
+        contacts.positions[:, 1].T,
+    )
+    node_position[:, 2 * count :] = (
+        np.array([position for _, position in ends], dtype=np.float64).reshape(-1, 3).T
+    )
     order = np.argsort(node_object, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
@@ -379,10 +449,14 @@ def build_graph(
     forces = _forces(table, contacts, frames, gravity)
     transmission, loss, band_gains, delay = _transmissions(table, contacts, forces)
     listener_nodes = rank[2 * count + len(source_entries) :]
-    in_bands = table.band_gains is not None or table.band_decays is not None or band_gains is not None
+    in_bands = (
+        table.band_gains is not None or table.band_decays is not None or band_gains is not None
+    )
     return HapticGraph(
         table=table,
-        start=np.concatenate([[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]),
+        start=np.concatenate(
+            [[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]
+        ),
         node_object=node_object[order],
         node_kind=node_kind[order],
         node_position=node_position.take(order, axis=1).T,  # each coordinate contiguous
@@ -393,7 +467,12 @@ def build_graph(
         weight=contacts.weight,
         contact_band_gains=band_gains,
         contact_delay=delay,
-        sources=_source_nodes(sources, [number for number, _, _ in source_entries], rank[2 * count :].tolist(), in_bands),
+        sources=_source_nodes(
+            sources,
+            [number for number, _, _ in source_entries],
+            rank[2 * count :].tolist(),
+            in_bands,
+        ),
         listeners=tuple(listener.name for listener in listeners),
         listener_nodes=listener_nodes[: len(listeners)].copy(),
         frames=frames,
@@ -404,8 +483,11 @@ def build_graph(
 
 
 def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatArray | None:
-    """``reach`` of the ``count`` nodes of a graph, of which ``nodes`` are those of the listeners."""
-    radii = np.array([listener.radius if listener.extent is Extent.STRONGEST else 0.0 for listener in listeners])
+    """``reach`` of the ``count`` nodes of a graph, of which ``nodes`` are those of the
+    listeners."""
+    radii = np.array(
+        [listener.radius if listener.extent is Extent.STRONGEST else 0.0 for listener in listeners]
+    )
     if not radii.any():
         return None
     reach = np.zeros(count)
@@ -413,26 +495,38 @@ def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatA
     return reach
 
 
-def _points(listeners: Sequence[Listener], nodes: Sequence[int]) -> tuple[tuple[int, ...], ...] | None:
-    """``points`` of a graph from the ``nodes`` of the listeners, their further points at the end."""
+def _points(
+    listeners: Sequence[Listener], nodes: Sequence[int]
+) -> tuple[tuple[int, ...], ...] | None:
+    """``points`` of a graph from the ``nodes`` of the listeners, their further points at the
+    end."""
     sizes = [len(points_in(listener)) for listener in listeners]
     if not any(sizes):
         return None
     more = iter(nodes[len(sizes) :])
-    return tuple((node, *itertools.islice(more, size)) for node, size in zip(nodes, sizes, strict=False))
+    return tuple(
+        (node, *itertools.islice(more, size)) for node, size in zip(nodes, sizes, strict=False)
+    )
 
 
-def _source_nodes(sources: Sequence[Source], numbers: Sequence[int], nodes: Sequence[int], in_bands: bool) -> tuple[SourceNodes, ...]:
-    """The sources with their ``nodes``, the first of which belong to the sources ``numbers``, and with their bands."""
+def _source_nodes(
+    sources: Sequence[Source], numbers: Sequence[int], nodes: Sequence[int], in_bands: bool
+) -> tuple[SourceNodes, ...]:
+    """The sources with their ``nodes``, the first of which belong to the sources ``numbers``, and
+    with their bands."""
     of_source: list[list[int]] = [[] for _ in sources]
     for number, node in zip(numbers, nodes, strict=False):
         of_source[number].append(node)
     bands = [leading_band(source) if in_bands else 0 for source in sources]
-    return tuple(SourceNodes(s.name, tuple(n), s.amplitude, s.kind, b) for s, n, b in zip(sources, of_source, bands, strict=True))
+    return tuple(
+        SourceNodes(s.name, tuple(n), s.amplitude, s.kind, b)
+        for s, n, b in zip(sources, of_source, bands, strict=True)
+    )
 
 
 def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray]:
-    """Partner and contact of each node (n,), -1 if it has none; ``rank`` (n,): number of each node, those of the contacts first."""
+    """Partner and contact of each node (n,), -1 if it has none; ``rank`` (n,): number of each node,
+    those of the contacts first."""
     partner, contact = np.full((2, len(rank)), -1, dtype=np.int64)
     first, second = rank[:count], rank[count : 2 * count]
     partner[first], partner[second] = second, first
@@ -444,22 +538,37 @@ def graph_of_scene(scene: HapticScene) -> HapticGraph:
     """The haptic graph of a scene with authored contacts."""
     table = ObjectTable.of(scene.objects, scene.settings.epsilon)
     contacts = ContactSet.from_contacts(scene.contacts, table.index())
-    return build_graph(table, contacts, scene.sources, scene.listeners, ObjectFrames.of_objects(table.objects), scene.rules.gravity)
+    return build_graph(
+        table,
+        contacts,
+        scene.sources,
+        scene.listeners,
+        ObjectFrames.of_objects(table.objects),
+        scene.rules.gravity,
+    )
 
 
 def _check(
-    table: ObjectTable, index: Mapping[str, int], contacts: ContactSet, sources: Sequence[Source], listeners: Sequence[Listener]
+    table: ObjectTable,
+    index: Mapping[str, int],
+    contacts: ContactSet,
+    sources: Sequence[Source],
+    listeners: Sequence[Listener],
 ) -> None:
     for key, items in (("sources", sources), ("listeners", listeners)):
         for item in items:
             for name in (item.object, getattr(item, "second_object", None)):
                 if name is not None and name not in index:
-                    raise ValueError(f"{key}: {item.name!r} is on {name!r}, but there is no such object")
+                    raise ValueError(
+                        f"{key}: {item.name!r} is on {name!r}, but there is no such object"
+                    )
     pairs = contacts.pairs
     if len(pairs) == 0:
         return
     if pairs.min() < 0 or pairs.max() >= len(table.names):
-        raise ValueError(f"contacts: pairs must be numbers of objects from 0 to {len(table.names) - 1}")
+        raise ValueError(
+            f"contacts: pairs must be numbers of objects from 0 to {len(table.names) - 1}"
+        )
     selves = pairs[:, 0] == pairs[:, 1]
     if selves.any():
         raise ValueError(f"contacts: {table.names[pairs[selves][0, 0]]!r} can't touch itself")
@@ -471,7 +580,8 @@ def _check(
 
 
 def _canonical(contacts: ContactSet) -> ContactSet:
-    """Each pair's smaller object first, contacts sorted by objects, then by position and all other fields."""
+    """Each pair's smaller object first, contacts sorted by objects, then by position and all other
+    fields."""
     swapped, key = contacts.pairs[:, 0] > contacts.pairs[:, 1], _keys(contacts.pairs)
     if not swapped.any() and (key[1:] > key[:-1]).all():
         return contacts
@@ -481,7 +591,9 @@ def _canonical(contacts: ContactSet) -> ContactSet:
     key = _keys(pairs)
     order = np.argsort(key, kind="stable")
     if np.any(key[order[1:]] == key[order[:-1]]):
-        by_name = sorted(range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k]))
+        by_name = sorted(
+            range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k])
+        )
         function = np.argsort(by_name)[contacts.transmission]
         flat = positions.reshape(len(pairs), 6)
         values = (contacts.depth, contacts.weight, contacts.area)
@@ -494,43 +606,66 @@ def _keys(pairs: IntArray) -> IntArray:
     return np.asarray(pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1])
 
 
-def _forces(table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, gravity: Vector) -> FloatArray | None:
+def _forces(
+    table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, gravity: Vector
+) -> FloatArray | None:
     """Forces of the contacts, None if no function uses them. A medium carries no weight."""
-    asks = np.array([function.uses_force for function in contacts.transmissions])[contacts.transmission]
+    asks = np.array([function.uses_force for function in contacts.transmissions])[
+        contacts.transmission
+    ]
     if not asks.any():
         return None
-    masses = [(math.nan if o.mass is None else o.mass) if o.motion is Motion.DYNAMIC else 0.0 for o in table.objects]
+    masses = [
+        (math.nan if o.mass is None else o.mass) if o.motion is Motion.DYNAMIC else 0.0
+        for o in table.objects
+    ]
     solid = np.logical_not(np.array([o.medium for o in table.objects])[contacts.pairs].any(axis=1))
     forces = np.full(len(contacts), math.nan)
-    forces[solid] = contact_forces(rows_of(contacts, solid), np.array(masses), frames.centre, gravity)
+    forces[solid] = contact_forces(
+        rows_of(contacts, solid), np.array(masses), frames.centre, gravity
+    )
     return np.where(asks, forces, 0.0)
 
 
 def _transmissions(
     table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
 ) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
-    """Gain, loss, band gains and delay of each inter-connection, including the weights of the contacts. A function of kappa and rho uses
-    the mean of the two objects; ``angle`` is the contact normal's angle to the vertical."""
+    """Gain, loss, band gains and delay of each inter-connection, including the weights of the
+    contacts. A function of kappa and rho uses the mean of the two objects; ``angle`` is the contact
+    normal's angle to the vertical."""
     gains = np.ones(len(contacts), dtype=np.float64)
     losses = np.zeros(len(contacts), dtype=np.float64)
     band_gains = delay = None
-    if not all(function.name == "identity" and function.spectrum.is_plain for function in contacts.transmissions):
+    if not all(
+        function.name == "identity" and function.spectrum.is_plain
+        for function in contacts.transmissions
+    ):
         distance = distances(contacts.positions[:, 0], contacts.positions[:, 1])
         for number, function in enumerate(contacts.transmissions):
             if function.name == "identity":
                 continue
             chosen = np.flatnonzero(contacts.transmission == number)
-            gains[chosen] = _transmission_gains(table, contacts, function, chosen, distance[chosen], forces)
+            gains[chosen] = _transmission_gains(
+                table, contacts, function, chosen, distance[chosen], forces
+            )
             with np.errstate(divide="ignore"):
                 losses[chosen] = -np.log(gains[chosen])
-            if function.name in ("constant", "exponential", "resilient"):  # their logarithm is more accurate than that of a rounded gain
+            if function.name in (
+                "constant",
+                "exponential",
+                "resilient",
+            ):  # their logarithm is more accurate than that of a rounded gain
                 _, decay = function.log_linear(0.0, 0.0, table.epsilon) or (0.0, 0.0)
                 losses[chosen] = function.loss(0.0, 0.0, table.epsilon) + decay * distance[chosen]
-        bands, decays, slowness = _spectrum_arrays(contacts.transmissions, [f.spectrum.band_decays for f in contacts.transmissions])
+        bands, decays, slowness = _spectrum_arrays(
+            contacts.transmissions, [f.spectrum.band_decays for f in contacts.transmissions]
+        )
         kind = contacts.transmission
         band_gains = None if bands is None else bands[kind]
         if decays is not None:
-            band_gains = np.exp(-decays[kind] * distance[:, None]) * (1.0 if band_gains is None else band_gains)
+            band_gains = np.exp(-decays[kind] * distance[:, None]) * (
+                1.0 if band_gains is None else band_gains
+            )
         delay = None if slowness is None else slowness[kind] * distance
     if np.any(contacts.weight < 1):
         with np.errstate(divide="ignore"):
@@ -554,7 +689,9 @@ def _transmission_gains(
         "area": contacts.area[chosen],
         "depth": contacts.depth[chosen],
         "angle": np.arccos(np.minimum(1.0, np.abs(contacts.normal[chosen, 2]))),
-        "match": np.where(met, 2 * np.sqrt(first * second) / np.where(met, first + second, 1.0), 1.0),
+        "match": np.where(
+            met, 2 * np.sqrt(first * second) / np.where(met, first + second, 1.0), 1.0
+        ),
         "force": np.full(len(chosen), math.nan) if forces is None else forces[chosen],
     }
     kappa, rho = kappas.mean(axis=1), rhos.mean(axis=1)
@@ -564,7 +701,9 @@ def _transmission_gains(
         for i, (a, b) in enumerate(pairs.tolist()):  # which one it was
             here = {key: values[i : i + 1] for key, values in parameters.items()}
             try:
-                function.gain(distance[i : i + 1], kappa[i : i + 1], rho[i : i + 1], table.epsilon, here)
+                function.gain(
+                    distance[i : i + 1], kappa[i : i + 1], rho[i : i + 1], table.epsilon, here
+                )
             except ValueError as error:
                 names = table.names[a], table.names[b]
                 raise NoGain(f"contact of {names[0]!r} and {names[1]!r}: {error}", names) from None

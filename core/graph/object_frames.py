@@ -1,4 +1,5 @@
-"""Frames of reference of objects: centres and axes of their bounding boxes, from shapes and poses."""
+"""Frames of reference of objects: centres and axes of their bounding boxes, from shapes and
+poses."""
 
 from __future__ import annotations
 
@@ -15,8 +16,8 @@ from ..scene.values import HapticObject, Pose
 
 @dataclass(frozen=True, slots=True)
 class ObjectFrames:
-    """``centre`` (n, 3) of each object's bounding box [m, world], NaN for an object without a shape; ``axes`` (n, 3, 3): the object's own
-    axes as columns."""
+    """``centre`` (n, 3) of each object's bounding box [m, world], NaN for an object without a
+    shape; ``axes`` (n, 3, 3): the object's own axes as columns."""
 
     centre: FloatArray
     axes: FloatArray
@@ -38,16 +39,27 @@ class ObjectFrames:
         if not shaped:
             return frames
         transforms = np.array([pose_matrix(objects[number].pose or Pose()) for number in shaped])
-        return frames.placed(np.array(shaped), local_centres([objects[number].shape for number in shaped]), transforms)
+        return frames.placed(
+            np.array(shaped),
+            local_centres([objects[number].shape for number in shaped]),
+            transforms,
+        )
 
-    def placed(self, numbers: IntArray, centres: FloatArray, transforms: FloatArray) -> ObjectFrames:
-        """With objects ``numbers`` (k,) under rigid ``transforms`` (k, 4, 4), the middle of each box at local ``centres`` (k, 3)."""
+    def placed(
+        self, numbers: IntArray, centres: FloatArray, transforms: FloatArray
+    ) -> ObjectFrames:
+        """With objects ``numbers`` (k,) under rigid ``transforms`` (k, 4, 4), the middle of each
+        box at local ``centres`` (k, 3)."""
         centre, axes = self.centre.copy(), self.axes.copy()
         axes[numbers] = transforms[:, :3, :3]
-        centre[numbers] = (transforms[:, :3, :3] * centres[:, None]).sum(axis=2) + transforms[:, :3, 3]
+        centre[numbers] = (transforms[:, :3, :3] * centres[:, None]).sum(axis=2) + transforms[
+            :, :3, 3
+        ]
         return ObjectFrames(centre, axes)
 
 
 def local_centres(shapes: Sequence[Shape]) -> FloatArray:
     """Middles (n, 3) of the bounding boxes of shapes in their own space."""
-    return np.array([shape.local_bounds().mean(axis=0) for shape in shapes], dtype=np.float64).reshape(-1, 3)
+    return np.array(
+        [shape.local_bounds().mean(axis=0) for shape in shapes], dtype=np.float64
+    ).reshape(-1, 3)

@@ -1,6 +1,8 @@
-"""Modalities: kinds of sensation that share the objects, contacts and listeners of a scene, each with its own functions, values and unit.
+"""Modalities: kinds of sensation that share the objects, contacts and listeners of a scene, each
+with its own functions, values and unit.
 
-A further modality is a module with one `Modality` value, listed in `MODALITIES`. `propagation` computes its values at listeners.
+A further modality is a module with one `Modality` value, listed in `MODALITIES`. `propagation`
+computes its values at listeners.
 """
 
 from __future__ import annotations
@@ -12,7 +14,9 @@ from .modality import Modality
 from .thermal import THERMAL
 from .vibrotactile import VIBROTACTILE
 
-MODALITIES: Mapping[str, Modality] = MappingProxyType({modality.name: modality for modality in (VIBROTACTILE, THERMAL)})
+MODALITIES: Mapping[str, Modality] = MappingProxyType(
+    {modality.name: modality for modality in (VIBROTACTILE, THERMAL)}
+)
 """The modalities by name."""
 
 __all__ = ["MODALITIES", "THERMAL", "VIBROTACTILE", "Modality"]

@@ -13,11 +13,13 @@ from ..scene.declaration import Number, Numbers, default_of, shown
 class Modality:
     """One kind of sensation: vibrotactile, thermal, ...
 
-    functions: names of the objects' functions, the default first. values: a class that declares the numbers of an object, named like the
-    parameters of its functions and the fields of `core.scene.materials.Material`; ``source``: one whose first number is that of a source.
-    ``sampled``: a signal has samples (vibration), otherwise one value per frame (temperature). ``strategy`` computes the gains.
-    ``transmission``: gain of a contact from the values of the object that the signal enters. ``sensations``: ascending pairs of the least
-    value at a listener and the sensation.
+    functions: names of the objects' functions, the default first. values: a class that declares the
+    numbers of an object, named like the parameters of its functions and the fields of
+    `core.scene.materials.Material`; ``source``: one whose first number is that of a source.
+    ``sampled``: a signal has samples (vibration), otherwise one value per frame (temperature).
+    ``strategy`` computes the gains. ``transmission``: gain of a contact from the values of the
+    object that the signal enters. ``sensations``: ascending pairs of the least value at a listener
+    and the sensation.
     """
 
     name: str
@@ -39,7 +41,11 @@ class Modality:
     @property
     def quantities(self) -> dict[str, Number]:
         """The declared numbers of objects."""
-        return {key: item for key, item in shown(self.values).items() if isinstance(item, Number) and not isinstance(item, Numbers)}
+        return {
+            key: item
+            for key, item in shown(self.values).items()
+            if isinstance(item, Number) and not isinstance(item, Numbers)
+        }
 
     @property
     def source_value(self) -> Number:
@@ -48,7 +54,10 @@ class Modality:
 
     def defaults(self) -> dict[str, float]:
         """The default values of objects."""
-        return {key: default_of(self.values, key) if item.shown is None else item.shown for key, item in self.quantities.items()}
+        return {
+            key: default_of(self.values, key) if item.shown is None else item.shown
+            for key, item in self.quantities.items()
+        }
 
     def sensation(self, value: float) -> str:
         """The sensation of a value at a listener; "" below the first."""

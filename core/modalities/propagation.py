@@ -20,7 +20,8 @@ from .modality import Modality
 
 @dataclass(frozen=True, slots=True)
 class Emitter:
-    """A source of a modality: its object, its position (metres, world) and its value in the modality's unit."""
+    """A source of a modality: its object, its position (metres, world) and its value in the
+    modality's unit."""
 
     name: str
     object: str
@@ -30,7 +31,8 @@ class Emitter:
 
 @dataclass(frozen=True, slots=True)
 class Felt:
-    """``gains`` (s, l) of the emitters at the listeners, ``values`` (l,) in the modality's unit, and the objects of each best path."""
+    """``gains`` (s, l) of the emitters at the listeners, ``values`` (l,) in the modality's unit,
+    and the objects of each best path."""
 
     modality: Modality
     emitters: tuple[Emitter, ...]
@@ -40,37 +42,55 @@ class Felt:
     paths: Mapping[tuple[int, int], tuple[str, ...]]
 
 
-def propagation_function(modality: Modality, values: Mapping[str, float], form: Mapping[str, Any] | None = None) -> ModulationFunction:
+def propagation_function(
+    modality: Modality, values: Mapping[str, float], form: Mapping[str, Any] | None = None
+) -> ModulationFunction:
     """The function of an object: ``form`` as in a scene file, None for the modality's default.
 
-    An object's ``values`` are the parameters that ``form`` does not give. Raises ValueError that names the key.
+    An object's ``values`` are the parameters that ``form`` does not give. Raises ValueError that
+    names the key.
     """
     name = (form or {}).get("function", modality.default_function)
     functions = {key: ALL_FUNCTIONS[key] for key in modality.functions}
     function = functions.get(name)
-    known = set() if function is None else {key for key in values if key in function.__dataclass_fields__}
-    return function_from_dict({"function": name, **{key: values[key] for key in known}, **(form or {})}, functions)
+    known = (
+        set()
+        if function is None
+        else {key for key in values if key in function.__dataclass_fields__}
+    )
+    return function_from_dict(
+        {"function": name, **{key: values[key] for key in known}, **(form or {})}, functions
+    )
 
 
 def _with_transmission(
-    modality: Modality, names: Sequence[str], values: Mapping[str, Mapping[str, float]], contacts: ContactSet
+    modality: Modality,
+    names: Sequence[str],
+    values: Mapping[str, Mapping[str, float]],
+    contacts: ContactSet,
 ) -> ContactSet:
-    """The contacts with the modality's gains. Both directions through a contact have the geometric mean of the two gains, so that the
-    product of a round trip is exact."""
+    """The contacts with the modality's gains. Both directions through a contact have the geometric
+    mean of the two gains, so that the product of a round trip is exact."""
     gains = [
-        math.sqrt(modality.transmission(values[names[first]]) * modality.transmission(values[names[second]]))
+        math.sqrt(
+            modality.transmission(values[names[first]])
+            * modality.transmission(values[names[second]])
+        )
         for first, second in contacts.pairs.tolist()
     ]
     known = {gain: number for number, gain in enumerate(dict.fromkeys(gains))}
     functions = tuple(Constant(gain_value=gain) for gain in known)
     numbers = np.array([known[gain] for gain in gains], dtype=np.int64)
-    return replace(contacts, transmission=numbers, transmissions=functions or contacts.transmissions)
+    return replace(
+        contacts, transmission=numbers, transmissions=functions or contacts.transmissions
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class ModalityScene:
-    """``values`` of objects that differ from the modality's defaults; ``forms``: functions that differ from the default, as in a scene
-    file; ``emitters`` in the order of their names. ``enabled`` False: its author has switched it off."""
+    """``values`` of objects that differ from the modality's defaults; ``forms``: functions that
+    differ from the default, as in a scene file; ``emitters`` in the order of their names.
+    ``enabled`` False: its author has switched it off."""
 
     modality: Modality
     values: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -84,26 +104,57 @@ class ModalityScene:
         return not (self.values or self.forms or self.emitters or self.enabled)
 
     def felt_in(self, scene: HapticScene) -> Felt:
-        """Propagate the modality to the listeners of ``scene`` through its listed contacts. Raises ValueError as `felt` does."""
+        """Propagate the modality to the listeners of ``scene`` through its listed contacts. Raises
+        ValueError as `felt` does."""
         names = sorted(item.name for item in scene.objects)
-        contacts = ContactSet.from_contacts(scene.contacts, {name: number for number, name in enumerate(names)})
+        contacts = ContactSet.from_contacts(
+            scene.contacts, {name: number for number, name in enumerate(names)}
+        )
         return self.felt(names, contacts, scene.listeners, scene.settings)
 
-    def felt(self, names: Sequence[str], contacts: ContactSet, listeners: Sequence[Listener], settings: Settings) -> Felt:
+    def felt(
+        self,
+        names: Sequence[str],
+        contacts: ContactSet,
+        listeners: Sequence[Listener],
+        settings: Settings,
+    ) -> Felt:
         """Propagate the modality through the contacts that the tracer found.
 
-        names: objects in the (sorted) order of the numbers in ``contacts``. Raises ValueError with the reason.
+        names: objects in the (sorted) order of the numbers in ``contacts``. Raises ValueError with
+        the reason.
         """
         modality = self.modality
         if modality.sampled:
-            raise ValueError(f"modality: {modality.name!r} has sampled signals, which the tracer renders")
+            raise ValueError(
+                f"modality: {modality.name!r} has sampled signals, which the tracer renders"
+            )
         own = {name: {**modality.defaults(), **self.values.get(name, {})} for name in names}
-        objects = [HapticObject(name, 0.0, 1.0, propagation_function(modality, own[name], self.forms.get(name))) for name in names]
-        sources = tuple(Source(emitter.name, emitter.object, emitter.position) for emitter in self.emitters)
+        objects = [
+            HapticObject(
+                name, 0.0, 1.0, propagation_function(modality, own[name], self.forms.get(name))
+            )
+            for name in names
+        ]
+        sources = tuple(
+            Source(emitter.name, emitter.object, emitter.position) for emitter in self.emitters
+        )
         table = ObjectTable.of(objects, settings.epsilon)
         middles = tuple(replace(listener, extent=Extent.NONE) for listener in listeners)
-        graph = build_graph(table, _with_transmission(modality, names, own, contacts), sources, middles)
-        found = propagate(graph, replace(settings, strategy=modality.strategy, threshold=0.0, max_connections=None))
+        graph = build_graph(
+            table, _with_transmission(modality, names, own, contacts), sources, middles
+        )
+        found = propagate(
+            graph,
+            replace(settings, strategy=modality.strategy, threshold=0.0, max_connections=None),
+        )
         strengths = np.array([emitter.value for emitter in self.emitters], dtype=np.float64)
         paths = {pair: objects_on(graph, nodes) for pair, nodes in found.best_path.items()}
-        return Felt(modality, self.emitters, tuple(listener.name for listener in listeners), found.gain, strengths @ found.gain, paths)
+        return Felt(
+            modality,
+            self.emitters,
+            tuple(listener.name for listener in listeners),
+            found.gain,
+            strengths @ found.gain,
+            paths,
+        )

@@ -1,9 +1,11 @@
 """Warmth: heat conduction in the steady state.
 
-Temperatures are excesses over the room's, in kelvin. Along an object they fall as along a long plate that leaks into the air (the function
-"conduction"). At a contact, the heat flow through the joint warms the next plate: with the joint's conductance ``h_c`` and the flux
-``k m T`` that a long plate draws, ``T2 / T1 = h_c / (h_c + k m)``. That is the closed form for a chain of long plates; of several paths
-from a source the warmest counts, and the excesses of several sources add up, because the equation is linear.
+Temperatures are excesses over the room's, in kelvin. Along an object they fall as along a long
+plate that leaks into the air (the function "conduction"). At a contact, the heat flow through the
+joint warms the next plate: with the joint's conductance ``h_c`` and the flux ``k m T`` that a long
+plate draws, ``T2 / T1 = h_c / (h_c + k m)``. That is the closed form for a chain of long plates; of
+several paths from a source the warmest counts, and the excesses of several sources add up, because
+the equation is linear.
 """
 
 from __future__ import annotations
@@ -18,7 +20,8 @@ from ..scene.functions import Conduction
 from .modality import Modality
 
 JOINT = 500.0
-"""Conductance of a dry joint between two bodies in contact, W/(m^2 K); that of rough solids is between 100 and 10,000."""
+"""Conductance of a dry joint between two bodies in contact, W/(m^2 K); that of rough solids is
+between 100 and 10,000."""
 
 
 def joint_gain(values: Mapping[str, float]) -> float:
@@ -32,7 +35,14 @@ class Warmth:
     """The strength of a source of warmth."""
 
     value: float = field(
-        default=60.0, metadata=number("Temperature", "How much warmer than the room the source is, in K", -100.0, 1000.0, unit="K")
+        default=60.0,
+        metadata=number(
+            "Temperature",
+            "How much warmer than the room the source is, in K",
+            -100.0,
+            1000.0,
+            unit="K",
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -48,7 +58,14 @@ THERMAL = Modality(
     source=Warmth,
     sampled=False,
     strategy=Strategy.BEST_PATH,
-    # Skin is at about 33 °C: in a room of 21 °C an object feels warm from 12 K above the room on; from 45 °C on it hurts.
-    sensations=((0.5, "hardly warmer"), (4.0, "lukewarm"), (12.0, "warm"), (18.0, "hot"), (24.0, "burns")),
+    # Skin is at about 33 °C: in a room of 21 °C an object feels warm from 12 K above the room on;
+    # from 45 °C on it hurts.
+    sensations=(
+        (0.5, "hardly warmer"),
+        (4.0, "lukewarm"),
+        (12.0, "warm"),
+        (18.0, "hot"),
+        (24.0, "burns"),
+    ),
     transmission=joint_gain,
 )

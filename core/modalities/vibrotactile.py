@@ -1,4 +1,5 @@
-"""Vibration, the paper's modality: its sources have sampled signals, which `core.tracer` mixes and renders."""
+"""Vibration, the paper's modality: its sources have sampled signals, which `core.tracer` mixes and
+renders."""
 
 from __future__ import annotations
 

@@ -13,4 +13,9 @@ __all__ = ["Propagation", "objects_on", "propagate"]
 
 def objects_on(graph: HapticGraph, nodes: tuple[int, ...]) -> tuple[str, ...]:
     """Names of the objects along a path of nodes, in order, without consecutive duplicates."""
-    return tuple(name for name, _ in itertools.groupby(graph.table.names[graph.node_object[node]] for node in nodes))
+    return tuple(
+        name
+        for name, _ in itertools.groupby(
+            graph.table.names[graph.node_object[node]] for node in nodes
+        )
+    )

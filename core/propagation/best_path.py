@@ -12,7 +12,16 @@ from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.haptic_graph import HapticGraph
 from ..scene.choices import Strategy
 from ..scene.values import Settings
-from .connections import HOPS, LARGEST, SLACK, PathConnections, bounded_exp, cost_limit, intra_costs, joined
+from .connections import (
+    HOPS,
+    LARGEST,
+    SLACK,
+    PathConnections,
+    bounded_exp,
+    cost_limit,
+    intra_costs,
+    joined,
+)
 from .hop_constrained import hop_constrained_paths
 from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import StrongestPaths
@@ -29,12 +38,14 @@ EXPANSION = 32
 
 @dataclass(slots=True)
 class BestPaths:
-    """Per pair (row of the source, column of the listener): the nodes of its best path, and its cost ``-log(gain)``. Pairs without a path
-    are left out. ``bands`` (p, bands): gains of these paths in each band, in their order and relative to the plain gain; None without
-    bands. ``bound``: a lower bound on the cost for pairs whose path within the limits may not be the best of these. ``cut``: the most by
-    which the gain of the best path without limits may differ, for pairs of which the limits may leave that path out. ``visited``: largest
-    number of nodes reached from one source or listener; ``relaxed``: number of connections evaluated; ``searched``: number of partial
-    paths."""
+    """Per pair (row of the source, column of the listener): the nodes of its best path, and its
+    cost ``-log(gain)``. Pairs without a path are left out. ``bands`` (p, bands): gains of these
+    paths in each band, in their order and relative to the plain gain; None without bands.
+    ``bound``: a lower bound on the cost for pairs whose path within the limits may not be the best
+    of these. ``cut``: the most by which the gain of the best path without limits may differ, for
+    pairs of which the limits may leave that path out. ``visited``: largest number of nodes reached
+    from one source or listener; ``relaxed``: number of connections evaluated; ``searched``: number
+    of partial paths."""
 
     nodes: dict[Pair, Path] = field(default_factory=dict)
     cost: dict[Pair, float] = field(default_factory=dict)
@@ -52,7 +63,8 @@ def most_connections(settings: Settings) -> int | None:
 
 
 def crossings_of(max_connections: int | None) -> float:
-    """Contacts that a path may cross: a path over k contacts has 2 k + 1 connections. -1 if not even one connection is allowed."""
+    """Contacts that a path may cross: a path over k contacts has 2 k + 1 connections. -1 if not
+    even one connection is allowed."""
     return math.inf if max_connections is None else (max_connections - 1) // 2
 
 
@@ -72,10 +84,11 @@ def best_paths(
     known: Mapping[int, tuple[ShortestPaths, int]],
     bands: Mapping[int, int],
 ) -> BestPaths:
-    """The best path of each of ``pairs`` (p, 2). ``budget`` bounds, per source, the search for pairs that shortest-path trees do not solve.
-    ``amplified``: some gain exceeds 1. ``known``: available trees and the row in them, by row of the source. ``bands``: the frequency band
-    by whose gains a source's paths are chosen; the plain gain without a band, and if no path in that band meets the threshold. Costs are
-    those of the plain gains."""
+    """The best path of each of ``pairs`` (p, 2). ``budget`` bounds, per source, the search for
+    pairs that shortest-path trees do not solve. ``amplified``: some gain exceeds 1. ``known``:
+    available trees and the row in them, by row of the source. ``bands``: the frequency band by
+    whose gains a source's paths are chosen; the plain gain without a band, and if no path in that
+    band meets the threshold. Costs are those of the plain gains."""
     result = BestPaths()
     result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
     crossings = crossings_of(max_connections)
@@ -87,7 +100,10 @@ def best_paths(
         return result
     limit = cost_limit(threshold)
     in_band = {band: graph.in_band(band) for band in set(bands.values())}
-    views = {row: in_band[bands[row]] if row in bands else graph for row in np.unique(pairs[:, 0]).tolist()}
+    views = {
+        row: in_band[bands[row]] if row in bands else graph
+        for row in np.unique(pairs[:, 0]).tolist()
+    }
     longer: dict[Pair, Path] = {}
     weak: list[Pair] = []
     while len(pairs):
@@ -99,14 +115,29 @@ def best_paths(
             judged = bool(graph.table.special)
             if judged or crossings < graph.contact_count:
                 longest = 2 * crossings + 2
-                left += (pair for pair, path in found.items() if len(path) > longest or (judged and crosses_twice(graph, path)))
+                left += (
+                    pair
+                    for pair, path in found.items()
+                    if len(path) > longest or (judged and crosses_twice(graph, path))
+                )
             for pair in left:
                 longer.setdefault(pair, found.pop(pair))
             result.nodes |= found
         for row in sorted({row for row, _ in left}):
-            _search_row(views[row], row, [column for r, column in left if r == row], crossings, limit, budget, amplified, result)
+            _search_row(
+                views[row],
+                row,
+                [column for r, column in left if r == row],
+                crossings,
+                limit,
+                budget,
+                amplified,
+                result,
+            )
         # Bands in which the source is weak may still arrive.
-        pairs = np.array([pair for pair in _keys(pairs) if pair not in result.nodes], dtype=np.int64).reshape(-1, 2)
+        pairs = np.array(
+            [pair for pair in _keys(pairs) if pair not in result.nodes], dtype=np.int64
+        ).reshape(-1, 2)
         pairs = pairs[joined(graph, pairs)]
         banded = np.array([views[row] is not graph for row in pairs[:, 0].tolist()], dtype=np.bool_)
         if threshold > 0:
@@ -119,7 +150,8 @@ def best_paths(
     _judge(graph, result)
     if crossings < graph.contact_count and not amplified:
         _bound_longer(graph, longer, bands, result)
-    for pair in result.nodes.keys() & weak:  # without a threshold, another path would have been chosen, by the band
+    # Without a threshold, another path would have been chosen, by the band.
+    for pair in result.nodes.keys() & weak:
         result.cut[pair] = max(result.cut.get(pair, 0.0), bounded_exp(-result.cost[pair]))
     return result
 
@@ -128,9 +160,14 @@ def _keys(pairs: IntArray) -> list[Pair]:
     return list(map(tuple, pairs.tolist()))
 
 
-def _bound_longer(graph: HapticGraph, longer: Mapping[Pair, Path], bands: Mapping[int, int], result: BestPaths) -> None:
-    """Bound what pairs lose whose best path, or cheapest walk, ``longer`` has more connections than allowed."""
-    for (pair, path), cost in zip(longer.items(), PathConnections(graph, longer.values()).costs(), strict=True):
+def _bound_longer(
+    graph: HapticGraph, longer: Mapping[Pair, Path], bands: Mapping[int, int], result: BestPaths
+) -> None:
+    """Bound what pairs lose whose best path, or cheapest walk, ``longer`` has more connections than
+    allowed."""
+    for (pair, path), cost in zip(
+        longer.items(), PathConnections(graph, longer.values()).costs(), strict=True
+    ):
         # Of a walk that is no path, only the gain by which it was found bounds those of paths.
         most = 1.0 if pair[0] in bands and crosses_twice(graph, path) else bounded_exp(-cost)
         gain = bounded_exp(-result.cost.get(pair, math.inf))
@@ -139,7 +176,8 @@ def _bound_longer(graph: HapticGraph, longer: Mapping[Pair, Path], bands: Mappin
 
 
 def _judge(graph: HapticGraph, result: BestPaths) -> None:
-    """Compute the costs of all paths by the plain gains, and their gains in bands; bounds keep their distance from the costs."""
+    """Compute the costs of all paths by the plain gains, and their gains in bands; bounds keep
+    their distance from the costs."""
     along = PathConnections(graph, result.nodes.values())
     costs = dict(zip(result.nodes, along.costs(), strict=True))
     for pair in result.bound.keys() & result.nodes.keys():
@@ -147,7 +185,9 @@ def _judge(graph: HapticGraph, result: BestPaths) -> None:
     result.cost, result.bands = costs, along.bands() if graph.uses_bands else None
 
 
-def _accept(graph: HapticGraph, candidates: dict[Pair, Path], limit: float, result: BestPaths) -> None:
+def _accept(
+    graph: HapticGraph, candidates: dict[Pair, Path], limit: float, result: BestPaths
+) -> None:
     """Take over the paths that meet the threshold."""
     costs = PathConnections(graph, candidates.values()).costs()
     for (pair, path), cost in zip(candidates.items(), costs, strict=True):
@@ -164,15 +204,30 @@ class _Walks:
     limit: float
     found: dict[Pair, Path] = field(default_factory=dict)
 
-    def take(self, trees: ShortestPaths, pairs: IntArray, tree: IntArray, ends: IntArray, backwards: BoolArray) -> None:
-        """Take those of ``pairs`` (p, 2) from the trees of numbers ``tree`` (p,) to the nearest of ``ends`` (1 or 2, p), some of them
-        ``backwards`` (p,)."""
+    def take(
+        self,
+        trees: ShortestPaths,
+        pairs: IntArray,
+        tree: IntArray,
+        ends: IntArray,
+        backwards: BoolArray,
+    ) -> None:
+        """Take those of ``pairs`` (p, 2) from the trees of numbers ``tree`` (p,) to the nearest of
+        ``ends`` (1 or 2, p), some of them ``backwards`` (p,)."""
         cost = trees.cost[tree, ends].min(axis=0)
         near = (cost <= self.limit + SLACK) & (cost < math.inf)
         if not near.all():
-            pairs, tree, ends, cost, backwards = pairs[near], tree[near], ends[:, near], cost[near], backwards[near]
+            pairs, tree, ends, cost, backwards = (
+                pairs[near],
+                tree[near],
+                ends[:, near],
+                cost[near],
+                backwards[near],
+            )
         keys = list(map(tuple, pairs.tolist()))
-        self.found.update(zip(keys, trees.paths(self.graph, tree, ends[0], ends[-1], backwards), strict=True))
+        self.found.update(
+            zip(keys, trees.paths(self.graph, tree, ends[0], ends[-1], backwards), strict=True)
+        )
         for number in (cost > self.limit - SLACK).nonzero()[0].tolist():
             pair = keys[number]
             if PathConnections(self.views[pair[0]], [self.found[pair]]).costs()[0] > self.limit:
@@ -180,13 +235,22 @@ class _Walks:
 
 
 def _unconstrained_paths(
-    walks: _Walks, pairs: IntArray, known: Mapping[int, tuple[ShortestPaths, int]], result: BestPaths
+    walks: _Walks,
+    pairs: IntArray,
+    known: Mapping[int, tuple[ShortestPaths, int]],
+    result: BestPaths,
 ) -> dict[Pair, Path]:
     """Cheapest walks from shortest-path trees, ``known`` ones or new ones."""
     graph, views = walks.graph, walks.views
     for number, (trees, tree) in known.items():
         mine = pairs[pairs[:, 0] == number]
-        walks.take(trees, mine, np.full(len(mine), tree), graph.listener_nodes[mine[:, 1]][None], np.zeros(len(mine), dtype=np.bool_))
+        walks.take(
+            trees,
+            mine,
+            np.full(len(mine), tree),
+            graph.listener_nodes[mine[:, 1]][None],
+            np.zeros(len(mine), dtype=np.bool_),
+        )
     if known:
         pairs = pairs[~np.isin(pairs[:, 0], list(known))]
     if len(pairs) == 0:
@@ -200,12 +264,19 @@ def _unconstrained_paths(
         result.relaxed += trees.relaxed
         result.visited = max(result.visited, trees.visited())
         here = search.tree // at_once == first // at_once
-        walks.take(trees, pairs[here], search.tree[here] - first, search.ends[:, here], search.backwards[here])
+        walks.take(
+            trees,
+            pairs[here],
+            search.tree[here] - first,
+            search.ends[:, here],
+            search.backwards[here],
+        )
     return walks.found
 
 
 class _Trees:
-    """The trees that ``pairs`` (p, 2) need: of the sources of each view from themselves or from the listeners, whichever are fewer.
+    """The trees that ``pairs`` (p, 2) need: of the sources of each view from themselves or from the
+    listeners, whichever are fewer.
 
     Attributes:
         views, roots, targets: of each tree.
@@ -214,10 +285,15 @@ class _Trees:
         backwards: (p,) whether the tree starts at the listener.
     """
 
-    def __init__(self, graph: HapticGraph, views: Mapping[int, HapticGraph], pairs: IntArray) -> None:
+    def __init__(
+        self, graph: HapticGraph, views: Mapping[int, HapticGraph], pairs: IntArray
+    ) -> None:
         rows, columns = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
         row, column = rows.searchsorted(pairs[:, 0]), columns.searchsorted(pairs[:, 1])
-        nodes, listeners = [graph.sources[number].nodes for number in rows.tolist()], graph.listener_nodes[columns]
+        nodes, listeners = (
+            [graph.sources[number].nodes for number in rows.tolist()],
+            graph.listener_nodes[columns],
+        )
         starts = np.array([(ends[0], ends[-1]) for ends in nodes]).T
         alike: dict[int, list[int]] = {}
         for place, number in enumerate(rows.tolist()):
@@ -233,7 +309,10 @@ class _Trees:
                 roots, targets = [nodes[place] for place in places], listeners
             else:
                 backwards[places] = True
-                roots, targets = [(node,) for node in listeners.tolist()], np.unique(starts[:, places])
+                roots, targets = (
+                    [(node,) for node in listeners.tolist()],
+                    np.unique(starts[:, places]),
+                )
             self.roots += roots
             self.targets += [targets] * len(roots)
             self.views += [views[int(rows[places[0]])]] * len(roots)
@@ -243,10 +322,17 @@ class _Trees:
 
 
 def _search_row(
-    graph: HapticGraph, row: int, columns: Sequence[int], crossings: float, limit: float, budget: int, amplified: bool, result: BestPaths
+    graph: HapticGraph,
+    row: int,
+    columns: Sequence[int],
+    crossings: float,
+    limit: float,
+    budget: int,
+    amplified: bool,
+    result: BestPaths,
 ) -> None:
-    """Best paths of one source for pairs that shortest-path trees do not solve: hop-constrained walks, and a search if such a walk is not a
-    path."""
+    """Best paths of one source for pairs that shortest-path trees do not solve: hop-constrained
+    walks, and a search if such a walk is not a path."""
     roots = graph.sources[row].nodes
     most = min(crossings, graph.contact_count)
     count = int(min(most, HOPS) if amplified and crossings == math.inf else most)
@@ -265,7 +351,9 @@ def _search_row(
         if not certain:
             ahead = np.full((1, graph.node_count), -amplification(graph))
         else:
-            back = hop_constrained_paths(graph, (target,), math.inf, len(walks.changes) - 1, complete=True)
+            back = hop_constrained_paths(
+                graph, (target,), math.inf, len(walks.changes) - 1, complete=True
+            )
             result.relaxed += back.relaxed
             ahead = back.costs(graph.node_count)
         search = StrongestPaths(graph, roots, target, ahead, crossings, limit + SLACK, share)
@@ -274,16 +362,22 @@ def _search_row(
         if found is not None:
             _accept(graph, {pair: found.nodes}, limit, result)
         elif search.bound < math.inf:
-            simple = {path for k in range(len(walks.changes)) if (path := walks.walk(graph, target, k)) and not crosses_twice(graph, path)}
-            ranked = sorted(zip(PathConnections(graph, sorted(simple)).costs(), sorted(simple), strict=True))
+            simple = {
+                path
+                for k in range(len(walks.changes))
+                if (path := walks.walk(graph, target, k)) and not crosses_twice(graph, path)
+            }
+            ranked = sorted(
+                zip(PathConnections(graph, sorted(simple)).costs(), sorted(simple), strict=True)
+            )
             if ranked:
                 _accept(graph, {pair: ranked[0][1]}, limit, result)
             result.bound[pair] = search.bound
 
 
 def amplification(graph: HapticGraph) -> float:
-    """Logarithm of an upper bound on the gain of any path, which crosses every contact at most once, each followed by one
-    intra-connection."""
+    """Logarithm of an upper bound on the gain of any path, which crosses every contact at most
+    once, each followed by one intra-connection."""
     inside = np.zeros(len(graph.table.names))
     for index in range(len(inside)):
         nodes = np.arange(graph.start[index], graph.start[index + 1])
@@ -293,12 +387,14 @@ def amplification(graph: HapticGraph) -> float:
     crossed = np.flatnonzero(graph.partner >= 0)
     beyond = np.zeros(graph.contact_count)
     np.maximum.at(beyond, graph.contact[crossed], inside[graph.node_object[crossed]])
-    return float(np.max(inside, initial=0.0) + (beyond + np.maximum(0.0, -graph.transmission_loss)).sum())
+    return float(
+        np.max(inside, initial=0.0) + (beyond + np.maximum(0.0, -graph.transmission_loss)).sum()
+    )
 
 
 def gain_and_error(cost: float | None, bound: float | None) -> tuple[float, float]:
-    """Gain of a path of this cost (None: no path) and the largest amount by which the best one may exceed it, `LARGEST` if that
-    overflows."""
+    """Gain of a path of this cost (None: no path) and the largest amount by which the best one may
+    exceed it, `LARGEST` if that overflows."""
     gain = 0.0 if cost is None else bounded_exp(-cost)
     if gain >= LARGEST:
         return LARGEST, LARGEST

@@ -1,12 +1,14 @@
 """Conjugate gradients for power balances, with a certified bound on the error.
 
-The equations ``(Λ_i + Σ_j C_ij) E_i - Σ_j C_ij E_j = P_i`` have a symmetric M-matrix A. With the test vector 1, ``A 1 >= Λ > 0``, so
-``|A⁻¹ r| <= max |r_i| / Λ_i`` for any residual r: the error of an approximate solution is at most that (J. M. Varah, "A lower bound for
-the smallest singular value of a matrix", Linear Algebra and its Applications 11, 1975).
+The equations ``(Λ_i + Σ_j C_ij) E_i - Σ_j C_ij E_j = P_i`` have a symmetric M-matrix A. With the
+test vector 1, ``A 1 >= Λ > 0``, so ``|A⁻¹ r| <= max |r_i| / Λ_i`` for any residual r: the error of
+an approximate solution is at most that (J. M. Varah, "A lower bound for the smallest singular value
+of a matrix", Linear Algebra and its Applications 11, 1975).
 
-The iteration starts from zero with a Jacobi preconditioner (M. R. Hestenes, E. Stiefel, Journal of Research of the National Bureau of
-Standards 49, 1952). Every column is iterated separately until its error bound suffices, without BLAS: the result depends bit by bit neither
-on the other columns, nor on earlier frames, nor on the number of threads.
+The iteration starts from zero with a Jacobi preconditioner (M. R. Hestenes, E. Stiefel, Journal of
+Research of the National Bureau of Standards 49, 1952). Every column is iterated separately until
+its error bound suffices, without BLAS: the result depends bit by bit neither on the other columns,
+nor on earlier frames, nor on the number of threads.
 """
 
 from __future__ import annotations
@@ -40,7 +42,8 @@ class PowerBalance:
         leak: (k, n) couplings to subsystems with energy 0.
         row, column: (c,) subsystems of each coupling, both directions present, sorted by row.
         coupling: (k, c) C >= 0.
-        blocks: couplings (k, r, r) among all of r subsystems that follow each other, and the first of these; 0 in the diagonal.
+        blocks: couplings (k, r, r) among all of r subsystems that follow each other, and the first
+            of these; 0 in the diagonal.
         diagonal: (k, n) power that a subsystem loses per unit of its energy.
     """
 
@@ -53,7 +56,9 @@ class PowerBalance:
     diagonal: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        diagonal = self.damping + self.leak + added_by(self.row, self.coupling, self.damping.shape[1])
+        diagonal = (
+            self.damping + self.leak + added_by(self.row, self.coupling, self.damping.shape[1])
+        )
         for begin, block in self.blocks:
             diagonal[:, begin : begin + block.shape[1]] += block.sum(axis=2)
         object.__setattr__(self, "diagonal", diagonal)
@@ -61,13 +66,16 @@ class PowerBalance:
 
 @dataclass(frozen=True, slots=True)
 class Balanced:
-    """``energy`` (k, s, n) under each of s powers, and ``doubt`` (k, s): bound on the error of each energy."""
+    """``energy`` (k, s, n) under each of s powers, and ``doubt`` (k, s): bound on the error of each
+    energy."""
 
     energy: FloatArray
     doubt: FloatArray
 
 
-def solve(balance: PowerBalance, power: FloatArray, good_enough: Callable[[FloatArray], FloatArray]) -> Balanced:
+def solve(
+    balance: PowerBalance, power: FloatArray, good_enough: Callable[[FloatArray], FloatArray]
+) -> Balanced:
     """Energies under powers (k, s, n) >= 0.
 
     ``good_enough`` returns from energies (k, s, n) the accepted error (k, s).
@@ -116,7 +124,11 @@ class _State:
         if chosen.all():
             return
         self.column, self.product = self.column[chosen], self.product[chosen]
-        self.energy, self._residual, self._direction = self.energy[chosen], self._residual[chosen], self._direction[chosen]
+        self.energy, self._residual, self._direction = (
+            self.energy[chosen],
+            self._residual[chosen],
+            self._direction[chosen],
+        )
         self._inverse, self._damping = self._inverse[chosen], self._damping[chosen]
         self._matrix.keep(self.column)
 
@@ -137,14 +149,17 @@ class _State:
 
 
 class _Matrix:
-    """The matrix of every system, for several columns of each: block-diagonal, in compressed rows that begin with the diagonal."""
+    """The matrix of every system, for several columns of each: block-diagonal, in compressed rows
+    that begin with the diagonal."""
 
     def __init__(self, balance: PowerBalance, columns: int) -> None:
         systems, count = balance.damping.shape
         entries = len(balance.row)
-        first = np.bincount(balance.row, minlength=count).cumsum() + np.arange(count)  # where the next row begins
+        # Where the next row begins.
+        first = np.bincount(balance.row, minlength=count).cumsum() + np.arange(count)
         first = np.concatenate([[0], first[:-1] + 1])[:count]
-        place = np.arange(entries) + balance.row + 1  # a row's couplings come after its diagonal and those of the rows before
+        # A row's couplings come after its diagonal and those of the rows before.
+        place = np.arange(entries) + balance.row + 1
         column = np.empty(entries + count, dtype=np.int64)
         column[first], column[place] = np.arange(count), balance.column
         diagonal = balance.diagonal
@@ -175,6 +190,7 @@ class _Matrix:
         result = np.add.reduceat(self._terms, self._firsts[: vectors.size]).reshape(vectors.shape)
         for begin, block in self._blocks:
             part = slice(begin, begin + block.shape[1])
-            for number, system in enumerate(self._kept):  # no BLAS, one by one: bits independent of threads and other columns
+            # No BLAS, one by one: bits independent of threads and other columns.
+            for number, system in enumerate(self._kept):
                 result[number, part] -= np.einsum("ij,j->i", block[system], vectors[number, part])
         return np.asarray(result)

@@ -13,10 +13,12 @@ from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 
 ROUNDING = 1e-12
-"""Relative slack of comparisons with the threshold: a gain equal to the threshold meets it despite rounding of the product."""
+"""Relative slack of comparisons with the threshold: a gain equal to the threshold meets it despite
+rounding of the product."""
 
 SLACK = 1e-9
-"""Costs along a tree are rounded sums, so trees extend this far beyond a limit; the exactly rounded cost of the path decides."""
+"""Costs along a tree are rounded sums, so trees extend this far beyond a limit; the exactly rounded
+cost of the path decides."""
 
 LARGEST = 1e300
 """Largest gain and sum; larger ones are clamped, as lower bounds."""
@@ -25,10 +27,12 @@ HOPS = 64
 """Most contacts on hop-constrained walks if gains exceed 1 and connections are not limited."""
 
 STEPS = 8
-"""Contacts around a source within which listeners are looked for before the connected components of the whole scene are computed."""
+"""Contacts around a source within which listeners are looked for before the connected components of
+the whole scene are computed."""
 
 PAIRS_EVALUATED = 1 << 18
-"""Most intra-connections of one object that are evaluated to find gains above 1 if the bounds of its function allow them."""
+"""Most intra-connections of one object that are evaluated to find gains above 1 if the bounds of
+its function allow them."""
 
 
 def bounded_exp(x: float) -> float:
@@ -55,7 +59,8 @@ def intra_costs(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
 
 
 def intra_gains(graph: HapticGraph, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in metres."""
+    """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in
+    metres."""
     distance = graph.node_distances(a, b)
     return graph.table.gains(graph.node_object[a], distance), distance
 
@@ -66,15 +71,20 @@ def lanes_of(graph: HapticGraph) -> int:
 
 
 def intra_lanes(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
-    """Gains (n, lanes) of the intra-connections between nodes ``a[i]`` and ``b[i]``: the plain gain, then that of each band."""
+    """Gains (n, lanes) of the intra-connections between nodes ``a[i]`` and ``b[i]``: the plain
+    gain, then that of each band."""
     gains, distance = intra_gains(graph, a, b)
     if not graph.uses_bands:
         return gains[:, None]
-    return np.concatenate([gains[:, None], gains[:, None] * band_factors(graph, graph.node_object[a], distance)], axis=1)
+    return np.concatenate(
+        [gains[:, None], gains[:, None] * band_factors(graph, graph.node_object[a], distance)],
+        axis=1,
+    )
 
 
 def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> FloatArray:
-    """Gain in each band (n, bands), relative to the plain one, of intra-connections in objects ``index``."""
+    """Gain in each band (n, bands), relative to the plain one, of intra-connections in objects
+    ``index``."""
     factors = np.ones((len(index), BAND_COUNT))
     if graph.table.band_gains is not None:
         factors *= graph.table.band_gains[index]
@@ -84,7 +94,8 @@ def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> F
 
 
 class PathConnections:
-    """The connections of several paths, concatenated, from which costs and band gains are computed."""
+    """The connections of several paths, concatenated, from which costs and band gains are
+    computed."""
 
     def __init__(self, graph: HapticGraph, paths: Collection[tuple[int, ...]]) -> None:
         self._graph = graph
@@ -98,17 +109,24 @@ class PathConnections:
         across[joints] = inside[joints] = False
         self._count, self._inside, self._across = len(a), inside.nonzero()[0], across.nonzero()[0]
         a = a[self._inside]
-        self._object, self._distance = graph.node_object[a], graph.node_distances(a, b[self._inside])
+        self._object, self._distance = (
+            graph.node_object[a],
+            graph.node_distances(a, b[self._inside]),
+        )
         self._contact = graph.contact[nodes[self._across]]
 
     def costs(self) -> list[float]:
-        """The cost ``-log(gain)`` of each path: the exactly rounded sum of the costs of its connections."""
+        """The cost ``-log(gain)`` of each path: the exactly rounded sum of the costs of its
+        connections."""
         terms = np.zeros((self._count, 2))
         constant, varying = self._graph.table.costs(self._object, self._distance)
         terms[self._inside, 0], terms[self._inside, 1] = constant, varying
         terms[self._across, 0] = self._graph.transmission_loss[self._contact]
         flat = terms.reshape(-1).tolist()
-        return [_exact_sum(flat[2 * first : 2 * end - 2]) for first, end in zip(self._begins.tolist(), self._ends.tolist(), strict=True)]
+        return [
+            _exact_sum(flat[2 * first : 2 * end - 2])
+            for first, end in zip(self._begins.tolist(), self._ends.tolist(), strict=True)
+        ]
 
     def bands(self) -> FloatArray:
         """Gain of each path in each band (p, bands), relative to its plain gain."""
@@ -128,7 +146,8 @@ def _exact_sum(terms: Sequence[float]) -> float:
 
 
 def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
-    """Delay of a path [s]: distance over wave speed inside the objects, plus the delays of the contacts."""
+    """Delay of a path [s]: distance over wave speed inside the objects, plus the delays of the
+    contacts."""
     delays = []
     for a, b in itertools.pairwise(path):
         if graph.partner[a] == b:
@@ -141,10 +160,13 @@ def path_delay(graph: HapticGraph, path: tuple[int, ...]) -> float:
 
 
 def joined(graph: HapticGraph, pairs: IntArray) -> BoolArray:
-    """(p,) whether a chain of contacts, or one object, joins the source and the listener of each of ``pairs`` (p, 2)."""
+    """(p,) whether a chain of contacts, or one object, joins the source and the listener of each of
+    ``pairs`` (p, 2)."""
     if len(pairs) == 0:
         return np.zeros(0, dtype=np.bool_)
-    ends = graph.node_object[[(source.nodes[0], source.nodes[-1]) for source in graph.sources]].T[:, pairs[:, 0]]
+    ends = graph.node_object[[(source.nodes[0], source.nodes[-1]) for source in graph.sources]].T[
+        :, pairs[:, 0]
+    ]
     listeners = graph.node_object[graph.listener_nodes[pairs[:, 1]]]
     crossed = (graph.partner > np.arange(graph.node_count)).nonzero()[0]
     one, other = graph.node_object[crossed], graph.node_object[graph.partner[crossed]]
@@ -161,7 +183,8 @@ def joined(graph: HapticGraph, pairs: IntArray) -> BoolArray:
 
 
 def amplifying(graph: HapticGraph) -> bool:
-    """Whether some connection of the graph has a gain above 1, by the bounds of its function or, if these are loose, by its values."""
+    """Whether some connection of the graph has a gain above 1, by the bounds of its function or, if
+    these are loose, by its values."""
     if np.any(graph.transmission > 1) or np.any(graph.table.loss < 0):
         return True
     for index in sorted(graph.table.special):
@@ -176,6 +199,9 @@ def amplifying(graph: HapticGraph) -> bool:
         if count * (count - 1) // 2 > PAIRS_EVALUATED:
             return True
         first, second = np.triu_indices(count, 1)
-        if np.any(graph.table.gain(index, graph.node_distances(nodes.start + first, nodes.start + second)) > 1):
+        if np.any(
+            graph.table.gain(index, graph.node_distances(nodes.start + first, nodes.start + second))
+            > 1
+        ):
             return True
     return False

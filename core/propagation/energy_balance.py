@@ -1,16 +1,19 @@
 """`energy_balance`: statistical energy analysis on the haptic graph.
 
-Subsystems are objects, and regions of those that are larger than the length over which they damp (`subsystems`). Derivation, units and
-limits are in ``docs/energy_balance.md``; in short, with energies E and the powers P that the sources put in:
+Subsystems are objects, and regions of those that are larger than the length over which they damp
+(`subsystems`). Derivation, units and limits are in ``docs/energy_balance.md``; in short, with
+energies E and the powers P that the sources put in:
 
-    m_i Λ_i E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)²,
-    C_ij = Σ transmission² over the contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions of one object,
+    m_i Λ_i E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)², C_ij = Σ transmission² over the
+    contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions of one object,
 
-where f is the object's propagation function, d_i a typical distance between contacts of i, and m_i the mass of a region in (0, 1]. The
-matrix is symmetric, strictly diagonally dominant and has no positive off-diagonal entry: there is always a solution, energy is never
-created, and the gain is reciprocal.
+where f is the object's propagation function, d_i a typical distance between contacts of i, and m_i
+the mass of a region in (0, 1]. The matrix is symmetric, strictly diagonally dominant and has no
+positive off-diagonal entry: there is always a solution, energy is never created, and the gain is
+reciprocal.
 
-Source: R. H. Lyon, R. G. DeJong, *Theory and Application of Statistical Energy Analysis*, Butterworth-Heinemann 1995, chapters 2 and 3.
+Source: R. H. Lyon, R. G. DeJong, *Theory and Application of Statistical Energy Analysis*,
+Butterworth-Heinemann 1995, chapters 2 and 3.
 """
 
 from __future__ import annotations
@@ -27,13 +30,15 @@ from .connections import band_factors, lanes_of
 from .subsystems import subsystems
 
 HOPS = 24
-"""Distance from a source, in contacts, up to which subsystems are assembled at first; doubled while farther ones may matter."""
+"""Distance from a source, in contacts, up to which subsystems are assembled at first; doubled while
+farther ones may matter."""
 
 PRECISE = 4e-3
 """Relative error allowed in the energy at a listener: 0.017 dB."""
 
 INAUDIBLE = 1e-12
-"""Error of an energy that is always accepted, relative to the injected power: an amplitude of 1e-6, or -120 dB."""
+"""Error of an energy that is always accepted, relative to the injected power: an amplitude of 1e-6,
+or -120 dB."""
 
 UNDERFLOW = 1e-280
 """Smallest square of a gain that is not 0."""
@@ -45,14 +50,17 @@ DENSE = 40
 """Objects with at least this many regions have their couplings as a matrix."""
 
 STRAIGHTEST = 4
-"""Exponent of the arriving energy in the shares of the regions around a source or listener; the nearest region has the largest share."""
+"""Exponent of the arriving energy in the shares of the regions around a source or listener; the
+nearest region has the largest share."""
 _EQUALLY_NEAR = 1 + 1e-9
-"""Ratio of distances up to which regions are equally near: centres of the regions around one contact differ by rounding alone."""
+"""Ratio of distances up to which regions are equally near: centres of the regions around one
+contact differ by rounding alone."""
 
 
 @dataclass(frozen=True, slots=True)
 class Energies:
-    """Amplitude gains ``gain`` (s, l) and their bounds ``error`` (s, l); ``bands`` (s, l, bands) or None; ``subsystems`` their number."""
+    """Amplitude gains ``gain`` (s, l) and their bounds ``error`` (s, l); ``bands`` (s, l, bands) or
+    None; ``subsystems`` their number."""
 
     gain: FloatArray
     error: FloatArray
@@ -61,8 +69,8 @@ class Energies:
 
 
 def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
-    """Amplitude gains of the wanted pairs (s, l): the square root of the energy at each listener, relative to the energy of the source in a
-    lossless, isolated subsystem."""
+    """Amplitude gains of the wanted pairs (s, l): the square root of the energy at each listener,
+    relative to the energy of the source in a lossless, isolated subsystem."""
     gain, error = np.zeros(wanted.shape), np.zeros(wanted.shape)
     bands = np.zeros((*wanted.shape, BAND_COUNT)) if graph.uses_bands else None
     rows, columns = np.flatnonzero(wanted.any(axis=1)), np.flatnonzero(wanted.any(axis=0))
@@ -70,18 +78,30 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
         return Energies(gain, error, bands, 0)
     nodes = [graph.sources[row].nodes for row in rows.tolist()]
     size = np.array([len(part) for part in nodes])
-    sources = _Ends([node for part in nodes for node in part], np.arange(len(rows)).repeat(size), (1.0 / size).repeat(size))
-    listeners = _Ends(graph.listener_nodes[columns].tolist(), np.arange(len(columns)), np.ones(len(columns)))
+    sources = _Ends(
+        [node for part in nodes for node in part],
+        np.arange(len(rows)).repeat(size),
+        (1.0 / size).repeat(size),
+    )
+    listeners = _Ends(
+        graph.listener_nodes[columns].tolist(), np.arange(len(columns)), np.ones(len(columns))
+    )
     forward = len(rows) <= len(columns)  # energies are reciprocal: solved for whichever are fewer
-    level, doubt, count = _levels(graph, *((sources, listeners) if forward else (listeners, sources)))
+    level, doubt, count = _levels(
+        graph, *((sources, listeners) if forward else (listeners, sources))
+    )
     if not forward:
         level, doubt = level.swapaxes(1, 2), doubt.T
     level = np.minimum(np.maximum(level, 0.0), 1.0) * wanted[rows][:, columns]
     amplitude = np.sqrt(level)
-    most, least = np.sqrt(np.minimum(level[0] + doubt, 1.0)), np.sqrt(np.maximum(level[0] - doubt, 0.0))
+    most, least = (
+        np.sqrt(np.minimum(level[0] + doubt, 1.0)),
+        np.sqrt(np.maximum(level[0] - doubt, 0.0)),
+    )
     here = rows[:, None], columns
     gain[here] = amplitude[0]
-    rounded = (amplitude[0] > 0) & (amplitude[0] <= 2 * TINIEST)  # its square may be `UNDERFLOW` in the place of a smaller one
+    # Its square may be `UNDERFLOW` in the place of a smaller one.
+    rounded = (amplitude[0] > 0) & (amplitude[0] <= 2 * TINIEST)
     beyond = np.maximum(np.maximum(most - amplitude[0], amplitude[0] - least), TINIEST)
     error[here] = np.where(((doubt > 0) | rounded) & wanted[here], beyond, 0.0)
     if bands is not None:
@@ -91,7 +111,8 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
 
 @dataclass(frozen=True, slots=True)
 class _Ends:
-    """Nodes at which power is injected or energy is received, with the number of their source or listener, and their share of it."""
+    """Nodes at which power is injected or energy is received, with the number of their source or
+    listener, and their share of it."""
 
     node: list[int]
     number: IntArray
@@ -103,7 +124,8 @@ class _Ends:
 
 
 def _levels(graph: HapticGraph, here: _Ends, there: _Ends) -> tuple[FloatArray, FloatArray, int]:
-    """Energies (lanes, here, there), bounds (here, there) on the errors of the plain ones, and the number of subsystems."""
+    """Energies (lanes, here, there), bounds (here, there) on the errors of the plain ones, and the
+    number of subsystems."""
     hops = HOPS
     while True:
         found = _Assembly(graph, here, there, hops).solved()
@@ -117,10 +139,12 @@ class _Attachments:
     """Shares of ends in the subsystems of their objects.
 
     Attributes:
-        first, size: of each end: its attachments are the ``size`` from ``first`` on, in the same order for all ends on an object.
+        first, size: of each end: its attachments are the ``size`` from ``first`` on, in the same
+        order for all ends on an object.
         region: (a,) the subsystem.
         share: (a,) part of the end that belongs to it.
-        energy: (lanes, a) that part times the energy that gets from the end to the middle of the subsystem.
+        energy: (lanes, a) that part times the energy that gets from the end to the middle of the
+            subsystem.
     """
 
     first: IntArray
@@ -133,8 +157,20 @@ class _Attachments:
         """Those of the first ``count`` ends, and those of the others."""
         cut = int(self.size[:count].sum())
         return (
-            _Attachments(self.first[:count], self.size[:count], self.region[:cut], self.share[:cut], self.energy[:, :cut]),
-            _Attachments(self.first[count:] - cut, self.size[count:], self.region[cut:], self.share[cut:], self.energy[:, cut:]),
+            _Attachments(
+                self.first[:count],
+                self.size[:count],
+                self.region[:cut],
+                self.share[:cut],
+                self.energy[:, :cut],
+            ),
+            _Attachments(
+                self.first[count:] - cut,
+                self.size[count:],
+                self.region[cut:],
+                self.share[cut:],
+                self.energy[:, cut:],
+            ),
         )
 
 
@@ -171,7 +207,11 @@ class _Assembly:
         contact = graph.contact[nodes]
         gains = graph.transmission[contact][None]
         if self._lanes > 1:
-            bands = np.ones((len(contact), BAND_COUNT)) if graph.contact_band_gains is None else graph.contact_band_gains[contact]
+            bands = (
+                np.ones((len(contact), BAND_COUNT))
+                if graph.contact_band_gains is None
+                else graph.contact_band_gains[contact]
+            )
             gains = np.concatenate([gains, gains * bands.T])
         return np.asarray(np.minimum(gains, 1.0) ** 2)
 
@@ -183,7 +223,9 @@ class _Assembly:
         row = np.concatenate([one, other, within])
         column = np.concatenate([other, one, among])
         coupling = np.concatenate([value, value, through], axis=1)
-        order = np.argsort(row.astype(np.min_scalar_type(len(parts.mass))), kind="stable")  # short numbers are sorted in linear time
+        order = np.argsort(
+            row.astype(np.min_scalar_type(len(parts.mass))), kind="stable"
+        )  # short numbers are sorted in linear time
         row, column, coupling = row[order], column[order], coupling[:, order]
         count = len(parts.mass)
         self._border_part = self._border_couplings()
@@ -209,7 +251,8 @@ class _Assembly:
         return parts.region[a], parts.region[b], value
 
     def _border_couplings(self) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
-        """Couplings to objects that are not assembled: subsystem, the object beyond, value (lanes, c) and weight of the contact."""
+        """Couplings to objects that are not assembled: subsystem, the object beyond, value (lanes,
+        c) and weight of the contact."""
         graph, parts = self._graph, self._parts
         if len(self._border) == 0:
             none = np.zeros(0, dtype=np.int64)
@@ -220,10 +263,18 @@ class _Assembly:
         size = parts.node.searchsorted(nodes, side="right") - first
         which, place = np.arange(len(nodes)).repeat(size), ranges(first, size)
         beyond = graph.node_object[self._border[~inside]][which]
-        return parts.region[place], beyond, self._contact_squares(nodes)[:, which] * parts.weight[place], parts.weight[place]
+        return (
+            parts.region[place],
+            beyond,
+            self._contact_squares(nodes)[:, which] * parts.weight[place],
+            parts.weight[place],
+        )
 
-    def _region_couplings(self) -> tuple[IntArray, IntArray, FloatArray, list[tuple[int, FloatArray]]]:
-        """Couplings between the regions of an object, both directions; of objects with many regions as blocks of `PowerBalance`.
+    def _region_couplings(
+        self,
+    ) -> tuple[IntArray, IntArray, FloatArray, list[tuple[int, FloatArray]]]:
+        """Couplings between the regions of an object, both directions; of objects with many regions
+        as blocks of `PowerBalance`.
 
         A region of gain 0 is not coupled to other regions of its object.
         """
@@ -231,10 +282,14 @@ class _Assembly:
         loss = parts.mass * np.where(self._passes, self._decay, 0.0)
         begin, size = runs(parts.of_object)
         blocks = []
-        for first, count in zip(begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True):
+        for first, count in zip(
+            begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True
+        ):
             part = slice(first, first + count)
             apart = distances(parts.centre[part, None], parts.centre[part])
-            value = self._squares(parts.of_object[part].repeat(count), apart.reshape(-1)).reshape(-1, count, count)
+            value = self._squares(parts.of_object[part].repeat(count), apart.reshape(-1)).reshape(
+                -1, count, count
+            )
             value *= (loss[:, part, None] * loss[:, None, part]) * ~np.eye(count, dtype=np.bool_)
             blocks.append((first, value))
         few = (size > 1) & (size < DENSE)
@@ -246,10 +301,11 @@ class _Assembly:
         return a, b, value * loss[:, a] * loss[:, b], blocks
 
     def _attached(self, nodes: list[int]) -> _Attachments:
-        """Ends at ``nodes`` and the subsystems of their objects: the nearest ones, by arriving energy, have the largest shares.
+        """Ends at ``nodes`` and the subsystems of their objects: the nearest ones, by arriving
+        energy, have the largest shares.
 
-        Those of a listener with an extent are by what arrives at its centre, or the nearest ones have all if nothing does: so a larger
-        extent does not move it to regions with less energy.
+        Those of a listener with an extent are by what arrives at its centre, or the nearest ones
+        have all if nothing does: so a larger extent does not move it to regions with less energy.
         """
         graph, parts = self._graph, self._parts
         node = np.array(nodes, dtype=np.int64)
@@ -267,18 +323,31 @@ class _Assembly:
             at_centre, shortest = np.zeros(len(node)), np.full(len(node), np.inf)
             np.maximum.at(at_centre, which, arriving)
             np.minimum.at(shortest, which, away)
-            arriving = np.where((at_centre[which] == 0) & (away <= shortest[which] * _EQUALLY_NEAR), there[0], arriving)
+            arriving = np.where(
+                (at_centre[which] == 0) & (away <= shortest[which] * _EQUALLY_NEAR),
+                there[0],
+                arriving,
+            )
         at_once = self._squares(index, np.zeros(len(index)))[:, which]
-        energy = np.minimum(1.0, np.divide(there, at_once, out=np.zeros_like(there), where=at_once > 0))
+        energy = np.minimum(
+            1.0, np.divide(there, at_once, out=np.zeros_like(there), where=at_once > 0)
+        )
         nearest = np.zeros(len(node))
         np.maximum.at(nearest, which, arriving)
-        share = np.divide(arriving, nearest[which], out=np.zeros(len(which)), where=nearest[which] > 0) ** STRAIGHTEST * parts.mass[region]
+        share = (
+            np.divide(arriving, nearest[which], out=np.zeros(len(which)), where=nearest[which] > 0)
+            ** STRAIGHTEST
+            * parts.mass[region]
+        )
         total = np.bincount(which, weights=share, minlength=len(node))
         share = np.divide(share, total[which], out=np.zeros(len(which)), where=total[which] > 0)
-        return _Attachments(first, size, region, share, energy * np.where(self._passes[:, region], share, 0.0))
+        return _Attachments(
+            first, size, region, share, energy * np.where(self._passes[:, region], share, 0.0)
+        )
 
     def solved(self) -> tuple[FloatArray, FloatArray, int] | None:
-        """Energies (lanes, here, there), bounds (here, there) on the plain ones' errors, and the number of subsystems.
+        """Energies (lanes, here, there), bounds (here, there) on the plain ones' errors, and the
+        number of subsystems.
 
         None if subsystems that are not assembled may matter.
         """
@@ -288,10 +357,16 @@ class _Assembly:
         entry, exit_ = self._ends
         column = here.number.repeat(entry.size)
         for lane in range(lanes):
-            np.add.at(power[lane], (column, entry.region), entry.energy[lane] * here.part.repeat(entry.size))
+            np.add.at(
+                power[lane],
+                (column, entry.region),
+                entry.energy[lane] * here.part.repeat(entry.size),
+            )
         straight = self._straight()
         felt = there.number.repeat(exit_.size)
-        reached = np.bincount(felt, weights=exit_.share * there.part.repeat(exit_.size), minlength=there.count)
+        reached = np.bincount(
+            felt, weights=exit_.share * there.part.repeat(exit_.size), minlength=there.count
+        )
         unknown = np.zeros(there.count, dtype=np.bool_)
         if len(self._border):
             unknown[there.number[~self._reached[self._graph.node_object[there.node]]]] = True
@@ -299,10 +374,16 @@ class _Assembly:
         weight = exit_.energy * there.part.repeat(exit_.size)
 
         def levels(energy: FloatArray) -> FloatArray:
-            return straight + added_by(felt, energy[:, :, exit_.region] * weight[:, None], there.count)
+            return straight + added_by(
+                felt, energy[:, :, exit_.region] * weight[:, None], there.count
+            )
 
         def good_enough(energy: FloatArray) -> FloatArray:
-            return np.asarray(np.maximum(INAUDIBLE, PRECISE * levels(energy)[:, :, heard].min(axis=2, initial=1.0)))
+            return np.asarray(
+                np.maximum(
+                    INAUDIBLE, PRECISE * levels(energy)[:, :, heard].min(axis=2, initial=1.0)
+                )
+            )
 
         found = solve(self._balance, power, good_enough)
         outside = self._outside(found)
@@ -312,7 +393,8 @@ class _Assembly:
         return levels(found.energy), doubt[:, None] * np.where(unknown, 1.0, reached), count
 
     def _outside(self, found: Balanced) -> FloatArray:
-        """Bounds (lanes, here) on the error due to subsystems that are not assembled: the flow into them, with dampings of at least 1."""
+        """Bounds (lanes, here) on the error due to subsystems that are not assembled: the flow into
+        them, with dampings of at least 1."""
         region, beyond, _, weight = self._border_part
         if len(region) == 0:
             return np.zeros(found.energy.shape[:2])
@@ -321,10 +403,11 @@ class _Assembly:
         return np.asarray(flow.max(axis=2, initial=0.0))
 
     def _straight(self) -> FloatArray:
-        """Energies (lanes, here, there) on the direct way between ends in the same object, minus those that the equations assign to it.
+        """Energies (lanes, here, there) on the direct way between ends in the same object, minus
+        those that the equations assign to it.
 
-        The fraction of the injected power that has not left the subsystem reaches a listener by the object's function over their distance,
-        instead of being uniform.
+        The fraction of the injected power that has not left the subsystem reaches a listener by the
+        object's function over their distance, instead of being uniform.
         """
         graph, here, there = self._graph, self._here, self._there
         node_a, node_b = np.array(here.node, dtype=np.int64), np.array(there.node, dtype=np.int64)
@@ -336,17 +419,28 @@ class _Assembly:
         which = np.arange(len(a)).repeat(size)
         one, other = ranges(entry.first[a], size), ranges(exit_.first[b], size)
         region = entry.region[one]
-        left = added_by(which, entry.share[one] * exit_.share[other] * (self._decay / self._total)[:, region], len(a))
+        left = added_by(
+            which,
+            entry.share[one] * exit_.share[other] * (self._decay / self._total)[:, region],
+            len(a),
+        )
         left = np.where(size > 0, np.minimum(left, 1.0), 1.0)
-        spread = added_by(which, entry.energy[:, one] * exit_.energy[:, other] / self._total[:, region], len(a))
-        directly = self._squares(graph.node_object[node_a[a]], graph.node_distances(node_a[a], node_b[b]))
+        spread = added_by(
+            which, entry.energy[:, one] * exit_.energy[:, other] / self._total[:, region], len(a)
+        )
+        directly = self._squares(
+            graph.node_object[node_a[a]], graph.node_distances(node_a[a], node_b[b])
+        )
         terms = (left * directly - spread) * here.part[a] * there.part[b]
         pair = here.number[a] * there.count + there.number[b]
-        return added_by(pair, terms, here.count * there.count).reshape(self._lanes, here.count, there.count)
+        return added_by(pair, terms, here.count * there.count).reshape(
+            self._lanes, here.count, there.count
+        )
 
 
 def _within(contacts: IntArray, starts: IntArray, count: int, hops: int) -> BoolArray:
-    """Which of ``count`` objects are at most ``hops`` contacts (c, 2) away from the objects ``starts``."""
+    """Which of ``count`` objects are at most ``hops`` contacts (c, 2) away from the objects
+    ``starts``."""
     reached = np.zeros(count, dtype=np.bool_)
     reached[starts] = True
     for _ in range(hops):

@@ -1,8 +1,9 @@
 """Hop-constrained shortest paths: right under a limit of connections, and for gains above 1.
 
-Round k finds the nodes that get cheaper with k contacts than with fewer (R. Bellman, "On a routing problem", Quarterly of Applied
-Mathematics 16, 1958). Costs may be negative. The results are walks: with negative costs, or functions that are no metric plus a constant,
-the cheapest one may cross a contact twice. A caller that needs a path checks that, and has a bound in any case.
+Round k finds the nodes that get cheaper with k contacts than with fewer (R. Bellman, "On a routing
+problem", Quarterly of Applied Mathematics 16, 1958). Costs may be negative. The results are walks:
+with negative costs, or functions that are no metric plus a constant, the cheapest one may cross a
+contact twice. A caller that needs a path checks that, and has a bound in any case.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ class HopConstrainedPaths:
     """Cheapest walks by number of contacts crossed.
 
     Attributes:
-        changes: of each number k of contacts: the nodes (sorted) that get cheaper with k contacts, their costs, and the nodes through which
-            their object is entered.
+        changes: of each number k of contacts: the nodes (sorted) that get cheaper with k contacts,
+            their costs, and the nodes through which their object is entered.
         complete: False where more contacts would change something.
         relaxed: number of connections relaxed.
     """
@@ -38,7 +39,11 @@ class HopConstrainedPaths:
 
     def visited(self) -> int:
         """Number of nodes reached."""
-        return len(np.unique(np.concatenate([nodes for nodes, _, _ in self.changes]))) if self.changes else 0
+        return (
+            len(np.unique(np.concatenate([nodes for nodes, _, _ in self.changes])))
+            if self.changes
+            else 0
+        )
 
     def costs(self, count: int) -> FloatArray:
         """(k, n) least cost of arriving at each of ``count`` nodes with at most k contacts."""
@@ -49,8 +54,11 @@ class HopConstrainedPaths:
             table[k, nodes] = cost
         return table
 
-    def walk(self, graph: HapticGraph, target: int, crossings: int | None = None) -> tuple[int, ...]:
-        """Nodes of the cheapest walk to ``target`` with at most ``crossings`` contacts; () where nothing arrives."""
+    def walk(
+        self, graph: HapticGraph, target: int, crossings: int | None = None
+    ) -> tuple[int, ...]:
+        """Nodes of the cheapest walk to ``target`` with at most ``crossings`` contacts; () where
+        nothing arrives."""
         nodes: list[int] = []
         node, k = target, len(self.changes) - 1 if crossings is None else crossings
         while k >= 0:
@@ -68,12 +76,13 @@ class HopConstrainedPaths:
 def hop_constrained_paths(
     graph: HapticGraph, roots: Sequence[int], limit: float, crossings: int, complete: bool = False
 ) -> HopConstrainedPaths:
-    """Cheapest walks from ``roots`` over at most ``crossings`` contacts that nowhere cost more than ``limit``. ``complete`` as in
-    `shortest_paths`."""
+    """Cheapest walks from ``roots`` over at most ``crossings`` contacts that nowhere cost more than
+    ``limit``. ``complete`` as in `shortest_paths`."""
     count = graph.node_count
     arrival = np.full(count, math.inf)
     crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
-    metric = graph.table.loss >= 0  # False for functions of another form, whose loss is not a number
+    # False for functions of another form, whose loss is not a number.
+    metric = graph.table.loss >= 0
     node, cost = np.array(roots, dtype=np.int64), np.zeros(len(roots))
     changes: list[tuple[IntArray, FloatArray, IntArray]] = []
     complete = complete or bool(graph.table.special)
@@ -86,7 +95,16 @@ def hop_constrained_paths(
         entry = np.full(count, -1, dtype=np.int64)
         if complete and not useful.all():
             back = np.flatnonzero(~useful & (origin[node] >= 0))
-            relaxed += _relax(graph, node[back], cost[back], limit, np.arange(len(back)), origin[node[back]], best, entry)
+            relaxed += _relax(
+                graph,
+                node[back],
+                cost[back],
+                limit,
+                np.arange(len(back)),
+                origin[node[back]],
+                best,
+                entry,
+            )
         node, cost, index = node[useful], cost[useful], index[useful]
         size = np.diff(graph.start)[index]
         for chosen in portions(size, CHUNK):
@@ -106,10 +124,19 @@ def hop_constrained_paths(
 
 
 def _relax(
-    graph: HapticGraph, node: IntArray, cost: FloatArray, limit: float, which: IntArray, other: IntArray, best: FloatArray, entry: IntArray
+    graph: HapticGraph,
+    node: IntArray,
+    cost: FloatArray,
+    limit: float,
+    which: IntArray,
+    other: IntArray,
+    best: FloatArray,
+    entry: IntArray,
 ) -> int:
     candidate = cost[which] + intra_costs(graph, node[which], other)
-    better = np.flatnonzero((candidate < best[other]) & (candidate <= limit) & (other != node[which]))
+    better = np.flatnonzero(
+        (candidate < best[other]) & (candidate <= limit) & (other != node[which])
+    )
     order = better[np.lexsort((node[which[better]], candidate[better], other[better]))]
     chosen = order[runs(other[order])[0]]
     best[other[chosen]] = candidate[chosen]

@@ -1,4 +1,5 @@
-"""Listeners that take the mean of the power over their volume: each point of it a listener of its own, and their gains put together."""
+"""Listeners that take the mean of the power over their volume: each point of it a listener of its
+own, and their gains put together."""
 
 from __future__ import annotations
 
@@ -13,11 +14,15 @@ from ..graph.listener_volumes import WEIGHTS
 from .result import Propagation
 
 
-def over_volumes(graph: HapticGraph, propagated: Callable[[HapticGraph, IntArray], Propagation]) -> Propagation:
-    """What ``propagated`` gives for a graph and, of each of its listeners, the number of that of ``graph``.
+def over_volumes(
+    graph: HapticGraph, propagated: Callable[[HapticGraph, IntArray], Propagation]
+) -> Propagation:
+    """What ``propagated`` gives for a graph and, of each of its listeners, the number of that of
+    ``graph``.
 
-    A mean of powers is the root of the mean of the squared gains; the root of the mean of their squared errors bounds its error. Path,
-    delay and taps are those of the middle, or of the first point that has a path.
+    A mean of powers is the root of the mean of the squared gains; the root of the mean of their
+    squared errors bounds its error. Path, delay and taps are those of the middle, or of the first
+    point that has a path.
     """
     if graph.points is None:
         return propagated(graph, np.arange(len(graph.listeners)))
@@ -29,7 +34,8 @@ def over_volumes(graph: HapticGraph, propagated: Callable[[HapticGraph, IntArray
     weight = np.concatenate([np.ones(1) if count == 1 else WEIGHTS for count in size.tolist()])
 
     def mean(values: FloatArray) -> FloatArray:
-        """Roots of the means of squares (s, points, ...) over the points of each listener; values of one point stay as they are."""
+        """Roots of the means of squares (s, points, ...) over the points of each listener; values
+        of one point stay as they are."""
         shape = (-1, *[1] * (values.ndim - 2))
         roots = np.sqrt(np.add.reduceat(weight.reshape(shape) * values**2, begin, axis=1))
         return np.where(size.reshape(shape) == 1, values[:, begin], roots)

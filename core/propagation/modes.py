@@ -13,15 +13,21 @@ from .result import Propagation
 
 
 def straight_distances(graph: HapticGraph) -> FloatArray:
-    """Straight-line distance (s, l) in metres between sources and the middles of listeners, from the nearer side of a source that feeds two
-    objects."""
+    """Straight-line distance (s, l) in metres between sources and the middles of listeners, from
+    the nearer side of a source that feeds two objects."""
     listeners = graph.node_position[graph.listener_nodes]
-    rows = [distances(graph.node_position[list(source.nodes)][:, None, :], listeners[None, :, :]).min(axis=0) for source in graph.sources]
+    rows = [
+        distances(graph.node_position[list(source.nodes)][:, None, :], listeners[None, :, :]).min(
+            axis=0
+        )
+        for source in graph.sources
+    ]
     return np.array(rows, dtype=np.float64).reshape(len(graph.sources), len(graph.listeners))
 
 
 def nearest_listener(graph: HapticGraph) -> BoolArray:
-    """(s, l) True for the listener nearest to each source; of several at the same distance, the first by name."""
+    """(s, l) True for the listener nearest to each source; of several at the same distance, the
+    first by name."""
     chosen = np.zeros((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
     for row, line in enumerate(straight_distances(graph)):
         if len(line):
@@ -31,20 +37,24 @@ def nearest_listener(graph: HapticGraph) -> BoolArray:
 
 
 def localised(result: Propagation, nearest: BoolArray, localise: float) -> Propagation:
-    """The blend between haptic tracing and the nearest listener: gains, bounds, bands and taps of all pairs but those of ``nearest`` (s, l)
-    times ``1 - localise``, which is above 0."""
+    """The blend between haptic tracing and the nearest listener: gains, bounds, bands and taps of
+    all pairs but those of ``nearest`` (s, l) times ``1 - localise``, which is above 0."""
     factor = np.where(nearest, 1.0, 1.0 - localise)
     return dataclasses.replace(
         result,
         gain=result.gain * factor,
         error_bound=result.error_bound * factor,
         band_gain=None if result.band_gain is None else result.band_gain * factor[:, :, None],
-        taps={pair: tuple((delay, gain * float(factor[pair])) for delay, gain in taps) for pair, taps in result.taps.items()},
+        taps={
+            pair: tuple((delay, gain * float(factor[pair])) for delay, gain in taps)
+            for pair, taps in result.taps.items()
+        },
     )
 
 
 def direct_gains(graph: HapticGraph, attenuated: bool) -> FloatArray:
-    """Gains (s, l) of one straight connection from every source to every listener: over distance, or 1."""
+    """Gains (s, l) of one straight connection from every source to every listener: over distance,
+    or 1."""
     line = straight_distances(graph)
     if graph.reach is not None:
         line = np.maximum(line - graph.reach[graph.listener_nodes], 0.0)

@@ -1,4 +1,5 @@
-"""What the propagation of a frame was computed from, so that an unchanged frame is not propagated again."""
+"""What the propagation of a frame was computed from, so that an unchanged frame is not propagated
+again."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ from .result import Propagation
 
 
 class Inputs(NamedTuple):
-    """All that graph and gains of a frame depend on; ``frames``: where the objects lie, None where the strategy does not ask for it."""
+    """All that graph and gains of a frame depend on; ``frames``: where the objects lie, None where
+    the strategy does not ask for it."""
 
     table: ObjectTable
     contacts: ContactSet
@@ -28,9 +30,15 @@ class Inputs(NamedTuple):
 
     def same_as(self, other: Inputs, still: float = STILL) -> bool:
         """Whether nothing differs but positions, by at most ``still`` metres."""
-        if self.table is not other.table or self.contacts is not other.contacts or self.settings != other.settings:
+        if (
+            self.table is not other.table
+            or self.contacts is not other.contacts
+            or self.settings != other.settings
+        ):
             return False
-        if not _same(self.sources, other.sources, still) or not _same(self.listeners, other.listeners, still):
+        if not _same(self.sources, other.sources, still) or not _same(
+            self.listeners, other.listeners, still
+        ):
             return False
         return _same_frames(self.frames, other.frames, still)
 
@@ -44,8 +52,12 @@ class Propagated:
     propagation: Propagation
 
 
-def _same(first: Sequence[Source | Listener], second: Sequence[Source | Listener], still: float) -> bool:
-    return len(first) == len(second) and all(a is b or _same_item(a, b, still) for a, b in zip(first, second, strict=True))
+def _same(
+    first: Sequence[Source | Listener], second: Sequence[Source | Listener], still: float
+) -> bool:
+    return len(first) == len(second) and all(
+        a is b or _same_item(a, b, still) for a, b in zip(first, second, strict=True)
+    )
 
 
 def _same_frames(one: ObjectFrames | None, other: ObjectFrames | None, still: float) -> bool:

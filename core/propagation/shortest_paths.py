@@ -1,20 +1,24 @@
 """Single-source shortest paths on a graph whose intra-connections are implied.
 
-Edge costs are ``-log(gain)`` and never negative. Two costs belong to a node: that of *entering* its object through it, over its
-inter-connection, and that of *arriving* at it inside its object, over an intra-connection. What has arrived leaves through the
-inter-connection only: so no two intra-connections follow each other, whatever the objects' functions are.
+Edge costs are ``-log(gain)`` and never negative. Two costs belong to a node: that of *entering* its
+object through it, over its inter-connection, and that of *arriving* at it inside its object, over
+an intra-connection. What has arrived leaves through the inter-connection only: so no two
+intra-connections follow each other, whatever the objects' functions are.
 
-An object is relaxed in one vectorised step, from many entries of many roots at once, the cheapest first (a label-correcting method in
-batches: D. P. Bertsekas, *Network Optimization*, 1998, section 2.4). Where few entries are pending, as along a chain, Dijkstra's algorithm
-with a binary heap takes over (E. W. Dijkstra, Numerische Mathematik 1, 1959).
+An object is relaxed in one vectorised step, from many entries of many roots at once, the cheapest
+first (a label-correcting method in batches: D. P. Bertsekas, *Network Optimization*, 1998, section
+2.4). Where few entries are pending, as along a chain, Dijkstra's algorithm with a binary heap takes
+over (E. W. Dijkstra, Numerische Mathematik 1, 1959).
 
-A hub of n contacts costs O(n), not O(n²): let the cost inside an object be ``a + m``, a >= 0 and m a metric, and let node x have been
-reached inside it at the cost A(x) from an entry e. Entering through x at a cost E(x) >= A(x) - a improves nothing: for every node y of the
-object, ``E(x) + a + m(x, y) >= A(x) + m(x, y) = E(e) + a + m(e, x) + m(x, y) >= E(e) + a + m(e, y)``, by the triangle inequality. So once a
-cheap entry has been relaxed, each other entry of the object drops out with one comparison. The argument does not cover y = e. That single
-connection is relaxed where it matters (`complete`): for the cost from e to a root by a path that does not lead back through e's own
-contact, and where the object beyond that contact has a function of another form. Otherwise no shortest path returns to the contact of a
-cheaper entry.
+A hub of n contacts costs O(n), not O(n²): let the cost inside an object be ``a + m``, a >= 0 and m
+a metric, and let node x have been reached inside it at the cost A(x) from an entry e. Entering
+through x at a cost E(x) >= A(x) - a improves nothing: for every node y of the object, ``E(x) + a +
+m(x, y) >= A(x) + m(x, y) = E(e) + a + m(e, x) + m(x, y) >= E(e) + a + m(e, y)``, by the triangle
+inequality. So once a cheap entry has been relaxed, each other entry of the object drops out with
+one comparison. The argument does not cover y = e. That single connection is relaxed where it
+matters (`complete`): for the cost from e to a root by a path that does not lead back through e's
+own contact, and where the object beyond that contact has a function of another form. Otherwise no
+shortest path returns to the contact of a cheaper entry.
 """
 
 from __future__ import annotations
@@ -33,7 +37,8 @@ from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
 BATCH = 1 << 15
-"""Connections relaxed in one vectorised step: enough to outweigh its overhead, few enough that later entries gain from earlier ones."""
+"""Connections relaxed in one vectorised step: enough to outweigh its overhead, few enough that
+later entries gain from earlier ones."""
 
 SPARSE_ROUNDS, SPARSE = 32, 300
 """After this many steps with fewer relaxed connections each on average, the heap is faster."""
@@ -54,7 +59,8 @@ class ShortestPaths:
 
     Attributes:
         cost: (r, n) cost of arriving inside the node's object; infinite where nothing arrives.
-        entry: (r, n) the node through which that object was entered (a root in its own object), or -1.
+        entry: (r, n) the node through which that object was entered (a root in its own object), or
+            -1.
         relaxed: number of connections relaxed.
     """
 
@@ -66,9 +72,16 @@ class ShortestPaths:
         """Number of nodes reached, the largest over the sets of roots."""
         return max(map(int, map(np.count_nonzero, self.entry >= 0)), default=0)
 
-    def paths(self, graph: HapticGraph, row: IntArray, one: IntArray, other: IntArray, backwards: BoolArray) -> list[tuple[int, ...]]:
-        """Nodes of the shortest paths (p,) from a root of each row to the nearer of two targets, or ``backwards``; () where nothing
-        arrives."""
+    def paths(
+        self,
+        graph: HapticGraph,
+        row: IntArray,
+        one: IntArray,
+        other: IntArray,
+        backwards: BoolArray,
+    ) -> list[tuple[int, ...]]:
+        """Nodes of the shortest paths (p,) from a root of each row to the nearer of two targets, or
+        ``backwards``; () where nothing arrives."""
         cost, another = self.cost[row, one], self.cost[row, other]
         node = np.where((another < cost) | ((another == cost) & (other < one)), other, one)
         node[self.entry[row, node] < 0] = -1
@@ -87,35 +100,58 @@ class ShortestPaths:
 class _Relaxation:
     """State of the relaxation: costs and entries so far, and what every step reads."""
 
-    def __init__(self, graphs: Sequence[HapticGraph], limits: FloatArray, targets: Sequence[IntArray] | None, complete: bool) -> None:
+    def __init__(
+        self,
+        graphs: Sequence[HapticGraph],
+        limits: FloatArray,
+        targets: Sequence[IntArray] | None,
+        complete: bool,
+    ) -> None:
         self.graph, rows = graphs[0], len(graphs)
         graph = self.graph
         self.count = graph.node_count
         views = list({id(one): one for one in graphs}.values())
-        self.views = [next(k for k, one in enumerate(views) if one is wanted) for wanted in graphs] if len(views) > 1 else [0] * rows
-        """Per row: which of the ``tables`` it is searched by. Arrays below that depend on the table hold one after the other."""
+        self.views = (
+            [next(k for k, one in enumerate(views) if one is wanted) for wanted in graphs]
+            if len(views) > 1
+            else [0] * rows
+        )
+        """Per row: which of the ``tables`` it is searched by. Arrays below that depend on the table
+        hold one after the other."""
         self.shift = np.array(self.views, dtype=np.int64) * self.count if len(views) > 1 else None
         self.limits = np.minimum(limits, sys.float_info.max / 2)
-        # What costs more than the limit is not taken: it would not be less than what stands there at first.
+        # What costs more than the limit is not taken: it would not be less than what stands there
+        # at first.
         self.arrival = np.nextafter(self.limits, math.inf)[:, None].repeat(self.count, axis=1)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
         self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
         self.targets = targets
         if targets is not None:
             size = np.array([len(nodes) for nodes in targets])
-            self.sought, self.first_sought = np.concatenate(targets) + (np.arange(rows) * self.count).repeat(size), size.cumsum() - size
+            self.sought, self.first_sought = (
+                np.concatenate(targets) + (np.arange(rows) * self.count).repeat(size),
+                size.cumsum() - size,
+            )
         self.complete = complete or bool(graph.table.special)
         self.tables = [one.table for one in views]
-        # Per node, as all that follows: of its object the first node, and the number of nodes besides itself.
+        # Per node, as all that follows: of its object the first node, and the number of nodes
+        # besides itself.
         index = graph.node_object
         self.first = graph.start[index]
         self.others = graph.start[index + 1] - self.first - 1
         self.special = np.isin(index, list(graph.table.special)) if graph.table.special else None
-        self.node_loss = np.concatenate([np.maximum(0.0, table.loss)[index] for table in self.tables])
+        self.node_loss = np.concatenate(
+            [np.maximum(0.0, table.loss)[index] for table in self.tables]
+        )
         self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
         self.spreading = None if graph.table.spreading is None else graph.table.spreading.at(index)
         # Per node: cost of its inter-connection; contact -1 takes the appended infinity.
-        self.crossing = np.concatenate([np.maximum(0.0, np.append(one.transmission_loss, math.inf))[graph.contact] for one in views])
+        self.crossing = np.concatenate(
+            [
+                np.maximum(0.0, np.append(one.transmission_loss, math.inf))[graph.contact]
+                for one in views
+            ]
+        )
         self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
         self.relaxed = 0
 
@@ -124,13 +160,16 @@ class _Relaxation:
         return node if self.shift is None else node + self.shift[row]
 
     def distances(self, begin: IntArray, other: IntArray) -> FloatArray:
-        """`HapticGraph.node_distances`, sooner; squares that vanish make no difference to a cost."""
+        """`HapticGraph.node_distances`, sooner; squares that vanish make no difference to a
+        cost."""
         if self.is_vast:
             return self.graph.node_distances(begin, other)
         x, y, z = (places[begin] - places[other] for places in self.graph.node_position.T)
         distance: FloatArray = np.sqrt(x * x + y * y + z * z)
         reach = self.graph.reach
-        return distance if reach is None else np.maximum(distance - (reach[begin] + reach[other]), 0.0)
+        return (
+            distance if reach is None else np.maximum(distance - (reach[begin] + reach[other]), 0.0)
+        )
 
     def result(self) -> ShortestPaths:
         self.arrival[self.entry < 0] = math.inf
@@ -147,14 +186,17 @@ def shortest_paths(
     """Shortest-path trees from each set of roots.
 
     Args:
-        graph: gains above 1 count as 1. One for each row, where their gains differ by frequency band, and nothing else.
+        graph: gains above 1 count as 1. One for each row, where their gains differ by frequency
+            band, and nothing else.
         roots: source or listener nodes, one set per row.
         limits: (r,) largest cost of interest.
-        targets: nodes of interest, one or more for each row; it stops where none of them can get cheaper, and is complete only as far as
-            they need. None: all.
+        targets: nodes of interest, one or more for each row; it stops where none of them can get
+            cheaper, and is complete only as far as they need. None: all.
         complete: costs are right also for the nodes through which an object is entered.
     """
-    work = _Relaxation([graph] * len(roots) if isinstance(graph, HapticGraph) else graph, limits, targets, complete)
+    work = _Relaxation(
+        [graph] * len(roots) if isinstance(graph, HapticGraph) else graph, limits, targets, complete
+    )
     row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
     node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
     pending = row, node, np.zeros(len(node))
@@ -171,7 +213,9 @@ def shortest_paths(
     return work.result()
 
 
-def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+def _relax_cheapest(
+    work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray]:
     """Relax the cheapest pending entries. Returns the entries pending afterwards."""
     base = cost + work.node_loss[work.at(row, node)]
     useful = work.arrivals[row * work.count + node] > base
@@ -183,7 +227,9 @@ def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: Floa
         back = back[work.graph.partner[work.entry[row[back], node[back]]] >= 0]
         if len(back):
             which, other = np.arange(len(back)), work.entry[row[back], node[back]]
-            batches.append(_relax(work, row[back], node[back], cost[back], base[back], which, other))
+            batches.append(
+                _relax(work, row[back], node[back], cost[back], base[back], which, other)
+            )
     kept = useful.nonzero()[0]
     if len(kept) < len(row):
         row, node, cost, base = row[kept], node[kept], cost[kept], base[kept]
@@ -194,7 +240,13 @@ def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: Floa
             now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
             later, order = order[now:], order[:now]
             batches.append((row[later], node[later], cost[later]))
-            row, node, cost, base, size = row[order], node[order], cost[order], base[order], size[order]
+            row, node, cost, base, size = (
+                row[order],
+                node[order],
+                cost[order],
+                base[order],
+                size[order],
+            )
         which = np.arange(len(row)).repeat(size)
         other = ranges(work.first[node], size)
         other += other >= node[which]  # all nodes of the object but the entry itself
@@ -208,10 +260,17 @@ def _relax_cheapest(work: _Relaxation, row: IntArray, node: IntArray, cost: Floa
 
 
 def _relax(
-    work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray, base: FloatArray, which: IntArray, other: IntArray
+    work: _Relaxation,
+    row: IntArray,
+    node: IntArray,
+    cost: FloatArray,
+    base: FloatArray,
+    which: IntArray,
+    other: IntArray,
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Relax the connections from entries ``node[which]``, at ``cost`` and with the constant loss of their objects ``base``, to nodes
-    ``other`` of the same objects. Returns the new pending entries."""
+    """Relax the connections from entries ``node[which]``, at ``cost`` and with the constant loss of
+    their objects ``base``, to nodes ``other`` of the same objects. Returns the new pending
+    entries."""
     graph, arrivals, entries = work.graph, work.arrivals, work.entries
     work.relaxed += len(other)
     begin = node[which]
@@ -221,15 +280,23 @@ def _relax(
         candidate += work.spreading.at(begin).cost(distance)
     if work.special is not None:
         chosen = work.special[begin].nonzero()[0]
-        candidate[chosen] = cost[which[chosen]] + np.maximum(0.0, intra_costs(graph, begin[chosen], other[chosen]))
+        candidate[chosen] = cost[which[chosen]] + np.maximum(
+            0.0, intra_costs(graph, begin[chosen], other[chosen])
+        )
     place = (row * work.count)[which] + other
     better = (candidate < arrivals[place]).nonzero()[0]
     place, candidate, begin = place[better], candidate[better], begin[better]
-    # Several connections to one node: the cheapest wins, among equal ones that from the lowest entry.
+    # Several connections to one node: the cheapest wins, among equal ones that from the lowest
+    # entry.
     np.minimum.at(arrivals, place, candidate)
     cheapest = (candidate == arrivals[place]).nonzero()[0]
     if len(cheapest) < len(better):
-        better, place, candidate, begin = better[cheapest], place[cheapest], candidate[cheapest], begin[cheapest]
+        better, place, candidate, begin = (
+            better[cheapest],
+            place[cheapest],
+            candidate[cheapest],
+            begin[cheapest],
+        )
     entries[place] = begin
     first = entries[place] == begin
     if not first.all():
@@ -238,7 +305,11 @@ def _relax(
         better, candidate = better[first], candidate[first]
     row, other = row[which[better]], other[better]
     if work.targets is not None:  # no more than what each of them costs now is of interest
-        np.minimum(work.limits, np.maximum.reduceat(arrivals[work.sought], work.first_sought), out=work.limits)
+        np.minimum(
+            work.limits,
+            np.maximum.reduceat(arrivals[work.sought], work.first_sought),
+            out=work.limits,
+        )
     onwards = candidate + work.crossing[work.at(row, other)]
     go = (onwards <= work.limits[row]).nonzero()[0]
     return row[go], graph.partner[other[go]], onwards[go]
@@ -251,26 +322,43 @@ def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: 
         elements = known[view] = known.get(view) or _Elements(work, view)
         mine = row == number
         arrives, enters = _items(work.arrival[number]), _items(work.entry[number])
-        _dijkstra(work, elements, number, list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)), arrives, enters)
+        _dijkstra(
+            work,
+            elements,
+            number,
+            list(zip(cost[mine].tolist(), node[mine].tolist(), strict=True)),
+            arrives,
+            enters,
+        )
         work.arrival[number], work.entry[number] = arrives, enters
 
 
 def _items(array: FloatArray | IntArray) -> Any:
-    """The array for access element by element: a list where it is small, because that is faster, else its buffer."""
+    """The array for access element by element: a list where it is small, because that is faster,
+    else its buffer."""
     return array.tolist() if len(array) <= SMALL else array.data
 
 
 class _Elements:
-    """The graph for access element by element. ``points``: positions of the nodes, in a large graph those of the objects visited so far;
-    ``arrays``: the objects whose costs are not of the plain form."""
+    """The graph for access element by element. ``points``: positions of the nodes, in a large graph
+    those of the objects visited so far; ``arrays``: the objects whose costs are not of the plain
+    form."""
 
     def __init__(self, work: _Relaxation, view: int) -> None:
         graph, table = work.graph, work.tables[view]
         self.table = table
-        self.objects, self.partner, self.start = _items(graph.node_object), _items(graph.partner), _items(graph.start)
+        self.objects, self.partner, self.start = (
+            _items(graph.node_object),
+            _items(graph.partner),
+            _items(graph.start),
+        )
         self.crossing = _items(work.crossing[view * work.count : (view + 1) * work.count])
         self.loss, self.decay = _items(np.maximum(0.0, table.loss)), _items(table.decay)
-        self.laws = None if table.spreading is None else [item.propagation.spreading_law() for item in table.objects]
+        self.laws = (
+            None
+            if table.spreading is None
+            else [item.propagation.spreading_law() for item in table.objects]
+        )
         self.points: dict[int, list[float]] = {}
         self.arrays = graph.table.special
         if graph.reach is not None:
@@ -279,13 +367,30 @@ class _Elements:
             self.points.update(enumerate(graph.node_position.tolist()))
 
 
-def _dijkstra(work: _Relaxation, elements: _Elements, row: int, queue: list[tuple[float, int]], arrives: Any, enters: Any) -> None:
+def _dijkstra(
+    work: _Relaxation,
+    elements: _Elements,
+    row: int,
+    queue: list[tuple[float, int]],
+    arrives: Any,
+    enters: Any,
+) -> None:
     """Dijkstra's algorithm for one row, from its pending entries."""
     graph = work.graph
     heapq.heapify(queue)
     limit = float(work.limits[row])
-    objects, partner, crossing, start = elements.objects, elements.partner, elements.crossing, elements.start
-    loss, decay, special, points = elements.loss, elements.decay, graph.table.special, elements.points
+    objects, partner, crossing, start = (
+        elements.objects,
+        elements.partner,
+        elements.crossing,
+        elements.start,
+    )
+    loss, decay, special, points = (
+        elements.loss,
+        elements.decay,
+        graph.table.special,
+        elements.points,
+    )
     sought = set() if work.targets is None else set(work.targets[row].tolist())
     settled: set[int] = set()
     push, pop, distance, infinite = heapq.heappush, heapq.heappop, math.dist, math.inf
@@ -309,16 +414,24 @@ def _dijkstra(work: _Relaxation, elements: _Elements, row: int, queue: list[tupl
         work.relaxed += last - first
         if index in elements.arrays or last - first >= LARGE:
             nodes = np.arange(first, last)
-            constant, varying = elements.table.costs(graph.node_object[nodes], graph.node_distances(np.full(last - first, node), nodes))
+            constant, varying = elements.table.costs(
+                graph.node_object[nodes], graph.node_distances(np.full(last - first, node), nodes)
+            )
             candidate = cost + np.maximum(0.0, constant + varying)
-            better = ((candidate < np.asarray(arrives[first:last])) & (candidate <= limit)).nonzero()[0]
+            better = (
+                (candidate < np.asarray(arrives[first:last])) & (candidate <= limit)
+            ).nonzero()[0]
             found = list(zip((better + first).tolist(), candidate[better].tolist(), strict=True))
         else:
             if node not in points:
                 whole = graph.nodes_of(index)
                 points.update(enumerate(graph.node_position[whole].tolist(), whole.start))
             here = points[node]
-            found = [(k, base + rate * distance(here, points[k])) for k in range(first, last) if arrives[k] > base]
+            found = [
+                (k, base + rate * distance(here, points[k]))
+                for k in range(first, last)
+                if arrives[k] > base
+            ]
             if elements.laws is not None:
                 law = elements.laws[index].cost
                 found = [(k, value + law(distance(here, points[k]))) for k, value in found]

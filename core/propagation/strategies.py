@@ -29,7 +29,8 @@ BUDGET = 1_000_000
 
 
 def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
-    """The strategy of a source of this kind: the best path in mode SD; otherwise the chosen one, with the two automatic ones resolved."""
+    """The strategy of a source of this kind: the best path in mode SD; otherwise the chosen one,
+    with the two automatic ones resolved."""
     if settings.mode is Mode.SD or settings.strategy is Strategy.AUTO:
         return Strategy.BEST_PATH
     if settings.strategy is Strategy.AS_IN_THE_PAPER:
@@ -37,17 +38,21 @@ def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
     return settings.strategy
 
 
-def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, sounding_only: bool = False) -> Propagation:
+def propagate(
+    graph: HapticGraph, settings: Settings, budget: int = BUDGET, sounding_only: bool = False
+) -> Propagation:
     """Gains from every source to every listener of the graph.
 
     Args:
         graph: the haptic graph.
         settings: mode, strategy and limits.
-        budget: bound on the work if an exact result is infeasible; counted in operations, so that the result is the same on every machine.
+        budget: bound on the work if an exact result is infeasible; counted in operations, so that
+            the result is the same on every machine.
         sounding_only: leave out sources of amplitude 0; their gains are 0.
 
     Raises:
-        ValueError: for a negative budget, or if an expression gives no valid gain, with the name of the object.
+        ValueError: for a negative budget, or if an expression gives no valid gain, with the name of
+            the object.
     """
     if budget < 0:
         raise ValueError(f"budget: must be 0 or more, got {budget!r}")
@@ -61,7 +66,10 @@ def propagate(graph: HapticGraph, settings: Settings, budget: int = BUDGET, soun
         graph, wanted = distance_only(graph), wanted & nearest_listener(graph)
     elif settings.localise == 1:
         wanted &= nearest_listener(graph)
-    result = over_volumes(graph, lambda apart, number: _Run(apart, settings, strategies, wanted[:, number], budget).result())
+    result = over_volumes(
+        graph,
+        lambda apart, number: _Run(apart, settings, strategies, wanted[:, number], budget).result(),
+    )
     if settings.mode is Mode.HT and 0 < settings.localise < 1:
         return localised(result, nearest_listener(graph), settings.localise)
     return result
@@ -80,7 +88,8 @@ class _Gains:
 
 @dataclass(slots=True)
 class _Sums:
-    """Further results of sums over paths. ``uncertain``: whether the budget was insufficient for some sum."""
+    """Further results of sums over paths. ``uncertain``: whether the budget was insufficient for
+    some sum."""
 
     radius: WalkRadius | None = None
     uncertain: bool = False
@@ -105,10 +114,16 @@ class _Run:
     def result(self) -> Propagation:
         graph, gains = self.graph, self.gains
         amplified = amplifying(graph)
-        rows = [row for row, strategy in enumerate(self.strategies) if strategy is Strategy.ALL_PATHS and self.wanted[row].any()]
+        rows = [
+            row
+            for row, strategy in enumerate(self.strategies)
+            if strategy is Strategy.ALL_PATHS and self.wanted[row].any()
+        ]
         known = None
         if rows and self.settings.threshold > 0 and not amplified:
-            known = threshold_costs(graph, [graph.sources[row].nodes for row in rows], self.settings.threshold)
+            known = threshold_costs(
+                graph, [graph.sources[row].nodes for row in rows], self.settings.threshold
+            )
         best = self._best_paths(amplified, known, rows)
         sums = self._sum_over_paths(best, known, rows)
         self._balance_energy()
@@ -135,10 +150,16 @@ class _Run:
             },
         )
 
-    def _best_paths(self, amplified: bool, known: ThresholdCosts | None, rows: list[int]) -> BestPaths:
+    def _best_paths(
+        self, amplified: bool, known: ThresholdCosts | None, rows: list[int]
+    ) -> BestPaths:
         """Best paths of all wanted pairs; sets the gains of sources with that strategy."""
         graph, gains = self.graph, self.gains
-        trees = {} if known is None else {row: (known.forward, number) for number, row in enumerate(rows)}
+        trees = (
+            {}
+            if known is None
+            else {row: (known.forward, number) for number, row in enumerate(rows)}
+        )
         by_band = graph.uses_bands and not amplified
         best = best_paths(
             graph,
@@ -148,9 +169,15 @@ class _Run:
             self.budget,
             amplified,
             trees,
-            {row: graph.sources[row].band for row, s in enumerate(self.strategies) if by_band and s is Strategy.BEST_PATH},
+            {
+                row: graph.sources[row].band
+                for row, s in enumerate(self.strategies)
+                if by_band and s is Strategy.BEST_PATH
+            },
         )
-        chosen = np.array([strategy is Strategy.BEST_PATH for strategy in self.strategies], dtype=np.bool_)
+        chosen = np.array(
+            [strategy is Strategy.BEST_PATH for strategy in self.strategies], dtype=np.bool_
+        )
         pairs = np.array(list(best.nodes), dtype=np.int64).reshape(-1, 2)
         mine = chosen[pairs[:, 0]]
         places = tuple(pairs[mine].T)
@@ -165,11 +192,15 @@ class _Run:
         cut = np.array(list(best.cut), dtype=np.int64).reshape(-1, 2)
         mine = chosen[cut[:, 0]]
         places = tuple(cut[mine].T)
-        gains.error[places] = np.maximum(gains.error[places], np.array(list(best.cut.values()))[mine])
+        gains.error[places] = np.maximum(
+            gains.error[places], np.array(list(best.cut.values()))[mine]
+        )
         gains.limited[places] = True
         return best
 
-    def _sum_over_paths(self, best: BestPaths, known: ThresholdCosts | None, rows: list[int]) -> _Sums:
+    def _sum_over_paths(
+        self, best: BestPaths, known: ThresholdCosts | None, rows: list[int]
+    ) -> _Sums:
         """Set the gains of sources whose strategy is all paths."""
         graph, gains, settings = self.graph, self.gains, self.settings
         sums = _Sums()
@@ -192,9 +223,18 @@ class _Run:
                 least = np.zeros((len(columns), lanes_of(graph)))
                 for place, column in enumerate(columns.tolist()):
                     if (row, column) in best.nodes:
-                        least[place] = path_gain(graph, best.nodes[row, column], best.cost[row, column])
+                        least[place] = path_gain(
+                            graph, best.nodes[row, column], best.cost[row, column]
+                        )
                 ends = graph.sources[row].nodes, graph.listener_nodes[columns].tolist()
-                found = bounded_sums(graph, operator, *ends, limits, None if known is None else (known, number), least)
+                found = bounded_sums(
+                    graph,
+                    operator,
+                    *ends,
+                    limits,
+                    None if known is None else (known, number),
+                    least,
+                )
                 gains.gain[row, columns], gains.error[row, columns] = found.gain[:, 0], found.error
                 gains.paths[row, columns], gains.limited[row, columns] = found.paths, found.limited
                 if gains.bands is not None:
@@ -208,13 +248,24 @@ class _Run:
         """Set the gains of sources whose strategy is the energy balance."""
         if Strategy.ENERGY_BALANCE not in self.strategies:
             return
-        balanced = self.wanted & np.array([strategy is Strategy.ENERGY_BALANCE for strategy in self.strategies])[:, None]
+        balanced = (
+            self.wanted
+            & np.array([strategy is Strategy.ENERGY_BALANCE for strategy in self.strategies])[
+                :, None
+            ]
+        )
         energies, gains = energy_gains(self.graph, balanced), self.gains
-        gains.gain[balanced], gains.error[balanced], gains.paths[balanced] = energies.gain[balanced], energies.error[balanced], -1
+        gains.gain[balanced], gains.error[balanced], gains.paths[balanced] = (
+            energies.gain[balanced],
+            energies.error[balanced],
+            -1,
+        )
         if gains.bands is not None and energies.bands is not None:
             gains.bands[balanced] = energies.bands[balanced]
 
-    def _warnings(self, amplified: bool, best: BestPaths, sums: _Sums, rows: list[int]) -> tuple[Message, ...]:
+    def _warnings(
+        self, amplified: bool, best: BestPaths, sums: _Sums, rows: list[int]
+    ) -> tuple[Message, ...]:
         gains, warnings = self.gains, []
         if amplified:
             warnings.append(Message.of(Cause.AMPLIFICATION))
@@ -236,17 +287,25 @@ class _Run:
         """Message that the limits determine a sum from source number ``row``."""
         source = self.graph.sources[row].name
         if not radius.well_posed:
-            cause = Cause.SUM_SET_BY_THRESHOLD if self.settings.threshold > 0 else Cause.SUM_SET_BY_CONNECTIONS
+            cause = (
+                Cause.SUM_SET_BY_THRESHOLD
+                if self.settings.threshold > 0
+                else Cause.SUM_SET_BY_CONNECTIONS
+            )
             return Message.of(cause, source=source, radius=f"{radius.low:.2f}")
         return Message.of(Cause.SUM_TRUNCATED, source=source)
 
-    def _taps(self, best: BestPaths, amplified: bool) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
+    def _taps(
+        self, best: BestPaths, amplified: bool
+    ) -> dict[tuple[int, int], tuple[tuple[float, float], ...]]:
         """The strongest paths of a sum over paths; otherwise the best path with the whole gain."""
         taps = {}
         crossings = crossings_of(most_connections(self.settings))
         for pair, nodes in best.nodes.items():
             if self.strategies[pair[0]] is Strategy.ALL_PATHS:
-                taps[pair] = delay_taps(self.graph, *pair, crossings, self.settings.threshold, amplified)
+                taps[pair] = delay_taps(
+                    self.graph, *pair, crossings, self.settings.threshold, amplified
+                )
             else:
                 taps[pair] = ((path_delay(self.graph, nodes), float(self.gains.gain[pair])),)
         return taps
@@ -257,7 +316,10 @@ def _unknown_force(graph: HapticGraph) -> list[Message]:
     unknown = [] if graph.forces is None else np.flatnonzero(np.isnan(graph.forces)).tolist()
     if not unknown:
         return []
-    first, second = (graph.table.names[int(graph.node_object[node])] for node in np.flatnonzero(graph.contact == unknown[0])[:2])
+    first, second = (
+        graph.table.names[int(graph.node_object[node])]
+        for node in np.flatnonzero(graph.contact == unknown[0])[:2]
+    )
     return [Message.of(Cause.FORCE_UNKNOWN, first, first=first, second=second, count=len(unknown))]
 
 
@@ -268,10 +330,14 @@ def _delays(graph: HapticGraph, shape: tuple[int, ...], best: BestPaths) -> Floa
     return delay
 
 
-def _direct(graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, ...]) -> Propagation:
+def _direct(
+    graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, ...]
+) -> Propagation:
     """One straight connection per pair."""
     gain = direct_gains(graph, settings.mode is Mode.MD)
-    kept = (gain >= settings.threshold * (1 - ROUNDING)) & (settings.max_connections is None or settings.max_connections >= 1)
+    kept = (gain >= settings.threshold * (1 - ROUNDING)) & (
+        settings.max_connections is None or settings.max_connections >= 1
+    )
     return Propagation(
         gain=np.where(kept, gain, 0.0),
         error_bound=np.where(kept, 0.0, gain),
@@ -279,7 +345,11 @@ def _direct(graph: HapticGraph, settings: Settings, strategies: tuple[Strategy, 
         limited=~kept,
         silenced=np.zeros(gain.shape, dtype=np.bool_),
         best_path={
-            (int(row), int(column)): (graph.sources[row].nodes[0], int(graph.listener_nodes[column])) for row, column in np.argwhere(kept)
+            (int(row), int(column)): (
+                graph.sources[row].nodes[0],
+                int(graph.listener_nodes[column]),
+            )
+            for row, column in np.argwhere(kept)
         },
         strategy=tuple(str(strategy) for strategy in strategies),
         statistics=statistics_of(graph),

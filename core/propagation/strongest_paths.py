@@ -1,9 +1,11 @@
 """Paths in the order of their gain, the strongest first: best-first search (A*) over partial paths.
 
-A partial path is ranked by its cost plus a lower bound on the rest (the cheapest walk to the target, which may cross contacts that the path
-has crossed already). Paths are therefore completed in ascending order of cost: P. E. Hart, N. Nilsson, B. Raphael, "A
-formal basis for the heuristic determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4, 1968. Unlike a
-shortest-path tree this needs no assumption about the objects' functions; but it may examine many partial paths, hence the budget.
+A partial path is ranked by its cost plus a lower bound on the rest (the cheapest walk to the
+target, which may cross contacts that the path has crossed already). Paths are therefore completed
+in ascending order of cost: P. E. Hart, N. Nilsson, B. Raphael, "A formal basis for the heuristic
+determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4, 1968.
+Unlike a shortest-path tree this needs no assumption about the objects' functions; but it may
+examine many partial paths, hence the budget.
 """
 
 from __future__ import annotations
@@ -42,10 +44,12 @@ class FoundPath:
 
 @dataclass(slots=True)
 class _Partial:
-    """A partial path that has just entered an object through ``node``, and its continuations, the most promising first."""
+    """A partial path that has just entered an object through ``node``, and its continuations, the
+    most promising first."""
 
     node: int
-    before: tuple[_Partial, int] | None  # the partial path that it continues, and the number of the continuation
+    # The partial path that it continues, and the number of the continuation.
+    before: tuple[_Partial, int] | None
     contacts: int
     ends: IntArray
     bounds: FloatArray
@@ -66,15 +70,23 @@ class StrongestPaths(Iterator[FoundPath]):
     """Iterates over the paths from any of ``roots`` to ``target``, the strongest first.
 
     Args:
-        ahead: (k, n) lower bounds on the cost from entering at a node to the target with at most 0, 1, ... further contacts; the last row
-            holds for any larger number.
+        ahead: (k, n) lower bounds on the cost from entering at a node to the target with at most 0,
+            1, ... further contacts; the last row holds for any larger number.
         crossings: most contacts on a path.
         limit: largest cost of a path and of each of its beginnings.
-        budget: partial paths after which the iteration stops; `bound` then is a lower bound on the cost of all paths not returned.
+        budget: partial paths after which the iteration stops; `bound` then is a lower bound on the
+            cost of all paths not returned.
     """
 
     def __init__(
-        self, graph: HapticGraph, roots: Sequence[int], target: int, ahead: FloatArray, crossings: float, limit: float, budget: int
+        self,
+        graph: HapticGraph,
+        roots: Sequence[int],
+        target: int,
+        ahead: FloatArray,
+        crossings: float,
+        limit: float,
+        budget: int,
     ) -> None:
         self._graph = graph
         self._target = target
@@ -108,7 +120,8 @@ class StrongestPaths(Iterator[FoundPath]):
         raise StopIteration
 
     def _expand(self, node: int, cost: float, before: tuple[_Partial, int] | None) -> None:
-        """Find the continuations of a partial path that has just entered an object through ``node``."""
+        """Find the continuations of a partial path that has just entered an object through
+        ``node``."""
         graph = self._graph
         contacts = 0 if before is None else before[0].contacts + 1
         crossed = _trail(node, before)[1:]
@@ -120,8 +133,11 @@ class StrongestPaths(Iterator[FoundPath]):
         left = self._crossings - contacts - 1
         if left >= 0:
             row = self._ahead[int(min(left, len(self._ahead) - 1))]
-            bounds = costs + row[graph.partner[others]]  # partner -1 only where the crossing costs infinity
-            bounds[np.isin(graph.contact[others], graph.contact[np.array(crossed, dtype=np.int64)])] = math.inf
+            # Partner -1 only where the crossing costs infinity.
+            bounds = costs + row[graph.partner[others]]
+            bounds[
+                np.isin(graph.contact[others], graph.contact[np.array(crossed, dtype=np.int64)])
+            ] = math.inf
         else:
             bounds = np.full(len(others), math.inf)
         bounds[others == node] = math.inf
@@ -136,24 +152,30 @@ class StrongestPaths(Iterator[FoundPath]):
 
     def _push(self, partial: _Partial, place: int) -> None:
         if place < len(partial.ends):
-            heapq.heappush(self._queue, (float(partial.bounds[place]), next(self._numbers), partial, place))
+            heapq.heappush(
+                self._queue, (float(partial.bounds[place]), next(self._numbers), partial, place)
+            )
 
 
 def delay_taps(
     graph: HapticGraph, row: int, column: int, crossings: float, threshold: float, amplified: bool
 ) -> tuple[tuple[float, float], ...]:
-    """Delays of a sum over paths: (delay [s], gain) of up to `TAPS` of the strongest paths of a pair within both limits, the strongest
-    first."""
+    """Delays of a sum over paths: (delay [s], gain) of up to `TAPS` of the strongest paths of a
+    pair within both limits, the strongest first."""
     target = int(graph.listener_nodes[column])
     limit = cost_limit(threshold)
     if amplified:
         most = int(min(crossings, graph.contact_count, HOPS))
-        ahead = hop_constrained_paths(graph, (target,), math.inf, most, complete=True).costs(graph.node_count)
+        ahead = hop_constrained_paths(graph, (target,), math.inf, most, complete=True).costs(
+            graph.node_count
+        )
         crossings = min(crossings, most)
     else:
         ahead = shortest_paths(graph, [(target,)], np.array([limit]), complete=True).cost
     taps: list[tuple[float, float]] = []
-    for path in StrongestPaths(graph, graph.sources[row].nodes, target, ahead, crossings, limit, SEARCHED):
+    for path in StrongestPaths(
+        graph, graph.sources[row].nodes, target, ahead, crossings, limit, SEARCHED
+    ):
         taps.append((path_delay(graph, path.nodes), bounded_exp(-path.cost)))
         if len(taps) == TAPS:
             break

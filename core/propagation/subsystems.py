@@ -1,9 +1,11 @@
-"""The subsystems of an energy balance: objects, and regions of those that are larger than the length over which they damp.
+"""The subsystems of an energy balance: objects, and regions of those that are larger than the
+length over which they damp.
 
-Regions are the points of a lattice in the object's own axes about the middle of its bounding box, spaced by the length over which its gain
-falls to 1/e. A contact belongs to the regions around it with multilinear weights that add up to 1. Within half a spacing of the middle
-along each axis these weights are constant, so an object no larger than that is one subsystem. Energies are therefore continuous functions
-of the positions of contacts. Only regions with a contact exist.
+Regions are the points of a lattice in the object's own axes about the middle of its bounding box,
+spaced by the length over which its gain falls to 1/e. A contact belongs to the regions around it
+with multilinear weights that add up to 1. Within half a spacing of the middle along each axis these
+weights are constant, so an object no larger than that is one subsystem. Energies are therefore
+continuous functions of the positions of contacts. Only regions with a contact exist.
 """
 
 from __future__ import annotations
@@ -18,11 +20,12 @@ from ..arrays import FloatArray, IntArray, added_by, runs
 from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances
 
 REGIONS, MOST_REGIONS = 128, 1024
-"""Most regions of one object, about, where most of its contacts are, and where all of them are: the lattice of a larger one is coarser."""
+"""Most regions of one object, about, where most of its contacts are, and where all of them are: the
+lattice of a larger one is coarser."""
 
 TAILS = 0.05, 0.15
-"""Between these fractions of the contacts' strengths along an axis lie those that tell where most contacts begin and end. The few beyond
-don't count: a body far away changes no lattice."""
+"""Between these fractions of the contacts' strengths along an axis lie those that tell where most
+contacts begin and end. The few beyond don't count: a body far away changes no lattice."""
 
 FARTHEST = 2.0**40
 """Most lattice points from the middle: contacts beyond belong to the last one."""
@@ -31,7 +34,8 @@ HIGHEST = 1e140
 """Largest distance, whose square is still finite."""
 
 DENSE = 64
-"""Most cells per row for which rows are numbered through a table of all cells instead of by sorting."""
+"""Most cells per row for which rows are numbered through a table of all cells instead of by
+sorting."""
 
 CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
 """The lattice points around a place, relative to the lowest."""
@@ -43,11 +47,12 @@ BISECTIONS = 60
 """Steps to the length over which a function of several terms damps."""
 
 SAMPLES, REFINED = 1025, 12
-"""Distances at which a function without a closed form is evaluated, to find where it damps, and how often at most the interval is
-narrowed."""
+"""Distances at which a function without a closed form is evaluated, to find where it damps, and how
+often at most the interval is narrowed."""
 
 ROUNDING = 1e-14
-"""Relative width of that interval at which it is narrow enough: energies depend on the length, and their certified bounds do not."""
+"""Relative width of that interval at which it is narrow enough: energies depend on the length, and
+their certified bounds do not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +63,9 @@ class Subsystems:
         of_object: (r,) object of each subsystem.
         centre: (r, 3) middle of its contacts [m].
         distance: (r,) root mean square distance between two of its contacts [m].
-        mass: (r,) in (0, 1] for a region the largest part of a contact in it, relative to the object's strongest contact. node: (a,)
-        contact nodes, sorted; a node is repeated for every region that it belongs to. region: (a,) the subsystem. weight: (a,) of that
-        node, in (0, 1].
+        mass: (r,) in (0, 1] for a region the largest part of a contact in it, relative to the
+        object's strongest contact. node: (a,) contact nodes, sorted; a node is repeated for every
+        region that it belongs to. region: (a,) the subsystem. weight: (a,) of that node, in (0, 1].
     """
 
     of_object: IntArray
@@ -79,20 +84,32 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     used, slot = object_of[begin], np.arange(len(begin)).repeat(size)
     strength = graph.weight[graph.contact[nodes]]
     position = graph.node_position[nodes]
-    which, region, weight, of_object, divided = _attached(graph, position, strength, used, slot, begin)
-    centre, distance, largest = _extents(strength[which] * weight, position[which], region, len(of_object))
+    which, region, weight, of_object, divided = _attached(
+        graph, position, strength, used, slot, begin
+    )
+    centre, distance, largest = _extents(
+        strength[which] * weight, position[which], region, len(of_object)
+    )
     strongest = np.maximum.reduceat(strength, begin)
-    mass = np.where(divided, np.clip(largest / strongest[used.searchsorted(of_object)], LIGHTEST, 1.0), 1.0)
+    mass = np.where(
+        divided, np.clip(largest / strongest[used.searchsorted(of_object)], LIGHTEST, 1.0), 1.0
+    )
     return Subsystems(of_object, centre, distance, mass, nodes[which], region, weight)
 
 
 def _attached(
-    graph: HapticGraph, position: FloatArray, strength: FloatArray, used: IntArray, slot: IntArray, begin: IntArray
+    graph: HapticGraph,
+    position: FloatArray,
+    strength: FloatArray,
+    used: IntArray,
+    slot: IntArray,
+    begin: IntArray,
 ) -> tuple[IntArray, IntArray, FloatArray, IntArray, FloatArray]:
     """How contacts at ``position`` (n, 3) on objects ``used[slot]`` belong to subsystems.
 
     Returns:
-        Number of the contact (a,), sorted; its subsystem (a,) and weight (a,); object of each subsystem (r,), and whether that is divided.
+        Number of the contact (a,), sorted; its subsystem (a,) and weight (a,); object of each
+        subsystem (r,), and whether that is divided.
     """
     count = len(used)
     middle = graph.frames.centre[used]
@@ -124,10 +141,18 @@ def _attached(
     regions = np.concatenate([single[slot[~inside]], number[count - int(divided.sum()) :][region]])
     weights = np.concatenate([np.ones(int((~inside).sum())), weight])
     by_contact = np.argsort(which, kind="stable")
-    return which[by_contact], regions[by_contact], weights[by_contact], used[of_slot[order]], divided[of_slot[order]].astype(np.float64)
+    return (
+        which[by_contact],
+        regions[by_contact],
+        weights[by_contact],
+        used[of_slot[order]],
+        divided[of_slot[order]].astype(np.float64),
+    )
 
 
-def _centroids(position: FloatArray, strength: FloatArray, slot: IntArray, count: int) -> FloatArray:
+def _centroids(
+    position: FloatArray, strength: FloatArray, slot: IntArray, count: int
+) -> FloatArray:
     """Centroid (count, 3) of the contacts of each object."""
     weight = np.maximum(strength, np.finfo(np.float64).tiny)
     total = np.bincount(slot, weights=weight, minlength=count)
@@ -135,8 +160,9 @@ def _centroids(position: FloatArray, strength: FloatArray, slot: IntArray, count
 
 
 def _ends(place: FloatArray, strength: FloatArray, slot: IntArray, count: int) -> FloatArray:
-    """Where along each axis the contacts at ``place`` (n, 3) of each object begin and end but for few of them (2, count, 3): means between
-    `TAILS` of their strengths, continuous in places and strengths."""
+    """Where along each axis the contacts at ``place`` (n, 3) of each object begin and end but for
+    few of them (2, count, 3): means between `TAILS` of their strengths, continuous in places and
+    strengths."""
     weight = np.maximum(strength, np.finfo(np.float64).tiny)
     weight /= np.bincount(slot, weights=weight, minlength=count)[slot]
     begin, size = runs(slot)
@@ -148,14 +174,21 @@ def _ends(place: FloatArray, strength: FloatArray, slot: IntArray, count: int) -
         above = part.cumsum() - objects_before
         for end, (low, high) in zip(ends, (TAILS, (1 - TAILS[1], 1 - TAILS[0])), strict=True):
             within = np.maximum(np.minimum(above, high) - np.maximum(above - part, low), 0.0)
-            end[:, axis] = np.bincount(slot, weights=within * along[order], minlength=count) / (high - low)
+            end[:, axis] = np.bincount(slot, weights=within * along[order], minlength=count) / (
+                high - low
+            )
     return ends
 
 
 def _lattice(
-    local: FloatArray, strength: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray
+    local: FloatArray,
+    strength: FloatArray,
+    spacing: FloatArray,
+    slot: IntArray,
+    contacts: FloatArray,
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """The lattice points around places ``local`` (n, 3) on objects ``slot`` (n,): number of the place, sorted, point (3,), weight > 0."""
+    """The lattice points around places ``local`` (n, 3) on objects ``slot`` (n,): number of the
+    place, sorted, point (3,), weight > 0."""
     step = _coarsened(local, strength, spacing, slot, contacts)[slot, None]
     along = np.sign(local) * np.minimum(np.maximum(np.abs(local) / step - 0.5, 0.0), FARTHEST)
     base = np.floor(along)
@@ -166,12 +199,18 @@ def _lattice(
     return place, base[place].astype(np.int64) + CORNERS[corner], weight[near]
 
 
-def _coarsened(local: FloatArray, strength: FloatArray, spacing: FloatArray, slot: IntArray, contacts: FloatArray) -> FloatArray:
-    """Spacings (m,) so large that no object has many more than `REGIONS` regions where most of its contacts are, nor than `MOST_REGIONS`;
-    ``contacts`` (m,): the sum of strengths of each.
+def _coarsened(
+    local: FloatArray,
+    strength: FloatArray,
+    spacing: FloatArray,
+    slot: IntArray,
+    contacts: FloatArray,
+) -> FloatArray:
+    """Spacings (m,) so large that no object has many more than `REGIONS` regions where most of its
+    contacts are, nor than `MOST_REGIONS`; ``contacts`` (m,): the sum of strengths of each.
 
-    Regions are no more than the lattice points within the extents of the contacts, nor than eight for each contact. The harmonic mean of
-    the two is a continuous estimate.
+    Regions are no more than the lattice points within the extents of the contacts, nor than eight
+    for each contact. The harmonic mean of the two is a continuous estimate.
     """
     around = 8 * contacts
     many = (around > REGIONS)[slot]
@@ -183,23 +222,38 @@ def _coarsened(local: FloatArray, strength: FloatArray, spacing: FloatArray, slo
     whole[slot[begin]] = np.maximum.reduceat(local, begin) - np.minimum.reduceat(local, begin)
     first, last = _ends(local, strength[many], slot, len(spacing))
     for extent, regions in (((last - first) / (1 - sum(TAILS)), REGIONS), (whole, MOST_REGIONS)):
-        most = np.divide(regions * around, around - regions, out=np.full(len(around), math.inf), where=around > regions)
-        for number in np.flatnonzero((1.0 + extent / np.maximum(spacing, 1e-300)[:, None]).prod(axis=1) > most).tolist():
-            spacing[number] = _coarse_enough(extent[number], float(spacing[number]), float(most[number]))
+        most = np.divide(
+            regions * around,
+            around - regions,
+            out=np.full(len(around), math.inf),
+            where=around > regions,
+        )
+        for number in np.flatnonzero(
+            (1.0 + extent / np.maximum(spacing, 1e-300)[:, None]).prod(axis=1) > most
+        ).tolist():
+            spacing[number] = _coarse_enough(
+                extent[number], float(spacing[number]), float(most[number])
+            )
     return spacing
 
 
 def _coarse_enough(extent: FloatArray, spacing: float, most: float) -> float:
-    """The spacing at which a lattice has so many points within an ``extent`` (3,), by bisection from a finer one."""
+    """The spacing at which a lattice has so many points within an ``extent`` (3,), by bisection
+    from a finer one."""
     fine, coarse = math.log(max(spacing, 1e-300)), math.log(float(extent.max())) + 1.0
     for _ in range(60):
         middle = (fine + coarse) / 2
-        fine, coarse = (middle, coarse) if float((1.0 + extent / math.exp(middle)).prod()) > most else (fine, middle)
+        fine, coarse = (
+            (middle, coarse)
+            if float((1.0 + extent / math.exp(middle)).prod()) > most
+            else (fine, middle)
+        )
     return math.exp(coarse)
 
 
 def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
-    """Distinct rows of ``keys`` (n, 4) in ascending order, of which the first column is returned, and the number of each row."""
+    """Distinct rows of ``keys`` (n, 4) in ascending order, of which the first column is returned,
+    and the number of each row."""
     low = keys.min(axis=0)
     size = (keys.max(axis=0) - low + 1).tolist()
     if math.prod(size) >= 2**62:
@@ -214,11 +268,15 @@ def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
     return cells // math.prod(size[1:]) + low[0], which
 
 
-def _extents(strength: FloatArray, position: FloatArray, region: IntArray, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Middle (r, 3) of the contacts of each region, the root mean square distance between two of them (r,), and the largest strength.
+def _extents(
+    strength: FloatArray, position: FloatArray, region: IntArray, count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Middle (r, 3) of the contacts of each region, the root mean square distance between two of
+    them (r,), and the largest strength.
 
-    The mean is over pairs of different contacts, weighted by the product of their strengths. Where these add up to less than one pair, as
-    while a contact parts, the other contact counts with itself as the rest.
+    The mean is over pairs of different contacts, weighted by the product of their strengths. Where
+    these add up to less than one pair, as while a contact parts, the other contact counts with
+    itself as the rest.
     """
     total = np.bincount(region, weights=strength, minlength=count)
     centre = _centroids(position, strength, region, count)
@@ -231,9 +289,14 @@ def _extents(strength: FloatArray, position: FloatArray, region: IntArray, count
 
 
 def damping_lengths(table: ObjectTable, index: IntArray, extent: FloatArray) -> FloatArray:
-    """Length [m] over which the gain of each object (m,) falls to 1/e of its largest, infinite where it does not within ``extent`` (m,)."""
+    """Length [m] over which the gain of each object (m,) falls to 1/e of its largest, infinite
+    where it does not within ``extent`` (m,)."""
     lengths = np.full(len(index), math.inf)
-    special = np.isin(index, sorted(table.special)) if table.special else np.zeros(len(index), dtype=np.bool_)
+    special = (
+        np.isin(index, sorted(table.special))
+        if table.special
+        else np.zeros(len(index), dtype=np.bool_)
+    )
     for number in np.flatnonzero(special).tolist():
         lengths[number] = _sampled_length(table, int(index[number]), float(extent[number]))
     closed = np.flatnonzero(~special)

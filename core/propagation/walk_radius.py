@@ -1,19 +1,22 @@
 """The walk operator of a scene: whether sums over paths are well posed, and bounds on them.
 
-Rows and columns of the walk operator W are contact crossings, given by the contact nodes through which an object is entered. The entry from
-a to b is the gain of the intra-connection from a to the exit before b, times that of the inter-connection; a walk does not return through
-the contact that it has just crossed. The sum over all walks is the Neumann series of W. It converges where the spectral radius is below 1:
-always in a forest, whose operator is nilpotent. Where it diverges, a sum over paths is finite only because no contact is crossed twice, and
-a limited sum depends on its limits.
+Rows and columns of the walk operator W are contact crossings, given by the contact nodes through
+which an object is entered. The entry from a to b is the gain of the intra-connection from a to the
+exit before b, times that of the inter-connection; a walk does not return through the contact that
+it has just crossed. The sum over all walks is the Neumann series of W. It converges where the
+spectral radius is below 1: always in a forest, whose operator is nilpotent. Where it diverges, a
+sum over paths is finite only because no contact is crossed twice, and a limited sum depends on its
+limits.
 
-For a vector x > 0 the ratios ``(W x)_i / x_i`` enclose the spectral radius (L. Collatz, Mathematische Zeitschrift 48, 1942; H. Wielandt,
-Mathematische Zeitschrift 52, 1950); for the lower bound x may vanish outside the cycles. Power iteration brings the two together. The
-radius of a subset of the contacts is a lower bound: for objects with many contacts a subset of neighbouring ones is examined first, and all
-of them only if these do not already prove divergence.
+For a vector x > 0 the ratios ``(W x)_i / x_i`` enclose the spectral radius (L. Collatz,
+Mathematische Zeitschrift 48, 1942; H. Wielandt, Mathematische Zeitschrift 52, 1950); for the lower
+bound x may vanish outside the cycles. Power iteration brings the two together. The radius of a
+subset of the contacts is a lower bound: for objects with many contacts a subset of neighbouring
+ones is examined first, and all of them only if these do not already prove divergence.
 
-Where the upper bound q is below 1, the same vector bounds the rest of a Neumann series: exchanging the two sides of every contact turns W
-into its transpose, so ``W x <= q x`` gives a v with ``Wᵀ v <= q v``, and what follows after a term f <= c v sums to at most
-c q / (1 - q) v.
+Where the upper bound q is below 1, the same vector bounds the rest of a Neumann series: exchanging
+the two sides of every contact turns W into its transpose, so ``W x <= q x`` gives a v with ``Wᵀ v
+<= q v``, and what follows after a term f <= c v sums to at most c q / (1 - q) v.
 """
 
 from __future__ import annotations
@@ -50,7 +53,8 @@ TERMS = 1000
 """Most terms of a Neumann series."""
 
 ROUNDS = 32
-"""Rounds in which all vertices of degree 1 are removed at once; long chains are then removed one by one."""
+"""Rounds in which all vertices of degree 1 are removed at once; long chains are then removed one by
+one."""
 
 OUTSIDE = 1e-6
 """Part of the least component on a cycle that components outside the cycles begin with."""
@@ -61,7 +65,8 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class WalkRadius:
-    """Certified bounds on the spectral radius; ``high`` is infinite if only a part of the scene was examined."""
+    """Certified bounds on the spectral radius; ``high`` is infinite if only a part of the scene was
+    examined."""
 
     low: float
     high: float
@@ -78,7 +83,8 @@ class WalkRadius:
 
 
 class WalkOperator:
-    """The walk operator of a graph, or of some of its ``contacts`` (c,), and its spectral radius."""
+    """The walk operator of a graph, or of some of its ``contacts`` (c,), and its spectral
+    radius."""
 
     def __init__(self, graph: HapticGraph, contacts: BoolArray | None = None) -> None:
         self._graph = graph
@@ -106,11 +112,13 @@ class WalkOperator:
 
     @property
     def has_cycles(self) -> bool:
-        """Whether some contacts lie on cycles: without cycles, at most one path joins any two nodes."""
+        """Whether some contacts lie on cycles: without cycles, at most one path joins any two
+        nodes."""
         return bool(self._cyclic.any())
 
     def _excerpt(self, most: int) -> BoolArray:
-        """The contacts (c,) without those that are not among the ``most`` of an object that are nearest to the middle of them all."""
+        """The contacts (c,) without those that are not among the ``most`` of an object that are
+        nearest to the middle of them all."""
         graph = self._graph
         object_of = graph.node_object[self._entry]
         kept = np.ones(graph.contact_count, dtype=np.bool_)
@@ -122,12 +130,15 @@ class WalkOperator:
         return kept
 
     def _assemble(self) -> None:
-        """Gains of the intra-connections: in compressed rows, but of objects with many contacts as dense matrices."""
+        """Gains of the intra-connections: in compressed rows, but of objects with many contacts as
+        dense matrices."""
         graph = self._graph
         object_of = graph.node_object[self._entry]
         begin, size = runs(object_of)
         self._blocks: list[tuple[slice, FloatArray]] = []
-        for first, count in zip(begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True):
+        for first, count in zip(
+            begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True
+        ):
             part = slice(first, first + count)
             position = graph.node_position[self._entry[part]]
             gains = graph.table.gain(int(object_of[first]), distances(position[:, None], position))
@@ -150,7 +161,9 @@ class WalkOperator:
         if len(self._row):
             result[self._row] = np.add.reduceat(self._gain * values[self._column], self._first)
         for part, gains in self._blocks:
-            result[part] = np.einsum("ij,j->i", gains, values[part])  # no BLAS: the same bits with any number of threads
+            result[part] = np.einsum(
+                "ij,j->i", gains, values[part]
+            )  # no BLAS: the same bits with any number of threads
         return result
 
     def _applied(self, values: FloatArray) -> FloatArray:
@@ -158,15 +171,22 @@ class WalkOperator:
         return self._inside((self._crossing * values)[self._other_side])
 
     def _entries_on_cycles(self) -> FloatArray:
-        """1 for the entries through contacts that are left when objects with a single contact are removed again and again, else 0."""
+        """1 for the entries through contacts that are left when objects with a single contact are
+        removed again and again, else 0."""
         graph = self._graph
         first = np.flatnonzero(self._entry < graph.partner[self._entry])
-        ends = np.column_stack([graph.node_object[self._entry[first]], graph.node_object[graph.partner[self._entry[first]]]])
+        ends = np.column_stack(
+            [
+                graph.node_object[self._entry[first]],
+                graph.node_object[graph.partner[self._entry[first]]],
+            ]
+        )
         contact = graph.contact[self._entry]
         return np.isin(contact, contact[first[_on_cycles(ends)]]).astype(np.float64)
 
     def _spectral_radius(self) -> WalkRadius:
-        """Collatz-Wielandt bounds by power iteration on the cycles; keeps the vector of the upper bound."""
+        """Collatz-Wielandt bounds by power iteration on the cycles; keeps the vector of the upper
+        bound."""
         inside = np.flatnonzero(self._cyclic)
         vector, low, high = self._cyclic, 0.0, math.inf
         for step in range(STEPS if len(inside) else 0):
@@ -185,11 +205,13 @@ class WalkOperator:
                         break
             if not applied.any():  # nothing passes through any object on a cycle
                 break
-            vector = vector / vector.max() + applied / applied.max()  # the mean of two steps: a cycle alone would oscillate
+            # The mean of two steps: a cycle alone would oscillate.
+            vector = vector / vector.max() + applied / applied.max()
         return WalkRadius(low, high if len(inside) else 0.0)
 
     def _lower_bound(self, vector: FloatArray, wanted: float) -> float:
-        """A lower bound on the spectral radius by ``vector`` on a part of the cycles, without entries whose ratio is below ``wanted``."""
+        """A lower bound on the spectral radius by ``vector`` on a part of the cycles, without
+        entries whose ratio is below ``wanted``."""
         best = 0.0
         support = self._cyclic
         for _ in range(CHECKED):
@@ -205,10 +227,12 @@ class WalkOperator:
         return best
 
     def _contracted(self) -> tuple[FloatArray, float]:
-        """A vector x > 0 and q with ``W x <= q x``, found from the vector of the spectral radius; q is infinite where none was found."""
+        """A vector x > 0 and q with ``W x <= q x``, found from the vector of the spectral radius; q
+        is infinite where none was found."""
         wanted = (1 + self.radius.high) / 2
         outside = self._cyclic == 0
-        # Small outside the cycles, so that what leads away from them hardly adds there; what leads to them is then made large enough.
+        # Small outside the cycles, so that what leads away from them hardly adds there; what leads
+        # to them is then made large enough.
         least = float(self._vector[~outside].min(initial=1.0))
         vector = np.where(outside, OUTSIDE * (wanted - self.radius.high) * least, self._vector)
         for _ in range(TERMS):
@@ -221,8 +245,8 @@ class WalkOperator:
         return vector, math.inf
 
     def totals(self, roots: Sequence[int], listeners: Sequence[int]) -> FloatArray | None:
-        """Upper bounds (l,) on the sum over all walks from the nodes ``roots`` to each of the nodes ``listeners``, None where nothing
-        bounds it."""
+        """Upper bounds (l,) on the sum over all walks from the nodes ``roots`` to each of the nodes
+        ``listeners``, None where nothing bounds it."""
         (_, entry, gain), ends = self._steps(roots), self._steps(listeners)
         first = np.zeros(len(self._entry))
         np.add.at(first, self._other_side[entry], gain * self._crossing[entry])
@@ -230,7 +254,8 @@ class WalkOperator:
         return None if sums is None else self._direct(roots, listeners) + sums[0] + sums[1]
 
     def _steps(self, nodes: Sequence[int]) -> tuple[IntArray, IntArray, FloatArray]:
-        """The intra-connections between ``nodes`` and the contact nodes of their objects: number of the node, entry, gain."""
+        """The intra-connections between ``nodes`` and the contact nodes of their objects: number of
+        the node, entry, gain."""
         own = np.array(nodes, dtype=np.int64)
         object_of = self._graph.node_object[self._entry]
         begin = object_of.searchsorted(self._graph.node_object[own], side="left")
@@ -242,21 +267,32 @@ class WalkOperator:
 
     def _direct(self, roots: Sequence[int], listeners: Sequence[int]) -> FloatArray:
         """Gains (l,) of the intra-connections from the roots to the listeners."""
-        a, b = np.repeat(np.array(roots, dtype=np.int64), len(listeners)), np.tile(np.array(listeners, dtype=np.int64), len(roots))
+        a, b = (
+            np.repeat(np.array(roots, dtype=np.int64), len(listeners)),
+            np.tile(np.array(listeners, dtype=np.int64), len(roots)),
+        )
         inside = np.flatnonzero(self._graph.node_object[a] == self._graph.node_object[b])
         gains = np.zeros(len(a))
         gains[inside], _ = intra_gains(self._graph, a[inside], b[inside])
         return np.asarray(gains.reshape(len(roots), len(listeners)).sum(axis=0))
 
     def _series(
-        self, term: FloatArray, ends: tuple[IntArray, IntArray, FloatArray], listeners: int, contracted: tuple[FloatArray, float]
+        self,
+        term: FloatArray,
+        ends: tuple[IntArray, IntArray, FloatArray],
+        listeners: int,
+        contracted: tuple[FloatArray, float],
     ) -> tuple[FloatArray, FloatArray] | None:
-        """Neumann series from ``term`` (e,) to the listeners: the terms summed (l,), and a bound (l,) on the others; None without one."""
+        """Neumann series from ``term`` (e,) to the listeners: the terms summed (l,), and a bound
+        (l,) on the others; None without one."""
         node, entry, gain = ends
         vector, ratio = contracted
 
         def arriving(values: FloatArray) -> FloatArray:
-            return np.asarray(np.bincount(node, weights=values[entry] * gain, minlength=listeners), dtype=np.float64)
+            return np.asarray(
+                np.bincount(node, weights=values[entry] * gain, minlength=listeners),
+                dtype=np.float64,
+            )
 
         bound = (self._crossing * vector)[self._other_side]
         total, rest = np.zeros(listeners), np.zeros(listeners)
@@ -269,14 +305,17 @@ class WalkOperator:
                 return total, np.zeros(listeners)
             if ratio < 1:
                 positive = term > 0
-                rest = arriving(bound) * (float(np.max(term[positive] / bound[positive])) / (1 - ratio) * (1 + 1e-9))
+                rest = arriving(bound) * (
+                    float(np.max(term[positive] / bound[positive])) / (1 - ratio) * (1 + 1e-9)
+                )
                 if np.all(rest <= NEGLIGIBLE * total):
                     break
         return (total, rest) if ratio < 1 else None
 
 
 def _on_cycles(ends: IntArray) -> IntArray:
-    """Numbers of the edges (e, 2) that are left when vertices of degree 1 are removed again and again."""
+    """Numbers of the edges (e, 2) that are left when vertices of degree 1 are removed again and
+    again."""
     left = np.arange(len(ends))
     for _ in range(ROUNDS):
         degree = np.bincount(ends[left].reshape(-1), minlength=1)

@@ -23,20 +23,25 @@ _RATE = 2000
 def arriving(sources: Sequence[Source], propagation: Propagation) -> FloatArray:
     """Amplitude (s, l) of each source at each listener: its own times its gain.
 
-    Where functions use bands, that is the RMS gain of the first second of its signal through the filters of the bands; of a tone, its gain.
+    Where functions use bands, that is the RMS gain of the first second of its signal through the
+    filters of the bands; of a tone, its gain.
     """
     amplitude = np.array([source.amplitude for source in sources]).reshape(-1, 1)
     if propagation.band_gain is None:
         return np.asarray(propagation.gain * amplitude)
     gain = propagation.band_gain
-    power = np.array([_band_power(source.emitted) for source in sources]).reshape(-1, 1, BAND_COUNT, BAND_COUNT)
+    power = np.array([_band_power(source.emitted) for source in sources]).reshape(
+        -1, 1, BAND_COUNT, BAND_COUNT
+    )
     squared = ((gain[:, :, :, None] * power).sum(axis=2) * gain).sum(axis=2)
     return np.asarray(np.sqrt(np.maximum(squared, 0.0)) * amplitude)
 
 
-def levels_alone(sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation) -> FloatArray:
-    """Level (s, l) of the first second of each source if a listener were played it alone, without limits [dB of full scale]; minus infinity
-    for silence."""
+def levels_alone(
+    sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation
+) -> FloatArray:
+    """Level (s, l) of the first second of each source if a listener were played it alone, without
+    limits [dB of full scale]; minus infinity for silence."""
     own = np.array([_rms(source.emitted) for source in sources]).reshape(-1, 1)
     factor = np.array([listener.gain for listener in listeners])
     with np.errstate(divide="ignore"):
@@ -52,8 +57,8 @@ def _rms(signal: Signal) -> float:
 
 @lru_cache(maxsize=256)
 def _band_power(signal: Signal) -> FloatArray:
-    """Products (bands, bands) of the signal's parts in two bands each, in the mean and relative to its power, both without its steady part;
-    silence counts as a tone in the lowest band."""
+    """Products (bands, bands) of the signal's parts in two bands each, in the mean and relative to
+    its power, both without its steady part; silence counts as a tone in the lowest band."""
     spectrum = np.abs(np.fft.rfft(signal.sample(0, _RATE, _RATE))) ** 2
     spectrum[0] = 0.0
     spectrum[1:-1] *= 2.0

@@ -31,11 +31,14 @@ class Sounding:
 class FrameResult:
     """One traced frame.
 
-    ``objects``: names in the order that ``contacts`` and ``graph`` number them. ``sources`` (s) include the temporary ones made by
-    impacts; ``amplitudes`` (s, l) are those that arrive, see `core.render.arrival`. ``block`` (l, n): the samples of the
-    frame's interval, the first at sample number ``first_sample`` of ``sample_rate``; None if nothing was rendered. ``milliseconds`` per
-    stage: read, broad, narrow, graph, propagate, mix. ``statistics``: counts of computed and skipped work. ``before``: the state at the
-    start of the block; None for the first one. ``shots``: those of sources with triggers, which are temporary sources of their names.
+    ``objects``: names in the order that ``contacts`` and ``graph`` number them. ``sources`` (s)
+    include the temporary ones made by impacts; ``amplitudes`` (s, l) are those that arrive, see
+    `core.render.arrival`. ``block`` (l, n): the samples of the frame's interval, the first at
+    sample number ``first_sample`` of ``sample_rate``; None if nothing was rendered.
+    ``milliseconds`` per stage: read, broad, narrow, graph, propagate, mix. ``statistics``: counts
+    of computed and skipped work. ``before``: the state at the start of the block; None for the
+    first one. ``shots``: those of sources with triggers, which are temporary sources of their
+    names.
     """
 
     number: int
@@ -59,24 +62,32 @@ class FrameResult:
 
     @property
     def gains(self) -> FloatArray:
-        """Gain (s, l) from each source to each listener, without the source's amplitude; 0 for sources of amplitude 0, which are not
-        traced."""
+        """Gain (s, l) from each source to each listener, without the source's amplitude; 0 for
+        sources of amplitude 0, which are not traced."""
         own = np.array([source.amplitude for source in self.sources]).reshape(-1, 1)
-        return np.asarray(np.divide(self.amplitudes, own, out=np.zeros_like(self.amplitudes), where=own > 0))
+        return np.asarray(
+            np.divide(self.amplitudes, own, out=np.zeros_like(self.amplitudes), where=own > 0)
+        )
 
     def arrivals(self) -> FloatArray:
-        """Point of arrival in the bounding volume of each listener, (l, 2): coordinates from the wearer's left and from the top, each from
-        0 to 1, of a body that faces -Y. The mean over the sources by power; the centre if nothing arrives."""
+        """Point of arrival in the bounding volume of each listener, (l, 2): coordinates from the
+        wearer's left and from the top, each from 0 to 1, of a body that faces -Y. The mean over the
+        sources by power; the centre if nothing arrives."""
         graph, places = self.graph, np.full((len(self.listeners), 2), 0.5)
-        for column, (listener, node) in enumerate(zip(self.listeners, graph.listener_nodes.tolist(), strict=True)):
+        for column, (listener, node) in enumerate(
+            zip(self.listeners, graph.listener_nodes.tolist(), strict=True)
+        ):
             paths = [
-                (row, self.propagation.best_path.get((row, column), ())) for row in np.flatnonzero(self.amplitudes[:, column]).tolist()
+                (row, self.propagation.best_path.get((row, column), ()))
+                for row in np.flatnonzero(self.amplitudes[:, column]).tolist()
             ]
             entries = [(row, nodes[-2]) for row, nodes in paths if len(nodes) > 1]
             if entries and listener.radius > 0:
                 rows, nodes = np.array(entries).T
                 power = (self.amplitudes[rows, column] / self.amplitudes[rows, column].max()) ** 2
-                away = power @ (graph.node_position[nodes] - graph.node_position[node]) / power.sum()
+                away = (
+                    power @ (graph.node_position[nodes] - graph.node_position[node]) / power.sum()
+                )
                 local = graph.frames.axes[graph.node_object[node]].T @ away / listener.radius
                 places[column] = np.clip((1 - local[[0, 2]]) / 2, 0.0, 1.0)
         return places

@@ -1,9 +1,10 @@
 """Gains over time: straight lines from frame to frame, smoothed where they bend.
 
-The corners of the lines would cause broadband artefacts. Therefore each gain is its line convolved with a Hann window over the last
-`SMOOTHING` seconds: it never leaves the range of the line's values, is straight where the line has been straight for that long, and has
-two continuous derivatives. It lags behind the line by half the window: with slope b at time t and changes of slope c at the times u
-before,
+The corners of the lines would cause broadband artefacts. Therefore each gain is its line convolved
+with a Hann window over the last `SMOOTHING` seconds: it never leaves the range of the line's
+values, is straight where the line has been straight for that long, and has two continuous
+derivatives. It lags behind the line by half the window: with slope b at time t and changes of slope
+c at the times u before,
 
     gain(t) = line(t) - b SMOOTHING / 2 + sum of c corner(t - u)
 
@@ -28,7 +29,8 @@ _INSTANT = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """The samples `first` to `last - 1` at `times` [s], and how far (0 to 1) each is from the frame's start to its end."""
+    """The samples `first` to `last - 1` at `times` [s], and how far (0 to 1) each is from the
+    frame's start to its end."""
 
     start: float
     end: float
@@ -52,10 +54,12 @@ class Bend:
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """Gains of a group of voices during a frame; arrays of shape (n_voices, n_listeners), or (n_voices, n_listeners, 6) by band.
+    """Gains of a group of voices during a frame; arrays of shape (n_voices, n_listeners), or
+    (n_voices, n_listeners, 6) by band.
 
-    start, end: the lines at the frame's start and end. slope, last_slope: theirs there [1/s]. bends: one in the frame where lines have
-    come to 0, the one at the frame's start and those less than `SMOOTHING` before it, the latest first.
+    start, end: the lines at the frame's start and end. slope, last_slope: theirs there [1/s].
+    bends: one in the frame where lines have come to 0, the one at the frame's start and those less
+    than `SMOOTHING` before it, the latest first.
     """
 
     start: FloatArray
@@ -65,8 +69,16 @@ class Gains:
     bends: tuple[Bend, ...] = ()
 
     @classmethod
-    def until(cls, frame: Frame, start: FloatArray, end: FloatArray, slope: FloatArray, bends: tuple[Bend, ...]) -> Gains:
-        """Return the gains of a frame at whose start the lines are at `start` with the `slope` and the `bends` of the frame before."""
+    def until(
+        cls,
+        frame: Frame,
+        start: FloatArray,
+        end: FloatArray,
+        slope: FloatArray,
+        bends: tuple[Bend, ...],
+    ) -> Gains:
+        """Return the gains of a frame at whose start the lines are at `start` with the `slope` and
+        the `bends` of the frame before."""
         seconds = frame.end - frame.start
         if seconds < _INSTANT:
             return cls(end, end, np.zeros_like(end), np.zeros_like(end))
@@ -76,7 +88,11 @@ class Gains:
         if seconds > _CLOSING and closing.any():
             now = np.where(closing, now * (seconds / (seconds - SMOOTHING)), now)
             last = np.where(closing, 0.0, now)
-            bends = (Bend(frame.end - SMOOTHING, last - now), Bend(frame.start, now - slope), *bends)
+            bends = (
+                Bend(frame.end - SMOOTHING, last - now),
+                Bend(frame.start, now - slope),
+                *bends,
+            )
         elif (now != slope).any():
             bends = (Bend(frame.start, now - slope), *bends)
         return cls(start, end, now, last, bends)
@@ -84,17 +100,23 @@ class Gains:
     def chosen(self, index: list[int]) -> Gains:
         """Return the gains of some voices."""
         bends = tuple(Bend(bend.time, bend.amount[index]) for bend in self.bends)
-        return Gains(self.start[index], self.end[index], self.slope[index], self.last_slope[index], bends)
+        return Gains(
+            self.start[index], self.end[index], self.slope[index], self.last_slope[index], bends
+        )
 
     def terms(self, frame: Frame) -> tuple[FloatArray, list[FloatArray]]:
         """Return the gains in a frame as a sum of products: factors and curves over time.
 
-        The factors have the shape (n_terms, n_voices, n_listeners, 1 or 6). Term by term there is a curve, shape (m,), for the frame's
-        first m samples, and nothing after them, in order of falling m. The first curve is 1 throughout.
+        The factors have the shape (n_terms, n_voices, n_listeners, 1 or 6). Term by term there is a
+        curve, shape (m,), for the frame's first m samples, and nothing after them, in order of
+        falling m. The first curve is 1 throughout.
         """
         factors, curves = [self.start], [np.ones(frame.count)]
         if self.slope.any():
-            factors = [self.start - self.slope * (SMOOTHING / 2.0), self.slope * (frame.end - frame.start)]
+            factors = [
+                self.start - self.slope * (SMOOTHING / 2.0),
+                self.slope * (frame.end - frame.start),
+            ]
             curves.append(frame.ramp)
         for bend in self.bends:
             felt = int(frame.times.searchsorted(bend.time + SMOOTHING))
@@ -105,15 +127,21 @@ class Gains:
                 factors.append(bend.amount)
                 curves.append(corner(frame.times[:felt] - bend.time))
         voices, listeners, *bands = self.start.shape
-        return np.concatenate(factors).reshape(len(factors), voices, listeners, *(bands or (1,))), curves
+        return np.concatenate(factors).reshape(
+            len(factors), voices, listeners, *(bands or (1,))
+        ), curves
 
     def audible(self) -> BoolArray:
-        """Return where a voice reaches a listener during the frame, shape (n_voices, n_listeners)."""
+        """Return where a voice reaches a listener during the frame, shape (n_voices,
+        n_listeners)."""
         return any_gain(self.start, self.end, *(bend.amount for bend in self.bends))
 
     def lasts(self, voice: int, time: float) -> bool:
         """Return whether a voice that has faded out is still audible after `time` [s]."""
-        return bool(self.last_slope[voice].any() or any(bend.amount[voice].any() for bend in self.lasting(time)))
+        return bool(
+            self.last_slope[voice].any()
+            or any(bend.amount[voice].any() for bend in self.lasting(time))
+        )
 
     def lasting(self, time: float) -> tuple[Bend, ...]:
         """Return the bends that matter after `time` [s]."""
@@ -121,14 +149,21 @@ class Gains:
 
 
 def corner(since: FloatArray) -> FloatArray:
-    """Return the smoothed corner of a line that bends by slope 1, less the line it tends to, at 0 to `SMOOTHING` seconds since."""
+    """Return the smoothed corner of a line that bends by slope 1, less the line it tends to, at 0
+    to `SMOOTHING` seconds since."""
     left = SMOOTHING - since
-    return np.asarray(left * left / (2.0 * SMOOTHING) - (SMOOTHING / (4.0 * np.pi**2)) * (1.0 - np.cos(2.0 * np.pi / SMOOTHING * since)))
+    return np.asarray(
+        left * left / (2.0 * SMOOTHING)
+        - (SMOOTHING / (4.0 * np.pi**2)) * (1.0 - np.cos(2.0 * np.pi / SMOOTHING * since))
+    )
 
 
 def _bent(since: FloatArray) -> FloatArray:
-    """Return the smoothed corner itself: 0 up to the bend, a line of slope 1 from `SMOOTHING` seconds after it on."""
-    return np.where(since > 0.0, since - SMOOTHING / 2.0 + corner(np.clip(since, 0.0, SMOOTHING)), 0.0)
+    """Return the smoothed corner itself: 0 up to the bend, a line of slope 1 from `SMOOTHING`
+    seconds after it on."""
+    return np.where(
+        since > 0.0, since - SMOOTHING / 2.0 + corner(np.clip(since, 0.0, SMOOTHING)), 0.0
+    )
 
 
 def any_gain(*gains: FloatArray) -> BoolArray:

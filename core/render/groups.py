@@ -1,4 +1,5 @@
-"""The voices of consecutive frames, grouped by what their paths have: delays or none, one gain or one per band."""
+"""The voices of consecutive frames, grouped by what their paths have: delays or none, one gain or
+one per band."""
 
 from __future__ import annotations
 
@@ -15,7 +16,8 @@ from .gains import Bend, Frame, Gains, any_gain
 from .voices import Stream, Voice
 
 MAX_GAIN = 1e30
-"""Largest magnitude of a gain, of an amplitude and of a priority: their products with signals remain finite, and the squares of these."""
+"""Largest magnitude of a gain, of an amplitude and of a priority: their products with signals
+remain finite, and the squares of these."""
 MAX_DELAY = 60.0
 """Seconds."""
 MAX_TIME = 1e6
@@ -26,9 +28,11 @@ MAX_ONSET = MOST
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Streams of one kind in a frame with their voices, None where a stream fades out; those with voices come first.
+    """Streams of one kind in a frame with their voices, None where a stream fades out; those with
+    voices come first.
 
-    audible: shape (n_streams, n_listeners). delays_before, delays: seconds at the frame's start and end, of the same shape; None without.
+    audible: shape (n_streams, n_listeners). delays_before, delays: seconds at the frame's start and
+    end, of the same shape; None without.
     """
 
     streams: list[Stream]
@@ -72,7 +76,8 @@ class _Last(NamedTuple):
 
 
 class Groups:
-    """Follows voices from frame to frame. weighted: the listeners whose gains include priorities."""
+    """Follows voices from frame to frame. weighted: the listeners whose gains include
+    priorities."""
 
     def __init__(self, listener_count: int, sample_rate: float, weighted: Sequence[int]) -> None:
         self._listener_count = listener_count
@@ -87,18 +92,25 @@ class Groups:
         self._last: dict[tuple[bool, int], _Last] = {}
 
     def follow(self, frame: Frame, voices: Sequence[Voice]) -> list[Group]:
-        """Return the groups of a frame. Changes nothing; raises ValueError that names the argument."""
+        """Return the groups of a frame. Changes nothing; raises ValueError that names the
+        argument."""
         self._check(voices)
         streams, begins = self._playing(frame, voices)
         playing = set(streams)
-        silent = [stream for stream in (*self._streams.values(), *self._tails) if stream not in playing]
+        silent = [
+            stream for stream in (*self._streams.values(), *self._tails) if stream not in playing
+        ]
         streams += silent
         given: list[Voice | None] = [*voices, *[None] * len(silent)]
         groups = []
         for kind in sorted({stream.kind for stream in streams}):
             rows = [row for row, stream in enumerate(streams) if stream.kind == kind]
             first = [number for number, row in enumerate(rows) if row in begins]
-            groups.append(self._group(frame, [streams[row] for row in rows], [given[row] for row in rows], first))
+            groups.append(
+                self._group(
+                    frame, [streams[row] for row in rows], [given[row] for row in rows], first
+                )
+            )
         return groups
 
     def advance(self, frame: Frame, groups: Sequence[Group]) -> None:
@@ -114,12 +126,15 @@ class Groups:
                     self._tails.append(stream)
 
     def _playing(self, frame: Frame, voices: Sequence[Voice]) -> tuple[list[Stream], list[int]]:
-        """Return the stream of each voice, and the rows of those that begin in the frame with their full gain."""
+        """Return the stream of each voice, and the rows of those that begin in the frame with their
+        full gain."""
         streams, begins = [], []
         keys = {voice.key for voice in voices}
         if len(keys) < len(voices):
             given = [voice.key for voice in voices]
-            raise ValueError(f"voices: key {next(key for key in given if given.count(key) > 1)!r} is given twice")
+            raise ValueError(
+                f"voices: key {next(key for key in given if given.count(key) > 1)!r} is given twice"
+            )
         for row, voice in enumerate(voices):
             stream = self._streams.get(voice.key)
             if stream is None or not stream.plays(voice):
@@ -134,7 +149,9 @@ class Groups:
         banded = (self._listener_count, BAND_COUNT)
         for key, _, gains, onset, amplitude, delays, priority in voices:
             if gains.shape != plain and gains.shape != banded:
-                raise ValueError(f"gains: those of {key!r} have shape {gains.shape}, not {plain} or {banded}")
+                raise ValueError(
+                    f"gains: those of {key!r} have shape {gains.shape}, not {plain} or {banded}"
+                )
             if delays is not None and delays.shape != plain:
                 raise ValueError(f"delays: those of {key!r} have shape {delays.shape}, not {plain}")
             if not -MAX_GAIN <= amplitude <= MAX_GAIN:
@@ -144,7 +161,9 @@ class Groups:
             if not 0.0 <= priority <= MAX_GAIN:
                 raise ValueError(f"priority: that of {key!r} must be from 0 to {MAX_GAIN:g}")
 
-    def _group(self, frame: Frame, streams: list[Stream], voices: list[Voice | None], begins: list[int]) -> Group:
+    def _group(
+        self, frame: Frame, streams: list[Stream], voices: list[Voice | None], begins: list[int]
+    ) -> Group:
         end = self._end(streams, voices)
         start, slope, bends = self._lines(frame, streams, end.shape)
         if begins:
@@ -160,7 +179,9 @@ class Groups:
             raise ValueError(f"delays: those of {key!r} must be from 0 to {MAX_DELAY:g}")
         # The delay of an inaudible path is arbitrary and taken from the other end of the frame.
         delays = np.where(open_at_end, delays, delays_before)
-        delays_before = np.where(any_gain(start, slope, *(bend.amount for bend in bends)), delays_before, delays)
+        delays_before = np.where(
+            any_gain(start, slope, *(bend.amount for bend in bends)), delays_before, delays
+        )
         return Group(streams, voices, gains, gains.audible(), delays_before, delays)
 
     def _end(self, streams: Sequence[Stream], voices: Sequence[Voice | None]) -> FloatArray:
@@ -169,7 +190,9 @@ class Groups:
         bands = streams[0].kind[1]
         shape = (self._listener_count,) if bands == 1 else (self._listener_count, bands)
         silent = [np.zeros(shape)] * (len(voices) - len(given))
-        end = np.concatenate([voice.gains for voice in given] + silent, dtype=np.float64).reshape(len(voices), *shape)
+        end = np.concatenate([voice.gains for voice in given] + silent, dtype=np.float64).reshape(
+            len(voices), *shape
+        )
         within = np.abs(end) <= MAX_GAIN
         if not within.all():
             key = streams[int(np.argmin(within.reshape(len(voices), -1).all(axis=1)))].key
@@ -181,8 +204,11 @@ class Groups:
             end[:, listener].T[...] *= _weights(streams, voices)
         return end
 
-    def _lines(self, frame: Frame, streams: list[Stream], shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray, tuple[Bend, ...]]:
-        """Return the values and slopes with which the gains of streams of one kind enter a frame, of `shape`, and the bends before it."""
+    def _lines(
+        self, frame: Frame, streams: list[Stream], shape: tuple[int, ...]
+    ) -> tuple[FloatArray, FloatArray, tuple[Bend, ...]]:
+        """Return the values and slopes with which the gains of streams of one kind enter a frame,
+        of `shape`, and the bends before it."""
         last = self._last.get(streams[0].kind)
         if last is None:
             return np.zeros(shape), np.zeros(shape), ()
@@ -197,22 +223,40 @@ class Groups:
             result[known] = values[rows]
             return result
 
-        bends = tuple(Bend(bend.time, arranged(bend.amount)) for bend in last.gains.lasting(frame.start))
+        bends = tuple(
+            Bend(bend.time, arranged(bend.amount)) for bend in last.gains.lasting(frame.start)
+        )
         return arranged(last.gains.end), arranged(last.gains.last_slope), bends
 
-    def _delays(self, streams: list[Stream], voices: Sequence[Voice | None]) -> tuple[FloatArray, FloatArray]:
-        """Return the delays [s] of streams before and at the frame's end, shape (n_streams, n_listeners)."""
+    def _delays(
+        self, streams: list[Stream], voices: Sequence[Voice | None]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the delays [s] of streams before and at the frame's end, shape (n_streams,
+        n_listeners)."""
         last = self._last.get(streams[0].kind)
-        if last is not None and last.delays is not None and last.streams == streams and None not in voices:
-            return last.delays, np.array([voice.delays for voice in voices if voice is not None], dtype=np.float64)
+        if (
+            last is not None
+            and last.delays is not None
+            and last.streams == streams
+            and None not in voices
+        ):
+            return last.delays, np.array(
+                [voice.delays for voice in voices if voice is not None], dtype=np.float64
+            )
         known: dict[Stream, FloatArray] = {}
         if last is not None and last.delays is not None:
             known = dict(zip(last.streams, last.delays, strict=True))
-        after = [known[stream] if voice is None else voice.delays for stream, voice in zip(streams, voices, strict=True)]
+        after = [
+            known[stream] if voice is None else voice.delays
+            for stream, voice in zip(streams, voices, strict=True)
+        ]
         before = [known.get(stream, delays) for stream, delays in zip(streams, after, strict=True)]
         return np.array(before, dtype=np.float64), np.array(after, dtype=np.float64)
 
 
 def _weights(streams: Sequence[Stream], voices: Sequence[Voice | None]) -> list[float]:
     """Return the priorities of voices, of streams that fade out the last one."""
-    return [stream.priority if voice is None else voice.priority for stream, voice in zip(streams, voices, strict=True)]
+    return [
+        stream.priority if voice is None else voice.priority
+        for stream, voice in zip(streams, voices, strict=True)
+    ]

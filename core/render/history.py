@@ -14,7 +14,8 @@ STILL_SECONDS = 0.25
 
 
 class History:
-    """Consecutive blocks; a jump restarts them. A frame without a block is rendered in the steady state for `STILL_SECONDS`."""
+    """Consecutive blocks; a jump restarts them. A frame without a block is rendered in the steady
+    state for `STILL_SECONDS`."""
 
     def __init__(self) -> None:
         self.sample_rate = 0.0
@@ -29,12 +30,15 @@ class History:
         alike = names == self.listeners and self.sample_rate == result.sample_rate
         follows = alike and result.block is not None and self._end == result.first_sample
         keep = round(SECONDS * result.sample_rate)
-        self._samples = (np.concatenate((self._samples, block), axis=1) if follows else block)[:, -keep:]
+        self._samples = (np.concatenate((self._samples, block), axis=1) if follows else block)[
+            :, -keep:
+        ]
         self.listeners, self.sample_rate = names, result.sample_rate
         self._end = None if result.block is None else result.first_sample + block.shape[1]
 
     def take(self, result: FrameResult, samples: FloatArray) -> None:
-        """Append a frame with the samples before it: ``samples`` (l, n) up to its end, from a track."""
+        """Append a frame with the samples before it: ``samples`` (l, n) up to its end, from a
+        track."""
         self.feed(result)
         self._samples = samples[:, -round(SECONDS * result.sample_rate) :]
 
@@ -44,8 +48,11 @@ class History:
 
 
 def still_samples(result: FrameResult, seconds: float) -> FloatArray:
-    """Samples (l, n) of a single frame as if it lasted for ``seconds`` from the beginning of its interval, with its gains."""
+    """Samples (l, n) of a single frame as if it lasted for ``seconds`` from the beginning of its
+    interval, with its gains."""
     if not result.listeners:
         return np.zeros((0, 0))
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
-    return steady(renderer, result.first_sample / result.sample_rate, seconds, source_voices(result))
+    return steady(
+        renderer, result.first_sample / result.sample_rate, seconds, source_voices(result)
+    )

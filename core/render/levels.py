@@ -15,23 +15,29 @@ _ROUNDING = 1e-12
 
 
 def vibration_rms(samples: FloatArray, sample_rate: float) -> FloatArray:
-    """The root mean square (...) of ``samples`` (..., n) without their steady part, a push that nobody feels.
+    """The root mean square (...) of ``samples`` (..., n) without their steady part, a push that
+    nobody feels.
 
-    That is the bin at 0 Hz of the spectrum of at least `LEVEL_SECONDS`: a high-pass at 2 Hz or below. Fewer samples count as followed by
-    silence, so that a short blow does not lose its own mean.
+    That is the bin at 0 Hz of the spectrum of at least `LEVEL_SECONDS`: a high-pass at 2 Hz or
+    below. Fewer samples count as followed by silence, so that a short blow does not lose its own
+    mean.
     """
     count = samples.shape[-1]
     energy = np.square(samples, dtype=np.float64).sum(axis=-1)
-    steady = np.square(samples.sum(axis=-1, dtype=np.float64)) / max(count, LEVEL_SECONDS * sample_rate)
+    steady = np.square(samples.sum(axis=-1, dtype=np.float64)) / max(
+        count, LEVEL_SECONDS * sample_rate
+    )
     rest = np.where(energy - steady > _ROUNDING * energy, energy - steady, 0.0)
     return np.asarray(np.sqrt(rest / max(count, 1)))
 
 
 def level_and_margin(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
-    """Of each row of ``samples`` (l, n): the RMS level (l,) without the steady part [dB of full scale], and the margin (l,) [dB] above the
-    threshold of feeling; minus infinity for silence."""
+    """Of each row of ``samples`` (l, n): the RMS level (l,) without the steady part [dB of full
+    scale], and the margin (l,) [dB] above the threshold of feeling; minus infinity for silence."""
     with np.errstate(divide="ignore"):
-        return np.asarray(20 * np.log10(vibration_rms(samples, sample_rate))), sensation_level(samples, sample_rate)
+        return np.asarray(20 * np.log10(vibration_rms(samples, sample_rate))), sensation_level(
+            samples, sample_rate
+        )
 
 
 def finite(decibels: float) -> float | None:

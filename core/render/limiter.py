@@ -10,18 +10,20 @@ from .mixing import saturated
 LOOK_AHEAD = 0.005
 """Look-ahead of the limiter [s], which is its latency."""
 HOLD = 0.025
-"""Seconds for which the limiter keeps its gain after a peak: half a period of 20 Hz, so that a steady tone is attenuated without
-distortion."""
+"""Seconds for which the limiter keeps its gain after a peak: half a period of 20 Hz, so that a
+steady tone is attenuated without distortion."""
 RELEASE = 0.15
 """Time constant of the release [s], in which the gain rises by a factor e (8.7 dB)."""
 _RUN = 4096
 
 
 class Limiter:
-    """A look-ahead limiter for several channels: no sample above `s_max`, a gain that changes smoothly, and no change at all below.
+    """A look-ahead limiter for several channels: no sample above `s_max`, a gain that changes
+    smoothly, and no change at all below.
 
-    The gain that each sample needs is held over the look-ahead and HOLD, released at 1/RELEASE nepers a second, and averaged over the
-    look-ahead (a Hann window). Every value in the average is low enough for the sample, hence so is the average.
+    The gain that each sample needs is held over the look-ahead and HOLD, released at 1/RELEASE
+    nepers a second, and averaged over the look-ahead (a Hann window). Every value in the average is
+    low enough for the sample, hence so is the average.
 
     s_max: shape (n_channels,), positive. Output lags input by `latency` samples.
     """
@@ -44,7 +46,10 @@ class Limiter:
 
     def process(self, block: FloatArray) -> FloatArray:
         """Return the next samples out for the next samples in, both of shape (n_channels, n)."""
-        pieces = [self._process(block[:, begin : begin + _RUN]) for begin in range(0, block.shape[1], _RUN)]
+        pieces = [
+            self._process(block[:, begin : begin + _RUN])
+            for begin in range(0, block.shape[1], _RUN)
+        ]
         return np.concatenate(pieces, axis=1) if pieces else block.copy()
 
     def _process(self, block: FloatArray) -> FloatArray:
@@ -52,11 +57,23 @@ class Limiter:
         delayed = np.concatenate((self._input, block), axis=1)
         self._input = delayed[:, count:]
         magnitude = np.abs(block)
-        if (magnitude <= self._s_max).all() and (self._needed == 1.0).all() and (self._held == 1.0).all():
+        if (
+            (magnitude <= self._s_max).all()
+            and (self._needed == 1.0).all()
+            and (self._held == 1.0).all()
+        ):
             return delayed[:, :count].copy()
-        needed = np.concatenate((self._needed, self._s_max / np.maximum(magnitude, self._s_max)), axis=1)
+        needed = np.concatenate(
+            (self._needed, self._s_max / np.maximum(magnitude, self._s_max)), axis=1
+        )
         self._needed = needed[:, count:]
-        held = np.concatenate((self._held, self._released(_sliding_minimum(needed, self._window), self._held[:, -1:])), axis=1)
+        held = np.concatenate(
+            (
+                self._held,
+                self._released(_sliding_minimum(needed, self._window), self._held[:, -1:]),
+            ),
+            axis=1,
+        )
         self._held = held[:, count:]
         gain = np.stack([np.correlate(row, self._kernel, "valid") for row in held])
         # A window of ones sums to 1 up to rounding, and must change nothing.
@@ -64,9 +81,12 @@ class Limiter:
         return saturated(delayed[:, :count] * gain, self._s_max)
 
     def _released(self, gain: FloatArray, before: FloatArray) -> FloatArray:
-        """Return the minimum of the gain and of all earlier gains after their exponential release, at most 1."""
+        """Return the minimum of the gain and of all earlier gains after their exponential release,
+        at most 1."""
         age = np.arange(1, gain.shape[1] + 1) * self._rise
-        lowest = np.minimum.accumulate(np.concatenate((before, gain * np.exp(-age)), axis=1), axis=1)[:, 1:]
+        lowest = np.minimum.accumulate(
+            np.concatenate((before, gain * np.exp(-age)), axis=1), axis=1
+        )[:, 1:]
         return np.asarray(np.minimum(lowest * np.exp(age), 1.0))
 
 

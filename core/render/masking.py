@@ -22,7 +22,8 @@ SECONDS = 0.25
 
 @dataclass(frozen=True, slots=True)
 class FeltSource:
-    """``margin``: sensation level of the source alone, after ducking [dB]. ``masker``: the source that masks it, "" for none."""
+    """``margin``: sensation level of the source alone, after ducking [dB]. ``masker``: the source
+    that masks it, "" for none."""
 
     source: Source
     margin: float
@@ -36,7 +37,8 @@ class FeltSource:
 
 @dataclass(frozen=True, slots=True)
 class FeltSources:
-    """The sources that reach a listener: felt, masked and weak ones, the strongest of each first."""
+    """The sources that reach a listener: felt, masked and weak ones, the strongest of each
+    first."""
 
     listener: str
     sources: tuple[FeltSource, ...]
@@ -49,23 +51,42 @@ class FeltSources:
 
 def shown_sounding(result: FrameResult) -> Sounding:
     """The active sources of a frame, from the beginning of its interval."""
-    return Sounding(result.first_sample / result.sample_rate, result.sources, result.listeners, result.propagation)
+    return Sounding(
+        result.first_sample / result.sample_rate,
+        result.sources,
+        result.listeners,
+        result.propagation,
+    )
 
 
-def felt_sources(sounding: Sounding, listener: int, sample_rate: float = SAMPLE_RATE) -> FeltSources:
+def felt_sources(
+    sounding: Sounding, listener: int, sample_rate: float = SAMPLE_RATE
+) -> FeltSources:
     """Classify the sources of listener number ``listener`` as if they lasted for `SECONDS`."""
-    margins, maskers = masked_by(source_samples(sounding, listener, SECONDS, sample_rate), sample_rate)
+    margins, maskers = masked_by(
+        source_samples(sounding, listener, SECONDS, sample_rate), sample_rate
+    )
     names = [source.name for source in sounding.sources]
     found = [
         FeltSource(source, margin, names[masker] if masker >= 0 else "")
-        for source, margin, masker in zip(sounding.sources, margins.tolist(), maskers.tolist(), strict=True)
+        for source, margin, masker in zip(
+            sounding.sources, margins.tolist(), maskers.tolist(), strict=True
+        )
         if margin > -np.inf
     ]
-    found.sort(key=lambda item: (("felt", "masked", "weak").index(item.state), -item.margin, item.source.name))
+    found.sort(
+        key=lambda item: (
+            ("felt", "masked", "weak").index(item.state),
+            -item.margin,
+            item.source.name,
+        )
+    )
     return FeltSources(sounding.listeners[listener].name, tuple(found))
 
 
-def source_samples(sounding: Sounding, listener: int, seconds: float, sample_rate: float) -> FloatArray:
+def source_samples(
+    sounding: Sounding, listener: int, seconds: float, sample_rate: float
+) -> FloatArray:
     """Samples (s, n) of each source at a listener, after ducking, before mixing."""
     voices = source_voices(sounding)
     apart = [
@@ -75,5 +96,7 @@ def source_samples(sounding: Sounding, listener: int, seconds: float, sample_rat
         )
         for voice, one in zip(voices, np.eye(len(voices)), strict=True)
     ]
-    renderer = Renderer([ListenerMix(source.name, s_max=MAX_GAIN) for source in sounding.sources], sample_rate)
+    renderer = Renderer(
+        [ListenerMix(source.name, s_max=MAX_GAIN) for source in sounding.sources], sample_rate
+    )
     return steady(renderer, sounding.time, seconds, apart)

@@ -20,7 +20,8 @@ _LIMITER_SECONDS = 0.5
 """Time [s] that a limiter's gain depends on, to a few percent."""
 
 DUCKS = 0.01
-"""Least amplitude at which a source of higher priority attenuates others fully: -40 dB of full scale."""
+"""Least amplitude at which a source of higher priority attenuates others fully: -40 dB of full
+scale."""
 
 
 class Mixdown:
@@ -51,11 +52,16 @@ class Mixdown:
         propagation: Propagation,
         heard: bool = True,
     ) -> FloatArray | None:
-        """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation`` at the end; None without a
-        start or listeners, or if not ``heard``. The next rendered samples continue from the gains of this end."""
+        """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation``
+        at the end; None without a start or listeners, or if not ``heard``. The next rendered
+        samples continue from the gains of this end."""
         mixes = listener_mixes(listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
-            self._renderer, self._last, self._skipped = Renderer(mixes, self.sample_rate) if mixes else None, None, False
+            self._renderer, self._last, self._skipped = (
+                Renderer(mixes, self.sample_rate) if mixes else None,
+                None,
+                False,
+            )
         if self._renderer is None or start is None:
             self.before = None
             return None
@@ -65,7 +71,9 @@ class Mixdown:
             self._skipped = True
             return None
         if self._skipped and self.before is not None:
-            self._renderer = primed(mixes, self.sample_rate, self.before.time, source_voices(self.before))
+            self._renderer = primed(
+                mixes, self.sample_rate, self.before.time, source_voices(self.before)
+            )
             self._skipped = False
         return self._renderer.render_frame(start, end, source_voices(self._last))
 
@@ -75,12 +83,17 @@ def block_of(result: FrameResult) -> FloatArray | None:
     before = result.before
     if result.block is not None or before is None:
         return result.block
-    renderer = primed(listener_mixes(result.listeners), result.sample_rate, before.time, source_voices(before))
+    renderer = primed(
+        listener_mixes(result.listeners), result.sample_rate, before.time, source_voices(before)
+    )
     return renderer.render_frame(before.time, result.time, source_voices(result))
 
 
-def primed(mixes: tuple[ListenerMix, ...], sample_rate: float, time: float, voices: Sequence[Voice]) -> Renderer:
-    """A renderer that stands at ``time`` [s] with the gains of ``voices``, and whose limiter has worked for a while."""
+def primed(
+    mixes: tuple[ListenerMix, ...], sample_rate: float, time: float, voices: Sequence[Voice]
+) -> Renderer:
+    """A renderer that stands at ``time`` [s] with the gains of ``voices``, and whose limiter has
+    worked for a while."""
     renderer = Renderer(mixes, sample_rate)
     start = time - _LIMITER_SECONDS if renderer.latency else time
     renderer.render_frame(start, start, voices)
@@ -91,13 +104,17 @@ def primed(mixes: tuple[ListenerMix, ...], sample_rate: float, time: float, voic
 
 def steady(renderer: Renderer, start: float, seconds: float, voices: Sequence[Voice]) -> FloatArray:
     """The samples (l, n) of a new renderer from ``start`` [s] on, with constant gains."""
-    renderer.render_frame(start, start, voices)  # a frame of no duration, in which gains jump to their values
+    # A frame of no duration, in which gains jump to their values.
+    renderer.render_frame(start, start, voices)
     return renderer.render_frame(start, start + seconds, voices)
 
 
 def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
     """The mixes of listeners, for a `Renderer`."""
-    return tuple(_mix(item.name, item.mixing, item.mixing_expression, item.s_max, item.limiter) for item in listeners)
+    return tuple(
+        _mix(item.name, item.mixing, item.mixing_expression, item.s_max, item.limiter)
+        for item in listeners
+    )
 
 
 @lru_cache(maxsize=1024)  # the same ones in every frame
@@ -106,15 +123,20 @@ def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -
     return ListenerMix(name, method, s_max, limiter=limiter)
 
 
-def ducked(sources: Sequence[Source], listeners: Sequence[Listener], level: FloatArray) -> FloatArray:
-    """Gain factors (s, l) of sources that arrive with ``level`` (s, l), while one of higher priority does.
+def ducked(
+    sources: Sequence[Source], listeners: Sequence[Listener], level: FloatArray
+) -> FloatArray:
+    """Gain factors (s, l) of sources that arrive with ``level`` (s, l), while one of higher
+    priority does.
 
-    If that has a level of at least `DUCKS` at the listener, the attenuation is the listener's ``ducking`` [dB]; it decreases over the 6 dB
-    below.
+    If that has a level of at least `DUCKS` at the listener, the attenuation is the listener's
+    ``ducking`` [dB]; it decreases over the 6 dB below.
     """
     depth = np.clip(2.0 * level / DUCKS - 1.0, 0.0, 1.0)
     priority = np.array([source.priority for source in sources])
-    strongest = np.array([depth[priority > own].max(axis=0, initial=0.0) for own in priority]).reshape(depth.shape)
+    strongest = np.array(
+        [depth[priority > own].max(axis=0, initial=0.0) for own in priority]
+    ).reshape(depth.shape)
     return np.asarray(10.0 ** (-np.array([item.ducking for item in listeners]) * strongest / 20.0))
 
 

@@ -16,14 +16,16 @@ from ..scene.functions import MIXING_VARIABLES, Finding
 from ..scene.functions.expression import CompiledExpression, ExpressionError, compile_expression
 
 CustomMixing = Callable[[FloatArray, FloatArray], FloatArray]
-"""A designer's own method: signals, shape (n_signals, n), and their weights, shape (n_signals,), to one signal, shape (n,)."""
+"""A designer's own method: signals, shape (n_signals, n), and their weights, shape (n_signals,), to
+one signal, shape (n,)."""
 
 MixingMethod = Literal["cumulative", "weighted", "strongest", "power"] | CustomMixing
 
 
 @dataclass(frozen=True, slots=True)
 class MixingExpression:
-    """A designer's formula over `MIXING_VARIABLES` as a mixing method, such as ``s_max * tanh(sum / s_max)``.
+    """A designer's formula over `MIXING_VARIABLES` as a mixing method, such as ``s_max * tanh(sum /
+    s_max)``.
 
     Raises ExpressionError, a ValueError, for a rejected formula.
     """
@@ -36,7 +38,9 @@ class MixingExpression:
 
     def __call__(self, signals: FloatArray, weights: FloatArray) -> FloatArray:
         """Return the formula's value at every sample, shape (n,); 0 if that is not finite."""
-        mix = _compiled(self.expression).evaluate(np.zeros(signals.shape[1]), _values(signals, weights, self.s_max))
+        mix = _compiled(self.expression).evaluate(
+            np.zeros(signals.shape[1]), _values(signals, weights, self.s_max)
+        )
         return np.where(np.isfinite(mix), mix, 0.0)
 
 
@@ -45,22 +49,29 @@ def _compiled(expression: str) -> CompiledExpression:
     return compile_expression(expression, MIXING_VARIABLES)
 
 
-def _values(signals: FloatArray, weights: FloatArray, s_max: float) -> dict[str, float | FloatArray]:
+def _values(
+    signals: FloatArray, weights: FloatArray, s_max: float
+) -> dict[str, float | FloatArray]:
     """Return the values of `MIXING_VARIABLES`."""
     mixes = (method(signals, weights) for method in METHODS.values())
     return dict(zip(MIXING_VARIABLES, (*mixes, s_max), strict=True))
 
 
 def check_mixing(expression: str, s_max: float = 1.0) -> Finding | None:
-    """Return the fault of a mixing formula, or None. It is evaluated for sums of two tones, and for silence."""
+    """Return the fault of a mixing formula, or None. It is evaluated for sums of two tones, and for
+    silence."""
     try:
         compiled = _compiled(expression)
     except ExpressionError as error:
         return Finding(error.message, error.column)
-    tones = np.sin(2.0 * np.pi * np.outer([3.0, 7.0], np.arange(200) / 200.0)) * np.array([[1.0], [0.5]])
+    tones = np.sin(2.0 * np.pi * np.outer([3.0, 7.0], np.arange(200) / 200.0)) * np.array(
+        [[1.0], [0.5]]
+    )
     bad = ~np.isfinite(compiled.evaluate(np.zeros(200), _values(tones, np.ones(2), s_max)))
     if bad.any():
-        return Finding(Message.of(Cause.MIX_NOT_FINITE, sum=f"{cumulative(tones)[bad][0]:.3g}"), usable=True)
+        return Finding(
+            Message.of(Cause.MIX_NOT_FINITE, sum=f"{cumulative(tones)[bad][0]:.3g}"), usable=True
+        )
     silence = {**dict.fromkeys(MIXING_VARIABLES, 0.0), "s_max": s_max}
     rest = float(compiled.evaluate(np.zeros(1), silence)[0])
     if math.isfinite(rest) and rest != 0.0:
@@ -79,9 +90,11 @@ def weighted(signals: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def strongest(signals: FloatArray) -> FloatArray:
-    """Return, sample by sample, the signal of the greatest magnitude (the first of equals); signals: (n_signals, ...).
+    """Return, sample by sample, the signal of the greatest magnitude (the first of equals);
+    signals: (n_signals, ...).
 
-    The result jumps when a signal of the opposite sign becomes the strongest, so this suits sources of which one masks the rest.
+    The result jumps when a signal of the opposite sign becomes the strongest, so this suits sources
+    of which one masks the rest.
     """
     if not len(signals):
         return np.zeros(signals.shape[1:])
@@ -95,12 +108,18 @@ def strongest(signals: FloatArray) -> FloatArray:
 
 
 def power(signals: FloatArray) -> FloatArray:
-    """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0); signals: (n_signals, ...).
+    """Return the root of the sum of squares with the sign of the sum (+ where the sum is 0);
+    signals: (n_signals, ...).
 
-    Incoherent vibrations add up in power: at least the strongest, at most the sum of their magnitudes. A single signal is unchanged; where
-    several cancel, the result changes sign at full amplitude.
+    Incoherent vibrations add up in power: at least the strongest, at most the sum of their
+    magnitudes. A single signal is unchanged; where several cancel, the result changes sign at full
+    amplitude.
     """
-    return np.asarray(np.copysign(np.sqrt(np.einsum("i...,i...->...", signals, signals)), signals.sum(axis=0) + 0.0))
+    return np.asarray(
+        np.copysign(
+            np.sqrt(np.einsum("i...,i...->...", signals, signals)), signals.sum(axis=0) + 0.0
+        )
+    )
 
 
 METHODS: Mapping[str, CustomMixing] = {
@@ -125,7 +144,8 @@ def checked_method(method: str) -> str:
 
 
 def mixed(method: MixingMethod, signals: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the mix of `signals`, shape (n_signals, n), by `method`, without a limit; silence if there are none.
+    """Return the mix of `signals`, shape (n_signals, n), by `method`, without a limit; silence if
+    there are none.
 
     `strongest` and `power` take further dimensions, (n_signals, ...), at once.
 

@@ -18,22 +18,33 @@ from .voices import Stream, sample_brief
 
 
 def paths_of(frame: Frame, group: Group) -> list[DirectPaths | DelayedPaths | SteadyPaths]:
-    """Return the paths of a group: those of steady tones separately if bands or delays make samples costly."""
+    """Return the paths of a group: those of steady tones separately if bands or delays make samples
+    costly."""
     if group.delays is None and group.streams[0].row_count == 1:
         return [DirectPaths(frame, group)]
     longest = group.longest_delays().tolist()
-    steady = [frame.count > 0 and stream.is_steady(frame.start - delay) for stream, delay in zip(group.streams, longest, strict=True)]
+    steady = [
+        frame.count > 0 and stream.is_steady(frame.start - delay)
+        for stream, delay in zip(group.streams, longest, strict=True)
+    ]
     paths: list[DirectPaths | DelayedPaths | SteadyPaths] = []
     if any(steady):
-        paths.append(SteadyPaths(frame, group.chosen([index for index, is_steady in enumerate(steady) if is_steady])))
+        paths.append(
+            SteadyPaths(
+                frame, group.chosen([index for index, is_steady in enumerate(steady) if is_steady])
+            )
+        )
     if not all(steady):
         rest = group.chosen([index for index, is_steady in enumerate(steady) if not is_steady])
-        paths.append(DirectPaths(frame, rest) if group.delays is None else DelayedPaths(frame, rest))
+        paths.append(
+            DirectPaths(frame, rest) if group.delays is None else DelayedPaths(frame, rest)
+        )
     return paths
 
 
 class DirectPaths:
-    """Paths without delay: all listeners get the same samples times their gains, so a sum over voices is a matrix product."""
+    """Paths without delay: all listeners get the same samples times their gains, so a sum over
+    voices is a matrix product."""
 
     def __init__(self, frame: Frame, group: Group) -> None:
         self.group = group = _sounding(frame, group)
@@ -49,9 +60,12 @@ class DirectPaths:
         count = self._rows.shape[2]
         factors = self._factors.transpose(0, 2, 1, 3).reshape(terms, listeners, voices * bands)
         rows = self._rows.reshape(voices * bands, count)
-        # Terms for all samples are summed in one product. (`einsum` computes on this thread; BLAS would start others, which stay busy.)
+        # Terms for all samples are summed in one product. (`einsum` computes on this thread; BLAS
+        # would start others, which stay busy.)
         whole = sum(len(curve) == count for curve in self._curves)
-        sums = np.einsum("lv,vn->ln", factors[:whole].reshape(whole * listeners, voices * bands), rows).reshape(whole, listeners, count)
+        sums = np.einsum(
+            "lv,vn->ln", factors[:whole].reshape(whole * listeners, voices * bands), rows
+        ).reshape(whole, listeners, count)
         total: FloatArray = sums[0]
         for term, curve in zip(sums[1:], self._curves[1:], strict=False):
             total += term * curve
@@ -63,13 +77,22 @@ class DirectPaths:
         """Return the voices as they reach some listeners, shape (n_voices, n_chosen, n)."""
         terms, voices, _, bands = self._factors.shape
         count = self._rows.shape[2]
-        factors = self._factors[:, :, listeners].transpose(1, 2, 0, 3).reshape(voices, len(listeners), terms * bands)
+        factors = (
+            self._factors[:, :, listeners]
+            .transpose(1, 2, 0, 3)
+            .reshape(voices, len(listeners), terms * bands)
+        )
         rows = np.empty((voices, terms, bands, count))
         rows[:, 0] = self._rows
         for term, curve in enumerate(self._curves[1:], 1):
             np.multiply(self._rows[:, :, : len(curve)], curve, out=rows[:, term, :, : len(curve)])
             rows[:, term, :, len(curve) :] = 0.0
-        return np.einsum("vlt,vtn->vln", factors, rows.reshape(voices, terms * bands, count), out=_scratch(voices, len(listeners), count))
+        return np.einsum(
+            "vlt,vtn->vln",
+            factors,
+            rows.reshape(voices, terms * bands, count),
+            out=_scratch(voices, len(listeners), count),
+        )
 
 
 class DelayedPaths:
@@ -83,9 +106,16 @@ class DelayedPaths:
         for number, voice in enumerate(self._voices):
             heard_by = group.audible[number]
             paths: slice | BoolArray = slice(None) if heard_by.all() else heard_by
-            before, after = group.delays_before[number, paths, None], group.delays[number, paths, None]
+            before, after = (
+                group.delays_before[number, paths, None],
+                group.delays[number, paths, None],
+            )
             stream = group.streams[number]
-            travel = _travelled_between_samples if stream.row_count > 1 or stream.is_recorded else _travelled
+            travel = (
+                _travelled_between_samples
+                if stream.row_count > 1 or stream.is_recorded
+                else _travelled
+            )
             delays = (after - before) * frame.ramp
             delays += before
             voice[paths] = travel(stream, frame.times - delays, factors[:, number, paths], curves)
@@ -100,15 +130,23 @@ class DelayedPaths:
 
 
 class SteadyPaths(TonePaths):
-    """Paths of steady tones with bands or delays: the filter of a band is a gain, and a delay a turn of phase."""
+    """Paths of steady tones with bands or delays: the filter of a band is a gain, and a delay a
+    turn of phase."""
 
     def __init__(self, frame: Frame, group: Group) -> None:
         self.group = group
         rate, count = group.streams[0].sample_rate, frame.count
-        frequency, amplitude, phase, onset = np.hsplit(np.array([_tone_values(stream) for stream in group.streams]), 4)
+        frequency, amplitude, phase, onset = np.hsplit(
+            np.array([_tone_values(stream) for stream in group.streams]), 4
+        )
         factors, curves = group.gains.terms(frame)
         if factors.shape[3] > 1:
-            factors = factors @ np.array([bank_response(hertz, rate) for hertz in frequency[:, 0].tolist()])[:, :, None]
+            factors = (
+                factors
+                @ np.array([bank_response(hertz, rate) for hertz in frequency[:, 0].tolist()])[
+                    :, :, None
+                ]
+            )
         late = lag_step = np.zeros((len(group.streams), 1))
         if group.delays is not None and group.delays_before is not None:
             before = np.where(group.audible, group.delays_before, 0.0)
@@ -117,26 +155,40 @@ class SteadyPaths(TonePaths):
             lag_step = drift * ((frame.ramp[-1] - frame.ramp[0]) / max(count - 1, 1))
         start = frequency * (frame.times[0] - onset - late) + phase
         step = frequency * (1.0 / rate - lag_step)
-        super().__init__(start.T, step.T, (factors[..., 0] * amplitude).transpose(0, 2, 1), curves, count)
+        super().__init__(
+            start.T, step.T, (factors[..., 0] * amplitude).transpose(0, 2, 1), curves, count
+        )
 
 
 def _sounding(frame: Frame, group: Group) -> Group:
     """Return the streams that are heard in a frame with samples."""
     heard, longest = np.any(group.audible, axis=1).tolist(), group.longest_delays().tolist()
     late = zip(group.streams, longest, strict=True)
-    sounds = [frame.count > 0 and stream.sounds(frame.start - delay, frame.end) for stream, delay in late]
-    return group.chosen([index for index, is_heard in enumerate(heard) if is_heard and sounds[index]])
+    sounds = [
+        frame.count > 0 and stream.sounds(frame.start - delay, frame.end) for stream, delay in late
+    ]
+    return group.chosen(
+        [index for index, is_heard in enumerate(heard) if is_heard and sounds[index]]
+    )
 
 
-def _travelled(stream: Stream, times: FloatArray, factors: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:
-    """Return a signal at `times`, shape (n_paths, n), times gains given as terms; factors: shape (n_terms, n_paths, 1)."""
+def _travelled(
+    stream: Stream, times: FloatArray, factors: FloatArray, curves: Sequence[FloatArray]
+) -> FloatArray:
+    """Return a signal at `times`, shape (n_paths, n), times gains given as terms; factors: shape
+    (n_terms, n_paths, 1)."""
     gains = _gains_over_time(factors, curves)
-    gains *= stream.signal.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(times.shape)
+    gains *= stream.signal.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(
+        times.shape
+    )
     return gains
 
 
-def _travelled_between_samples(stream: Stream, times: FloatArray, factors: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:
-    """Return the same from samples, with one gain or with gains by band; factors: shape (n_terms, n_paths, 1 or 6)."""
+def _travelled_between_samples(
+    stream: Stream, times: FloatArray, factors: FloatArray, curves: Sequence[FloatArray]
+) -> FloatArray:
+    """Return the same from samples, with one gain or with gains by band; factors: shape (n_terms,
+    n_paths, 1 or 6)."""
     positions = times * stream.sample_rate
     first = math.floor(np.min(positions)) - ZERO_CROSSINGS
     rows = stream.rows(first, math.ceil(np.max(positions)) + ZERO_CROSSINGS + 1)
@@ -151,7 +203,12 @@ def _travelled_between_samples(stream: Stream, times: FloatArray, factors: Float
     ]
     sounding = (times >= stream.onset) & (times < stream.end)
     if len(rows) == 1:
-        values = np.array([np.einsum("nd,nd->n", polynomials[0, at], power) for at, power in zip(places, powers, strict=True)])
+        values = np.array(
+            [
+                np.einsum("nd,nd->n", polynomials[0, at], power)
+                for at, power in zip(places, powers, strict=True)
+            ]
+        )
         return values * _gains_over_time(factors, curves) * sounding
     # The bands are weighed and added before they are interpolated.
     result = np.zeros(times.shape)
@@ -164,14 +221,17 @@ def _travelled_between_samples(stream: Stream, times: FloatArray, factors: Float
     if stream.tone is not None:
         # As soon as a tone is steady, its bands are known exactly, however frames are cut.
         response = bank_response(float(stream.tone.frequency), stream.sample_rate)  # type: ignore[arg-type]
-        known = stream.tone.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(times.shape)
+        known = stream.tone.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(
+            times.shape
+        )
         known *= _gains_over_time(factors @ response[:, None], curves)
         result = np.where(times >= stream.settled, known, result)
     return result * sounding
 
 
 def _gains_over_time(factors: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:
-    """Return gains of some paths, shape (n_paths, n), from terms; factors: shape (n_terms, n_paths, 1)."""
+    """Return gains of some paths, shape (n_paths, n), from terms; factors: shape (n_terms, n_paths,
+    1)."""
     gains = np.empty((factors.shape[1], len(curves[0])))
     gains[:] = factors[0]
     for factor, curve in zip(factors[1:], curves[1:], strict=True):
@@ -180,7 +240,8 @@ def _gains_over_time(factors: FloatArray, curves: Sequence[FloatArray]) -> Float
 
 
 class _Scratch(threading.local):
-    """Reused memory for large arrays of a frame, whose allocation would cost more than the computation."""
+    """Reused memory for large arrays of a frame, whose allocation would cost more than the
+    computation."""
 
     room = np.empty(0)
 
@@ -208,5 +269,7 @@ def _powers(base: FloatArray, count: int) -> FloatArray:
 def _tone_values(stream: Stream) -> tuple[float, float, float, float]:
     """Return frequency, amplitude, phase and onset of a stream that is a steady tone."""
     tone = stream.tone
-    assert tone is not None and isinstance(tone.frequency, float) and isinstance(tone.amplitude, float)
+    assert (
+        tone is not None and isinstance(tone.frequency, float) and isinstance(tone.amplitude, float)
+    )
     return tone.frequency, tone.amplitude, tone.phase, stream.onset

@@ -1,7 +1,9 @@
-"""Playback for live outputs: blocks that follow the picture while the timeline runs, short grains where it is scrubbed.
+"""Playback for live outputs: blocks that follow the picture while the timeline runs, short grains
+where it is scrubbed.
 
-Each block has the samples of the frame that has just become visible, even after dropped, repeated or skipped frames, so that touch never
-drifts from the picture. For consecutive frames it equals the bake sample by sample.
+Each block has the samples of the frame that has just become visible, even after dropped, repeated
+or skipped frames, so that touch never drifts from the picture. For consecutive frames it equals the
+bake sample by sample.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ GRAIN = 0.100
 _GRAIN_RISE, _GRAIN_FALL = 0.005, 0.040
 # Allows a device with a window of 40 ms to fall to zero within the grain's block.
 _GRAIN_SILENCE = 0.060
-# A recorded block that does not continue the last one fades from its last value within this time [s].
+# A recorded block that does not continue the last one fades from its last value within this time
+# [s].
 _SEAM = 0.008
 # Dropped frames are rendered and left out up to this gap [s]; larger ones are jumps.
 _LONGEST_STEP = 1.0
@@ -51,12 +54,17 @@ class Playback:
         self._correctable = None
 
     def recorded(self, result: FrameResult) -> FloatArray:
-        """The samples of a frame that was read from a track, (listeners, n), cross-faded after skipped frames."""
+        """The samples of a frame that was read from a track, (listeners, n), cross-faded after
+        skipped frames."""
         if result.block is None or result.time == self._time:
             return np.zeros((len(result.listeners), 0))
         block = result.block.copy()
         if result.first_sample != self._next and block.shape[1]:
-            last = self._last if self._last.shape[0] == block.shape[0] else np.zeros((block.shape[0], 1))
+            last = (
+                self._last
+                if self._last.shape[0] == block.shape[0]
+                else np.zeros((block.shape[0], 1))
+            )
             seam = block[:, : round(_SEAM * result.sample_rate)]
             seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / seam.shape[1])
         self._renderer, self._time, self._shown, self._correctable = None, result.time, None, None
@@ -64,9 +72,11 @@ class Playback:
         return block
 
     def block(self, result: FrameResult, frame_seconds: float) -> FloatArray:
-        """The samples of the frame that ends at ``result``, (listeners, n): ``frame_seconds`` long, or empty if it was played already.
+        """The samples of the frame that ends at ``result``, (listeners, n): ``frame_seconds`` long,
+        or empty if it was played already.
 
-        At a jump (a loop, a step back, a long gap) the old signal fades out while the new one fades in.
+        At a jump (a loop, a step back, a long gap) the old signal fades out while the new one fades
+        in.
         """
         self._correctable = None
         mixes = listener_mixes(result.listeners)
@@ -79,16 +89,20 @@ class Playback:
         return self._elsewhere(mixes, result, frame_seconds) if block is None else block
 
     def ahead(self, latest: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
-        """The samples of the frame that ends at ``time`` [s], which is still being traced, with the gains of the ``latest`` traced frame;
-        None if it is not a continuation. Sources that began in a late frame begin with the next block, or the next `correction`."""
+        """The samples of the frame that ends at ``time`` [s], which is still being traced, with the
+        gains of the ``latest`` traced frame; None if it is not a continuation. Sources that began
+        in a late frame begin with the next block, or the next `correction`."""
         samples = self._continued(listener_mixes(latest.listeners), latest, time, frame_seconds)
         if samples is not None:
-            self._correctable = _Correctable(latest, time - samples.shape[1] / latest.sample_rate, time)
+            self._correctable = _Correctable(
+                latest, time - samples.shape[1] / latest.sample_rate, time
+            )
         return samples
 
     def correction(self, result: FrameResult, elapsed: float) -> FloatArray | None:
-        """The rest of a block that went `ahead`, from ``elapsed`` seconds after its start on, (listeners, n), from ``result``, which has
-        been traced meanwhile; None if there is nothing to correct."""
+        """The rest of a block that went `ahead`, from ``elapsed`` seconds after its start on,
+        (listeners, n), from ``result``, which has been traced meanwhile; None if there is nothing
+        to correct."""
         played = self._correctable
         mixes = listener_mixes(result.listeners)
         if played is None or listener_mixes(played.result.listeners) != mixes:
@@ -103,7 +117,8 @@ class Playback:
         return samples
 
     def following(self, result: FrameResult, seconds: float) -> Callable[[], FloatArray]:
-        """A function that renders the ``seconds`` after the last block, (listeners, n), if the scene stays as in ``result``.
+        """A function that renders the ``seconds`` after the last block, (listeners, n), if the
+        scene stays as in ``result``.
 
         It may be called later, by any thread, and does not affect the next block.
         """
@@ -118,64 +133,109 @@ class Playback:
         return render
 
     def _is_next(self, result: FrameResult, mixes: tuple[ListenerMix, ...]) -> bool:
-        """Whether the block of a result continues the last one: the whole frame before it was played, without late onsets."""
-        if self._shown is None or self._shown.block is None or self._shown.time != self._time or self._late:
+        """Whether the block of a result continues the last one: the whole frame before it was
+        played, without late onsets."""
+        if (
+            self._shown is None
+            or self._shown.block is None
+            or self._shown.time != self._time
+            or self._late
+        ):
             return False
         if self._renderer is not None and not self._in_step:
             return False
-        follows = result.first_sample == sample_index(self._time, result.sample_rate) and result.sample_rate == self._shown.sample_rate
+        follows = (
+            result.first_sample == sample_index(self._time, result.sample_rate)
+            and result.sample_rate == self._shown.sample_rate
+        )
         return follows and listener_mixes(self._shown.listeners) == mixes
 
     def _current(self, mixes: tuple[ListenerMix, ...]) -> Renderer | None:
-        """The renderer that goes on from the last block; None before the first one, and for other listeners."""
+        """The renderer that goes on from the last block; None before the first one, and for other
+        listeners."""
         if self._renderer is None and self._shown is not None and self._time is not None:
             self._renderer = _primed(self._shown, self._time, self._late)
-        return self._renderer if self._renderer is not None and self._renderer.listeners == mixes else None
+        return (
+            self._renderer
+            if self._renderer is not None and self._renderer.listeners == mixes
+            else None
+        )
 
-    def _continued(self, mixes: tuple[ListenerMix, ...], result: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
+    def _continued(
+        self, mixes: tuple[ListenerMix, ...], result: FrameResult, time: float, frame_seconds: float
+    ) -> FloatArray | None:
         """The samples up to ``time`` if they continue the last block, else None."""
         before, begun = self._current(mixes), self._time
-        if begun is None or not 0.0 < time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds) or self._renderer not in (None, before):
+        if (
+            begun is None
+            or not 0.0 < time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds)
+            or self._renderer not in (None, before)
+        ):
             return None
         rate = result.sample_rate
         renderer = before or Renderer(mixes, rate)
         samples = renderer.render_frame(begun, time, self._voices(result, begun))
         start = begun if time - begun < 1.5 * frame_seconds else time - frame_seconds
         played = self._shown is not None and self._shown.time == begun
-        self._in_step = played and result.time == time and result.before is not None and result.before.time == begun
+        self._in_step = (
+            played
+            and result.time == time
+            and result.before is not None
+            and result.before.time == begun
+        )
         self._renderer, self._time, self._shown = renderer, time, result
         return samples[:, samples.shape[1] - sample_index(time, rate) + sample_index(start, rate) :]
 
-    def _elsewhere(self, mixes: tuple[ListenerMix, ...], result: FrameResult, frame_seconds: float) -> FloatArray:
+    def _elsewhere(
+        self, mixes: tuple[ListenerMix, ...], result: FrameResult, frame_seconds: float
+    ) -> FloatArray:
         """The samples up to ``result`` at another place of the timeline."""
         before, begun = self._current(mixes), self._time
         self._late.clear()
         renderer = Renderer(mixes, result.sample_rate)
-        block = renderer.render_frame(result.time - frame_seconds, result.time, self._voices(result, result.time - frame_seconds))
+        block = renderer.render_frame(
+            result.time - frame_seconds,
+            result.time,
+            self._voices(result, result.time - frame_seconds),
+        )
         if before is not None and begun is not None:
             ending = before.render_frame(begun, begun + frame_seconds, ())[:, : block.shape[1]]
             block[:, : ending.shape[1]] += ending
             ceilings = np.array([mix.s_max for mix in mixes])[:, None]
             block = np.clip(block, -ceilings, ceilings)
-        self._renderer, self._time, self._shown, self._in_step = renderer, result.time, result, False
+        self._renderer, self._time, self._shown, self._in_step = (
+            renderer,
+            result.time,
+            result,
+            False,
+        )
         return block
 
     def _voices(self, result: FrameResult, begun: float) -> list[Voice]:
-        """The voices of a result in a block that begins at ``begun``: those that began after the last result, but before this block, begin
-        with it."""
+        """The voices of a result in a block that begins at ``begun``: those that began after the
+        last result, but before this block, begin with it."""
         voices = source_voices(result)
         shown = self._shown
         if shown is not None and shown.time < begun:
             known = {voice.key for voice in source_voices(shown)} | self._late.keys()
-            self._late.update({voice.key: begun for voice in voices if shown.time <= voice.onset < begun and voice.key not in known})
+            self._late.update(
+                {
+                    voice.key: begun
+                    for voice in voices
+                    if shown.time <= voice.onset < begun and voice.key not in known
+                }
+            )
         if self._late:
-            self._late = {voice.key: self._late[voice.key] for voice in voices if voice.key in self._late}
+            self._late = {
+                voice.key: self._late[voice.key] for voice in voices if voice.key in self._late
+            }
         return _moved(voices, self._late)
 
 
 @dataclass(frozen=True, slots=True)
 class _Correctable:
-    """A block from ``start`` to ``end`` [s] that was played before its frame was traced, with the gains of ``result``."""
+    """A block from ``start`` to ``end`` [s] that was played before its frame was traced, with the
+    gains of ``result``."""
 
     result: FrameResult
     start: float
@@ -184,13 +244,18 @@ class _Correctable:
 
 def _moved(voices: list[Voice], late: Mapping[Hashable, float]) -> list[Voice]:
     """The voices, those that began late from the onset that they are played from."""
-    return [voice._replace(onset=late[voice.key]) if voice.key in late else voice for voice in voices] if late else voices
+    return (
+        [voice._replace(onset=late[voice.key]) if voice.key in late else voice for voice in voices]
+        if late
+        else voices
+    )
 
 
 def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
     """Whether voices have the same signals and gains."""
     return len(voices) == len(others) and all(
-        (one.key, one.onset, one.amplitude, one.priority) == (other.key, other.onset, other.amplitude, other.priority)
+        (one.key, one.onset, one.amplitude, one.priority)
+        == (other.key, other.onset, other.amplitude, other.priority)
         and np.array_equal(one.gains, other.gains)
         and (one.delays is None) == (other.delays is None)
         and (one.delays is None or other.delays is None or np.array_equal(one.delays, other.delays))
@@ -200,12 +265,17 @@ def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
 
 
 def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> Renderer:
-    """A renderer that stands at ``time`` with the gains of ``shown``, and whose limiter has worked for a while."""
+    """A renderer that stands at ``time`` with the gains of ``shown``, and whose limiter has worked
+    for a while."""
     voices = _moved(source_voices(shown), late)
     times, earlier = [time], voices
     if shown.block is not None and shown.time <= time:  # its lines of gains may bend here
         before = shown.before
-        times = [shown.first_sample / shown.sample_rate if before is None else before.time, shown.time, time]
+        times = [
+            shown.first_sample / shown.sample_rate if before is None else before.time,
+            shown.time,
+            time,
+        ]
         earlier = [] if before is None else source_voices(before)
     renderer = primed(listener_mixes(shown.listeners), shown.sample_rate, times[0], earlier)
     for begun, end in pairwise(times):
@@ -215,9 +285,13 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
 
 
 def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
-    """A short touch of a frame, (listeners, n), that begins and ends in silence: its interval and a continuation."""
+    """A short touch of a frame, (listeners, n), that begins and ends in silence: its interval and a
+    continuation."""
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
-    return _shaped(steady(renderer, result.time - frame_seconds, GRAIN, source_voices(result)), result.sample_rate)
+    return _shaped(
+        steady(renderer, result.time - frame_seconds, GRAIN, source_voices(result)),
+        result.sample_rate,
+    )
 
 
 def recorded_grain(result: FrameResult) -> FloatArray:
@@ -231,6 +305,11 @@ def _shaped(samples: FloatArray, sample_rate: float) -> FloatArray:
     if not samples.shape[1]:
         return samples
     seconds = (np.arange(samples.shape[1]) + 0.5) / sample_rate
-    rise, fall = np.clip(seconds / _GRAIN_RISE, 0.0, 1.0), np.clip((seconds[-1] - seconds) / _GRAIN_FALL, 0.0, 1.0)
+    rise, fall = (
+        np.clip(seconds / _GRAIN_RISE, 0.0, 1.0),
+        np.clip((seconds[-1] - seconds) / _GRAIN_FALL, 0.0, 1.0),
+    )
     silence = np.zeros((samples.shape[0], round(_GRAIN_SILENCE * sample_rate)))
-    return np.concatenate([samples * np.sin(0.5 * np.pi * np.minimum(rise, fall)) ** 2, silence], axis=1)
+    return np.concatenate(
+        [samples * np.sin(0.5 * np.pi * np.minimum(rise, fall)) ** 2, silence], axis=1
+    )

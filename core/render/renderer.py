@@ -1,7 +1,8 @@
 """Signals times gains: one block of samples per listener, frame after frame.
 
-A signal is a function of time and keeps no state between blocks: delayed paths are evaluated at their own time, the symmetric filters of
-bands ahead of it. Only gains and delays are kept from frame to frame.
+A signal is a function of time and keeps no state between blocks: delayed paths are evaluated at
+their own time, the symmetric filters of bands ahead of it. Only gains and delays are kept from
+frame to frame.
 """
 
 from __future__ import annotations
@@ -47,16 +48,19 @@ class ListenerMix:
 
 
 def sample_index(seconds: float, sample_rate: float) -> int:
-    """Return the first sample n with n / sample_rate >= seconds, a millionth of a sample of rounding in `seconds` forgiven."""
+    """Return the first sample n with n / sample_rate >= seconds, a millionth of a sample of
+    rounding in `seconds` forgiven."""
     return math.ceil(seconds * sample_rate - _SNAP)
 
 
 class Renderer:
     """Renders frames one after the other, a block of samples each.
 
-    Gains and delays go in straight lines from frame to frame, those of gains smoothed (see `core.render.gains`). A source seen for the
-    first time fades in over that frame, unless its onset is not before the frame's start: then it begins at its onset, at full gain. A
-    source no longer given fades out over the frame, and one whose signal changes fades from the old to the new.
+    Gains and delays go in straight lines from frame to frame, those of gains smoothed (see
+    `core.render.gains`). A source seen for the first time fades in over that frame, unless its
+    onset is not before the frame's start: then it begins at its onset, at full gain. A source no
+    longer given fades out over the frame, and one whose signal changes fades from the old to the
+    new.
 
     latency: samples by which the output lags, 0 unless a listener has a limiter.
     """
@@ -72,7 +76,9 @@ class Renderer:
         self._limiter = Limiter(s_max, self.sample_rate) if limited.any() else None
         self.latency = self._limiter.latency if self._limiter else 0
         self._unsummed = _by_method(self.listeners)
-        weighted = [index for index, listener in enumerate(self.listeners) if listener.method == "weighted"]
+        weighted = [
+            index for index, listener in enumerate(self.listeners) if listener.method == "weighted"
+        ]
         self._groups = Groups(len(self.listeners), self.sample_rate, weighted)
         self._next: int | None = None
 
@@ -84,35 +90,56 @@ class Renderer:
             self._limiter.reset()
 
     def render_frame(self, start: float, end: float, voices: Sequence[Voice]) -> FloatArray:
-        """Return the samples n with start <= n / sample_rate < end (seconds, at most 60 apart), shape (n_listeners, n_samples).
+        """Return the samples n with start <= n / sample_rate < end (seconds, at most 60 apart),
+        shape (n_listeners, n_samples).
 
-        The lines of the gains reach those of `voices` at `end`. Frames follow each other without a gap, else call `reset` first.
-        Raises ValueError that names the argument; the renderer is then as it was before.
+        The lines of the gains reach those of `voices` at `end`. Frames follow each other without a
+        gap, else call `reset` first. Raises ValueError that names the argument; the renderer is
+        then as it was before.
         """
         frame = self._frame(start, end)
         groups = self._groups.follow(frame, voices)
-        block = self._mix([paths for group in groups for paths in paths_of(frame, group)], frame.count)
+        block = self._mix(
+            [paths for group in groups for paths in paths_of(frame, group)], frame.count
+        )
         self._next = frame.last
         self._groups.advance(frame, groups)
         return self._limiter.process(block) if self._limiter else block
 
     def _frame(self, start: float, end: float) -> Frame:
         if not (-MAX_TIME <= start <= end <= MAX_TIME and end - start <= MAX_FRAME):
-            raise ValueError(f"end: {end!r} must be 0 to {MAX_FRAME:g} seconds after start {start!r}, both within ±{MAX_TIME:g}")
+            raise ValueError(
+                f"end: {end!r} must be 0 to {MAX_FRAME:g} seconds after start {start!r}, both "
+                f"within ±{MAX_TIME:g}"
+            )
         first, last = sample_index(start, self.sample_rate), sample_index(end, self.sample_rate)
         if self._next is not None and first != self._next:
-            raise ValueError(f"start: {start!r} does not follow the last frame; reset the renderer before a jump")
+            raise ValueError(
+                f"start: {start!r} does not follow the last frame; reset the renderer before a jump"
+            )
         times = np.arange(first, last) / self.sample_rate
-        return Frame(start, end, first, last, times, (times - start) / (end - start) if last > first else times)
+        return Frame(
+            start,
+            end,
+            first,
+            last,
+            times,
+            (times - start) / (end - start) if last > first else times,
+        )
 
-    def _mix(self, groups: list[DirectPaths | DelayedPaths | SteadyPaths], count: int) -> FloatArray:
-        """Return the listeners' mixes, shape (n_listeners, count), clipped at s_max for listeners without a limiter."""
+    def _mix(
+        self, groups: list[DirectPaths | DelayedPaths | SteadyPaths], count: int
+    ) -> FloatArray:
+        """Return the listeners' mixes, shape (n_listeners, count), clipped at s_max for listeners
+        without a limiter."""
         total = np.zeros((len(self.listeners), count))
         if sum(len(listeners) for _, listeners in self._unsummed) < len(self.listeners):
             for group in groups:
                 total += group.summed()
         for method, listeners in self._unsummed:
-            each = [group.at_listeners(listeners) for group in groups] or [np.empty((0, len(listeners), count))]
+            each = [group.at_listeners(listeners) for group in groups] or [
+                np.empty((0, len(listeners), count))
+            ]
             voices = np.concatenate(each) if len(each) > 1 else each[0]
             if callable(method):
                 weights = np.array([weight for group in groups for weight in group.group.weights()])
@@ -124,9 +151,14 @@ class Renderer:
 
 
 def _by_method(listeners: Sequence[ListenerMix]) -> list[tuple[MixingMethod, list[int]]]:
-    """Return the methods that need each voice by itself, and the listeners that mix by them; one at a time by custom methods."""
+    """Return the methods that need each voice by itself, and the listeners that mix by them; one at
+    a time by custom methods."""
     groups: list[tuple[MixingMethod, list[int]]] = []
     for method in ("strongest", "power"):
         alike = [index for index, listener in enumerate(listeners) if listener.method == method]
         groups += [(method, alike)] if alike else []
-    return groups + [(listener.method, [index]) for index, listener in enumerate(listeners) if callable(listener.method)]
+    return groups + [
+        (listener.method, [index])
+        for index, listener in enumerate(listeners)
+        if callable(listener.method)
+    ]

@@ -13,21 +13,23 @@ from ..signals import Automation, Sampled, Signal, Sine
 from .filter_bank import bank_reach, split_bands
 
 _CHUNK = 4096
-"""Samples of a signal are rendered in runs that begin at multiples of this, so that they are bit-identical for any division into frames."""
+"""Samples of a signal are rendered in runs that begin at multiples of this, so that they are
+bit-identical for any division into frames."""
 _BRIEF = 2 * _CHUNK
 """Signals of at most so many samples are rendered whole, for the same reason."""
 _TOGETHER = 16
-"""Most signals that are rendered at once: enough to outweigh the overhead, few enough for the processor's cache."""
+"""Most signals that are rendered at once: enough to outweigh the overhead, few enough for the
+processor's cache."""
 
 
 class Voice(NamedTuple):
     """The state of one source at the end of a frame.
 
-    key: the source's identity from frame to frame.
-    gains: shape (n_listeners,), or (n_listeners, 6) by frequency band; multiplied by `amplitude`.
-    onset: seconds at which the signal begins, on the frames' clock, any real number.
-    delays: seconds on the way to each listener, shape (n_listeners,), from 0 to 60; where the gain is 0 the delay does not matter.
-    priority: weight in `weighted` mixing, 0 or more.
+    key: the source's identity from frame to frame. gains: shape (n_listeners,), or (n_listeners, 6)
+    by frequency band; multiplied by `amplitude`. onset: seconds at which the signal begins, on the
+    frames' clock, any real number. delays: seconds on the way to each listener, shape
+    (n_listeners,), from 0 to 60; where the gain is 0 the delay does not matter. priority: weight in
+    `weighted` mixing, 0 or more.
     """
 
     key: Hashable
@@ -42,10 +44,12 @@ class Voice(NamedTuple):
 class Stream:
     """A voice from frame to frame, with samples of its signal rendered ahead.
 
-    Rendering ahead is cheaper in a few long runs, and changes nothing, because a sample depends only on its own time.
+    Rendering ahead is cheaper in a few long runs, and changes nothing, because a sample depends
+    only on its own time.
 
-    kind: whether it has delays, and its number of bands, 1 or 6. end: when the signal is over [s]. settled: from this time on all bands
-    of a steady tone are steady. tone: the signal where it is a steady tone, else None. is_brief: rendered whole, see `sample_brief`.
+    kind: whether it has delays, and its number of bands, 1 or 6. end: when the signal is over [s].
+    settled: from this time on all bands of a steady tone are steady. tone: the signal where it is a
+    steady tone, else None. is_brief: rendered whole, see `sample_brief`.
     """
 
     def __init__(self, voice: Voice, sample_rate: float) -> None:
@@ -68,7 +72,11 @@ class Stream:
     def plays(self, voice: Voice) -> bool:
         """Whether `voice` is this one with other gains, delays or amplitude."""
         has_delays, bands = self.kind
-        if self.onset != voice.onset or has_delays is (voice.delays is None) or (bands == 1) is not (voice.gains.ndim == 1):
+        if (
+            self.onset != voice.onset
+            or has_delays is (voice.delays is None)
+            or (bands == 1) is not (voice.gains.ndim == 1)
+        ):
             return False
         return self.signal is voice.signal or self.signal == voice.signal
 
@@ -81,7 +89,8 @@ class Stream:
         return self.onset < end and start < self.end
 
     def rows(self, first: int, last: int) -> FloatArray:
-        """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6, n)."""
+        """Return samples first to last - 1 of the signal, shape (1, n), or of its bands, shape (6,
+        n)."""
         if self.is_brief and self._first == self._last:
             sample_brief([self])
         begin, known = self._first, self._last
@@ -106,23 +115,32 @@ class Stream:
         if self.row_count == 1:
             return self.signal.sample(first, last - first, self.sample_rate, self.onset)[None, :]
         rate, reach = self.sample_rate, bank_reach(self.sample_rate)
-        bands = split_bands(self.signal.sample(first - reach, last - first + 2 * reach, rate, self.onset), rate)
+        bands = split_bands(
+            self.signal.sample(first - reach, last - first + 2 * reach, rate, self.onset), rate
+        )
         # The output is 0 before the onset, although the filters look ahead, and after the end.
         times = np.arange(first, last) / rate
         return bands * ((times >= self.onset) & (times < self.end))
 
 
 def sample_brief(streams: Sequence[Stream]) -> None:
-    """Render those of some streams that are brief and have not been rendered, all that play one signal at once."""
+    """Render those of some streams that are brief and have not been rendered, all that play one
+    signal at once."""
     alike: dict[int, list[Stream]] = {}
     for stream in streams:
         if stream.is_brief and stream._first == stream._last:
             alike.setdefault(id(stream.signal), []).append(stream)
-    for some in [every[k : k + _TOGETHER] for every in alike.values() for k in range(0, len(every), _TOGETHER)]:
+    for some in [
+        every[k : k + _TOGETHER]
+        for every in alike.values()
+        for k in range(0, len(every), _TOGETHER)
+    ]:
         signal, rate, reach = some[0].signal, some[0].sample_rate, bank_reach(some[0].sample_rate)
         onset = np.array([stream.onset for stream in some])
         first = np.ceil(onset * rate)
-        times = (np.arange(int(signal.duration * rate) + 1) + first[:, None]) / rate - onset[:, None]
+        times = (np.arange(int(signal.duration * rate) + 1) + first[:, None]) / rate - onset[
+            :, None
+        ]
         samples = signal.at(times.reshape(-1), 1.0 / rate).reshape(times.shape)
         for stream, number, row in zip(some, first.tolist(), samples, strict=True):
             stream._known = row[None, :]
@@ -142,7 +160,12 @@ def _is_recorded(signal: Signal) -> bool:
 
 
 def _steady_tone(signal: Signal, sample_rate: float) -> Sine | None:
-    """Return the signal where it is a tone of one frequency and strength that the samples can carry."""
-    if type(signal) is not Sine or isinstance(signal.frequency, Automation) or isinstance(signal.amplitude, Automation):
+    """Return the signal where it is a tone of one frequency and strength that the samples can
+    carry."""
+    if (
+        type(signal) is not Sine
+        or isinstance(signal.frequency, Automation)
+        or isinstance(signal.amplitude, Automation)
+    ):
         return None
     return signal if signal.frequency < sample_rate / 2 else None

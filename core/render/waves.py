@@ -1,4 +1,5 @@
-"""Waveforms of listeners over many frames for drawing at any zoom: samples, and a pyramid of their minima and maxima."""
+"""Waveforms of listeners over many frames for drawing at any zoom: samples, and a pyramid of their
+minima and maxima."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ from ..arrays import BoolArray, FloatArray
 from ..perception import sensation_level
 
 FULL_SCALE = 32767
-"""Integer value of the sample 1.0: steps of 1/32767 are 90 dB below full scale, far below the threshold of feeling."""
+"""Integer value of the sample 1.0: steps of 1/32767 are 90 dB below full scale, far below the
+threshold of feeling."""
 WINDOW_SECONDS = 0.25
 """Duration over which the threshold of feeling is computed [s]."""
 _STEP = 8  # values of a level that one of the next coarser level stands for
@@ -26,9 +28,9 @@ def as_integers(samples: FloatArray) -> NDArray[np.int16]:
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """Parts of a wave, from left to right: the range of the samples in each, ``low`` and ``high`` (l, c) as integers, ``threshold`` (l, c)
-    the peak of this vibration at the threshold of feeling [dB of full scale], NaN for silence; ``known`` (c,): whether there are
-    samples."""
+    """Parts of a wave, from left to right: the range of the samples in each, ``low`` and ``high``
+    (l, c) as integers, ``threshold`` (l, c) the peak of this vibration at the threshold of feeling
+    [dB of full scale], NaN for silence; ``known`` (c,): whether there are samples."""
 
     low: NDArray[np.int16]
     high: NDArray[np.int16]
@@ -37,13 +39,22 @@ class Columns:
 
 
 class Waves:
-    """``samples`` (l, n), n > 0, of ``listeners``, the first at the frame ``origin``, ``per_frame`` of them a frame.
+    """``samples`` (l, n), n > 0, of ``listeners``, the first at the frame ``origin``, ``per_frame``
+    of them a frame.
 
-    ``impacts``: the frames (m,) at which they began, and the gains (m, l) with which each listener felt them. One thread writes; another
-    that reads at the same time may miss the data being written.
+    ``impacts``: the frames (m,) at which they began, and the gains (m, l) with which each listener
+    felt them. One thread writes; another that reads at the same time may miss the data being
+    written.
     """
 
-    def __init__(self, listeners: Sequence[str], origin: float, per_frame: float, samples: NDArray[np.int16], filled: bool) -> None:
+    def __init__(
+        self,
+        listeners: Sequence[str],
+        origin: float,
+        per_frame: float,
+        samples: NDArray[np.int16],
+        filled: bool,
+    ) -> None:
         self.listeners = tuple(listeners)
         self.origin, self.per_frame = origin, per_frame
         count, length = samples.shape
@@ -68,16 +79,21 @@ class Waves:
         samples, width = self._low[0], round(WINDOW_SECONDS * sample_rate)
         for begin in range(0, samples.shape[1], width):
             part = samples[:, begin : begin + width] / FULL_SCALE
-            frames = slice(round(begin / self.per_frame), math.ceil((begin + width) / self.per_frame))
+            frames = slice(
+                round(begin / self.per_frame), math.ceil((begin + width) / self.per_frame)
+            )
             self.threshold[:, frames] = threshold_of(part, sample_rate)[:, None]
 
     def write(self, start: int, block: FloatArray, threshold: FloatArray) -> None:
-        """Keep the samples (l, n) of a frame, the first is number ``start``, and its threshold (l,), replacing earlier ones; samples
-        outside are dropped."""
+        """Keep the samples (l, n) of a frame, the first is number ``start``, and its threshold
+        (l,), replacing earlier ones; samples outside are dropped."""
         first, last = max(start, 0), min(start + block.shape[1], self._low[0].shape[1])
         if first >= last:
             return
-        frames = slice(round(first / self.per_frame), max(round(last / self.per_frame), round(first / self.per_frame) + 1))
+        frames = slice(
+            round(first / self.per_frame),
+            max(round(last / self.per_frame), round(first / self.per_frame) + 1),
+        )
         self._low[0][:, first:last] = as_integers(block[:, first - start : last - start])
         self._condense(first, last)
         began, gain = self.impacts
@@ -88,17 +104,25 @@ class Waves:
 
     def add_impacts(self, frame: FloatArray, gain: FloatArray) -> None:
         """Add impacts at frames (m,), felt with gains (m, l)."""
-        self.impacts = np.concatenate([self.impacts[0], frame]), np.concatenate([self.impacts[1], gain])
+        self.impacts = (
+            np.concatenate([self.impacts[0], frame]),
+            np.concatenate([self.impacts[1], gain]),
+        )
 
     def columns(self, edges: FloatArray) -> Columns:
         """The parts between ``edges`` (c + 1,), frames that rise evenly."""
         place = (edges - self.origin) * self.per_frame
         step = (place[-1] - place[0]) / (len(place) - 1)
         level = min(max(math.floor(math.log(max(step, 1.0), _STEP)), 0), len(self._low) - 1)
-        at = np.clip(np.floor(place / _STEP**level), 0, self._low[level].shape[1] - 1).astype(np.int64)
+        at = np.clip(np.floor(place / _STEP**level), 0, self._low[level].shape[1] - 1).astype(
+            np.int64
+        )
         shown, starts = slice(at[0], at[-1] + 1), at[:-1] - at[0]
         begun, count = np.concatenate([[0], np.cumsum(self.filled)]), len(self.filled)
-        left, right = (np.clip(to(edges - self.origin), 0, count).astype(np.int64) for to in (np.floor, np.ceil))
+        left, right = (
+            np.clip(to(edges - self.origin), 0, count).astype(np.int64)
+            for to in (np.floor, np.ceil)
+        )
         return Columns(
             np.minimum.reduceat(self._low[level][:, shown], starts, axis=1),
             np.maximum.reduceat(self._high[level][:, shown], starts, axis=1),
@@ -113,11 +137,16 @@ class Waves:
             below = slice(_STEP * first, _STEP * last)
             for way, of in ((np.minimum, self._low), (np.maximum, self._high)):
                 part = of[level - 1][:, below]
-                of[level][:, first:last] = way.reduceat(part, np.arange(0, part.shape[1], _STEP), axis=1)
+                of[level][:, first:last] = way.reduceat(
+                    part, np.arange(0, part.shape[1], _STEP), axis=1
+                )
 
 
 def threshold_of(samples: FloatArray, sample_rate: float) -> FloatArray:
-    """The peak (l,) of ``samples`` (l, n) scaled to the threshold of feeling [dB of full scale]; NaN for silence."""
+    """The peak (l,) of ``samples`` (l, n) scaled to the threshold of feeling [dB of full scale];
+    NaN for silence."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        level = 20 * np.log10(np.abs(samples).max(axis=1, initial=0.0)) - sensation_level(samples, sample_rate)
+        level = 20 * np.log10(np.abs(samples).max(axis=1, initial=0.0)) - sensation_level(
+            samples, sample_rate
+        )
     return np.where(np.isfinite(level), level, np.nan)

@@ -1,4 +1,5 @@
-"""The front door of the package: scenes from files or dictionaries, their gains, and runs that answer poses with levels and samples."""
+"""The front door of the package: scenes from files or dictionaries, their gains, and runs that
+answer poses with levels and samples."""
 
 from __future__ import annotations
 

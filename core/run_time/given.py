@@ -18,7 +18,8 @@ Objects = Mapping[str, HapticObject]
 
 
 def contact_set(contacts: Sequence[Contact], objects: Iterable[str]) -> ContactSet:
-    """Contacts that number ``objects`` by their sorted names. Raises PlacedError for a name that is not one of them."""
+    """Contacts that number ``objects`` by their sorted names. Raises PlacedError for a name that is
+    not one of them."""
     index = {name: number for number, name in enumerate(sorted(objects))}
     for number, item in enumerate(contacts):
         for k, name in enumerate(item.objects):
@@ -28,17 +29,23 @@ def contact_set(contacts: Sequence[Contact], objects: Iterable[str]) -> ContactS
 
 def read_contacts(forms: Sequence[Mapping[str, Any]], objects: Iterable[str]) -> ContactSet:
     """Contacts as in a scene file. Raises PlacedError."""
-    return contact_set([read_contact(form, ("contacts", number)) for number, form in enumerate(forms)], objects)
+    return contact_set(
+        [read_contact(form, ("contacts", number)) for number, form in enumerate(forms)], objects
+    )
 
 
 def read_impacts(
-    forms: Sequence[Mapping[str, Any]], moving: Sequence[str], objects: Objects, rules: ContactSettings, interval: tuple[float, float]
+    forms: Sequence[Mapping[str, Any]],
+    moving: Sequence[str],
+    objects: Objects,
+    rules: ContactSettings,
+    interval: tuple[float, float],
 ) -> tuple[Impact, ...]:
     """Impacts with at least the least energy of their rules, numbered by ``moving``.
 
     Args:
-        forms: ``objects`` (two names), ``position`` [m, world], ``energy`` [J] or ``normal_speed`` [m/s], and ``time`` [s], by default the
-            end of the interval.
+        forms: ``objects`` (two names), ``position`` [m, world], ``energy`` [J] or ``normal_speed``
+            [m/s], and ``time`` [s], by default the end of the interval.
         moving: the names that impacts number.
         objects: with the masses and materials.
         rules: the limits of impacts.
@@ -60,7 +67,9 @@ def read_impacts(
         energy = _energy(form, objects[first], objects[second], place)
         limits = rules.impact_limits(*((name, objects[name].material) for name in (first, second)))
         begun, end = interval
-        x, y, z = (_number(value, (*place, "position", k)) for k, value in enumerate(form["position"]))
+        x, y, z = (
+            _number(value, (*place, "position", k)) for k, value in enumerate(form["position"])
+        )
         if energy >= limits.least_energy:
             found.append(
                 Impact(
@@ -75,8 +84,11 @@ def read_impacts(
     return tuple(found)
 
 
-def _energy(form: Mapping[str, Any], first: HapticObject, second: HapticObject, place: Place) -> float:
-    """The energy [J] of an impact: as given, or 1/2 mu v^2 with the reduced mass mu; objects that do not move freely have no mass in it."""
+def _energy(
+    form: Mapping[str, Any], first: HapticObject, second: HapticObject, place: Place
+) -> float:
+    """The energy [J] of an impact: as given, or 1/2 mu v^2 with the reduced mass mu; objects that
+    do not move freely have no mass in it."""
     if "energy" in form:
         return _number(form["energy"], (*place, "energy"))
     if "normal_speed" not in form:

@@ -35,10 +35,11 @@ Position = Sequence[float]
 
 
 class Run:
-    """A scene in time. Objects keep their poses, and sources what they play, until a step says otherwise.
+    """A scene in time. Objects keep their poses, and sources what they play, until a step says
+    otherwise.
 
-    Sources and listeners move rigidly with their objects. Contacts are found from shapes, except between objects for which the scene lists
-    contacts and which have not moved.
+    Sources and listeners move rigidly with their objects. Contacts are found from shapes, except
+    between objects for which the scene lists contacts and which have not moved.
     """
 
     def __init__(self, scene: HapticScene, sample_rate: float) -> None:
@@ -46,10 +47,16 @@ class Run:
         self.sample_rate = sample_rate
         self._objects: dict[str, HapticObject] = {}
         self._poses = np.zeros((0, 4, 4))  # of the objects, in their order
-        self._set_objects(scene.objects, np.array([pose_matrix(item.pose or Pose()) for item in scene.objects]).reshape(-1, 4, 4))
+        self._set_objects(
+            scene.objects,
+            np.array([pose_matrix(item.pose or Pose()) for item in scene.objects]).reshape(
+                -1, 4, 4
+            ),
+        )
         self._moved: set[str] = set()
         self._listed = scene.contacts
-        self._places: dict[tuple[str, str], FloatArray] = {}  # by kind and name, in the frame of the object
+        # By kind and name, in the frame of the object.
+        self._places: dict[tuple[str, str], FloatArray] = {}
         self._sources: dict[str, Source] = {}
         self._listeners: dict[str, Listener] = {}
         for source in scene.sources:
@@ -94,38 +101,57 @@ class Run:
         source_positions: Mapping[str, Position] | None = None,
         listener_positions: Mapping[str, Position] | None = None,
     ) -> Step:
-        """Go on to ``time`` [s]. Where it goes back, or on by more than `LONGEST_STEP`, the run begins anew.
+        """Go on to ``time`` [s]. Where it goes back, or on by more than `LONGEST_STEP`, the run
+        begins anew.
 
         Args:
             time: seconds of the caller's clock.
-            poses: of objects that have moved: x, y, z [m], then the rotation as a quaternion w, x, y, z of any length but 0.
+            poses: of objects that have moved: x, y, z [m], then the rotation as a quaternion w, x,
+                y, z of any length but 0.
             sources: ``playing`` and ``amplitude`` of sources, from now on.
             contacts: all that touch now, as in a scene file; none are searched for then.
             impacts: since the last step, as `read_impacts` takes them; none are searched for then.
-            source_positions, listener_positions: world positions that replace those on the objects, for this step.
+            source_positions, listener_positions: world positions that replace those on the objects,
+            for this step.
 
         Raises:
             ValueError: names the key where a value is not valid.
         """
         if not math.isfinite(time) or time == self._time:
-            raise PlacedError(("time",), f"must be finite, and other than that of the last step, got {time!r}")
+            raise PlacedError(
+                ("time",), f"must be finite, and other than that of the last step, got {time!r}"
+            )
         if poses:
             self._move(poses)
         for name, form in (sources or {}).items():
             self._play(name, form)
-        result = self._tracer.step(self._frame(time, contacts, impacts, source_positions or {}, listener_positions or {}))
+        result = self._tracer.step(
+            self._frame(time, contacts, impacts, source_positions or {}, listener_positions or {})
+        )
         self._time = time
         self._history.feed(result)
-        return answer(result, self._history.all(), [body.name for body in self._bodies] if contacts is None else self.objects)
+        return answer(
+            result,
+            self._history.all(),
+            [body.name for body in self._bodies] if contacts is None else self.objects,
+        )
 
     def play(self, source: str) -> None:
-        """Play the signal of a source with triggers once, from the last step on. Raises ValueError."""
+        """Play the signal of a source with triggers once, from the last step on. Raises
+        ValueError."""
         require_known(source, self._sources, "source", ("source",))
         item = self._sources[source]
         if item.triggers is None:
-            raise PlacedError(("source",), f"{source!r} plays all the time; only a source with triggers plays once")
+            raise PlacedError(
+                ("source",),
+                f"{source!r} plays all the time; only a source with triggers plays once",
+            )
         now = self._time or 0.0
-        kept = tuple(one for one in item.triggers if one.on is not TriggerKind.TIMES or one.times[-1:] > (now - item.emitted.duration,))
+        kept = tuple(
+            one
+            for one in item.triggers
+            if one.on is not TriggerKind.TIMES or one.times[-1:] > (now - item.emitted.duration,)
+        )
         self._sources[source] = replace(item, triggers=(*kept, Trigger(TriggerKind.TIMES, (now,))))
 
     def stop(self) -> None:
@@ -140,7 +166,8 @@ class Run:
         source: Mapping[str, Any] | None = None,
         listener: Mapping[str, Any] | None = None,
     ) -> None:
-        """Add an object, a source or a listener, as in a scene file. Raises ValueError, also where the name exists."""
+        """Add an object, a source or a listener, as in a scene file. Raises ValueError, also where
+        the name exists."""
         _check("add", object=object, source=source, listener=listener)
         if object is not None:
             item = read_object(object, ("object",))
@@ -152,15 +179,29 @@ class Run:
         if listener is not None:
             self._add("listener", read_listener(listener, ("listener",)), self._listeners)
 
-    def remove(self, object: str | None = None, source: str | None = None, listener: str | None = None) -> None:
-        """Remove an object, with the sources and listeners on it, a source or a listener, by name. Raises ValueError."""
+    def remove(
+        self, object: str | None = None, source: str | None = None, listener: str | None = None
+    ) -> None:
+        """Remove an object, with the sources and listeners on it, a source or a listener, by name.
+        Raises ValueError."""
         if object is not None:
             require_known(object, self._objects, "object", ("object",))
             kept = [name != object for name in self._objects]
-            self._listed = tuple(contact for contact in self._listed if object not in contact.objects)
-            self._sources = {name: item for name, item in self._sources.items() if object not in (item.object, item.second_object)}
-            self._listeners = {name: item for name, item in self._listeners.items() if item.object != object}
-            self._set_objects([item for item, stays in zip(self._objects.values(), kept, strict=True) if stays], self._poses[kept])
+            self._listed = tuple(
+                contact for contact in self._listed if object not in contact.objects
+            )
+            self._sources = {
+                name: item
+                for name, item in self._sources.items()
+                if object not in (item.object, item.second_object)
+            }
+            self._listeners = {
+                name: item for name, item in self._listeners.items() if item.object != object
+            }
+            self._set_objects(
+                [item for item, stays in zip(self._objects.values(), kept, strict=True) if stays],
+                self._poses[kept],
+            )
         if source is not None:
             require_known(source, self._sources, "source", ("source",))
             del self._sources[source]
@@ -174,7 +215,8 @@ class Run:
         source: Mapping[str, Any] | None = None,
         listener: Mapping[str, Any] | None = None,
     ) -> None:
-        """Replace an object, a source or a listener by one of the same name. Raises ValueError, also where there is none."""
+        """Replace an object, a source or a listener by one of the same name. Raises ValueError,
+        also where there is none."""
         _check("replace", object=object, source=source, listener=listener)
         if object is not None:
             item = read_object(object, ("object",))
@@ -210,7 +252,9 @@ class Run:
         self._objects = {item.name: item for item in self._frame_objects}
         self._row = {name: row for row, name in enumerate(self._objects)}
         self._poses = poses
-        self._solid = np.array([item.shape is not None for item in self._frame_objects], dtype=np.bool_)
+        self._solid = np.array(
+            [item.shape is not None for item in self._frame_objects], dtype=np.bool_
+        )
         self._bodies = tuple(
             Body(item.name, item.shape, item.mass, item.motion, item.medium, item.material)
             for item in self._frame_objects
@@ -230,7 +274,10 @@ class Run:
             if not (length > _SHORTEST).all():
                 raise ValueError
         except (TypeError, ValueError):
-            raise PlacedError(("poses", _faulty(poses)), f"expected x, y, z, qw, qx, qy, qz: up to {_FARTHEST:g}, and a rotation") from None
+            raise PlacedError(
+                ("poses", _faulty(poses)),
+                f"expected x, y, z, qw, qx, qy, qz: up to {_FARTHEST:g}, and a rotation",
+            ) from None
         rows = [self._row[name] for name in poses]
         self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:] / length[:, None])
         self._poses[rows, :3, 3] = moved[:, :3]
@@ -244,7 +291,9 @@ class Run:
             elif key == "amplitude" and isinstance(value, int | float) and 0 <= value <= 1:
                 self._amplitudes[name] = float(value)
             else:
-                raise PlacedError(("sources", name, key), "expected playing: true or false, or amplitude: 0 to 1")
+                raise PlacedError(
+                    ("sources", name, key), "expected playing: true or false, or amplitude: 0 to 1"
+                )
 
     def _frame(
         self,
@@ -262,25 +311,38 @@ class Run:
         transforms = self._poses[self._solid] if given is None else self._poses.copy()
         sources = []
         for source in self._sources.values():
-            amplitude = 0.0 if source.name in self._silent else self._amplitudes.get(source.name, source.amplitude)
+            amplitude = (
+                0.0
+                if source.name in self._silent
+                else self._amplitudes.get(source.name, source.amplitude)
+            )
             placed = source.moved(self._position("source", source, source_positions))
-            sources.append(placed if amplitude == source.amplitude else replace(placed, amplitude=amplitude))
+            sources.append(
+                placed if amplitude == source.amplitude else replace(placed, amplitude=amplitude)
+            )
         return Frame(
             number=self._step,
             time=time,
             objects=self._frame_objects,
             sources=tuple(sources),
-            listeners=tuple(item.moved(self._position("listener", item, listener_positions)) for item in self._listeners.values()),
+            listeners=tuple(
+                item.moved(self._position("listener", item, listener_positions))
+                for item in self._listeners.values()
+            ),
             settings=self.settings,
             bodies=self._bodies if given is None else (),
             transforms=transforms,
             contacts=given,
             continuous=self._time is not None and 0 < time - self._time <= LONGEST_STEP,
             authored=self._contacts_listed() if given is None else None,
-            struck=None if impacts is None else read_impacts(impacts, moving, self._objects, self.rules, (begun, time)),
+            struck=None
+            if impacts is None
+            else read_impacts(impacts, moving, self._objects, self.rules, (begun, time)),
         )
 
-    def _position(self, kind: str, item: Source | Listener, given: Mapping[str, Position]) -> Position:
+    def _position(
+        self, kind: str, item: Source | Listener, given: Mapping[str, Position]
+    ) -> Position:
         """World position of a source or listener."""
         if item.name in given:
             return given[item.name]
@@ -295,27 +357,40 @@ class Run:
         return None if self._bodies else contact_set(self._listed, self._objects)
 
     def _contacts_listed(self) -> AuthoredContacts | None:
-        """The contacts that the scene lists between objects that have not moved, or have no shape."""
+        """The contacts that the scene lists between objects that have not moved, or have no
+        shape."""
         if not self._listed:
             return None
         settled = frozenset(self._objects) - self._moved
         if self._authored is None or self._authored[0] != settled:
             shapeless = {item.name for item in self._frame_objects if item.shape is None}
-            kept = [item for item in self._listed if settled.issuperset(item.objects) or not shapeless.isdisjoint(item.objects)]
+            kept = [
+                item
+                for item in self._listed
+                if settled.issuperset(item.objects) or not shapeless.isdisjoint(item.objects)
+            ]
             self._authored = settled, AuthoredContacts.of(self._objects, settled, kept, {})
         return self._authored[1]
 
 
 def _check(message: str, **parts: Any) -> None:
     """Raise FormatError unless the given parts are those of a valid message of the server."""
-    validate({key: value for key, value in parts.items() if value is not None}, f"run-time-1#{message}", message)
+    validate(
+        {key: value for key, value in parts.items() if value is not None},
+        f"run-time-1#{message}",
+        message,
+    )
 
 
 def _faulty(poses: Mapping[str, Sequence[float]]) -> str:
     """The first object whose pose is not one."""
     for name, pose in poses.items():
         try:
-            if len(pose) != 7 or not all(abs(value) <= _FARTHEST for value in pose) or math.hypot(*pose[3:]) <= _SHORTEST:
+            if (
+                len(pose) != 7
+                or not all(abs(value) <= _FARTHEST for value in pose)
+                or math.hypot(*pose[3:]) <= _SHORTEST
+            ):
                 return name
         except TypeError:
             return name

@@ -13,30 +13,42 @@ from ..contacts.contact_set import ContactSet
 from ..contacts.scene_contacts import contacts_of_scene
 from ..formats.io.error import FormatError, json_pointer
 from ..formats.io.strict_json import parse_json, read_json
-from ..formats.scene.scene_json import FORMAT, VERSION, current_document, scene_of, scene_to_dict, write_document
+from ..formats.scene.scene_json import (
+    FORMAT,
+    VERSION,
+    current_document,
+    scene_of,
+    scene_to_dict,
+    write_document,
+)
 from ..graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
 from ..propagation import Propagation, propagate
 from ..scene.values import Contact, HapticScene
 
 
 def load(path: str | Path) -> Scene:
-    """The scene in a ``.json`` or ``.json.gz`` file. Raises FormatError, which names the place in the file, or OSError."""
+    """The scene in a ``.json`` or ``.json.gz`` file. Raises FormatError, which names the place in
+    the file, or OSError."""
     return Scene.of_document(read_json(path), path)
 
 
 def loads(text: str | bytes) -> Scene:
     """The scene in the text of a scene file. Raises FormatError."""
-    return Scene.of_document(parse_json(text.encode() if isinstance(text, str) else text, "scene"), "scene")
+    return Scene.of_document(
+        parse_json(text.encode() if isinstance(text, str) else text, "scene"), "scene"
+    )
 
 
 class Scene:
     """A haptic scene: objects, contacts, sources, listeners and settings.
 
-    ``content`` has its values, ``file`` names it in errors, ``unknown`` lists the keys of a newer version that were not read.
-    Args of the constructor: the lists and settings of a scene file, as dictionaries.
+    ``content`` has its values, ``file`` names it in errors, ``unknown`` lists the keys of a newer
+    version that were not read. Args of the constructor: the lists and settings of a scene file, as
+    dictionaries.
 
     >>> scene = Scene(
-    ...     objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8, "propagation": {"function": "linear", "range": 4}}],
+    ...     objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8,
+    ...               "propagation": {"function": "linear", "range": 4}}],
     ...     sources=[{"name": "drill", "object": "bench", "position": [0, 0, 0]}],
     ...     listeners=[{"name": "hand", "object": "bench", "position": [1, 0, 0]}],
     ... )
@@ -45,8 +57,15 @@ class Scene:
     """
 
     def __init__(self, **parts: Any) -> None:
-        made = self.of_document({"format": FORMAT, "version": VERSION, "objects": [], **parts}, "scene")
-        self.content, self.document, self.file, self.unknown = made.content, made.document, made.file, made.unknown
+        made = self.of_document(
+            {"format": FORMAT, "version": VERSION, "objects": [], **parts}, "scene"
+        )
+        self.content, self.document, self.file, self.unknown = (
+            made.content,
+            made.document,
+            made.file,
+            made.unknown,
+        )
 
     @classmethod
     def of_document(cls, document: Any, file: str | Path) -> Scene:
@@ -62,20 +81,22 @@ class Scene:
     unknown: tuple[str, ...]
 
     def with_settings(self, **chosen: Any) -> Scene:
-        """The same scene with other settings of propagation, by their names in the file. Raises ValueError."""
+        """The same scene with other settings of propagation, by their names in the file. Raises
+        ValueError."""
         scene = copy(self)
         with self._errors():
             scene.content = replace(self.content, settings=replace(self.content.settings, **chosen))
         return scene
 
     def contacts(self) -> tuple[Contact, ...]:
-        """The contacts that the scene lists, otherwise those found from shapes and poses. Raises ValueError."""
+        """The contacts that the scene lists, otherwise those found from shapes and poses. Raises
+        ValueError."""
         names = [item.name for item in self.content.objects]
         return self.content.contacts or self.contacts_found().to_contacts(names)
 
     def contacts_found(self, tolerance: float | None = None) -> ContactSet:
-        """The contacts between objects with shapes whose signed distance is at most ``tolerance`` metres, by default that of the scene's
-        rules. Raises ValueError."""
+        """The contacts between objects with shapes whose signed distance is at most ``tolerance``
+        metres, by default that of the scene's rules. Raises ValueError."""
         with self._errors():
             return contacts_of_scene(self.content, tolerance)
 
@@ -89,14 +110,15 @@ class Scene:
             return graph_of_scene(self.with_contacts())
 
     def propagate(self, graph: HapticGraph | None = None) -> Propagation:
-        """Gains, error bounds and paths of all pairs; ``graph``: that of the scene, if it is known. Raises ValueError."""
+        """Gains, error bounds and paths of all pairs; ``graph``: that of the scene, if it is known.
+        Raises ValueError."""
         graph = self.graph() if graph is None else graph
         with self._errors():
             return propagate(graph, self.content.settings)
 
     def gains(self) -> dict[tuple[str, str], float]:
-        """The gain of the paths from each source to each listener, by their names; amplitudes of sources and gains of listeners are not in
-        it. Raises ValueError."""
+        """The gain of the paths from each source to each listener, by their names; amplitudes of
+        sources and gains of listeners are not in it. Raises ValueError."""
         gain = self.propagate().gain
         return {
             (source.name, listener.name): float(gain[row, column])
@@ -123,6 +145,10 @@ class Scene:
     def _place_of(self, error: NoGain) -> tuple[str | int, ...]:
         """Keys and indices of the function that gives no valid gain."""
         if len(error.objects) == 1:
-            return "objects", [item.name for item in self.content.objects].index(error.objects[0]), "propagation"
+            return (
+                "objects",
+                [item.name for item in self.content.objects].index(error.objects[0]),
+                "propagation",
+            )
         pairs = [frozenset(contact.objects) for contact in self.content.contacts]
         return "contacts", pairs.index(frozenset(error.objects)), "transmission"

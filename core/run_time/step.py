@@ -17,8 +17,9 @@ from ..render.levels import LEVEL_SECONDS, finite, level_and_margin
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """What a listener feels: ``level``, the RMS of the last quarter second [dB of full scale], and ``margin`` above the threshold of
-    feeling [dB], both None for silence; ``gains``: of the paths from each sounding source, by its name."""
+    """What a listener feels: ``level``, the RMS of the last quarter second [dB of full scale], and
+    ``margin`` above the threshold of feeling [dB], both None for silence; ``gains``: of the paths
+    from each sounding source, by its name."""
 
     level: float | None
     margin: float | None
@@ -27,8 +28,9 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Blow:
-    """An impact at ``time`` [s] between two objects, with its ``position`` [m], its ``energy`` [J], the ``amplitude`` of its signal that
-    follows from the energy, and the ``gains`` of the paths to the listeners, by name."""
+    """An impact at ``time`` [s] between two objects, with its ``position`` [m], its ``energy`` [J],
+    the ``amplitude`` of its signal that follows from the energy, and the ``gains`` of the paths to
+    the listeners, by name."""
 
     time: float
     objects: tuple[str, str]
@@ -42,8 +44,9 @@ class Blow:
 class Step:
     """The answer to a step that ends at ``time`` [s].
 
-    ``levels`` by listener; ``impacts`` since the last step; ``block`` (listeners, n): the samples since the last step, the first of them
-    number ``first_sample``, a row for each of ``listeners``; ``milliseconds`` by stage; ``warnings``: sentences.
+    ``levels`` by listener; ``impacts`` since the last step; ``block`` (listeners, n): the samples
+    since the last step, the first of them number ``first_sample``, a row for each of ``listeners``;
+    ``milliseconds`` by stage; ``warnings``: sentences.
     """
 
     time: float
@@ -57,23 +60,35 @@ class Step:
 
 
 def answer(result: FrameResult, samples: FloatArray, moving: Sequence[str]) -> Step:
-    """The answer of a traced frame after ``samples`` (l, n); ``moving``: the names that its impacts number.
+    """The answer of a traced frame after ``samples`` (l, n); ``moving``: the names that its impacts
+    number.
 
-    Levels are those of the last quarter second; where there are fewer samples since the beginning, those of the frame as if it lasted.
+    Levels are those of the last quarter second; where there are fewer samples since the beginning,
+    those of the frame as if it lasted.
     """
     window = round(LEVEL_SECONDS * result.sample_rate)
-    if result.block is None or samples.shape[1] < window + result.block.shape[1]:  # sources fade in over the first block
+    # Sources fade in over the first block.
+    if result.block is None or samples.shape[1] < window + result.block.shape[1]:
         samples = still_samples(result, LEVEL_SECONDS)
-    level, margin = (values.tolist() for values in level_and_margin(samples[:, -window:], result.sample_rate))
-    sources, listeners = ([item.name for item in items] for items in (result.sources, result.listeners))
+    level, margin = (
+        values.tolist() for values in level_and_margin(samples[:, -window:], result.sample_rate)
+    )
+    sources, listeners = (
+        [item.name for item in items] for items in (result.sources, result.listeners)
+    )
     gains = result.propagation.gain.T.tolist()
     first = len(result.sources) - len(result.impacts)
     return Step(
         time=result.time,
         levels={
-            name: Level(finite(level[k]), finite(margin[k]), dict(zip(sources, gains[k], strict=True))) for k, name in enumerate(listeners)
+            name: Level(
+                finite(level[k]), finite(margin[k]), dict(zip(sources, gains[k], strict=True))
+            )
+            for k, name in enumerate(listeners)
         },
-        impacts=tuple(_blow(result, impact, first + k, moving) for k, impact in enumerate(result.impacts)),
+        impacts=tuple(
+            _blow(result, impact, first + k, moving) for k, impact in enumerate(result.impacts)
+        ),
         block=np.zeros((len(listeners), 0)) if result.block is None else result.block,
         first_sample=result.first_sample,
         listeners=tuple(listeners),
@@ -91,5 +106,11 @@ def _blow(result: FrameResult, impact: Impact, row: int, moving: Sequence[str]) 
         position=impact.positions[0],
         energy=impact.energy,
         amplitude=result.sources[row].amplitude,
-        gains=dict(zip((item.name for item in result.listeners), result.propagation.gain[row].tolist(), strict=True)),
+        gains=dict(
+            zip(
+                (item.name for item in result.listeners),
+                result.propagation.gain[row].tolist(),
+                strict=True,
+            )
+        ),
     )

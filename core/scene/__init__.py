@@ -1,1 +1,2 @@
-"""The haptic scene as plain values: objects, sources, listeners, their functions, materials and body parts."""
+"""The haptic scene as plain values: objects, sources, listeners, their functions, materials and
+body parts."""

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from .body import BodyPart
 
-# Places of the motors, x from the wearer's left to right (also on the back), y downwards, as in the maker's own files.
+# Places of the motors, x from the wearer's left to right (also on the back), y downwards, as in the
+# maker's own files.
 _VEST = tuple((i % 4 / 3, i // 4 / 4) for i in range(20))
 _HEAD = tuple((i / 5, 0.5) for i in range(6))
 _ARM = tuple((i % 3 / 2, float(i // 3)) for i in range(6))
@@ -22,7 +23,12 @@ DEVICES: dict[str, dict[str, tuple[tuple[float, float], ...]]] = {
 """Motors (x, y) of each position, by device."""
 
 _HALVES = {"L": (0.0, 0.5), "R": (0.5, 1.0), "": (0.0, 1.0)}
-_HEIGHTS = {"upper_back": (0.0, 0.4), "middle_back": (0.4, 1.0), "chest": (0.0, 0.6), "belly": (0.6, 1.0)}
+_HEIGHTS = {
+    "upper_back": (0.0, 0.4),
+    "middle_back": (0.4, 1.0),
+    "chest": (0.0, 0.6),
+    "belly": (0.6, 1.0),
+}
 
 
 def region(part: BodyPart, places: Sequence[tuple[float, float]]) -> list[int]:
@@ -30,4 +36,8 @@ def region(part: BodyPart, places: Sequence[tuple[float, float]]) -> list[int]:
     device = part.bhaptics or ""
     across = _HALVES[part.side] if device.startswith("Vest") or device == "Head" else (0.0, 1.0)
     along = _HEIGHTS.get(part.name.partition(".")[0], (0.0, 1.0))
-    return [index for index, (x, y) in enumerate(places) if across[0] <= x <= across[1] and along[0] <= y <= along[1]]
+    return [
+        index
+        for index, (x, y) in enumerate(places)
+        if across[0] <= x <= across[1] and along[0] <= y <= along[1]
+    ]

@@ -18,7 +18,9 @@ class Strategy(enum.StrEnum):
     """How the gain from a source to a listener is computed."""
 
     AUTO = "auto"  # the best path for every source, whatever its number of connections
-    AS_IN_THE_PAPER = "as_in_the_paper"  # all paths for persistent sources, the best path for temporary ones
+    AS_IN_THE_PAPER = (
+        "as_in_the_paper"  # all paths for persistent sources, the best path for temporary ones
+    )
     BEST_PATH = "best_path"
     ALL_PATHS = "all_paths"
     ENERGY_BALANCE = "energy_balance"

@@ -11,7 +11,8 @@ _Value = TypeVar("_Value", float, "FloatArray")
 
 
 def transfer_coefficient(kappa: _Value, rho: _Value) -> _Value:
-    """Return ``K = (1 - kappa) rho``: the gain at distance 0 and, down to ε, the attenuation per metre of the paper's function."""
+    """Return ``K = (1 - kappa) rho``: the gain at distance 0 and, down to ε, the attenuation per
+    metre of the paper's function."""
     return (1.0 - kappa) * rho
 
 

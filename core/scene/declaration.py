@@ -2,10 +2,12 @@
 
 A dataclass declares a field by its metadata:
 
-    gain: float = field(default=1.0, metadata=number("Gain", "Factor of this listener's mixed signal", 0.0, 1e9, soft=(0.0, 2.0)))
+    gain: float = field(default=1.0, metadata=number("Gain", "Factor of this listener's mixed
+        signal", 0.0, 1e9, soft=(0.0, 2.0)))
 
-From the declaration follow the check of its values, its JSON Schema, and in Blender its property, its tooltip, and its place in a panel. A
-field with a label has a property in Blender; one without a label stands in files only.
+From the declaration follow the check of its values, its JSON Schema, and in Blender its property,
+its tooltip, and its place in a panel. A field with a label has a property in Blender; one without a
+label stands in files only.
 """
 
 from __future__ import annotations
@@ -28,10 +30,11 @@ _RANGE = {True: "exclusiveMinimum", False: "minimum"}
 class Declaration:
     """What all kinds of fields have.
 
-    ``key``: the field's name in files, "" for its own. ``label``: its name in panels, "" for a field without a property; ``context``: that
-    of the label's translation, if it has another meaning elsewhere. ``about``: its meaning, as tooltip and in the schema. ``shown``: the
-    value of a new property, None for the default. ``optional``: None, or no numbers, is a value, too. ``required``: files always have it.
-    ``animated``: the property can have keyframes.
+    ``key``: the field's name in files, "" for its own. ``label``: its name in panels, "" for a
+    field without a property; ``context``: that of the label's translation, if it has another
+    meaning elsewhere. ``about``: its meaning, as tooltip and in the schema. ``shown``: the value of
+    a new property, None for the default. ``optional``: None, or no numbers, is a value, too.
+    ``required``: files always have it. ``animated``: the property can have keyframes.
     """
 
     key: str = ""
@@ -54,8 +57,8 @@ class Declaration:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Number(Declaration):
-    """A number from ``low``, or ``above`` it, to ``high``; ``whole``: an integer. ``soft``: range of sliders. ``digits``: decimal places
-    shown. ``unit``: its unit."""
+    """A number from ``low``, or ``above`` it, to ``high``; ``whole``: an integer. ``soft``: range
+    of sliders. ``digits``: decimal places shown. ``unit``: its unit."""
 
     low: float
     high: float
@@ -67,12 +70,20 @@ class Number(Declaration):
 
     def checked(self, value: Any) -> Any:
         if not (self.low < value if self.above else self.low <= value) or not value <= self.high:
-            span = f"above {self.low:g} and at most {self.high:g}" if self.above else f"from {self.low:g} to {self.high:g}"
+            span = (
+                f"above {self.low:g} and at most {self.high:g}"
+                if self.above
+                else f"from {self.low:g} to {self.high:g}"
+            )
             raise ValueError(f"must be {span}{self.unit and ' '}{self.unit}, got {value!r}")
         return int(value) if self.whole else value
 
     def schema(self) -> dict[str, Any]:
-        return {"type": "integer" if self.whole else "number", _RANGE[self.above]: self.low, "maximum": self.high}
+        return {
+            "type": "integer" if self.whole else "number",
+            _RANGE[self.above]: self.low,
+            "maximum": self.high,
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +102,12 @@ class Numbers(Number):
         return numbers
 
     def schema(self) -> dict[str, Any]:
-        return {"type": "array", "minItems": self.count, "maxItems": self.count, "items": Number.schema(self)}
+        return {
+            "type": "array",
+            "minItems": self.count,
+            "maxItems": self.count,
+            "items": Number.schema(self),
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,8 +120,8 @@ class Switch(Declaration):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Choice(Declaration):
-    """One of ``items``: the label and the meaning of each value. ``kind``: the enumeration that the values are converted to. ``open``:
-    other texts are values, too."""
+    """One of ``items``: the label and the meaning of each value. ``kind``: the enumeration that the
+    values are converted to. ``open``: other texts are values, too."""
 
     items: Mapping[str, tuple[str, str]]
     kind: type[StrEnum] | None = None
@@ -117,7 +133,11 @@ class Choice(Declaration):
         return value if self.kind is None else self.kind(value)
 
     def schema(self) -> dict[str, Any]:
-        return {"type": "string", "maxLength": 255} if self.open else {"enum": list(map(str, self.items))}
+        return (
+            {"type": "string", "maxLength": 255}
+            if self.open
+            else {"enum": list(map(str, self.items))}
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,12 +153,17 @@ class Text(Declaration):
         return value
 
     def schema(self) -> dict[str, Any]:
-        return {"type": "string", **({"minLength": self.least} if self.least else {}), "maxLength": self.most}
+        return {
+            "type": "string",
+            **({"minLength": self.least} if self.least else {}),
+            "maxLength": self.most,
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part(Declaration):
-    """A value that is defined, and checked, elsewhere: the definition ``ref`` of the schema; with ``most``, a list of so many at most."""
+    """A value that is defined, and checked, elsewhere: the definition ``ref`` of the schema; with
+    ``most``, a list of so many at most."""
 
     ref: str
     most: int = 0
@@ -148,7 +173,9 @@ class Part(Declaration):
         return {"type": "array", "maxItems": self.most, "items": ref} if self.most else ref
 
 
-def number(label: str, about: str, low: float, high: float = MOST, **more: Any) -> Mapping[str, Any]:
+def number(
+    label: str, about: str, low: float, high: float = MOST, **more: Any
+) -> Mapping[str, Any]:
     """The metadata of a `Number`."""
     return {_KEY: Number(label=label, about=about, low=low, high=high, **more)}
 
@@ -158,7 +185,9 @@ def share(label: str, about: str, **more: Any) -> Mapping[str, Any]:
     return number(label, about, 0.0, 1.0, **more)
 
 
-def numbers(label: str, about: str, count: int, low: float = -MOST, high: float = MOST, **more: Any) -> Mapping[str, Any]:
+def numbers(
+    label: str, about: str, count: int, low: float = -MOST, high: float = MOST, **more: Any
+) -> Mapping[str, Any]:
     """The metadata of `Numbers`."""
     return {_KEY: Numbers(label=label, about=about, count=count, low=low, high=high, **more)}
 
@@ -168,10 +197,14 @@ def switch(label: str, about: str, **more: Any) -> Mapping[str, Any]:
     return {_KEY: Switch(label=label, about=about, **more)}
 
 
-def choice(label: str, about: str, items: Mapping[Any, tuple[str, str]], **more: Any) -> Mapping[str, Any]:
+def choice(
+    label: str, about: str, items: Mapping[Any, tuple[str, str]], **more: Any
+) -> Mapping[str, Any]:
     """The metadata of a `Choice`; ``items`` by members of an enumeration, or by texts."""
     kinds = {type(value) for value in items} - {str}
-    return {_KEY: Choice(label=label, about=about, items=items, kind=next(iter(kinds), None), **more)}
+    return {
+        _KEY: Choice(label=label, about=about, items=items, kind=next(iter(kinds), None), **more)
+    }
 
 
 def text(label: str, about: str, **more: Any) -> Mapping[str, Any]:
@@ -191,7 +224,9 @@ def part(ref: str, about: str, most: int = 0, **more: Any) -> Mapping[str, Any]:
 
 def extras() -> Any:
     """The field of any further data of an item."""
-    return field(default_factory=dict, hash=False, metadata=part("extras", "Anything else: kept as it is"))
+    return field(
+        default_factory=dict, hash=False, metadata=part("extras", "Anything else: kept as it is")
+    )
 
 
 @cache
@@ -208,11 +243,16 @@ def shown(cls: type) -> dict[str, Declaration]:
 @cache
 def _checked(cls: type) -> list[tuple[str, Declaration]]:
     """The declared fields of a class whose values are checked."""
-    return [(key, item) for key, item in declared(cls).items() if type(item).checked is not Declaration.checked]
+    return [
+        (key, item)
+        for key, item in declared(cls).items()
+        if type(item).checked is not Declaration.checked
+    ]
 
 
 def check(item: Any) -> None:
-    """Check all declared fields of a new item and convert their values to their types. Raises ValueError that names the field."""
+    """Check all declared fields of a new item and convert their values to their types. Raises
+    ValueError that names the field."""
     for key, declaration in _checked(item.__class__):
         value = getattr(item, key)
         if declaration.optional and (value is None or value == ()):
@@ -237,8 +277,15 @@ def schema_of(cls: type) -> dict[str, Any]:
     known = declared(cls)
     return {
         "type": "object",
-        "properties": {item.key or name: _described(item, default_of(cls, name)) for name, item in known.items()},
-        "required": [item.key or name for name, item in known.items() if item.required or default_of(cls, name) is MISSING],
+        "properties": {
+            item.key or name: _described(item, default_of(cls, name))
+            for name, item in known.items()
+        },
+        "required": [
+            item.key or name
+            for name, item in known.items()
+            if item.required or default_of(cls, name) is MISSING
+        ],
         "additionalProperties": False,
     }
 

@@ -20,7 +20,9 @@ class ImpactTemplates(enum.StrEnum):
     """The signals that impacts play."""
 
     PLAIN = "plain"  # one template for all
-    BY_MATERIAL = "by_material"  # that of the two impact materials, the plain one if either is unknown
+    BY_MATERIAL = (
+        "by_material"  # that of the two impact materials, the plain one if either is unknown
+    )
 
 
 TEMPLATES = {
@@ -38,19 +40,27 @@ LEAST_PITCH, MOST_PITCH, LEAST_DECAY = 0.25, 4.0, 0.01
 QUIETEST = 1e-4
 """Least peak of a signal that is played once."""
 _STEPS = 48
-"""Pitches per octave, 1.5 % apart (a tenth of the skin's difference threshold), because recordings need a kernel for each."""
+"""Pitches per octave, 1.5 % apart (a tenth of the skin's difference threshold), because recordings
+need a kernel for each."""
 
 
 def require_template(key: str, signal: Signal) -> None:
     """Raise ValueError that names ``key`` if impacts and triggers cannot play the signal."""
     if not signal.duration <= signals.LONGEST:
-        raise ValueError(f"{key}: the signal of an impact or a trigger must end within {signals.LONGEST:g} seconds")
+        raise ValueError(
+            f"{key}: the signal of an impact or a trigger must end within {signals.LONGEST:g} "
+            "seconds"
+        )
     if not signal.peak >= QUIETEST:
         raise ValueError(f"{key}: the signal of an impact or a trigger must not be silent")
 
 
 LEAST_ENERGY = number(
-    "Least Energy", "Collisions weaker than this, in joules, make no source; 5 J is a light contact", 0.0, soft=(0.0, 100.0), unit="J"
+    "Least Energy",
+    "Collisions weaker than this, in joules, make no source; 5 J is a light contact",
+    0.0,
+    soft=(0.0, 100.0),
+    unit="J",
 )
 FULL_ENERGY = number(
     "Full Energy",
@@ -72,8 +82,9 @@ REFRACTORY = number(
 
 @dataclass(frozen=True, slots=True)
 class ImpactLimits:
-    """Conditions of an impact: a new contact with at least ``least_energy`` (E_min) joules; ``full_energy`` (E_max) gives amplitude 1. A
-    pair has no second impact within ``refractory`` seconds."""
+    """Conditions of an impact: a new contact with at least ``least_energy`` (E_min) joules;
+    ``full_energy`` (E_max) gives amplitude 1. A pair has no second impact within ``refractory``
+    seconds."""
 
     least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
     full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
@@ -85,22 +96,29 @@ class ImpactLimits:
 
 @dataclass(frozen=True, slots=True)
 class ImpactRule:
-    """Signal of impacts: the ``template`` with amplitude ``gain``, modified by ``pitch``, ``decay`` and ``brightness`` as in `Struck`.
-    Each of these is weak + (full - weak) s at strength s = min(energy / E_max, 1)^``bend``. ``variation`` in [0, 1]: largest relative
-    deviation of single impacts, drawn by ``seed``. ``limits``: None for those of the scene."""
+    """Signal of impacts: the ``template`` with amplitude ``gain``, modified by ``pitch``, ``decay``
+    and ``brightness`` as in `Struck`. Each of these is weak + (full - weak) s at strength s =
+    min(energy / E_max, 1)^``bend``. ``variation`` in [0, 1]: largest relative deviation of single
+    impacts, drawn by ``seed``. ``limits``: None for those of the scene."""
 
     template: ImpactTemplates | Signal = field(
         default=ImpactTemplates.BY_MATERIAL,
-        metadata=part("template", "Signal that impacts play: by_material, plain, or a signal that ends"),
+        metadata=part(
+            "template", "Signal that impacts play: by_material, plain, or a signal that ends"
+        ),
     )
     gain: Curve = field(
-        default=(0.0, 1.0), metadata=numbers("Gain", "Amplitude of the weakest collisions, and of those of full energy", 2, 0.0, 1.0)
+        default=(0.0, 1.0),
+        metadata=numbers(
+            "Gain", "Amplitude of the weakest collisions, and of those of full energy", 2, 0.0, 1.0
+        ),
     )
     pitch: Curve = field(
         default=(1.0, 1.0),
         metadata=numbers(
             "Pitch",
-            "How many times as fast the signal plays in the weakest collisions, and in those of full energy",
+            "How many times as fast the signal plays in the weakest collisions, and in those of "
+            "full energy",
             2,
             LEAST_PITCH,
             MOST_PITCH,
@@ -111,7 +129,8 @@ class ImpactRule:
         default=(1.0, 1.0),
         metadata=numbers(
             "Decay",
-            "Part of its decay time that the signal has in the weakest collisions, and in those of full energy",
+            "Part of its decay time that the signal has in the weakest collisions, and in those "
+            "of full energy",
             2,
             LEAST_DECAY,
             1.0,
@@ -119,21 +138,41 @@ class ImpactRule:
     )
     brightness: Curve = field(
         default=(1.0, 1.0),
-        metadata=numbers("Brightness", "Gain above 100 Hz in the weakest collisions, and in those of full energy", 2, 0.0, 1.0),
+        metadata=numbers(
+            "Brightness",
+            "Gain above 100 Hz in the weakest collisions, and in those of full energy",
+            2,
+            0.0,
+            1.0,
+        ),
     )
     bend: float = field(
         default=1.0,
         metadata=number(
-            "Bend", "How these values change from weak to full: 1 with the energy, 0.5 with the speed of the impact", 0.1, 10.0
+            "Bend",
+            "How these values change from weak to full: 1 with the energy, 0.5 with the speed of "
+            "the impact",
+            0.1,
+            10.0,
         ),
     )
     variation: float = field(
         default=0.0,
-        metadata=share("Variation", "Largest relative variation of impacts: higher or lower, shorter and weaker", soft=(0.0, 0.3)),
+        metadata=share(
+            "Variation",
+            "Largest relative variation of impacts: higher or lower, shorter and weaker",
+            soft=(0.0, 0.3),
+        ),
     )
-    seed: int = field(default=0, metadata=number("Seed", "Another number gives other variations", 0, 10**9, whole=True))
+    seed: int = field(
+        default=0,
+        metadata=number("Seed", "Another number gives other variations", 0, 10**9, whole=True),
+    )
     limits: ImpactLimits | None = field(
-        default=None, metadata=part("impact_limits", "Limits of these impacts; default: those of the scene's rules")
+        default=None,
+        metadata=part(
+            "impact_limits", "Limits of these impacts; default: those of the scene's rules"
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -148,24 +187,36 @@ class ImpactRule:
         """The least pitch of any impact."""
         return max(min(self.pitch) * (1.0 - self.variation), LEAST_PITCH)
 
-    def played(self, template: Signal, energy: float, names: tuple[str, str], onset: float) -> tuple[Signal, float]:
-        """The signal and the amplitude of an impact between two objects at ``onset`` [s]; ``energy``: fraction of the full energy, at most
-        1."""
+    def played(
+        self, template: Signal, energy: float, names: tuple[str, str], onset: float
+    ) -> tuple[Signal, float]:
+        """The signal and the amplitude of an impact between two objects at ``onset`` [s];
+        ``energy``: fraction of the full energy, at most 1."""
         strength = energy**self.bend
-        gain, pitch, decay, brightness = (weak + (full - weak) * strength for weak, full in (getattr(self, key) for key in CURVES))
-        higher, shorter, weaker = _chances(self.seed, names, onset) if self.variation else (0.5, 0.0, 0.0)
+        gain, pitch, decay, brightness = (
+            weak + (full - weak) * strength for weak, full in (getattr(self, key) for key in CURVES)
+        )
+        higher, shorter, weaker = (
+            _chances(self.seed, names, onset) if self.variation else (0.5, 0.0, 0.0)
+        )
         pitch *= 1.0 + self.variation * (2.0 * higher - 1.0)
         decay *= 1.0 - self.variation * shorter
         amplitude = gain * (1.0 - self.variation * weaker)
         if pitch == decay == brightness == 1.0:
             return template, amplitude
         step = round(_STEPS * math.log2(min(max(pitch, LEAST_PITCH), MOST_PITCH)))
-        return signals.Struck(template, 2.0 ** (step / _STEPS), max(decay, LEAST_DECAY), brightness), amplitude
+        return signals.Struck(
+            template, 2.0 ** (step / _STEPS), max(decay, LEAST_DECAY), brightness
+        ), amplitude
 
 
 def _chances(seed: int, names: tuple[str, str], onset: float) -> tuple[float, float, float]:
-    """Three pseudo-random numbers in [0, 1] that depend only on the arguments, so that an impact is the same in every rendering."""
+    """Three pseudo-random numbers in [0, 1] that depend only on the arguments, so that an impact is
+    the same in every rendering."""
     first, second = sorted(names)
     text = f"{seed}\0{first}\0{second}\0{round(1000.0 * onset)}"
-    a, b, c = (number / (2**32 - 1) for number in struct.unpack("<3I", blake2b(text.encode(), digest_size=12).digest()))
+    a, b, c = (
+        number / (2**32 - 1)
+        for number in struct.unpack("<3I", blake2b(text.encode(), digest_size=12).digest())
+    )
     return a, b, c

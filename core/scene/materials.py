@@ -1,20 +1,22 @@
 """The material library: named materials and their propagation properties.
 
-The values are in `materials.json`. Measured, from the tables named below: ``density``, ``wave_speed``, ``conductivity``, and, to an order
-of magnitude, ``loss_factor``.
-Chosen by design: ``kappa`` and ``rho``, which are coefficients of the paper without physical meaning (only ``(1 - kappa) rho`` counts), so
-that neighbouring materials differ by more than the skin's difference threshold; and ``absorption`` of materials without a single wave
-speed.
+The values are in `materials.json`. Measured, from the tables named below: ``density``,
+``wave_speed``, ``conductivity``, and, to an order of magnitude, ``loss_factor``. Chosen by design:
+``kappa`` and ``rho``, which are coefficients of the paper without physical meaning (only ``(1 -
+kappa) rho`` counts), so that neighbouring materials differ by more than the skin's difference
+threshold; and ``absorption`` of materials without a single wave speed.
 
-Wave speeds of solids are those of extensional waves in rods: CRC Handbook of Chemistry and Physics, "Speed of Sound in Various Media"; of
-building materials, cork, rubber and wood along the grain: The Engineering ToolBox, "Speed of Sound in common Solids". Thermal
-conductivities and densities: EN ISO 10456, CIBSE Guide A tables 3.36 and 3.37; rocks: CRC Handbook. Loss factors: the usual values of
-Cremer, Heckl and Petersson, "Structure-Borne Sound"; they vary by a factor of 2 to 10 between specimens. Loose soil and sand: shear waves
-near the surface.
+Wave speeds of solids are those of extensional waves in rods: CRC Handbook of Chemistry and Physics,
+"Speed of Sound in Various Media"; of building materials, cork, rubber and wood along the grain: The
+Engineering ToolBox, "Speed of Sound in common Solids". Thermal conductivities and densities: EN ISO
+10456, CIBSE Guide A tables 3.36 and 3.37; rocks: CRC Handbook. Loss factors: the usual values of
+Cremer, Heckl and Petersson, "Structure-Borne Sound"; they vary by a factor of 2 to 10 between
+specimens. Loose soil and sand: shear waves near the surface.
 
-Textures have measured periods where available: planed wood 14 marks of the knife an inch, finely planed 21 (Architectural Woodwork
-Institute); gravel and sand the mean grain sizes of medium gravel and coarse sand (ISO 14688-1); asphalt within the macrotexture of
-roads, 0.5 to 50 mm (ISO 13473-1); flesh the ridges of fingertips. All other values of textures are chosen.
+Textures have measured periods where available: planed wood 14 marks of the knife an inch, finely
+planed 21 (Architectural Woodwork Institute); gravel and sand the mean grain sizes of medium gravel
+and coarse sand (ISO 14688-1); asphalt within the macrotexture of roads, 0.5 to 50 mm (ISO 13473-1);
+flesh the ridges of fingertips. All other values of textures are chosen.
 """
 
 from __future__ import annotations
@@ -39,9 +41,10 @@ _REFERENCE = 100.0
 class Material:
     """A material of the library.
 
-    name: identifier in files and properties. title: name in menus. kappa, rho: the paper's coefficients, in [0, 1].
-    density: kg/m^3. wave_speed: m/s, 0 if there is no single speed. absorption: extra attenuation at 100 Hz, in 1/m.
-    conductivity: thermal, in W/(m K). words: names of the material, things: names of objects usually made of it, in lower case.
+    name: identifier in files and properties. title: name in menus. kappa, rho: the paper's
+    coefficients, in [0, 1]. density: kg/m^3. wave_speed: m/s, 0 if there is no single speed.
+    absorption: extra attenuation at 100 Hz, in 1/m. conductivity: thermal, in W/(m K). words: names
+    of the material, things: names of objects usually made of it, in lower case.
     """
 
     name: str
@@ -62,32 +65,41 @@ class Material:
 
     @property
     def band_decays(self) -> tuple[float, ...]:
-        """Extra attenuation in each frequency band, in 1/m: proportional to frequency, because the loss factor is constant."""
+        """Extra attenuation in each frequency band, in 1/m: proportional to frequency, because the
+        loss factor is constant."""
         return tuple(self.absorption * centre / _REFERENCE for centre in BAND_CENTRES)
 
 
 def absorption(loss_factor: float, wave_speed: float) -> float:
-    """Attenuation of a plane wave at 100 Hz in 1/m: ``pi f eta / c`` (amplitude; from the complex wave number ``k (1 - i eta / 2)``)."""
+    """Attenuation of a plane wave at 100 Hz in 1/m: ``pi f eta / c`` (amplitude; from the complex
+    wave number ``k (1 - i eta / 2)``)."""
     return math.pi * _REFERENCE * loss_factor / wave_speed
 
 
-TABLE: Mapping[str, Mapping[str, Any]] = json.loads(Path(__file__).with_name("materials.json").read_text("utf-8"))
+TABLE: Mapping[str, Mapping[str, Any]] = json.loads(
+    Path(__file__).with_name("materials.json").read_text("utf-8")
+)
 """The rows of `materials.json` by name of the material."""
 
 
 def _material(name: str, row: Mapping[str, Any]) -> Material:
-    """A material from its row; absorption follows from wave speed and loss factor, or is given if there is no single wave speed."""
+    """A material from its row; absorption follows from wave speed and loss factor, or is given if
+    there is no single wave speed."""
     return Material(
         name=name,
         **{key: row[key] for key in ("title", "kappa", "rho", "density", "conductivity")},
         wave_speed=row.get("wave_speed", 0.0),
-        absorption=absorption(row["loss_factor"], row["wave_speed"]) if "wave_speed" in row else row["absorption"],
+        absorption=absorption(row["loss_factor"], row["wave_speed"])
+        if "wave_speed" in row
+        else row["absorption"],
         words=(name, *row.get("words", "").split()),
         things=tuple(row.get("things", "").split()),
     )
 
 
-MATERIALS: Mapping[str, Material] = MappingProxyType({name: _material(name, row) for name, row in TABLE.items()})
+MATERIALS: Mapping[str, Material] = MappingProxyType(
+    {name: _material(name, row) for name, row in TABLE.items()}
+)
 """The materials by name."""
 
 _WORDS = {word: material for material in MATERIALS.values() for word in material.words}
@@ -96,8 +108,8 @@ _ENDINGS = ("", "s", "es", "en", "y", "ic", "ed")
 
 
 def named_in(text: str) -> Material | None:
-    """The material suggested by an object's name: by a material in it ("Oak Bench.001", "rustyMetal_2"), else by the kind of object
-    ("Anvil").
+    """The material suggested by an object's name: by a material in it ("Oak Bench.001",
+    "rustyMetal_2"), else by the kind of object ("Anvil").
 
     Of several the last counts ("Glass Table"); None without any.
     """
@@ -112,7 +124,8 @@ def named_in(text: str) -> Material | None:
 
 
 def texture_in(text: str) -> Mapping[str, float]:
-    """The values of a `Texture` of the material suggested by an object's name; empty without one, and for a fluid."""
+    """The values of a `Texture` of the material suggested by an object's name; empty without one,
+    and for a fluid."""
     material = named_in(text)
     return {} if material is None else TABLE[material.name].get("texture", {})
 
@@ -127,11 +140,14 @@ def is_wide_and_flat(size: tuple[float, float, float]) -> bool:
     return min(x, y) >= _GROUND_EXTENT and z <= _GROUND_FLATNESS * min(x, y)
 
 
-def guess(names: Iterable[str], size: tuple[float, float, float] | None = None, mass: float | None = None) -> Material | None:
+def guess(
+    names: Iterable[str], size: tuple[float, float, float] | None = None, mass: float | None = None
+) -> Material | None:
     """The probable material of an object, or None.
 
-    names: those of its surfaces, itself and its mesh, the most specific first. size: extent along x, y and z in metres; a wide and flat
-    object is ground. mass: kg, if the author has set it; without a match by name, the density of the bounding box then decides.
+    names: those of its surfaces, itself and its mesh, the most specific first. size: extent along
+    x, y and z in metres; a wide and flat object is ground. mass: kg, if the author has set it;
+    without a match by name, the density of the bounding box then decides.
     """
     for name in names:
         material = named_in(name)
@@ -145,4 +161,7 @@ def guess(names: Iterable[str], size: tuple[float, float, float] | None = None, 
     if mass is None or not mass > 0 or not volume > 0:
         return None
     density = math.log(mass) - math.log(volume)  # the quotient may be too small for a number
-    return min((MATERIALS[name] for name in _BY_DENSITY), key=lambda material: abs(math.log(material.density) - density))
+    return min(
+        (MATERIALS[name] for name in _BY_DENSITY),
+        key=lambda material: abs(math.log(material.density) - density),
+    )

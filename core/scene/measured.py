@@ -1,20 +1,25 @@
-"""Measured loss factors and wave speeds of materials, with their ranges and sources, and the propagation function that follows from them.
+"""Measured loss factors and wave speeds of materials, with their ranges and sources, and the
+propagation function that follows from them.
 
-Loss factors and speeds of metals: the tables of Cremer and Heckl as transcribed by Irvine, "Damping Properties of Materials" (2004).
-Soil, sand and gravel: DIN 4150-1:2001 and DIN 45672-1:2009 (material damping and wave speeds of ground). Flesh: surface waves on skin,
-doi 10.1117/1.1803843 and, for their 7 m/s, doi 10.1371/journal.pone.0031203; shear waves in muscle, PMC9631468. Concrete's loss factor:
-EN 12354-1. Building elements in place lose 1 to 3 dB per metre at 150 to 3000 Hz (Acustica 2, 1952, "Absorption of structure-borne
-sound in building materials"). Values without a source are the usual ranges of Cremer, Heckl and Petersson, "Structure-Borne
-Sound", and count as estimated.
+Loss factors and speeds of metals: the tables of Cremer and Heckl as transcribed by Irvine, "Damping
+Properties of Materials" (2004). Soil, sand and gravel: DIN 4150-1:2001 and DIN 45672-1:2009
+(material damping and wave speeds of ground). Flesh: surface waves on skin, doi 10.1117/1.1803843
+and, for their 7 m/s, doi 10.1371/journal.pone.0031203; shear waves in muscle, PMC9631468.
+Concrete's loss factor: EN 12354-1. Building elements in place lose 1 to 3 dB per metre at 150 to
+3000 Hz (Acustica 2, 1952, "Absorption of structure-borne sound in building materials"). Values
+without a source are the usual ranges of Cremer, Heckl and Petersson, "Structure-Borne Sound", and
+count as estimated.
 
-Parts of a body move as a whole up to their resonances: ankle 16 to 39 Hz, midfoot 51 to 84, toes 99 to 147 (Goggins, 24 places of the
-foot of 21 people, wbldb.lievers.net/10176750; ankle 25 to 30 Hz, metatarsals 50 Hz, doi 10.3233/OER-160236), knee 20 to 30 Hz, where
-platforms amplify, while little arrives at the hip (doi 10.3390/app14209516), elbow 8 Hz (Marchetti and others, Int. J. Ind. Ergon. 62,
-2017), fingertip 200 Hz (Lundström, J. Biomech. 17, 1984). Cited from memory, without access to a curve: wrist 20 to 40 Hz and shoulder 10
-Hz (doi 10.1016/j.jsv.2010.02.001), head and trunk 4 to 6 Hz, with a transmissibility of 0.5 to 0.7 at 15 to 20 Hz; above the resonances, at
-most 0.2 at the elbow from 100 Hz and 0.1 at the shoulder from 50 Hz.
-A whole body in one mesh has the resonance and speed that give the loss of its parts along the way from sole to crown, with the heights of
-the joints of Drillis and Contini (1966).
+Parts of a body move as a whole up to their resonances: ankle 16 to 39 Hz, midfoot 51 to 84, toes 99
+to 147 (Goggins, 24 places of the foot of 21 people, wbldb.lievers.net/10176750; ankle 25 to 30 Hz,
+metatarsals 50 Hz, doi 10.3233/OER-160236), knee 20 to 30 Hz, where platforms amplify, while little
+arrives at the hip (doi 10.3390/app14209516), elbow 8 Hz (Marchetti and others, Int. J. Ind. Ergon.
+62, 2017), fingertip 200 Hz (Lundström, J. Biomech. 17, 1984). Cited from memory, without access to
+a curve: wrist 20 to 40 Hz and shoulder 10 Hz (doi 10.1016/j.jsv.2010.02.001), head and trunk 4 to 6
+Hz, with a transmissibility of 0.5 to 0.7 at 15 to 20 Hz; above the resonances, at most 0.2 at the
+elbow from 100 Hz and 0.1 at the shoulder from 50 Hz. A whole body in one mesh has the resonance and
+speed that give the loss of its parts along the way from sole to crown, with the heights of the
+joints of Drillis and Contini (1966).
 """
 
 from __future__ import annotations
@@ -35,9 +40,10 @@ IN_A_BUILDING = 0.23
 
 @dataclass(frozen=True, slots=True)
 class Damping:
-    """Damping of vibration in a material. ``loss_factor`` with its ``loss_range``; ``speed`` of its waves [m/s] with its ``speed_range``:
-    extensional waves, or shear and surface waves in soft or loose materials. ``ground``: a ground material, in which waves travel along the
-    surface. ``building``: a material of walls and floors. ``estimated``: without a published value."""
+    """Damping of vibration in a material. ``loss_factor`` with its ``loss_range``; ``speed`` of its
+    waves [m/s] with its ``speed_range``: extensional waves, or shear and surface waves in soft or
+    loose materials. ``ground``: a ground material, in which waves travel along the surface.
+    ``building``: a material of walls and floors. ``estimated``: without a published value."""
 
     loss_factor: float
     loss_range: tuple[float, float]
@@ -49,18 +55,26 @@ class Damping:
 
 
 def _damping(row: Mapping[str, Any]) -> Damping:
-    return Damping(**{**row, "loss_range": tuple(row["loss_range"]), "speed_range": tuple(row["speed_range"])})
+    return Damping(
+        **{**row, "loss_range": tuple(row["loss_range"]), "speed_range": tuple(row["speed_range"])}
+    )
 
 
-DAMPING: Mapping[str, Damping] = MappingProxyType({name: _damping(row["damping"]) for name, row in TABLE.items()})
+DAMPING: Mapping[str, Damping] = MappingProxyType(
+    {name: _damping(row["damping"]) for name, row in TABLE.items()}
+)
 """Damping by the names of the library's materials."""
 
 _LIMBS = json.loads(Path(__file__).with_name("limbs.json").read_text("utf-8"))
-LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType({part: (row["resonance"], row["speed"]) for part, row in _LIMBS.items()})
-"""By body part: the resonance [Hz] up to which it moves as a whole, and the wave speed [m/s] fitted to the loss above it."""
+LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {part: (row["resonance"], row["speed"]) for part, row in _LIMBS.items()}
+)
+"""By body part: the resonance [Hz] up to which it moves as a whole, and the wave speed [m/s] fitted
+to the loss above it."""
 
 SKIN = 0.005
-"""Largest thickness of flesh that counts as skin [m]; also the radius of the area of skin that a small actuator excites."""
+"""Largest thickness of flesh that counts as skin [m]; also the radius of the area of skin that a
+small actuator excites."""
 
 _LONGEST_PART = 1.0
 """Length [m] above which flesh that is not named after a part is a whole body."""
@@ -70,11 +84,12 @@ SHEET = 0.01
 
 
 def wall_of(size: tuple[float, float, float], volume: float, area: float) -> float:
-    """The thickness [m] of the wall of a closed body with the sizes of its bounding box, the greatest first, from its volume [m³] and the
-    area of its surface, inside and outside [m²].
+    """The thickness [m] of the wall of a closed body with the sizes of its bounding box, the
+    greatest first, from its volume [m³] and the area of its surface, inside and outside [m²].
 
-    It is 2 volume / area of a thin wall. A solid box has ``area / (2 volume) = 1/a + 1/b + 1/c``, and solid cylinders and balls have the
-    same: without the terms of the other two sizes, c is left.
+    It is 2 volume / area of a thin wall. A solid box has ``area / (2 volume) = 1/a + 1/b + 1/c``,
+    and solid cylinders and balls have the same: without the terms of the other two sizes, c is
+    left.
     """
     large, middle, small = size
     if min(volume, middle) <= 0:
@@ -84,13 +99,18 @@ def wall_of(size: tuple[float, float, float], volume: float, area: float) -> flo
 
 
 def physical(
-    name: str, size: tuple[float, float, float], in_a_building: bool = False, part: str = "", is_half_space: bool = False
+    name: str,
+    size: tuple[float, float, float],
+    in_a_building: bool = False,
+    part: str = "",
+    is_half_space: bool = False,
 ) -> Physical:
-    """The propagation function of a body of a material of the library, from its three sizes [m] in any order: those of its bounding box,
-    the least of them that of the wall if the body is hollow.
+    """The propagation function of a body of a material of the library, from its three sizes [m] in
+    any order: those of its bounding box, the least of them that of the wall if the body is hollow.
 
-    ``in_a_building``: the body is a wall or floor in place, whose edges and joints add attenuation. ``part``: the body part, without its
-    side, if it is of flesh. ``is_half_space``: waves travel along its surface without end, as in the materials of the ground.
+    ``in_a_building``: the body is a wall or floor in place, whose edges and joints add attenuation.
+    ``part``: the body part, without its side, if it is of flesh. ``is_half_space``: waves travel
+    along its surface without end, as in the materials of the ground.
     """
     damping, material = DAMPING[name], MATERIALS[name]
     small, middle, large = sorted(size)
@@ -111,15 +131,22 @@ def physical(
         part = part or ("body" if large > _LONGEST_PART else "")
         resonance, speed = LIMBS.get(part, (function.resonance, function.phase_speed))
         return replace(function, wave=Wave.LIMB, resonance=resonance, phase_speed=speed)
-    return replace(function, wave=Wave.SURFACE, extent=0.0) if damping.ground or is_half_space else function
+    return (
+        replace(function, wave=Wave.SURFACE, extent=0.0)
+        if damping.ground or is_half_space
+        else function
+    )
 
 
 def felt_all_over(size: tuple[float, float, float]) -> Physical:
-    """The function of a body of flesh that feels all over what shakes any part of it: at every frequency the attenuation that the library
-    chooses for flesh at 100 Hz, 5 dB per metre. A design choice: a measured body feels a floor at its feet only."""
-    return replace(physical("flesh", size), loss_factor=0.0, absorption=MATERIALS["flesh"].absorption)
+    """The function of a body of flesh that feels all over what shakes any part of it: at every
+    frequency the attenuation that the library chooses for flesh at 100 Hz, 5 dB per metre. A design
+    choice: a measured body feels a floor at its feet only."""
+    return replace(
+        physical("flesh", size), loss_factor=0.0, absorption=MATERIALS["flesh"].absorption
+    )
 
 
 FLESH_CONTACT = 0.5
-"""Gain of contacts of flesh with anything else: -6 dB for skin and cloth. A design choice: a stiffness of that layer is published of the
-fingertip only."""
+"""Gain of contacts of flesh with anything else: -6 dB for skin and cloth. A design choice: a
+stiffness of that layer is published of the fingertip only."""

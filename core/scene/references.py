@@ -21,7 +21,8 @@ class PlacedError(ValueError):
 
 
 def named(name: str, known: Mapping[str, Item], kind: str) -> Item:
-    """The item called ``name``. Raises ValueError, which lists the ``known`` names of that kind, if there is none."""
+    """The item called ``name``. Raises ValueError, which lists the ``known`` names of that kind, if
+    there is none."""
     if name not in known:
         raise ValueError(f"{kind} {name!r} is unknown: use one of {', '.join(known)}")
     return known[name]
@@ -44,4 +45,6 @@ def require_unique(names: Sequence[str], kind: str, key: str) -> None:
 def require_new(name: str, known: Container[str], kind: str, place: Place) -> None:
     """Raise PlacedError if ``name`` is already one of the ``known`` names of that kind."""
     if name in known:
-        raise PlacedError(place, f"there is {'an' if kind[0] in 'aeiou' else 'a'} {kind} {name!r} already")
+        raise PlacedError(
+            place, f"there is {'an' if kind[0] in 'aeiou' else 'a'} {kind} {name!r} already"
+        )

@@ -1,4 +1,5 @@
-"""Tables of rules for pairs of objects: of the rows that match a pair, the most specific one applies."""
+"""Tables of rules for pairs of objects: of the rows that match a pair, the most specific one
+applies."""
 
 from __future__ import annotations
 
@@ -15,8 +16,8 @@ MOST_ROWS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """Condition on one of two objects: its name, its material, or neither (any object). In names ``*`` stands for any characters
-    and ``?`` for one."""
+    """Condition on one of two objects: its name, its material, or neither (any object). In names
+    ``*`` stands for any characters and ``?`` for one."""
 
     object: str = ""
     material: str = ""
@@ -27,15 +28,24 @@ class Side:
 
     @property
     def rank(self) -> int:
-        """Specificity: an object 4, a pattern of objects 3, a material 2, a pattern of materials 1, anything 0."""
+        """Specificity: an object 4, a pattern of objects 3, a material 2, a pattern of materials 1,
+        anything 0."""
         pattern = self.object or self.material
-        return (2 if self.object else 0) + (2 if pattern and not {"*", "?"} & set(pattern) else 1) if pattern else 0
+        return (
+            (2 if self.object else 0) + (2 if pattern and not {"*", "?"} & set(pattern) else 1)
+            if pattern
+            else 0
+        )
 
     def fits(self, name: str, material: str) -> bool:
         """Whether an object of that name and material matches."""
         if not (self.object or self.material):
             return True
-        return _fits(self.object, name) if self.object else bool(material) and _fits(self.material, material)
+        return (
+            _fits(self.object, name)
+            if self.object
+            else bool(material) and _fits(self.material, material)
+        )
 
 
 @lru_cache(maxsize=2**16)
@@ -69,7 +79,7 @@ class RuleTable(Generic[Does]):
     rows: tuple[Rule[Does], ...] = ()
 
     def of(self, first: tuple[str, str], second: tuple[str, str]) -> Does | None:
-        """The value for two objects, each given by name and material: that of the most specific matching row, the upper one of equally
-        specific rows; None without a match."""
+        """The value for two objects, each given by name and material: that of the most specific
+        matching row, the upper one of equally specific rows; None without a match."""
         fitting = [row for row in self.rows if row.fits(first, second)]
         return max(fitting, key=lambda row: row.rank).does if fitting else None

@@ -31,52 +31,97 @@ class ImpactEnergy(enum.StrEnum):
     """The energy that is compared with an impact's limits."""
 
     KINETIC = "kinetic"  # the paper's: 1/2 m1 v1^2 + 1/2 m2 v2^2
-    NORMAL = "normal"  # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference
+    # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference.
+    NORMAL = "normal"
 
 
 ENERGIES = {
-    ImpactEnergy.KINETIC: ("Of Both Motions", "Kinetic energy of both objects: ½ m₁ v₁² + ½ m₂ v₂²"),
-    ImpactEnergy.NORMAL: ("Of the Blow", "Energy of the relative motion along the contact normal: ½ μ v² with the reduced mass μ"),
+    ImpactEnergy.KINETIC: (
+        "Of Both Motions",
+        "Kinetic energy of both objects: ½ m₁ v₁² + ½ m₂ v₂²",
+    ),
+    ImpactEnergy.NORMAL: (
+        "Of the Blow",
+        "Energy of the relative motion along the contact normal: ½ μ v² with the reduced mass μ",
+    ),
 }
 
 
 @dataclass(frozen=True, slots=True)
 class ContactSettings:
-    """Settings of contacts and impacts. A pair begins to touch at the signed distance ``tolerance``, and parts at one larger by ``slack``.
-    ``gravity`` accelerates dynamic bodies if too few frames show their fall. Without a matching row in a table, an impact plays the
+    """Settings of contacts and impacts. A pair begins to touch at the signed distance
+    ``tolerance``, and parts at one larger by ``slack``. ``gravity`` accelerates dynamic bodies if
+    too few frames show their fall. Without a matching row in a table, an impact plays the
     ``templates`` within `limits`, a contact has gain 1, and nothing sounds that slides or rolls."""
 
     tolerance: float = field(
-        default=0.01, metadata=number("Contact Tolerance", "Objects closer than this touch", 0.0, soft=(0.0, 0.1), unit="m", digits=4)
+        default=0.01,
+        metadata=number(
+            "Contact Tolerance",
+            "Objects closer than this touch",
+            0.0,
+            soft=(0.0, 0.1),
+            unit="m",
+            digits=4,
+        ),
     )
-    slack: float = field(default=0.005, metadata=number("", "Distance beyond the tolerance up to which a contact persists", 0.0, unit="m"))
-    impacts: bool = field(default=True, metadata=switch("Impacts", "Collisions make temporary sources that play the impact signal once"))
+    slack: float = field(
+        default=0.005,
+        metadata=number(
+            "", "Distance beyond the tolerance up to which a contact persists", 0.0, unit="m"
+        ),
+    )
+    impacts: bool = field(
+        default=True,
+        metadata=switch(
+            "Impacts", "Collisions make temporary sources that play the impact signal once"
+        ),
+    )
     templates: ImpactTemplates = field(
-        default=ImpactTemplates.PLAIN, metadata=choice("Signal", "What impacts feel like", TEMPLATES, shown=ImpactTemplates.BY_MATERIAL)
+        default=ImpactTemplates.PLAIN,
+        metadata=choice(
+            "Signal", "What impacts feel like", TEMPLATES, shown=ImpactTemplates.BY_MATERIAL
+        ),
     )
     least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
     full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
     energy: ImpactEnergy = field(
-        default=ImpactEnergy.KINETIC, metadata=choice("Energy", "The energy that a collision is judged by", ENERGIES)
+        default=ImpactEnergy.KINETIC,
+        metadata=choice("Energy", "The energy that a collision is judged by", ENERGIES),
     )
     refractory: float = field(default=0.1, metadata=REFRACTORY)
     gravity: tuple[float, float, float] = field(
-        default=(0.0, 0.0, -9.81), metadata=numbers("", "Acceleration of dynamic objects that fall", 3, unit="m/s^2")
+        default=(0.0, 0.0, -9.81),
+        metadata=numbers("", "Acceleration of dynamic objects that fall", 3, unit="m/s^2"),
     )
-    time_scale: float = field(default=1.0, metadata=number("", "Seconds of simulation in a second of the scene", 0.0, above=True))
+    time_scale: float = field(
+        default=1.0,
+        metadata=number("", "Seconds of simulation in a second of the scene", 0.0, above=True),
+    )
     impact_table: RuleTable[ImpactRule] = field(
         default_factory=RuleTable,
-        metadata=part("impact_rule", f"Rules of impacts between some objects, instead of those above{_ROWS}", MOST_ROWS),
+        metadata=part(
+            "impact_rule",
+            f"Rules of impacts between some objects, instead of those above{_ROWS}",
+            MOST_ROWS,
+        ),
     )
     transmission_table: RuleTable[ModulationFunction] = field(
         default_factory=RuleTable,
         metadata=part(
-            "transmission_rule", f"Transmission functions of contacts that are found between some objects{_ROWS} (gain 1)", MOST_ROWS
+            "transmission_rule",
+            f"Transmission functions of contacts that are found between some objects{_ROWS} "
+            "(gain 1)",
+            MOST_ROWS,
         ),
     )
     textures: RuleTable[Texture] = field(
         default_factory=RuleTable,
-        metadata=part("texture", f"Textures of objects that slide or roll on each other{_ROWS} (silent)", MOST_ROWS),
+        metadata=part(
+            "texture",
+            f"Textures of objects that slide or roll on each other{_ROWS} (silent)",
+            MOST_ROWS,
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -93,7 +138,9 @@ class ContactSettings:
 
     def all_limits(self) -> tuple[ImpactLimits, ...]:
         """The limits of all impact rules."""
-        return self.limits, *(rule.limits for rule in self.impact_rules() if rule.limits is not None)
+        return self.limits, *(
+            rule.limits for rule in self.impact_rules() if rule.limits is not None
+        )
 
     def impact_rule(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactRule:
         """The rule for impacts of two objects, each given by name and material."""

@@ -1,5 +1,5 @@
-"""Body parts found on a skeleton by the common names of bones: those of Rigify, Mixamo, MakeHuman, Unreal, 3ds Max, VRM and similar
-rigs."""
+"""Body parts found on a skeleton by the common names of bones: those of Rigify, Mixamo, MakeHuman,
+Unreal, 3ds Max, VRM and similar rigs."""
 
 from __future__ import annotations
 
@@ -32,33 +32,87 @@ class Place:
     position: tuple[float, float, float]
 
 
-# Names of bones, without prefixes, sides and numbers. Those of the torso are distinguished by their heights.
+# Names of bones, without prefixes, sides and numbers. Those of the torso are distinguished by their
+# heights.
 _LIMBS = {
     "upper_arm": ("upperarm", "uparm", "arm", "shldrbend", "shldr"),
     "forearm": ("forearm", "lowerarm", "loarm", "forearmbend", "elbow"),
     "hand": ("hand", "wrist"),
-    "index_finger": ("findex", "handindex", "index", "indexproximal", "indexintermediate", "indexdistal", "indexfinger"),
+    "index_finger": (
+        "findex",
+        "handindex",
+        "index",
+        "indexproximal",
+        "indexintermediate",
+        "indexdistal",
+        "indexfinger",
+    ),
     "upper_leg": ("thigh", "upleg", "upperleg", "thighbend"),
     "lower_leg": ("shin", "calf", "lowerleg", "loleg", "leg", "knee"),
     "foot": ("foot", "ankle"),
 }
-_FEET = {"toes": ("toe", "toes", "bigtoe", "toebase"), "midfoot": ("midfoot", "instep", "metatarsal", "metatarsals")}
+_FEET = {
+    "toes": ("toe", "toes", "bigtoe", "toebase"),
+    "midfoot": ("midfoot", "instep", "metatarsal", "metatarsals"),
+}
 _HIPS = ("hips", "pelvis", "hip")
-_TORSO = ("spine", "chest", "upperchest", "torso", "abdomen", "ribs", "waist", "spinelower", "spineupper", "abdomenlower", "abdomenupper")
+_TORSO = (
+    "spine",
+    "chest",
+    "upperchest",
+    "torso",
+    "abdomen",
+    "ribs",
+    "waist",
+    "spinelower",
+    "spineupper",
+    "abdomenlower",
+    "abdomenupper",
+)
 _NECK, _HEAD = ("neck",), ("head",)
 _PART_OF = {
     name: part
-    for part, names in {**_LIMBS, **_FEET, "hips": _HIPS, "chest": _TORSO, "head": (*_NECK, *_HEAD), "belly": ("belly",)}.items()
+    for part, names in {
+        **_LIMBS,
+        **_FEET,
+        "hips": _HIPS,
+        "chest": _TORSO,
+        "head": (*_NECK, *_HEAD),
+        "belly": ("belly",),
+    }.items()
     for name in names
 }
 _SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
-_NOISE = {"def", "org", "mch", "b", "j", "c", "bip", "biped", "cc", "base", "jnt", "bind", "bone", "valvebiped", "mixamorig"}
+_NOISE = {
+    "def",
+    "org",
+    "mch",
+    "b",
+    "j",
+    "c",
+    "bip",
+    "biped",
+    "cc",
+    "base",
+    "jnt",
+    "bind",
+    "bone",
+    "valvebiped",
+    "mixamorig",
+}
 _SECOND_RATE = ("ORG-", "MCH-", "VIS_")
 _MAKEHUMAN_INDEX = 2  # its fingers are numbered: finger1 is the thumb
 
 _BACK = (-0.06, 0.055)
-_OFF_THE_BONE = {"ear": (0.0, 0.045), "belly": (0.06, 0.0), "chest": (0.06, 0.055), "upper_back": _BACK, "middle_back": _BACK}
-"""Distance from the middle of a bone to the skin in front, and to the side, as fractions of the body's height."""
+_OFF_THE_BONE = {
+    "ear": (0.0, 0.045),
+    "belly": (0.06, 0.0),
+    "chest": (0.06, 0.055),
+    "upper_back": _BACK,
+    "middle_back": _BACK,
+}
+"""Distance from the middle of a bone to the skin in front, and to the side, as fractions of the
+body's height."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +126,14 @@ class _Named:
 
     @property
     def rank(self) -> tuple[bool, bool, tuple[int, ...], int]:
-        """Sort key, the lowest preferred: deforming bones, then others, then helpers; the first of a chain."""
-        return (self.bone.name.startswith(_SECOND_RATE), not self.bone.name.startswith("DEF-"), self.numbers, len(self.bone.name))
+        """Sort key, the lowest preferred: deforming bones, then others, then helpers; the first of
+        a chain."""
+        return (
+            self.bone.name.startswith(_SECOND_RATE),
+            not self.bone.name.startswith("DEF-"),
+            self.numbers,
+            len(self.bone.name),
+        )
 
     @property
     def head(self) -> Point:
@@ -94,27 +154,52 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
     Raises ValueError if the skeleton has no head, no hips, or no left and right.
     """
     named = [_taken_apart(bone) for bone in bones]
-    limbs = {(part, side): found for part, names in _LIMBS.items() for side in "LR" if (found := _first(named, names, side)) is not None}
+    limbs = {
+        (part, side): found
+        for part, names in _LIMBS.items()
+        for side in "LR"
+        if (found := _first(named, names, side)) is not None
+    }
     for side in "LR":
         if ("index_finger", side) not in limbs:
-            numbered = [n for n in named if n.base == "finger" and n.side == side and n.numbers[:1] == (_MAKEHUMAN_INDEX,)]
+            numbered = [
+                n
+                for n in named
+                if n.base == "finger" and n.side == side and n.numbers[:1] == (_MAKEHUMAN_INDEX,)
+            ]
             if numbered:
                 limbs["index_finger", side] = min(numbered, key=lambda n: n.rank)
     torso, head, hips = _trunk(named)
     if head is None or hips is None:
         missing = "head" if head is None else "hips"
-        raise ValueError(f"no bone of the {missing} found: is it a body's? Known are the names of Rigify, Mixamo, MakeHuman")
+        raise ValueError(
+            f"no bone of the {missing} found: is it a body's? Known are the names of Rigify, "
+            "Mixamo, MakeHuman"
+        )
     up = _unit(head.middle - hips.head)
-    across = [limbs[part, "L"].head - limbs[part, "R"].head for part in _LIMBS if (part, "L") in limbs and (part, "R") in limbs]
+    across = [
+        limbs[part, "L"].head - limbs[part, "R"].head
+        for part in _LIMBS
+        if (part, "L") in limbs and (part, "R") in limbs
+    ]
     left = sum(across, np.zeros(3))
     left = left - up * (left @ up)
     if np.linalg.norm(left) < 1e-9:
-        raise ValueError("no left and right arms or legs found: names of bones end in .L and .R, or begin with Left and Right")
+        raise ValueError(
+            "no left and right arms or legs found: names of bones end in .L and .R, or begin "
+            "with Left and Right"
+        )
     left = _unit(left)
     front = np.cross(left, up)
     height = _height(head, limbs, up, hips)
     belly = next((bone for bone in torso if bone is not hips), torso[0])
-    trunk = {"head": head, "ear": head, "hips": hips, "belly": belly, "middle_back": torso[len(torso) // 2]}
+    trunk = {
+        "head": head,
+        "ear": head,
+        "hips": hips,
+        "belly": belly,
+        "middle_back": torso[len(torso) // 2],
+    }
     trunk |= dict.fromkeys(("chest", "upper_back"), torso[-1])
     result: dict[str, Place] = {}
     for part in parts:
@@ -124,13 +209,22 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
             continue
         forwards, aside = _OFF_THE_BONE.get(name, (0.0, 0.0))
         sideways = left * {"L": aside, "R": -aside, "": 0.0}[part.side]
-        start = carrier.head if name == "hips" else carrier.tail if name == "index_finger" else carrier.middle
-        result[part.name] = Place(carrier.bone.name, tuple((start + (front * forwards + sideways) * height).tolist()))
+        start = (
+            carrier.head
+            if name == "hips"
+            else carrier.tail
+            if name == "index_finger"
+            else carrier.middle
+        )
+        result[part.name] = Place(
+            carrier.bone.name, tuple((start + (front * forwards + sideways) * height).tolist())
+        )
     return result
 
 
 def part_in(text: str) -> str:
-    """The body part, without its side, in an object's name such as "Avatar Upper Arm.L"; the last of several; "" for none."""
+    """The body part, without its side, in an object's name such as "Avatar Upper Arm.L"; the last
+    of several; "" for none."""
     words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text)]
     for pair in zip(reversed(["", *words[:-1]]), reversed(words), strict=True):
         for name in ("".join(pair), pair[1]):
@@ -140,12 +234,25 @@ def part_in(text: str) -> str:
 
 
 def partner(name: str, others: Iterable[str]) -> str:
-    """The bone of ``others`` on the other side of the body; the bone itself if it has no side or no partner."""
+    """The bone of ``others`` on the other side of the body; the bone itself if it has no side or no
+    partner."""
     own = _taken_apart(Bone(name, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    wanted = (own.base, own.numbers, {"L": "R", "R": "L", "": "none"}[own.side], name.startswith("DEF-"), name.startswith(_SECOND_RATE))
+    wanted = (
+        own.base,
+        own.numbers,
+        {"L": "R", "R": "L", "": "none"}[own.side],
+        name.startswith("DEF-"),
+        name.startswith(_SECOND_RATE),
+    )
     for other in others:
         found = _taken_apart(Bone(other, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-        if (found.base, found.numbers, found.side, other.startswith("DEF-"), other.startswith(_SECOND_RATE)) == wanted:
+        if (
+            found.base,
+            found.numbers,
+            found.side,
+            other.startswith("DEF-"),
+            other.startswith(_SECOND_RATE),
+        ) == wanted:
             return other
     return name
 
@@ -206,5 +313,7 @@ def _height(head: _Named, limbs: dict[tuple[str, str], _Named], up: Point, hips:
 def _unit(vector: Point) -> Point:
     length = float(np.linalg.norm(vector))
     if length < 1e-9:
-        raise ValueError("the head and the hips are at the same place: is this the armature of a body?")
+        raise ValueError(
+            "the head and the hips are at the same place: is this the armature of a body?"
+        )
     return vector / length

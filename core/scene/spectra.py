@@ -19,13 +19,16 @@ _STRONG = 0.1
 
 
 def source_energies(sources: Sequence[Source]) -> FloatArray:
-    """Energies (s, bands) of the first second of each source, including its amplitude; energy outside all bands is added to the outermost
-    ones."""
-    return np.array([_energies(source.emitted) * source.amplitude**2 for source in sources]).reshape(-1, BAND_COUNT)
+    """Energies (s, bands) of the first second of each source, including its amplitude; energy
+    outside all bands is added to the outermost ones."""
+    return np.array(
+        [_energies(source.emitted) * source.amplitude**2 for source in sources]
+    ).reshape(-1, BAND_COUNT)
 
 
 def leading_band(source: Source) -> int:
-    """The lowest strong band of a source, which usually carries furthest; band 0 if it is silent in its first second."""
+    """The lowest strong band of a source, which usually carries furthest; band 0 if it is silent in
+    its first second."""
     energies = _energies(source.emitted)
     return int((energies > _STRONG * energies.sum()).argmax())
 
@@ -33,7 +36,14 @@ def leading_band(source: Source) -> int:
 @lru_cache(maxsize=256)
 def _energies(signal: Signal) -> FloatArray:
     count = round(_RATE * _SECONDS)
-    band = np.clip(np.searchsorted(BAND_EDGES, np.fft.rfftfreq(count, 1 / _RATE), side="right") - 1, 0, BAND_COUNT - 1)
-    energies = np.bincount(band, np.abs(np.fft.rfft(signal.sample(0, count, _RATE))) ** 2, BAND_COUNT) / count**2
+    band = np.clip(
+        np.searchsorted(BAND_EDGES, np.fft.rfftfreq(count, 1 / _RATE), side="right") - 1,
+        0,
+        BAND_COUNT - 1,
+    )
+    energies = (
+        np.bincount(band, np.abs(np.fft.rfft(signal.sample(0, count, _RATE))) ** 2, BAND_COUNT)
+        / count**2
+    )
     energies.setflags(write=False)
     return energies

@@ -1,7 +1,8 @@
 """The haptic scene as immutable values.
 
-Terms and defaults are those of the Haptic Tracing paper. Lengths in metres, masses in kilograms, times in seconds, amplitudes in [0, 1].
-Constructors validate their arguments, so every scene object is valid.
+Terms and defaults are those of the Haptic Tracing paper. Lengths in metres, masses in kilograms,
+times in seconds, amplitudes in [0, 1]. Constructors validate their arguments, so every scene object
+is valid.
 """
 
 from __future__ import annotations
@@ -18,8 +19,26 @@ from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
 from .choices import TriggerKind as TriggerKind
-from .declaration import MOST, check, choice, extras, name_of, number, numbers, part, share, switch, text
-from .functions import MIXING_VARIABLES, HapticTracing, Identity, ModulationFunction, compile_expression
+from .declaration import (
+    MOST,
+    check,
+    choice,
+    extras,
+    name_of,
+    number,
+    numbers,
+    part,
+    share,
+    switch,
+    text,
+)
+from .functions import (
+    MIXING_VARIABLES,
+    HapticTracing,
+    Identity,
+    ModulationFunction,
+    compile_expression,
+)
 from .impact_rule import require_template
 from .references import require_known, require_unique
 from .rules import ContactSettings, Motion
@@ -53,8 +72,8 @@ _Item = TypeVar("_Item")
 
 
 def _with(item: _Item, **checked: Any) -> _Item:
-    """A copy with other values of some fields. Unlike `dataclasses.replace` it repeats no validation, because positions change in every
-    frame."""
+    """A copy with other values of some fields. Unlike `dataclasses.replace` it repeats no
+    validation, because positions change in every frame."""
     copy = object.__new__(type(item))
     for name in type(item).__slots__:  # type: ignore[attr-defined]
         object.__setattr__(copy, name, checked[name] if name in checked else getattr(item, name))
@@ -63,16 +82,28 @@ def _with(item: _Item, **checked: Any) -> _Item:
 
 MODES = {
     Mode.HT: ("Haptic Tracing", "Through touching objects, as their properties say"),
-    Mode.SD: ("Single Nearest", "Only the listener nearest to each source, fading with distance alone"),
-    Mode.MD: ("All by Distance", "Every source directly to every listener, fading with distance alone"),
+    Mode.SD: (
+        "Single Nearest",
+        "Only the listener nearest to each source, fading with distance alone",
+    ),
+    Mode.MD: (
+        "All by Distance",
+        "Every source directly to every listener, fading with distance alone",
+    ),
     Mode.MN: ("All Alike", "Every source directly to every listener, without fading"),
 }
 STRATEGIES = {
     Strategy.AUTO: ("Automatic", "The best path for every source, over any number of connections"),
-    Strategy.AS_IN_THE_PAPER: ("As in the Paper", "All paths for persistent sources, the best path for impacts"),
+    Strategy.AS_IN_THE_PAPER: (
+        "As in the Paper",
+        "All paths for persistent sources, the best path for impacts",
+    ),
     Strategy.BEST_PATH: ("Best Path", "Only the path that passes on most"),
     Strategy.ALL_PATHS: ("All Paths", "The sum of everything that arrives"),
-    Strategy.ENERGY_BALANCE: ("Energy Balance", "Steady state of the energy that flows through all contacts; for dense piles"),
+    Strategy.ENERGY_BALANCE: (
+        "Energy Balance",
+        "Steady state of the energy that flows through all contacts; for dense piles",
+    ),
 }
 
 
@@ -82,7 +113,10 @@ class Settings:
 
     mode: Mode = field(default=Mode.HT, metadata=choice("Mode", "The rendering", MODES))
     strategy: Strategy = field(
-        default=Strategy.AUTO, metadata=choice("Strategy", "How the gain from a source to a listener is computed", STRATEGIES)
+        default=Strategy.AUTO,
+        metadata=choice(
+            "Strategy", "How the gain from a source to a listener is computed", STRATEGIES
+        ),
     )
     max_connections: int | None = field(
         default=32,
@@ -99,14 +133,18 @@ class Settings:
     threshold: float = field(
         default=0.001,
         metadata=share(
-            "Threshold", "A path ends where its gain falls below this part of the source; 0 sets no limit", soft=(0.0, 0.1), digits=4
+            "Threshold",
+            "A path ends where its gain falls below this part of the source; 0 sets no limit",
+            soft=(0.0, 0.1),
+            digits=4,
         ),
     )
     epsilon: float = field(
         default=0.1,
         metadata=number(
             "Epsilon (ε)",
-            "Least attenuation per metre, also of materials that would transmit without loss. The paper's ε",
+            "Least attenuation per metre, also of materials that would transmit without loss. "
+            "The paper's ε",
             0.0,
             soft=(0.0, 1.0),
             unit="1/m",
@@ -114,13 +152,17 @@ class Settings:
         ),
     )
     tolerance: float = field(
-        default=0.01, metadata=number("", "Relative error requested of a sum over paths whose exact value is infeasible", 0.0)
+        default=0.01,
+        metadata=number(
+            "", "Relative error requested of a sum over paths whose exact value is infeasible", 0.0
+        ),
     )
     localise: float = field(
         default=0.0,
         metadata=share(
             "Localise",
-            "Blends from propagation through touching objects (0) to the nearest listener of each source alone (1). "
+            "Blends from propagation through touching objects (0) to the nearest listener of "
+            "each source alone (1). "
             "Some participants of the paper's study preferred to feel a source in one place",
         ),
     )
@@ -143,19 +185,25 @@ class Pose:
         if length < 1e-12:
             raise ValueError("rotation: a quaternion of length 0 is no rotation")
         # A normalised quaternion keeps all its bits, through any number of files.
-        object.__setattr__(self, "rotation", rotation if abs(length - 1) < 1e-12 else tuple(v / length for v in rotation))
+        object.__setattr__(
+            self,
+            "rotation",
+            rotation if abs(length - 1) < 1e-12 else tuple(v / length for v in rotation),
+        )
 
 
 KAPPA = share(
     "Kappa (κ)",
-    "A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's transmissibility: as its "
+    "A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's "
+    "transmissibility: as its "
     "function is published, only (1 - κ) ρ counts",
     digits=3,
     shown=0.1,
 )
 RHO = share(
     "Rho (ρ)",
-    "A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's density coefficient",
+    "A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's "
+    "density coefficient",
     digits=3,
     shown=0.9,
 )
@@ -168,35 +216,62 @@ MOTIONS = {
 
 @dataclass(frozen=True, slots=True)
 class HapticObject:
-    """An object that transmits haptic signals. ``shape``: see `core.contacts.shapes`. ``impact_material``: a key of `IMPACT_MATERIALS`."""
+    """An object that transmits haptic signals. ``shape``: see `core.contacts.shapes`.
+    ``impact_material``: a key of `IMPACT_MATERIALS`."""
 
     name: str = field(metadata=name_of("Name, unique among objects"))
     kappa: float = field(metadata=KAPPA)
     rho: float = field(metadata=RHO)
     propagation: ModulationFunction = field(
-        default_factory=HapticTracing, metadata=part("function", "Gain between two points of the object; default haptic_tracing")
+        default_factory=HapticTracing,
+        metadata=part("function", "Gain between two points of the object; default haptic_tracing"),
     )
     shape: Any = field(
-        default=None, metadata=part("body_shape", "Collision shape from which contacts are found; none are found without it")
+        default=None,
+        metadata=part(
+            "body_shape", "Collision shape from which contacts are found; none are found without it"
+        ),
     )
     pose: Pose | None = field(
-        default=None, metadata=part("pose", "Position and rotation in the world; default: at the origin, not rotated")
+        default=None,
+        metadata=part(
+            "pose", "Position and rotation in the world; default: at the origin, not rotated"
+        ),
     )
-    mass: float | None = field(default=None, metadata=number("", "Mass, for the energy of impacts", 0.0, 1e15, unit="kg", optional=True))
+    mass: float | None = field(
+        default=None,
+        metadata=number("", "Mass, for the energy of impacts", 0.0, 1e15, unit="kg", optional=True),
+    )
     medium: bool = field(
-        default=False, metadata=switch("Medium", "A volume such as air or water: it touches everything that it overlaps", context="Haptics")
+        default=False,
+        metadata=switch(
+            "Medium",
+            "A volume such as air or water: it touches everything that it overlaps",
+            context="Haptics",
+        ),
     )
     extras: Mapping[str, Any] = extras()
-    motion: Motion = field(default=Motion.DYNAMIC, metadata=choice("", "What moves the object", MOTIONS))
-    impact_material: str = field(
-        default="", metadata=part("impact_material", "Material of the signal of the object's impacts; empty: unknown")
+    motion: Motion = field(
+        default=Motion.DYNAMIC, metadata=choice("", "What moves the object", MOTIONS)
     )
-    material: str = field(default="", metadata=text("", "Name of the material that the object is made of, for tables of rules"))
+    impact_material: str = field(
+        default="",
+        metadata=part(
+            "impact_material", "Material of the signal of the object's impacts; empty: unknown"
+        ),
+    )
+    material: str = field(
+        default="",
+        metadata=text("", "Name of the material that the object is made of, for tables of rules"),
+    )
 
     def __post_init__(self) -> None:
         check(self)
         if self.impact_material and self.impact_material not in signals.IMPACT_MATERIALS:
-            raise ValueError(f"impact_material: {self.impact_material!r} is not one of {', '.join(signals.IMPACT_MATERIALS)}")
+            raise ValueError(
+                f"impact_material: {self.impact_material!r} is not one of "
+                f"{', '.join(signals.IMPACT_MATERIALS)}"
+            )
 
 
 _IDENTITY = Identity()  # one for all contacts: recordings have hundreds of thousands
@@ -204,24 +279,47 @@ _IDENTITY = Identity()  # one for all contacts: recordings have hundreds of thou
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world, metres).
+    """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world,
+    metres).
 
-    Contacts of one pair with a ``share`` below 1 are points of one patch: the graph has one contact at their share-weighted centre.
-    ``weight`` multiplies its gain; it is less than 1 if the surfaces are further apart than those of bodies at rest. ``normal`` is a unit
-    vector from the first object to the second.
+    Contacts of one pair with a ``share`` below 1 are points of one patch: the graph has one contact
+    at their share-weighted centre. ``weight`` multiplies its gain; it is less than 1 if the
+    surfaces are further apart than those of bodies at rest. ``normal`` is a unit vector from the
+    first object to the second.
     """
 
     objects: tuple[str, str] = field(metadata=part("pair", "Names of the two objects that touch"))
-    positions: tuple[Vector, Vector] = field(metadata=part("positions", "Position of the contact on the first and on the second object"))
-    transmission: ModulationFunction = field(
-        default=_IDENTITY, metadata=part("function", "Gain between the two positions, by their distance; default identity")
+    positions: tuple[Vector, Vector] = field(
+        metadata=part("positions", "Position of the contact on the first and on the second object")
     )
-    area: float = field(default=0.0, metadata=number("", "Area of the patch", 0.0, 1e15, unit="m^2"))
-    normal: Vector = field(default=(0.0, 0.0, 1.0), metadata=numbers("", "Direction from the first object to the second", 3))
+    transmission: ModulationFunction = field(
+        default=_IDENTITY,
+        metadata=part(
+            "function", "Gain between the two positions, by their distance; default identity"
+        ),
+    )
+    area: float = field(
+        default=0.0, metadata=number("", "Area of the patch", 0.0, 1e15, unit="m^2")
+    )
+    normal: Vector = field(
+        default=(0.0, 0.0, 1.0),
+        metadata=numbers("", "Direction from the first object to the second", 3),
+    )
     depth: float = field(default=0.0, metadata=number("", "Penetration", -MOST, unit="m"))
-    share: float = field(default=1.0, metadata=number("", "Fraction of its patch; the shares of a pair's contacts add up to 1", 0.0, 1.0))
+    share: float = field(
+        default=1.0,
+        metadata=number(
+            "", "Fraction of its patch; the shares of a pair's contacts add up to 1", 0.0, 1.0
+        ),
+    )
     weight: float = field(
-        default=1.0, metadata=number("", "Factor of the contact's gain; less than 1 if the surfaces are near but do not touch", 0.0, 1.0)
+        default=1.0,
+        metadata=number(
+            "",
+            "Factor of the contact's gain; less than 1 if the surfaces are near but do not touch",
+            0.0,
+            1.0,
+        ),
     )
     extras: Mapping[str, Any] = extras()
 
@@ -231,7 +329,9 @@ class Contact:
         _name("objects", second)
         if first == second:
             raise ValueError(f"objects: {first!r} can't touch itself")
-        object.__setattr__(self, "positions", tuple(_finite_vector("positions", p) for p in self.positions))
+        object.__setattr__(
+            self, "positions", tuple(_finite_vector("positions", p) for p in self.positions)
+        )
         object.__setattr__(self, "normal", _finite_vector("normal", self.normal))
         if not 0 <= self.area < math.inf:
             raise ValueError(f"area: must be finite and >= 0 m^2, got {self.area!r}")
@@ -245,9 +345,10 @@ class Contact:
 class Trigger:
     """What makes a source play its signal once.
 
-    times: at ``times`` [s], each with its strength in [0, 1], 1 without ``strengths``; if ``by`` names the striking objects, strengths are
-    fractions of the full energy. hit: impacts of the source's object. passing: the origin of ``object`` enters the box of edges ``size``
-    [m] at ``pose``, a plane if one of them is 0. level: ``value`` rises above 0; files store the times.
+    times: at ``times`` [s], each with its strength in [0, 1], 1 without ``strengths``; if ``by``
+    names the striking objects, strengths are fractions of the full energy. hit: impacts of the
+    source's object. passing: the origin of ``object`` enters the box of edges ``size`` [m] at
+    ``pose``, a plane if one of them is 0. level: ``value`` rises above 0; files store the times.
     """
 
     on: TriggerKind
@@ -283,36 +384,58 @@ SOURCE_KINDS = {
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Emits a signal. A source of an impact, or of sliding or rolling, also excites ``second_object``, the other side of its contact. A
-    source with ``triggers`` plays its signal only once per trigger; None: it plays without triggers."""
+    """Emits a signal. A source of an impact, or of sliding or rolling, also excites
+    ``second_object``, the other side of its contact. A source with ``triggers`` plays its signal
+    only once per trigger; None: it plays without triggers."""
 
     name: str = field(metadata=name_of("Name, unique among sources"))
     object: str = field(metadata=name_of("Name of the source's object"))
-    position: Vector = field(default=(0.0, 0.0, 0.0), metadata=numbers("", "Position of the source", 3, unit="m", required=True))
-    amplitude: float = field(default=1.0, metadata=share("Amplitude", "Strength of the emitted signal; can be animated"))
-    kind: SourceKind = field(default=SourceKind.PERSISTENT, metadata=choice("", "How long it lasts", SOURCE_KINDS))
+    position: Vector = field(
+        default=(0.0, 0.0, 0.0),
+        metadata=numbers("", "Position of the source", 3, unit="m", required=True),
+    )
+    amplitude: float = field(
+        default=1.0, metadata=share("Amplitude", "Strength of the emitted signal; can be animated")
+    )
+    kind: SourceKind = field(
+        default=SourceKind.PERSISTENT, metadata=choice("", "How long it lasts", SOURCE_KINDS)
+    )
     signal: Signal | None = field(
-        default=None, metadata=part("signal", "Its signal; default a hum for persistent sources, a knock for temporary ones")
+        default=None,
+        metadata=part(
+            "signal", "Its signal; default a hum for persistent sources, a knock for temporary ones"
+        ),
     )
     second_object: str | None = field(
         default=None,
         metadata=name_of(
-            "The other side of the contact that made the source: by an impact (temporary), or by sliding or rolling (persistent)",
+            "The other side of the contact that made the source: by an impact (temporary), or by "
+            "sliding or rolling (persistent)",
             optional=True,
         ),
     )
     second_position: Vector | None = field(
         default=None,
-        metadata=numbers("", "Position of the source on its second object; default that on the first", 3, unit="m", optional=True),
+        metadata=numbers(
+            "",
+            "Position of the source on its second object; default that on the first",
+            3,
+            unit="m",
+            optional=True,
+        ),
     )
     onset: float = field(
-        default=0.0, metadata=number("", "When its signal begins; before the first frame, it is negative", -MOST, unit="s")
+        default=0.0,
+        metadata=number(
+            "", "When its signal begins; before the first frame, it is negative", -MOST, unit="s"
+        ),
     )
     priority: float = field(
         default=1.0,
         metadata=number(
             "Priority",
-            "Weight of this source where a listener mixes by priority; where one ducks, higher ones turn lower ones down",
+            "Weight of this source where a listener mixes by priority; where one ducks, higher "
+            "ones turn lower ones down",
             0.0,
             soft=(0.0, 10.0),
         ),
@@ -322,7 +445,8 @@ class Source:
         default=None,
         metadata=part(
             "trigger",
-            "Triggers, each of which plays its signal once; without any, the source is always active. The signal lasts a minute at most",
+            "Triggers, each of which plays its signal once; without any, the source is always "
+            "active. The signal lasts a minute at most",
             1000,
         ),
     )
@@ -336,7 +460,8 @@ class Source:
 
     @property
     def emitted(self) -> Signal:
-        """Its signal; without one a tone if it is persistent, or an impact if it is temporary or has triggers."""
+        """Its signal; without one a tone if it is persistent, or an impact if it is temporary or
+        has triggers."""
         if self.signal is not None:
             return self.signal
         hums = self.kind is SourceKind.PERSISTENT and self.triggers is None
@@ -344,12 +469,20 @@ class Source:
 
     @property
     def rubs(self) -> bool:
-        """True for a source of sliding or rolling, which ends with its signal and may begin again under its name."""
+        """True for a source of sliding or rolling, which ends with its signal and may begin again
+        under its name."""
         return self.kind is SourceKind.PERSISTENT and self.second_object is not None
 
-    def moved(self, position: Iterable[float], second_position: Iterable[float] | None = None) -> Source:
-        """The same source elsewhere; its second position is kept unless it is given. Raises ValueError if a number is not finite."""
-        second = self.second_position if second_position is None else _finite_vector("second_position", second_position)
+    def moved(
+        self, position: Iterable[float], second_position: Iterable[float] | None = None
+    ) -> Source:
+        """The same source elsewhere; its second position is kept unless it is given. Raises
+        ValueError if a number is not finite."""
+        second = (
+            self.second_position
+            if second_position is None
+            else _finite_vector("second_position", second_position)
+        )
         return _with(self, position=_finite_vector("position", position), second_position=second)
 
 
@@ -363,12 +496,18 @@ MIXING = {
 """Methods of mixing."""
 EXTENTS = {
     Extent.NONE: ("Point", "Feels what arrives at its origin, whatever the radius"),
-    Extent.STRONGEST: ("Strongest", "Contacts within the radius count as if they were at the origin"),
+    Extent.STRONGEST: (
+        "Strongest",
+        "Contacts within the radius count as if they were at the origin",
+    ),
     Extent.MEAN_POWER: ("Mean Power", "Feels the mean of the power over its volume"),
 }
 PARTS = {
     "": ("None", "Not a part of the body"),
-    **{p.name: (p.name.replace("_", " ").title(), f"Stands for the {p.name.replace('_', ' ')}") for p in BODY_PARTS},
+    **{
+        p.name: (p.name.replace("_", " ").title(), f"Stands for the {p.name.replace('_', ' ')}")
+        for p in BODY_PARTS
+    },
 }
 
 
@@ -378,28 +517,42 @@ class Listener:
 
     name: str = field(metadata=name_of("Name, unique among listeners"))
     object: str = field(metadata=name_of("Name of the listener's object"))
-    position: Vector = field(default=(0.0, 0.0, 0.0), metadata=numbers("", "Position of the listener", 3, unit="m", required=True))
+    position: Vector = field(
+        default=(0.0, 0.0, 0.0),
+        metadata=numbers("", "Position of the listener", 3, unit="m", required=True),
+    )
     body_part: str = field(
-        default="", metadata=choice("Body Part", "The place on the body that this listener stands for", PARTS, open=True)
+        default="",
+        metadata=choice(
+            "Body Part", "The place on the body that this listener stands for", PARTS, open=True
+        ),
     )
     _: KW_ONLY
     extent: Extent = field(
         default=Extent.NONE,
         metadata=choice(
             "Extent",
-            "What the listener feels of its bounding volume. New listeners feel the strongest; those of earlier files are points",
+            "What the listener feels of its bounding volume. New listeners feel the strongest; "
+            "those of earlier files are points",
             EXTENTS,
         ),
     )
     radius: float = field(
-        default=0.05, metadata=number("Radius", "Radius of the listener's bounding volume", 0.0, soft=(0.0, 0.5), unit="m")
+        default=0.05,
+        metadata=number(
+            "Radius", "Radius of the listener's bounding volume", 0.0, soft=(0.0, 0.5), unit="m"
+        ),
     )
-    mixing: str = field(default="cumulative", metadata=choice("Mixing", "How signals that arrive together are combined", MIXING))
+    mixing: str = field(
+        default="cumulative",
+        metadata=choice("Mixing", "How signals that arrive together are combined", MIXING),
+    )
     mixing_expression: str = field(
         default="",
         metadata=text(
             "Formula",
-            "The mix, sample by sample, of sum, weighted, strongest and power (what the other methods give) and s_max (the ceiling)",
+            "The mix, sample by sample, of sum, weighted, strongest and power (what the other "
+            "methods give) and s_max (the ceiling)",
             most=500,
             shown="s_max * tanh(sum / s_max)",
         ),
@@ -416,16 +569,23 @@ class Listener:
         ),
     )
     gain: float = field(
-        default=1.0, metadata=number("Gain", "Factor of this listener's mixed signal; can be animated", 0.0, soft=(0.0, 2.0))
+        default=1.0,
+        metadata=number(
+            "Gain", "Factor of this listener's mixed signal; can be animated", 0.0, soft=(0.0, 2.0)
+        ),
     )
     s_max: float = field(
-        default=1.0, metadata=number("Ceiling", "No sample of the mixed signal is stronger than this", 0.0, 1.0, above=True)
+        default=1.0,
+        metadata=number(
+            "Ceiling", "No sample of the mixed signal is stronger than this", 0.0, 1.0, above=True
+        ),
     )
     limiter: bool = field(
         default=False,
         metadata=switch(
             "Limiter",
-            "Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of cutting it off, which distorts. "
+            "Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of "
+            "cutting it off, which distorts. "
             "All listeners then feel 5 ms later",
         ),
     )
@@ -437,7 +597,9 @@ class Listener:
             try:
                 compile_expression(self.mixing_expression, MIXING_VARIABLES)
             except ValueError as error:
-                raise ValueError(f"mixing_expression: {str(error).removeprefix('expression: ')}") from None
+                raise ValueError(
+                    f"mixing_expression: {str(error).removeprefix('expression: ')}"
+                ) from None
 
     def moved(self, position: Iterable[float]) -> Listener:
         """The same listener elsewhere. Raises ValueError if a number is not finite."""
@@ -446,8 +608,8 @@ class Listener:
 
 @dataclass(frozen=True, slots=True)
 class HapticScene:
-    """Objects, contacts, sources and listeners. Names are unique within their list; every reference resolves. ``rules``: settings for
-    contacts and impacts that are found from shapes and poses."""
+    """Objects, contacts, sources and listeners. Names are unique within their list; every reference
+    resolves. ``rules``: settings for contacts and impacts that are found from shapes and poses."""
 
     objects: tuple[HapticObject, ...] = ()
     contacts: tuple[Contact, ...] = ()
@@ -467,9 +629,13 @@ class HapticScene:
         for i, source in enumerate(self.sources):
             require_known(source.object, known, "object", ("sources", i, "object"))
             if source.second_object is not None:
-                require_known(source.second_object, known, "object", ("sources", i, "second_object"))
+                require_known(
+                    source.second_object, known, "object", ("sources", i, "second_object")
+                )
             for k, trigger in enumerate(source.triggers or ()):
                 if trigger.on is TriggerKind.PASSING:
-                    require_known(trigger.object, known, "object", ("sources", i, "triggers", k, "object"))
+                    require_known(
+                        trigger.object, known, "object", ("sources", i, "triggers", k, "object")
+                    )
         for i, listener in enumerate(self.listeners):
             require_known(listener.object, known, "object", ("listeners", i, "object"))

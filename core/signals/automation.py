@@ -12,16 +12,19 @@ from .limits import MAX_SECONDS, checked_column, checked_number
 
 
 class Automation:
-    """A value keyed over time, linear between the keys and constant before the first and after the last.
+    """A value keyed over time, linear between the keys and constant before the first and after the
+    last.
 
-    times: seconds, shape (n,), n >= 1, never decreasing; two keys at one time are a jump (the later one holds from that time on).
-    values: shape (n,), finite.
-    Raises ValueError that names the argument.
+    times: seconds, shape (n,), n >= 1, never decreasing; two keys at one time are a jump (the later
+    one holds from that time on). values: shape (n,), finite. Raises ValueError that names the
+    argument.
     """
 
     __slots__ = ("_areas", "_origin", "_slopes", "times", "values")
 
-    def __init__(self, times: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray) -> None:
+    def __init__(
+        self, times: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray
+    ) -> None:
         self.times = checked_column("times", times, MAX_SECONDS)
         self.values = checked_column("values", values, 1e9)
         if len(self.times) != len(self.values):
@@ -32,7 +35,9 @@ class Automation:
         rises = np.diff(self.values)
         # No time lies within a jump or within a segment so short that its slope overflows.
         steps = widths > 1e-12
-        self._slopes = np.append(np.divide(rises, widths, out=np.zeros_like(rises), where=steps), 0.0)
+        self._slopes = np.append(
+            np.divide(rises, widths, out=np.zeros_like(rises), where=steps), 0.0
+        )
         self._areas = np.append(0.0, np.cumsum(widths * (self.values[:-1] + self.values[1:]) / 2))
         self._origin = 0.0
         self._origin = float(self.integral(np.zeros(1))[0])
@@ -53,11 +58,14 @@ class Automation:
         return np.asarray(self._areas[key] + since * rate - self._origin)
 
     def _followed(self, times: FloatArray) -> int | NDArray[np.intp]:
-        """Return the number of the key that each of `times` follows, one number where all follow the same."""
+        """Return the number of the key that each of `times` follows, one number where all follow
+        the same."""
         if len(self.times) == 1:
             return 0
         if np.size(times):
-            first, last = np.searchsorted(self.times, (times.min(), times.max()), side="right").tolist()
+            first, last = np.searchsorted(
+                self.times, (times.min(), times.max()), side="right"
+            ).tolist()
             if max(first, 1) == max(last, 1):
                 return int(max(first - 1, 0))
         return np.maximum(np.searchsorted(self.times, times, side="right") - 1, 0)
@@ -65,7 +73,9 @@ class Automation:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Automation):
             return NotImplemented
-        return self is other or (np.array_equal(self.times, other.times) and np.array_equal(self.values, other.values))
+        return self is other or (
+            np.array_equal(self.times, other.times) and np.array_equal(self.values, other.values)
+        )
 
     def __hash__(self) -> int:
         return hash((self.times.tobytes(), self.values.tobytes()))
@@ -75,12 +85,14 @@ class Automation:
 
 
 def ramp(start: float, end: float, duration: float) -> Automation:
-    """Return the automation from `start` to `end` within `duration` seconds (> 0), constant afterwards."""
+    """Return the automation from `start` to `end` within `duration` seconds (> 0), constant
+    afterwards."""
     return Automation((0.0, duration), (start, end))
 
 
 def checked_parameter(name: str, value: object, low: float, high: float) -> float | Automation:
-    """Return `value`, a number or an automation with every value within [low, high]. Raise ValueError that names `name` otherwise."""
+    """Return `value`, a number or an automation with every value within [low, high]. Raise
+    ValueError that names `name` otherwise."""
     if not isinstance(value, Automation):
         return checked_number(name, value, low, high)
     checked_number(name, float(np.min(value.values)), low, high)
@@ -90,7 +102,11 @@ def checked_parameter(name: str, value: object, low: float, high: float) -> floa
 
 def largest(parameter: float | Automation) -> float:
     """Return the largest magnitude that a number or an automation takes."""
-    return float(np.max(np.abs(parameter.values))) if isinstance(parameter, Automation) else abs(parameter)
+    return (
+        float(np.max(np.abs(parameter.values)))
+        if isinstance(parameter, Automation)
+        else abs(parameter)
+    )
 
 
 def values_of(parameter: float | Automation, times: FloatArray) -> float | FloatArray:

@@ -17,7 +17,8 @@ from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_integer, checked
 
 
 def sample_times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
-    """Return the times of samples `start` to `start + count - 1` since `onset`, shape (count,), read-only."""
+    """Return the times of samples `start` to `start + count - 1` since `onset`, shape (count,),
+    read-only."""
     return (_known_times if count <= _SHORT else _times)(start, count, sample_rate, onset)
 
 
@@ -35,9 +36,10 @@ _known_times = lru_cache(maxsize=32)(_times)
 class Signal(ABC):
     """An immutable function of time in seconds, 0 before its beginning and after its end.
 
-    `a * b` is the product (an envelope times an oscillator), `a * 0.5` a gain, `a + b` the sum, `a >> b` first `a`, then `b`.
-    A subclass is a frozen dataclass. Its JSON form is its fields and the name `kind`. Its constructor raises ValueError that names the
-    field if the check in the field's metadata rejects a value.
+    `a * b` is the product (an envelope times an oscillator), `a * 0.5` a gain, `a + b` the sum, `a
+    >> b` first `a`, then `b`. A subclass is a frozen dataclass. Its JSON form is its fields and the
+    name `kind`. Its constructor raises ValueError that names the field if the check in the field's
+    metadata rejects a value.
     """
 
     __slots__ = ()
@@ -67,14 +69,16 @@ class Signal(ABC):
 
     @abstractmethod
     def values(self, times: FloatArray, step: float) -> FloatArray:
-        """Return the values at `times`, all within [0, duration), for samples that are `step` seconds apart.
+        """Return the values at `times`, all within [0, duration), for samples that are `step`
+        seconds apart.
 
-        A value depends only on its own time. `step` bounds the frequencies that samples can carry: components that would alias are left
-        out.
+        A value depends only on its own time. `step` bounds the frequencies that samples can carry:
+        components that would alias are left out.
         """
 
     def at(self, times: FloatArray, step: float) -> FloatArray:
-        """Return the values at `times` (seconds from the signal's beginning, shape (n,), any order): zero outside [0, duration)."""
+        """Return the values at `times` (seconds from the signal's beginning, shape (n,), any
+        order): zero outside [0, duration)."""
         if times.size == 0:
             return np.zeros(0)
         duration = self.duration
@@ -89,8 +93,9 @@ class Signal(ABC):
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
         """Return samples `start` to `start + count - 1`, shape (count,).
 
-        Sample n lies at n / sample_rate seconds on a clock on which the signal begins at `onset` (any real number: no rounding to samples).
-        Two calls give the same sample wherever their blocks begin. The array is the caller's own.
+        Sample n lies at n / sample_rate seconds on a clock on which the signal begins at `onset`
+        (any real number: no rounding to samples). Two calls give the same sample wherever their
+        blocks begin. The array is the caller's own.
         """
         if not sample_rate > 0:
             raise ValueError(f"sample_rate: must be positive, not {sample_rate:g}")
@@ -106,7 +111,8 @@ class Signal(ABC):
         return result
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the JSON form: {"signal": kind, field: value, ...}. Infinite values are left out."""
+        """Return the JSON form: {"signal": kind, field: value, ...}. Infinite values are left
+        out."""
         result: dict[str, Any] = {"signal": self.kind}
         for key, entry in json_fields(type(self)).items():
             value = getattr(self, entry.name)
@@ -145,9 +151,17 @@ def json_fields(cls: type[Signal]) -> dict[str, Field[Any]]:
 
 @cache
 def _checks(cls: type[Signal]) -> list[tuple[str, Callable[[str, object], Any], Any]]:
-    """The fields of a kind of signal that have a check: name, check, and the default if that is allowed although the check rejects it."""
+    """The fields of a kind of signal that have a check: name, check, and the default if that is
+    allowed although the check rejects it."""
     checked = [entry for entry in json_fields(cls).values() if "check" in entry.metadata]
-    return [(entry.name, entry.metadata["check"], entry.default if entry.default in (None, math.inf) else MISSING) for entry in checked]
+    return [
+        (
+            entry.name,
+            entry.metadata["check"],
+            entry.default if entry.default in (None, math.inf) else MISSING,
+        )
+        for entry in checked
+    ]
 
 
 def _checked_signal(name: str, value: object) -> Signal:
@@ -192,7 +206,9 @@ class Gain(Signal, kind="gain"):
     """`of` times `gain`, a number or an automation over the signal's own time."""
 
     of: Signal = field(metadata=SIGNAL)
-    gain: float | Automation = field(default=1.0, metadata=within("Factor of gain", -MAX_PEAK, MAX_PEAK, checked_parameter))
+    gain: float | Automation = field(
+        default=1.0, metadata=within("Factor of gain", -MAX_PEAK, MAX_PEAK, checked_parameter)
+    )
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
@@ -250,7 +266,9 @@ class Product(Combined, kind="product"):
         return reduce(np.multiply, (factor.values(times, step) for factor in self.of))
 
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
-        return reduce(np.multiply, (factor.sample(start, count, sample_rate, onset) for factor in self.of))
+        return reduce(
+            np.multiply, (factor.sample(start, count, sample_rate, onset) for factor in self.of)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,7 +331,9 @@ def values_inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
 class Delay(Modified, kind="delay"):
     """`of`, `seconds` later."""
 
-    seconds: float = field(default=0.0, metadata=within("Seconds by which delay starts later", 0.0, MAX_SECONDS))
+    seconds: float = field(
+        default=0.0, metadata=within("Seconds by which delay starts later", 0.0, MAX_SECONDS)
+    )
 
     @property
     def duration(self) -> float:
@@ -327,18 +347,26 @@ class Delay(Modified, kind="delay"):
 class Loop(Modified, kind="loop"):
     """`of` repeated `count` times or without end.
 
-    crossfade: seconds, at most half of the signal: each pass fades in while the end of the one before fades out, so that a recording
-    loops without a click; a pass then begins that much before the end of the last.
+    crossfade: seconds, at most half of the signal: each pass fades in while the end of the one
+    before fades out, so that a recording loops without a click; a pass then begins that much before
+    the end of the last.
     """
 
-    count: int | None = field(default=None, metadata=within("Times that loop plays; without it, endlessly", 1, 10**9, checked_integer))
+    count: int | None = field(
+        default=None,
+        metadata=within("Times that loop plays; without it, endlessly", 1, 10**9, checked_integer),
+    )
     crossfade: float = 0.0
 
     def __post_init__(self) -> None:
         Modified.__post_init__(self)
         if not MIN_SECONDS <= self.of.duration <= MAX_SECONDS:
             raise ValueError(f"of: a looped signal must end, after {MIN_SECONDS:g} seconds or more")
-        object.__setattr__(self, "crossfade", checked_number("crossfade", self.crossfade, 0.0, self.of.duration / 2))
+        object.__setattr__(
+            self,
+            "crossfade",
+            checked_number("crossfade", self.crossfade, 0.0, self.of.duration / 2),
+        )
 
     @property
     def period(self) -> float:
@@ -360,7 +388,9 @@ class Loop(Modified, kind="loop"):
             seam = (local < self.crossfade) & (passes > 0)
             if seam.any():
                 share = np.maximum(local[seam], 0.0) / self.crossfade
-                result[seam] = share * result[seam] + (1.0 - share) * values_inside(self.of, local[seam] + period, step)
+                result[seam] = share * result[seam] + (1.0 - share) * values_inside(
+                    self.of, local[seam] + period, step
+                )
         return result
 
 

@@ -14,14 +14,16 @@ from .limits import checked_number
 from .oscillators import Sine
 
 LOWEST, HIGHEST = 65.0, 300.0
-"""Frequencies of sharpness 0 and 1 of Core Haptics [Hz], between which frequency rises with the square of sharpness."""
+"""Frequencies of sharpness 0 and 1 of Core Haptics [Hz], between which frequency rises with the
+square of sharpness."""
 EMPHASIS_SECONDS = 0.02
 """Duration of an emphasis: that of a transient of Core Haptics."""
 
 
 @dataclass(frozen=True, slots=True)
 class Emphasis:
-    """A short burst at ``time`` seconds, of a ``strength`` and a ``sharpness`` from 0 to 1, like the transients of phones."""
+    """A short burst at ``time`` seconds, of a ``strength`` and a ``sharpness`` from 0 to 1, like
+    the transients of phones."""
 
     time: float
     strength: float = 1.0
@@ -34,12 +36,15 @@ class Emphasis:
     def to_signal(self) -> Signal:
         """A sine of constant amplitude for `EMPHASIS_SECONDS`."""
         frequency = LOWEST + (HIGHEST - LOWEST) * self.sharpness**2
-        return Delay(Sine(frequency) * Keyed(ramp(self.strength, self.strength, EMPHASIS_SECONDS)), self.time)
+        return Delay(
+            Sine(frequency) * Keyed(ramp(self.strength, self.strength, EMPHASIS_SECONDS)), self.time
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A sine whose amplitude (0 to 1) and frequency (hertz) are drawn over ``duration`` seconds, and bursts that are added to it.
+    """A sine whose amplitude (0 to 1) and frequency (hertz) are drawn over ``duration`` seconds,
+    and bursts that are added to it.
 
     Endless if it loops. The phase is the integral of the frequency.
     """
@@ -51,11 +56,14 @@ class Drawing:
     loops: bool = False
 
     def to_signal(self) -> Signal:
-        """The drawing in the signal algebra, as readers of haptic clips return it. Raises ValueError for parameters beyond the limits of
-        signals."""
+        """The drawing in the signal algebra, as readers of haptic clips return it. Raises
+        ValueError for parameters beyond the limits of signals."""
         frequency, hertz = self.frequency, self.frequency.values
         sine = Sine(float(hertz[0]) if (hertz == hertz[0]).all() else frequency)
-        parts = [sine * Keyed(cut(self.amplitude, self.duration)), *(emphasis.to_signal() for emphasis in self.emphases)]
+        parts = [
+            sine * Keyed(cut(self.amplitude, self.duration)),
+            *(emphasis.to_signal() for emphasis in self.emphases),
+        ]
         signal = Sum(tuple(parts)) if len(parts) > 1 else parts[0]
         return Loop(signal) if self.loops else signal
 
@@ -70,8 +78,17 @@ class Drawing:
         end = max((part.duration for part in parts if part is not None), default=0.0)
         match [part for part, burst in zip(parts, bursts, strict=True) if burst is None]:
             case []:
-                return Drawing(Automation((0.0,), (0.0,)), Automation((0.0,), (HIGHEST,)), end, emphases, loops)
-            case [Product(of=(Sine(frequency=hertz, amplitude=1.0, phase=0.0), Keyed(automation=track) as keyed))]:
+                return Drawing(
+                    Automation((0.0,), (0.0,)), Automation((0.0,), (HIGHEST,)), end, emphases, loops
+                )
+            case [
+                Product(
+                    of=(
+                        Sine(frequency=hertz, amplitude=1.0, phase=0.0),
+                        Keyed(automation=track) as keyed,
+                    )
+                )
+            ]:
                 if track.values.min() < 0.0 or track.values.max() > 1.0:
                     return None
                 if keyed.duration < end:
@@ -84,11 +101,21 @@ class Drawing:
 def _emphasis(part: Signal | None) -> Emphasis | None:
     """The emphasis whose signal this is, or None."""
     match part:
-        case Delay(of=Product(of=(Sine(frequency=float(hertz), amplitude=1.0, phase=0.0), Keyed(automation=track))), seconds=time):
+        case Delay(
+            of=Product(
+                of=(Sine(frequency=float(hertz), amplitude=1.0, phase=0.0), Keyed(automation=track))
+            ),
+            seconds=time,
+        ):
             strength = float(track.values[0])
-            plain = math.isclose(track.times[-1], EMPHASIS_SECONDS, rel_tol=1e-9) and (track.values == strength).all()
+            plain = (
+                math.isclose(track.times[-1], EMPHASIS_SECONDS, rel_tol=1e-9)
+                and (track.values == strength).all()
+            )
             if plain and LOWEST <= hertz <= HIGHEST and 0.0 <= strength <= 1.0:
-                return Emphasis(time, strength, float(np.sqrt((hertz - LOWEST) / (HIGHEST - LOWEST))))
+                return Emphasis(
+                    time, strength, float(np.sqrt((hertz - LOWEST) / (HIGHEST - LOWEST)))
+                )
     return None
 
 
@@ -97,4 +124,6 @@ def cut(curve: Automation, duration: float) -> Automation:
     inside = (curve.times > 0.0) & (curve.times < duration)
     ends = curve.at(np.array([0.0, np.nextafter(duration, 0.0)]))
     times, values = curve.times[inside], curve.values[inside]
-    return Automation(np.concatenate([[0.0], times, [duration]]), np.concatenate([ends[:1], values, ends[1:]]))
+    return Automation(
+        np.concatenate([[0.0], times, [duration]]), np.concatenate([ends[:1], values, ends[1:]])
+    )

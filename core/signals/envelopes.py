@@ -20,10 +20,16 @@ SILENCE = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Constant(Signal, kind="constant"):
-    """One value for `duration` seconds (endless by default); with a duration, a rectangular gate."""
+    """One value for `duration` seconds (endless by default); with a duration, a rectangular
+    gate."""
 
     value: float = field(default=1.0, metadata=within("Value of constant", -MAX_PEAK, MAX_PEAK))
-    duration: float = field(default=math.inf, metadata=within("Seconds that constant lasts; without it, endless", MIN_SECONDS, MAX_SECONDS))
+    duration: float = field(
+        default=math.inf,
+        metadata=within(
+            "Seconds that constant lasts; without it, endless", MIN_SECONDS, MAX_SECONDS
+        ),
+    )
 
     @property
     def peak(self) -> float:
@@ -35,19 +41,30 @@ class Constant(Signal, kind="constant"):
 
 @dataclass(frozen=True, slots=True)
 class Adsr(Signal, kind="adsr"):
-    """Rises to 1 in `attack` seconds, falls to `sustain` (0 to 1) in `decay`, stays for `hold`, falls to 0 in `release`.
+    """Rises to 1 in `attack` seconds, falls to `sustain` (0 to 1) in `decay`, stays for `hold`,
+    falls to 0 in `release`.
 
     `hold` is endless by default.
     """
 
     peak: ClassVar[float] = 1.0
 
-    attack: float = field(default=0.01, metadata=within("Seconds in which adsr rises to 1", 0.0, MAX_SECONDS / 4))
-    decay: float = field(default=0.05, metadata=within("Seconds in which adsr falls to sustain", 0.0, MAX_SECONDS / 4))
+    attack: float = field(
+        default=0.01, metadata=within("Seconds in which adsr rises to 1", 0.0, MAX_SECONDS / 4)
+    )
+    decay: float = field(
+        default=0.05,
+        metadata=within("Seconds in which adsr falls to sustain", 0.0, MAX_SECONDS / 4),
+    )
     sustain: float = field(default=0.7, metadata=within("Level that adsr holds", 0.0, 1.0))
-    release: float = field(default=0.1, metadata=within("Seconds in which adsr falls to 0", 0.0, MAX_SECONDS / 4))
+    release: float = field(
+        default=0.1, metadata=within("Seconds in which adsr falls to 0", 0.0, MAX_SECONDS / 4)
+    )
     hold: float = field(
-        default=math.inf, metadata=within("Seconds for which adsr stays at sustain; without it, endless", 0.0, MAX_SECONDS / 4)
+        default=math.inf,
+        metadata=within(
+            "Seconds for which adsr stays at sustain; without it, endless", 0.0, MAX_SECONDS / 4
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -107,7 +124,10 @@ class Decay(Signal, kind="decay"):
 
     peak: ClassVar[float] = 1.0
 
-    time_constant: float = field(default=1.0, metadata=within("Seconds in which decay falls by a factor e", MIN_SECONDS, MAX_SECONDS))
+    time_constant: float = field(
+        default=1.0,
+        metadata=within("Seconds in which decay falls by a factor e", MIN_SECONDS, MAX_SECONDS),
+    )
 
     @property
     def duration(self) -> float:

@@ -16,22 +16,25 @@ from .oscillators import Sine
 from .sound import HOP, Heard
 
 BURST_CYCLES = 2
-"""Sine cycles of a burst, as the reference renderer of MPEG haptics (ISO/IEC 23090-31) plays transients."""
+"""Sine cycles of a burst, as the reference renderer of MPEG haptics (ISO/IEC 23090-31) plays
+transients."""
 SLOWEST_BURST = 80.0
 """Least frequency of a burst [Hz], so that it ends before the next one can begin."""
 _STEADY = 2
 """Half-width of the median filter of pitches."""
 _ROUGH, _OFF = 0.02, 0.005
-"""Relative and absolute error of the amplitude due to omitted keys; the relative one also applies to the pitch."""
+"""Relative and absolute error of the amplitude due to omitted keys; the relative one also applies
+to the pitch."""
 
 
 @dataclass(frozen=True, slots=True)
 class Feel:
     """Settings of the conversion of a sound.
 
-    frequency: that of the carrier [Hz], also while there is no pitch. pitch: whether the carrier follows the sound's pitch, transposed by
-    octaves into ``band`` [Hz]. gate: level below which the output is 0 [dB of full scale]. gain: factor of the level. release: time
-    constant of the decay of the amplitude [s]. bursts: amplitude of onsets, 0 to 1.
+    frequency: that of the carrier [Hz], also while there is no pitch. pitch: whether the carrier
+    follows the sound's pitch, transposed by octaves into ``band`` [Hz]. gate: level below which the
+    output is 0 [dB of full scale]. gain: factor of the level. release: time constant of the decay
+    of the amplitude [s]. bursts: amplitude of onsets, 0 to 1.
     """
 
     frequency: float = 160.0
@@ -50,9 +53,11 @@ def felt_onsets(heard: Heard, feel: Feel) -> tuple[FloatArray, FloatArray]:
 
 
 def amplitudes(heard: Heard, feel: Feel) -> FloatArray:
-    """The carrier's amplitude every `HOP` seconds: the level with release, gate and gain, minus the amplitude of a burst.
+    """The carrier's amplitude every `HOP` seconds: the level with release, gate and gain, minus the
+    amplitude of a burst.
 
-    A peak detector with exponential release (U. Zölzer, DAFX, 2011, chapter 4), written as a running maximum.
+    A peak detector with exponential release (U. Zölzer, DAFX, 2011, chapter 4), written as a
+    running maximum.
     """
     steps = np.arange(len(heard.levels)) * (HOP / max(feel.release, 1e-4))
     held = np.exp(np.maximum.accumulate(np.log(np.maximum(heard.levels, 1e-9)) + steps) - steps)
@@ -66,7 +71,8 @@ def amplitudes(heard: Heard, feel: Feel) -> FloatArray:
 
 
 def frequencies(heard: Heard, feel: Feel) -> FloatArray:
-    """The carrier's frequency [Hz] every `HOP` seconds where it follows the pitch; without one, the last pitch is kept."""
+    """The carrier's frequency [Hz] every `HOP` seconds where it follows the pitch; without one, the
+    last pitch is kept."""
     voiced = np.flatnonzero(heard.pitches)
     if not len(voiced):
         return np.full(len(heard.pitches), feel.frequency)
@@ -74,12 +80,15 @@ def frequencies(heard: Heard, feel: Feel) -> FloatArray:
     known = np.pad(heard.pitches[voiced[np.maximum(last, 0)]], _STEADY, mode="edge")
     pitch = np.median(np.lib.stride_tricks.sliding_window_view(known, 2 * _STEADY + 1), axis=1)
     low, high = feel.band
-    octaves = np.minimum(np.floor(np.log2(high / pitch)), 0.0) + np.maximum(np.ceil(np.log2(low / pitch)), 0.0)
+    octaves = np.minimum(np.floor(np.log2(high / pitch)), 0.0) + np.maximum(
+        np.ceil(np.log2(low / pitch)), 0.0
+    )
     return np.asarray(np.clip(pitch * 2.0**octaves, low, high))
 
 
 def vibration(heard: Heard, feel: Feel) -> Signal:
-    """The vibration of a sound, as long as it; its largest value is about 1 at most. Raises ValueError if nothing is above the gate."""
+    """The vibration of a sound, as long as it; its largest value is about 1 at most. Raises
+    ValueError if nothing is above the gate."""
     level = np.round(amplitudes(heard, feel), 4)
     level[-1] = 0.0
     times, bursts = felt_onsets(heard, feel)
@@ -103,11 +112,20 @@ def _burst_seconds(feel: Feel) -> float:
 def _bursts(times: FloatArray, strengths: FloatArray, feel: Feel, seconds: float) -> Signal:
     """All bursts as one sine with whole cycles between them, so that each begins at phase 0."""
     length = _burst_seconds(feel)
-    begins, ends = np.append(times, max(seconds, times[-1] + length)), np.append(0.0, times + length)
+    begins, ends = (
+        np.append(times, max(seconds, times[-1] + length)),
+        np.append(0.0, times + length),
+    )
     zero, one = np.zeros(len(times)), np.ones(len(times))
     keys = np.column_stack([times, times, ends[1:], ends[1:]]).ravel()
     levels = np.column_stack([zero, strengths, strengths, zero]).ravel()
     gaps = begins - ends
-    between = np.divide(np.round(gaps * BURST_CYCLES / length), gaps, out=np.zeros_like(gaps), where=gaps > 1e-9)
-    rates = np.column_stack([between[:-1], one * BURST_CYCLES / length, one * BURST_CYCLES / length, between[1:]]).ravel()
-    return Keyed(Automation(np.append(keys, begins[-1]), np.append(np.round(levels, 4), 0.0))) * Sine(Automation(keys, rates))
+    between = np.divide(
+        np.round(gaps * BURST_CYCLES / length), gaps, out=np.zeros_like(gaps), where=gaps > 1e-9
+    )
+    rates = np.column_stack(
+        [between[:-1], one * BURST_CYCLES / length, one * BURST_CYCLES / length, between[1:]]
+    ).ravel()
+    return Keyed(
+        Automation(np.append(keys, begins[-1]), np.append(np.round(levels, 4), 0.0))
+    ) * Sine(Automation(keys, rates))

@@ -16,9 +16,12 @@ from .oscillators import sine
 
 @dataclass(frozen=True, slots=True)
 class Impulse(Amplified, kind="impulse"):
-    """A half-sine shock pulse, the force of a contact that lasts `width` seconds: amplitude · sin(π t / width)."""
+    """A half-sine shock pulse, the force of a contact that lasts `width` seconds: amplitude · sin(π
+    t / width)."""
 
-    width: float = field(default=0.002, metadata=within("Seconds that a shock pulse lasts", 0.0005, MAX_SECONDS))
+    width: float = field(
+        default=0.002, metadata=within("Seconds that a shock pulse lasts", 0.0005, MAX_SECONDS)
+    )
     amplitude: float = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK))
 
     @property
@@ -37,7 +40,12 @@ class DecayingSine(Amplified, kind="decaying_sine"):
     """
 
     frequency: float = field(default=150.0, metadata=within("Hertz", 0.0, MAX_FREQUENCY))
-    decay: float = field(default=0.03, metadata=within("Seconds in which a decaying sine falls by a factor e", MIN_SECONDS, MAX_SECONDS))
+    decay: float = field(
+        default=0.03,
+        metadata=within(
+            "Seconds in which a decaying sine falls by a factor e", MIN_SECONDS, MAX_SECONDS
+        ),
+    )
     amplitude: float = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK))
 
     @property

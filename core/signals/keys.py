@@ -10,10 +10,14 @@ RARE = 200
 """Thinning ends after two passes in a row that each remove fewer than one key in ``RARE``."""
 
 
-def needed_keys(times: FloatArray, values: FloatArray, tolerance: FloatArray, run: IntArray | None = None) -> IntArray:
-    """Indices of the keys that remain when redundant ones are removed: those within ``tolerance`` of the line between their neighbours.
+def needed_keys(
+    times: FloatArray, values: FloatArray, tolerance: FloatArray, run: IntArray | None = None
+) -> IntArray:
+    """Indices of the keys that remain when redundant ones are removed: those within ``tolerance``
+    of the line between their neighbours.
 
-    Every second key is tested at a time. The first and the last of each ``run`` stay; None: one run.
+    Every second key is tested at a time. The first and the last of each ``run`` stay; None: one
+    run.
     """
     kept = np.arange(len(times))
     inside = np.zeros(len(times), dtype=np.bool_)

@@ -23,7 +23,8 @@ MIN_SECONDS = 1e-6
 
 
 def checked_number(name: str, value: object, low: float, high: float) -> float:
-    """Return `value` as a float within [low, high]. Raise ValueError that names `name` otherwise."""
+    """Return `value` as a float within [low, high]. Raise ValueError that names `name`
+    otherwise."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ValueError(f"{name}: must be a number, not {type(value).__name__}")
     try:
@@ -37,7 +38,11 @@ def checked_number(name: str, value: object, low: float, high: float) -> float:
 
 def checked_integer(name: str, value: object, low: int, high: int) -> int:
     """Return `value` as an int within [low, high]. Raise ValueError that names `name` otherwise."""
-    whole = value.is_integer() if isinstance(value, float) else isinstance(value, Integral) and not isinstance(value, bool)
+    whole = (
+        value.is_integer()
+        if isinstance(value, float)
+        else isinstance(value, Integral) and not isinstance(value, bool)
+    )
     if not whole:
         raise ValueError(f"{name}: must be a whole number, not {type(value).__name__}")
     number = int(cast(float, value))
@@ -46,17 +51,23 @@ def checked_integer(name: str, value: object, low: int, high: int) -> int:
     return number
 
 
-def within(about: str, low: float, high: float, check: Callable[..., object] = checked_number) -> dict[str, Any]:
-    """The metadata of a signal's field for values from `low` to `high`. A default of None or infinity is allowed as well.
+def within(
+    about: str, low: float, high: float, check: Callable[..., object] = checked_number
+) -> dict[str, Any]:
+    """The metadata of a signal's field for values from `low` to `high`. A default of None or
+    infinity is allowed as well.
 
-    about: what it is, for the JSON Schema. check: `checked_number`, `checked_integer`, or `checked_parameter` for a number or an
-    automation.
+    about: what it is, for the JSON Schema. check: `checked_number`, `checked_integer`, or
+    `checked_parameter` for a number or an automation.
     """
     return {"check": partial(check, low=low, high=high), "about": about}
 
 
-def checked_column(name: str, numbers: Sequence[float] | FloatArray, limit: float, most: int | None = None) -> FloatArray:
-    """Return `numbers`, at least one and at most `most`, each within ±`limit`, as a read-only copy of shape (n,).
+def checked_column(
+    name: str, numbers: Sequence[float] | FloatArray, limit: float, most: int | None = None
+) -> FloatArray:
+    """Return `numbers`, at least one and at most `most`, each within ±`limit`, as a read-only copy
+    of shape (n,).
 
     Raise ValueError that names `name` otherwise.
     """
@@ -65,7 +76,9 @@ def checked_column(name: str, numbers: Sequence[float] | FloatArray, limit: floa
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name}: must be a list of numbers") from None
     if column.ndim != 1 or not 1 <= column.size <= (most or column.size):
-        raise ValueError(f"{name}: must be a list of {f'1 to {most} numbers' if most else 'at least one number'}")
+        raise ValueError(
+            f"{name}: must be a list of {f'1 to {most} numbers' if most else 'at least one number'}"
+        )
     if not np.all(np.abs(column) <= limit):
         raise ValueError(f"{name}: must be finite and within ±{limit:g}")
     column.setflags(write=False)

@@ -17,17 +17,25 @@ from .limits import MAX_PEAK, checked_integer, within
 
 @dataclass(frozen=True, slots=True)
 class Noise(Amplified, kind="noise"):
-    """Random values, uniform within ±amplitude, `rate` of them a second, straight lines between them.
+    """Random values, uniform within ±amplitude, `rate` of them a second, straight lines between
+    them.
 
-    seed: 0 to 2^64 - 1. Value k is output k of the SplitMix64 generator (Steele, Lea, Flood 2014) of that seed, which can be computed
-    without its predecessors. rate: new values a second, 1 to 48,000; a low rate gives a rumble.
+    seed: 0 to 2^64 - 1. Value k is output k of the SplitMix64 generator (Steele, Lea, Flood 2014)
+    of that seed, which can be computed without its predecessors. rate: new values a second, 1 to
+    48,000; a low rate gives a rumble.
     """
 
     duration: ClassVar[float] = math.inf
 
-    amplitude: float | Automation = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK, checked_parameter))
-    seed: int = field(default=0, metadata=within("Seed of the noise", 0, 2**64 - 1, checked_integer))
-    rate: float = field(default=8000.0, metadata=within("Values of noise per second", 1.0, 48_000.0))
+    amplitude: float | Automation = field(
+        default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK, checked_parameter)
+    )
+    seed: int = field(
+        default=0, metadata=within("Seed of the noise", 0, 2**64 - 1, checked_integer)
+    )
+    rate: float = field(
+        default=8000.0, metadata=within("Values of noise per second", 1.0, 48_000.0)
+    )
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         position = times * self.rate

@@ -1,4 +1,5 @@
-"""Periodic signals. Phase is the integral of frequency, so sweeps are exact and independent of the block size."""
+"""Periodic signals. Phase is the integral of frequency, so sweeps are exact and independent of the
+block size."""
 
 from __future__ import annotations
 
@@ -26,25 +27,31 @@ _SINE_COEFFICIENTS = (
 class Oscillator(Amplified):
     """A wave of period 1 over the phase in cycles, from `phase` on.
 
-    frequency: hertz, from 0 to 20,000, a number or an automation. At and above half the sample rate the oscillator is silent.
-    amplitude: a number or an automation.
-    phase: cycles at the beginning.
+    frequency: hertz, from 0 to 20,000, a number or an automation. At and above half the sample rate
+    the oscillator is silent. amplitude: a number or an automation. phase: cycles at the beginning.
 
-    A wave with edges or corners is averaged over the sample period (a box filter). Components that alias to tactile frequencies lie near
-    multiples of the sample rate, where that filter has its zeros.
+    A wave with edges or corners is averaged over the sample period (a box filter). Components that
+    alias to tactile frequencies lie near multiples of the sample rate, where that filter has its
+    zeros.
     """
 
     duration: ClassVar[float] = math.inf
     has_edges: ClassVar[bool] = True
 
-    frequency: float | Automation = field(default=60.0, metadata=within("Hertz", 0.0, MAX_FREQUENCY, checked_parameter))
-    amplitude: float | Automation = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK, checked_parameter))
+    frequency: float | Automation = field(
+        default=60.0, metadata=within("Hertz", 0.0, MAX_FREQUENCY, checked_parameter)
+    )
+    amplitude: float | Automation = field(
+        default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK, checked_parameter)
+    )
     phase: float = field(default=0.0, metadata=within("Initial phase in cycles, 0 to 1", -1e6, 1e6))
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         aliases = largest(self.frequency) * step >= 0.5
         if isinstance(self.frequency, Automation):
-            width: float | FloatArray = self.frequency.at(times) * step if self.has_edges or aliases else 0.0
+            width: float | FloatArray = (
+                self.frequency.at(times) * step if self.has_edges or aliases else 0.0
+            )
             cycles = self.frequency.integral(times)
         else:
             width = self.frequency * step
@@ -60,7 +67,8 @@ class Oscillator(Amplified):
 
     @abstractmethod
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
-        """Return the wave at phase `cycles`, averaged over `width` cycles around it if it has edges or corners."""
+        """Return the wave at phase `cycles`, averaged over `width` cycles around it if it has edges
+        or corners."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +81,15 @@ class Sine(Oscillator, kind="sine"):
         return sine(cycles)
 
     def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
-        if isinstance(self.frequency, Automation) or not self.frequency < sample_rate / 2 or start / sample_rate < onset or count < 1:
+        if (
+            isinstance(self.frequency, Automation)
+            or not self.frequency < sample_rate / 2
+            or start / sample_rate < onset
+            or count < 1
+        ):
             return Oscillator.sample(self, start, count, sample_rate, onset)
-        # A steady tone by sin(a + b) = sin a cos b + cos a sin b: a at every 64th sample of the clock, b at the 64 from there on.
+        # A steady tone by sin(a + b) = sin a cos b + cos a sin b: a at every 64th sample of the
+        # clock, b at the 64 from there on.
         runs = np.arange(start // _RUN, (start + count - 1) // _RUN + 1) * _RUN
         cycles = self.frequency * (runs / sample_rate - onset) + self.phase
         coarse = (2 * np.pi) * (cycles - np.floor(cycles))[:, None]
@@ -122,7 +136,9 @@ class Saw(Oscillator, kind="saw"):
 class Pulse(Oscillator, kind="pulse"):
     """A train of pulses: 1 for the first `duty` (0 to 1) of the period, 0 for the rest."""
 
-    duty: float = field(default=0.1, metadata=within("Part of the period for which a pulse is 1", 0.0, 1.0))
+    duty: float = field(
+        default=0.1, metadata=within("Part of the period for which a pulse is 1", 0.0, 1.0)
+    )
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         half = self.duty / 2
@@ -140,9 +156,11 @@ def _distance(cycles: FloatArray) -> FloatArray:
 
 
 def sine(cycles: FloatArray) -> FloatArray:
-    """Return sin(2π cycles), shape (n,), with an absolute error below 1e-15, apart from the rounding of `cycles`.
+    """Return sin(2π cycles), shape (n,), with an absolute error below 1e-15, apart from the
+    rounding of `cycles`.
 
-    Uses only sums and products, so the result is bit-identical on every machine, and is twice as fast as the library's sine.
+    Uses only sums and products, so the result is bit-identical on every machine, and is twice as
+    fast as the library's sine.
     """
     # sin(2π c) = sin(2π q) with q = |frac(c - 1/4) - 1/2| - 1/4, which is within ±1/4.
     quarter = cycles - 0.25

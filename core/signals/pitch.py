@@ -1,7 +1,8 @@
 """The pitch of a sound by autocorrelation.
 
-P. Boersma, "Accurate short-term analysis of the fundamental frequency and the harmonics-to-noise ratio of a sampled sound" (IFA Proceedings
-17, 1993): the autocorrelation of a windowed frame over that of the window, its peaks interpolated by parabolas, short periods preferred.
+P. Boersma, "Accurate short-term analysis of the fundamental frequency and the harmonics-to-noise
+ratio of a sampled sound" (IFA Proceedings 17, 1993): the autocorrelation of a windowed frame over
+that of the window, its peaks interpolated by parabolas, short periods preferred.
 """
 
 from __future__ import annotations
@@ -28,20 +29,33 @@ def _autocorrelation(frames: FloatArray, count: int) -> FloatArray:
 
 
 def pitches(frames: FloatArray, rate: float) -> FloatArray:
-    """The pitch of each of ``frames`` (n, FRAME) at ``rate`` hertz, shape (n,), 0 for frames without pitch."""
+    """The pitch of each of ``frames`` (n, FRAME) at ``rate`` hertz, shape (n,), 0 for frames
+    without pitch."""
     shortest, longest = int(rate / HIGHEST), int(rate / LOWEST)
-    correlated = _autocorrelation((frames - frames.mean(axis=1, keepdims=True)) * _WINDOW, longest + 2)
+    correlated = _autocorrelation(
+        (frames - frames.mean(axis=1, keepdims=True)) * _WINDOW, longest + 2
+    )
     energy = correlated[:, :1]
-    correlated = correlated / np.maximum(energy, 1e-300) * (_OF_WINDOW[0] / _OF_WINDOW[: longest + 2])
-    before, here, after = (correlated[:, shortest + shift : longest + 1 + shift] for shift in (-1, 0, 1))
+    correlated = (
+        correlated / np.maximum(energy, 1e-300) * (_OF_WINDOW[0] / _OF_WINDOW[: longest + 2])
+    )
+    before, here, after = (
+        correlated[:, shortest + shift : longest + 1 + shift] for shift in (-1, 0, 1)
+    )
     bend = 2.0 * here - before - after
     shift = np.divide(after - before, 2.0 * bend, out=np.zeros_like(bend), where=bend > 1e-12)
     height = here + (after - before) * shift / 4.0
     lags = np.arange(shortest, longest + 1)
-    score = np.where((here > before) & (here >= after), height - _OCTAVE_COST * np.log2(lags), -np.inf)
+    score = np.where(
+        (here > before) & (here >= after), height - _OCTAVE_COST * np.log2(lags), -np.inf
+    )
     best = score.argmax(axis=1)
     rows = np.arange(len(frames))
-    heard = (height[rows, best] >= _VOICED) & np.isfinite(score[rows, best]) & (energy[:, 0] > _FAINT * (_WINDOW**2).sum())
+    heard = (
+        (height[rows, best] >= _VOICED)
+        & np.isfinite(score[rows, best])
+        & (energy[:, 0] > _FAINT * (_WINDOW**2).sum())
+    )
     return np.where(heard, rate / (lags[best] + shift[rows, best]), 0.0)
 
 

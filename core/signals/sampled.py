@@ -28,7 +28,11 @@ class Sampled(Signal, kind="sampled"):
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
-        object.__setattr__(self, "samples", checked_column("samples", self.samples, MAX_PEAK / _OVERSHOOT, MAX_SAMPLES))
+        object.__setattr__(
+            self,
+            "samples",
+            checked_column("samples", self.samples, MAX_PEAK / _OVERSHOOT, MAX_SAMPLES),
+        )
         # The largest sum of the kernel's magnitudes bounds the overshoot of interpolation.
         object.__setattr__(self, "peak", _OVERSHOOT * float(np.max(np.abs(self.samples))))
 
@@ -37,12 +41,16 @@ class Sampled(Signal, kind="sampled"):
         return len(self.samples) / self.rate
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
-        return np.asarray(interpolate(self.samples[None, :], times * self.rate, max(1.0, step * self.rate))[0])
+        return np.asarray(
+            interpolate(self.samples[None, :], times * self.rate, max(1.0, step * self.rate))[0]
+        )
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Sampled):
             return NotImplemented
-        return self is other or (self.rate == other.rate and np.array_equal(self.samples, other.samples))
+        return self is other or (
+            self.rate == other.rate and np.array_equal(self.samples, other.samples)
+        )
 
     def __hash__(self) -> int:
         return hash((self.rate, self.samples.size, self.samples[:64].tobytes()))

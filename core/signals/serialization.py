@@ -1,4 +1,5 @@
-"""The JSON form of signals: {"signal": "sine", "frequency": 60, "amplitude": {"times": [...], "values": [...]}}."""
+"""The JSON form of signals: {"signal": "sine", "frequency": 60, "amplitude": {"times": [...],
+"values": [...]}}."""
 
 from __future__ import annotations
 
@@ -17,10 +18,28 @@ from .struck import Struck
 SIGNAL_KINDS: Mapping[str, type[Signal]] = {
     cls.kind: cls
     for cls in (
-        Sine, Square, Triangle, Saw, Pulse, Noise, Constant, Adsr, Keyed, Decay, Impulse, DecayingSine, Sampled,
-        Gain, Delay, Product, Sum, Sequence, Loop, Struck,
+        Sine,
+        Square,
+        Triangle,
+        Saw,
+        Pulse,
+        Noise,
+        Constant,
+        Adsr,
+        Keyed,
+        Decay,
+        Impulse,
+        DecayingSine,
+        Sampled,
+        Gain,
+        Delay,
+        Product,
+        Sum,
+        Sequence,
+        Loop,
+        Struck,
     )
-}  # fmt: skip
+}
 """The class of each `signal` name."""
 
 MAX_NODES = 1000
@@ -31,8 +50,8 @@ MAX_NUMBERS = 4_000_000
 def signal_from_dict(data: object, pointer: str = "") -> Signal:
     """Return the signal whose JSON form is `data`.
 
-    A form has at most 1,000 signals (cross-faded ones count twice), 32 levels, and 4,000,000 numbers.
-    Raises ValueError that names the place, a JSON pointer below `pointer`.
+    A form has at most 1,000 signals (cross-faded ones count twice), 32 levels, and 4,000,000
+    numbers. Raises ValueError that names the place, a JSON pointer below `pointer`.
     """
     return _Reader().signal(data, pointer, 1, 1)
 
@@ -72,10 +91,17 @@ class _Reader:
 
     def value(self, data: object, pointer: str, depth: int, weight: int) -> object:
         if isinstance(data, dict):
-            return self.signal(data, pointer, depth + 1, weight) if "signal" in data else self.automation(data, pointer)
+            return (
+                self.signal(data, pointer, depth + 1, weight)
+                if "signal" in data
+                else self.automation(data, pointer)
+            )
         if isinstance(data, list):
             if data and isinstance(data[0], dict):
-                return tuple(self.signal(part, f"{pointer}/{number}", depth + 1, weight) for number, part in enumerate(data))
+                return tuple(
+                    self.signal(part, f"{pointer}/{number}", depth + 1, weight)
+                    for number, part in enumerate(data)
+                )
             return self.column(data, pointer)
         return data
 
@@ -89,7 +115,9 @@ class _Reader:
             raise ValueError(f"{pointer}/{error}") from None
 
     def column(self, data: object, pointer: str) -> list[float]:
-        if not isinstance(data, list) or not all(isinstance(item, int | float) and not isinstance(item, bool) for item in data):
+        if not isinstance(data, list) or not all(
+            isinstance(item, int | float) and not isinstance(item, bool) for item in data
+        ):
             raise ValueError(f"{pointer}: must be a list of numbers")
         self.numbers += len(data)
         if self.numbers > MAX_NUMBERS:

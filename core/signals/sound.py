@@ -1,7 +1,8 @@
 """Analysis of sounds: level, pitch and onsets over time.
 
-The level is that of the analytic signal (S. L. Marple, "Computing the discrete-time analytic signal via FFT", IEEE Trans. Signal Processing
-47, 1999), from `LOWEST` hertz on. Generators compute block by block, so that their caller can show progress and cancel.
+The level is that of the analytic signal (S. L. Marple, "Computing the discrete-time analytic signal
+via FFT", IEEE Trans. Signal Processing 47, 1999), from `LOWEST` hertz on. Generators compute block
+by block, so that their caller can show progress and cancel.
 """
 
 from __future__ import annotations
@@ -47,15 +48,17 @@ class Recording(Protocol):
     count: int
 
     def read(self, first: int, last: int) -> FloatArray:
-        """Return the samples from index ``first`` to before ``last``, shape (last - first, channels), full scale being 1."""
+        """Return the samples from index ``first`` to before ``last``, shape (last - first,
+        channels), full scale being 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Clip:
     """A part of a recording, placed in a sound.
 
-    start: its beginning in the sound [s], below 0 if the sound begins within it; skip: its beginning in the recording at playback speed
-    [s]; seconds: its largest duration. speed: playback speed. volume: a factor, constant or over the sound's time.
+    start: its beginning in the sound [s], below 0 if the sound begins within it; skip: its
+    beginning in the recording at playback speed [s]; seconds: its largest duration. speed: playback
+    speed. volume: a factor, constant or over the sound's time.
     """
 
     recording: Recording
@@ -88,8 +91,9 @@ class Clip:
 class Heard:
     """Result of the analysis of a sound of ``seconds``.
 
-    levels: amplitude every `HOP` seconds from 0 on, averaged over 10 ms; that of a sine of full scale is 1. pitches: hertz at the same
-    times, 0 without pitch. onsets: beginnings of events [s]. strengths: the largest level in the 30 ms after each.
+    levels: amplitude every `HOP` seconds from 0 on, averaged over 10 ms; that of a sine of full
+    scale is 1. pitches: hertz at the same times, 0 without pitch. onsets: beginnings of events [s].
+    strengths: the largest level in the 30 ms after each.
     """
 
     seconds: float
@@ -112,11 +116,13 @@ def outcome(steps: Steps[Value]) -> Value:
 def mixed(clips: tuple[Clip, ...]) -> Steps[Samples]:
     """The sum of clips, the channels of each averaged, shape (n,), `RATE` a second.
 
-    Raises ValueError if it is longer than `LONGEST` or silent, has samples that are not finite, or a sample rate outside `RATES`.
+    Raises ValueError if it is longer than `LONGEST` or silent, has samples that are not finite, or
+    a sample rate outside `RATES`.
     """
     import soxr
 
-    if not all(RATES[0] <= clip.rate <= RATES[1] for clip in clips):  # beyond these, the resampler may crash
+    # Beyond these, the resampler may crash.
+    if not all(RATES[0] <= clip.rate <= RATES[1] for clip in clips):
         raise ValueError("the sound has too many or too few samples a second")
     length = max((clip.end for clip in clips), default=0.0)
     if length > LONGEST:
@@ -130,7 +136,9 @@ def mixed(clips: tuple[Clip, ...]) -> Steps[Samples]:
             samples = clip.recording.read(begin, min(begin + size, last)).mean(axis=1)
             if not np.isfinite(samples).all():
                 raise ValueError("the sound has samples that are not finite")
-            ready = stream.resample_chunk(samples, last=begin + size >= last)[: max(len(result) - place, 0)]
+            ready = stream.resample_chunk(samples, last=begin + size >= last)[
+                : max(len(result) - place, 0)
+            ]
             times = np.arange(place, place + len(ready)) / RATE
             result[place : place + len(ready)] += ready * values_of(clip.volume, times)
             place += len(ready)
@@ -151,17 +159,27 @@ def heard(samples: Samples) -> Steps[Heard]:
     power, fluxes, pitched = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)]
     for begin in range(0, count, _BLOCK):
         end = min(begin + _BLOCK, -(-count // _HOP) * _HOP)
-        power.append(_power(_read(samples, begin - _MARGIN, end + _MARGIN))[_MARGIN:][: end - begin].reshape(-1, _FINE).mean(axis=1))
+        power.append(
+            _power(_read(samples, begin - _MARGIN, end + _MARGIN))[_MARGIN:][: end - begin]
+            .reshape(-1, _FINE)
+            .mean(axis=1)
+        )
         reach = onsets.FRAME // 2
         around = _read(samples, begin - reach - onsets.LAG * _HOP, end - _HOP + reach)
         fluxes.append(onsets.flux(onsets.band_levels(_frames(around, onsets.FRAME))))
         around = _read(samples, begin - pitch.FRAME // 2, end - _HOP + pitch.FRAME // 2)
-        pitched.append(np.repeat(pitch.pitches(_frames(around, pitch.FRAME)[::2], RATE), 2)[: (end - begin) // _HOP])
+        pitched.append(
+            np.repeat(pitch.pitches(_frames(around, pitch.FRAME)[::2], RATE), 2)[
+                : (end - begin) // _HOP
+            ]
+        )
         yield
     fine = np.concatenate(power)
     sums = np.cumsum(np.pad(fine, (1 + _HOP // _FINE, _HOP // _FINE)))
     width = 2 * _HOP // _FINE
-    levels = np.sqrt(np.maximum(sums[width :: width // 2] - sums[: -width : width // 2], 0.0) / width)
+    levels = np.sqrt(
+        np.maximum(sums[width :: width // 2] - sums[: -width : width // 2], 0.0) / width
+    )
     times = onsets.onsets(np.concatenate(fluxes), HOP, fine)
     after = np.lib.stride_tricks.sliding_window_view(np.pad(levels, (0, 7)), 7).max(axis=1)
     strengths = after[np.minimum(np.rint(times / HOP).astype(np.intp), len(levels) - 1)]
@@ -179,7 +197,8 @@ def _frames(samples: FloatArray, length: int) -> FloatArray:
 
 
 def _power(samples: FloatArray) -> FloatArray:
-    """The squared envelope of samples, by their analytic signal; the first and last `_MARGIN` of them are faded in place."""
+    """The squared envelope of samples, by their analytic signal; the first and last `_MARGIN` of
+    them are faded in place."""
     fade = np.hanning(2 * _MARGIN + 1)[:_MARGIN]
     samples[:_MARGIN] *= fade
     samples[-_MARGIN:] *= fade[::-1]

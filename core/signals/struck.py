@@ -19,24 +19,28 @@ LONGEST = 60.0
 CORNER = 100.0
 """Frequency above which brightness acts [Hz]."""
 _FINE, _MOST = 32_000.0, 480_000
-"""Sample rate of the analysis of a template [Hz], and largest number of samples, which lowers the rate for longer ones. Linear
-interpolation of a low-pass filtered tone of f Hz has the relative error (pi f / rate)^2 / 2: -60 dB of the template at 1 kHz."""
+"""Sample rate of the analysis of a template [Hz], and largest number of samples, which lowers the
+rate for longer ones. Linear interpolation of a low-pass filtered tone of f Hz has the relative
+error (pi f / rate)^2 / 2: -60 dB of the template at 1 kHz."""
 
 
 @dataclass(frozen=True, slots=True)
 class Struck(Modified, kind="struck"):
-    """`of`, played `pitch` times as fast, which multiplies all its frequencies, with its decay time times `decay` and its amplitude above
-    `CORNER` times `brightness`.
+    """`of`, played `pitch` times as fast, which multiplies all its frequencies, with its decay time
+    times `decay` and its amplitude above `CORNER` times `brightness`.
 
-    The decay time of any signal is that of the decaying tone whose energy has the same centre in time, the integral of t x² over that of x²
-    being half of it. A shorter one takes an envelope exp(-t (1 / decay - 1) / decay time). Brightness b is a shelf of first order,
-    (1 + b j f / CORNER) / (1 + j f / CORNER), of the template before its pitch is changed.
+    The decay time of any signal is that of the decaying tone whose energy has the same centre in
+    time, the integral of t x² over that of x² being half of it. A shorter one takes an envelope
+    exp(-t (1 / decay - 1) / decay time). Brightness b is a shelf of first order, (1 + b j f /
+    CORNER) / (1 + j f / CORNER), of the template before its pitch is changed.
 
     pitch: 0.25 to 4. decay: 0.01 to 1. brightness: 0 to 1. of: ends within `LONGEST` seconds.
     """
 
     pitch: float = field(default=1.0, metadata=within("Playback speed of struck", 0.25, 4.0))
-    decay: float = field(default=1.0, metadata=within("Factor of the decay time of struck", 0.01, 1.0))
+    decay: float = field(
+        default=1.0, metadata=within("Factor of the decay time of struck", 0.01, 1.0)
+    )
     brightness: float = field(default=1.0, metadata=within("Gain of struck above 100 Hz", 0.0, 1.0))
 
     def __post_init__(self) -> None:
@@ -52,7 +56,11 @@ class Struck(Modified, kind="struck"):
     @property
     def _damping(self) -> float:
         """1/s."""
-        return 0.0 if self.decay == 1.0 else (1.0 / self.decay - 1.0) * self.pitch / _analysed(self.of)[0]
+        return (
+            0.0
+            if self.decay == 1.0
+            else (1.0 / self.decay - 1.0) * self.pitch / _analysed(self.of)[0]
+        )
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         own, step = times * self.pitch, step * self.pitch
@@ -67,8 +75,8 @@ class Struck(Modified, kind="struck"):
 
 @lru_cache(maxsize=128)
 def _analysed(template: Signal) -> tuple[float, float, NDArray[np.float32]]:
-    """The decay time of a template [s], and so many values a second of what a low-pass of first order leaves of it below the corner: 128 kB
-    for each second of a template, 2 MB at most."""
+    """The decay time of a template [s], and so many values a second of what a low-pass of first
+    order leaves of it below the corner: 128 kB for each second of a template, 2 MB at most."""
     rate = min(_FINE, _MOST / template.duration)
     samples = template.sample(0, max(round(template.duration * rate), 1), rate)
     energy = samples * samples
@@ -79,5 +87,7 @@ def _analysed(template: Signal) -> tuple[float, float, NDArray[np.float32]]:
     response = (1.0 - part) / 2.0 * part ** np.arange(math.ceil(math.log(SILENCE) / math.log(part)))
     response[1:] += response[:-1]
     size = 1 << (len(samples) + len(response)).bit_length()
-    dull = np.fft.irfft(np.fft.rfft(samples, size) * np.fft.rfft(response, size), size)[: len(samples)]
+    dull = np.fft.irfft(np.fft.rfft(samples, size) * np.fft.rfft(response, size), size)[
+        : len(samples)
+    ]
     return max(2.0 * centre, 1.0 / rate), rate, np.append(dull, 0.0).astype(np.float32)

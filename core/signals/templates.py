@@ -1,4 +1,5 @@
-"""Predefined signals: the defaults, and those of impacts between materials, whose values are in `impact_materials.json`."""
+"""Predefined signals: the defaults, and those of impacts between materials, whose values are in
+`impact_materials.json`."""
 
 from __future__ import annotations
 
@@ -25,18 +26,20 @@ DEFAULT_IMPACT: Signal = DecayingSine(150.0, 0.03)
 class ImpactMaterial:
     """The response of a material to an impact.
 
-    frequency: hertz, of its ringing within the tactile range. decay: seconds, time constant of the ringing.
-    softness: seconds that it adds to the contact's duration (compliances in series add up).
-    ring, grain: shares (0 to 1) of ringing and of crumbling noise.
+    frequency: hertz, of its ringing within the tactile range. decay: seconds, time constant of the
+    ringing. softness: seconds that it adds to the contact's duration (compliances in series add
+    up). ring, grain: shares (0 to 1) of ringing and of crumbling noise.
 
-    Measured: frequency and decay of wood and rubber and the frequency of metal, which are those of taps with a stylus on wood, rubber and
-    aluminium (Okamura, Cutkosky and Dennerlein, "Reality-Based Models for Vibration Feedback in Virtual Environments", IEEE/ASME Trans.
-    Mechatronics 6, 2001: 100 Hz and 80 1/s, 18.8 Hz and 60 1/s, 300 Hz; as they are commonly quoted). The decay of metal lies between
-    that of the tap, damped by the hand (90 1/s), and that of a free body of steel (2.6 1/s at 300 Hz by the damping of the KleinPAT
-    materials).
-    Chosen: all else, so that hard and stiff materials have high frequencies, strongly damped ones short decays, and neighbours differ by a
-    quarter in frequency or by half in decay, more than the skin's difference thresholds. In that study, the parameters rated most realistic
-    differed from the measured ones.
+    Measured: frequency and decay of wood and rubber and the frequency of metal, which are those of
+    taps with a stylus on wood, rubber and aluminium (Okamura, Cutkosky and Dennerlein,
+    "Reality-Based Models for Vibration Feedback in Virtual Environments", IEEE/ASME Trans.
+    Mechatronics 6, 2001: 100 Hz and 80 1/s, 18.8 Hz and 60 1/s, 300 Hz; as they are commonly
+    quoted). The decay of metal lies between that of the tap, damped by the hand (90 1/s), and that
+    of a free body of steel (2.6 1/s at 300 Hz by the damping of the KleinPAT materials). Chosen:
+    all else, so that hard and stiff materials have high frequencies, strongly damped ones short
+    decays, and neighbours differ by a quarter in frequency or by half in decay, more than the
+    skin's difference thresholds. In that study, the parameters rated most realistic differed from
+    the measured ones.
     """
 
     frequency: float
@@ -52,17 +55,20 @@ IMPACT_MATERIALS: Mapping[str, ImpactMaterial] = MappingProxyType(_MATERIALS)
 
 
 def impact_material(name: str) -> str | None:
-    """The name in IMPACT_MATERIALS for a material of `core.scene.materials`, its own or a similar one; None for air and unknown names."""
+    """The name in IMPACT_MATERIALS for a material of `core.scene.materials`, its own or a similar
+    one; None for air and unknown names."""
     known = str(_TABLE["kindred"].get(name, name))
     return known if known in IMPACT_MATERIALS else None
 
 
 @lru_cache(maxsize=512)
 def impact_template(first: str, second: str) -> Signal:
-    """Return the signal of an impact between two materials of IMPACT_MATERIALS, in either order; its largest sample is 1.
+    """Return the signal of an impact between two materials of IMPACT_MATERIALS, in either order;
+    its largest sample is 1.
 
-    The sum of a half-sine shock with the duration of the contact, of each material's ringing, attenuated by the envelope of the half-sine's
-    spectrum, 1 / (1 + (2 f w)²), and of grain that decays with the ringing. Raises ValueError that names the argument.
+    The sum of a half-sine shock with the duration of the contact, of each material's ringing,
+    attenuated by the envelope of the half-sine's spectrum, 1 / (1 + (2 f w)²), and of grain that
+    decays with the ringing. Raises ValueError that names the argument.
     """
     for name, value in (("first", first), ("second", second)):
         if value not in IMPACT_MATERIALS:
@@ -74,7 +80,14 @@ def impact_template(first: str, second: str) -> Signal:
         excited = 1.0 / (1.0 + (2.0 * material.frequency * width) ** 2)
         terms.append(DecayingSine(material.frequency, material.decay, material.ring * excited))
         if material.grain:
-            terms.append(Product((Noise(material.grain, seed=number, rate=8.0 * material.frequency), Decay(material.decay))))
+            terms.append(
+                Product(
+                    (
+                        Noise(material.grain, seed=number, rate=8.0 * material.frequency),
+                        Decay(material.decay),
+                    )
+                )
+            )
     total = Sum(tuple(terms))
     fine_rate = 48_000.0
     peak = float(np.max(np.abs(total.sample(0, int(total.duration * fine_rate) + 1, fine_rate))))

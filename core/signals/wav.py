@@ -1,4 +1,5 @@
-"""WAV files as signals (RIFF WAVE: PCM of 8 to 32 bits, IEEE float of 32 and 64, plain or WAVE_FORMAT_EXTENSIBLE)."""
+"""WAV files as signals (RIFF WAVE: PCM of 8 to 32 bits, IEEE float of 32 and 64, plain or
+WAVE_FORMAT_EXTENSIBLE)."""
 
 from __future__ import annotations
 
@@ -22,10 +23,11 @@ _LONGEST_FORMAT = 256
 
 
 def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
-    """Return the recording in a WAV file, its channels averaged, at `sample_rate` (hertz), full scale being 1.
+    """Return the recording in a WAV file, its channels averaged, at `sample_rate` (hertz), full
+    scale being 1.
 
-    Raises OSError if the file cannot be read, ValueError that names the file if it is no such WAV file, longer than 4,000,000 samples at
-    `sample_rate`, or if it has samples that are not finite.
+    Raises OSError if the file cannot be read, ValueError that names the file if it is no such WAV
+    file, longer than 4,000,000 samples at `sample_rate`, or if it has samples that are not finite.
     """
     path = Path(path)
     try:
@@ -46,8 +48,9 @@ def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
 class WavFile:
     """The samples of a WAV file, read on demand.
 
-    file: open for reading, seekable; it is read again by every call of `read`. Raises ValueError if it is broken or of another encoding.
-    Attributes: ``channels``, ``count`` (samples of each channel, at least 1) and ``rate`` (hertz).
+    file: open for reading, seekable; it is read again by every call of `read`. Raises ValueError if
+    it is broken or of another encoding. Attributes: ``channels``, ``count`` (samples of each
+    channel, at least 1) and ``rate`` (hertz).
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -77,15 +80,22 @@ class WavFile:
         if tag == _EXTENSIBLE and len(form) >= 26:
             tag = int.from_bytes(form[24:26], "little")
         if channels == 0 or frame_size % channels or not 1000 <= rate <= 192_000:
-            raise ValueError(f"broken WAV file: {channels} channels of {frame_size} bytes at {rate} Hz")
-        self.channels, self.rate, self.count = channels, float(rate), size // frame_size if frame_size else 0
+            raise ValueError(
+                f"broken WAV file: {channels} channels of {frame_size} bytes at {rate} Hz"
+            )
+        self.channels, self.rate, self.count = (
+            channels,
+            float(rate),
+            size // frame_size if frame_size else 0,
+        )
         self._tag, self._width = tag, frame_size // channels
         if self.count == 0:
             raise ValueError("WAV file without samples")
         _numbers(tag, self._width, np.zeros((1, 1, self._width), dtype=np.uint8))
 
     def read(self, first: int, last: int) -> FloatArray:
-        """Return the samples from index ``first`` to before ``last``, shape (last - first, channels), full scale being 1."""
+        """Return the samples from index ``first`` to before ``last``, shape (last - first,
+        channels), full scale being 1."""
         frame_size = self.channels * self._width
         self._file.seek(self._start + first * frame_size)
         raw = np.frombuffer(self._file.read((last - first) * frame_size), dtype=np.uint8)
@@ -93,7 +103,8 @@ class WavFile:
 
 
 def _numbers(tag: int, width: int, raw: NDArray[np.uint8]) -> FloatArray:
-    """Return little-endian samples, shape (frames, channels, width) of bytes, as numbers, shape (frames, channels)."""
+    """Return little-endian samples, shape (frames, channels, width) of bytes, as numbers, shape
+    (frames, channels)."""
     if tag == _PCM and width == 1:
         return np.asarray((raw[..., 0].astype(np.float64) - 128.0) / 128.0)
     if tag == _PCM and width in (2, 3, 4):

@@ -2,7 +2,8 @@
 
 python docs/pictures/draw_levels.py
 
-The pile: 5 x 5 x 4 boxes of 40 cm, κ 0.1 and ρ 0.9, of which 60 % of all neighbours touch. The same bytes each time.
+The pile: 5 x 5 x 4 boxes of 40 cm, κ 0.1 and ρ 0.9, of which 60 % of all neighbours touch. The same
+bytes each time.
 """
 
 from __future__ import annotations
@@ -14,7 +15,15 @@ import matplotlib
 import numpy as np
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    Strategy,
+)
 from matplotlib.figure import Figure
 
 SIZE, COUNTS, TOUCHING = 0.4, (5, 5, 4), 0.6
@@ -41,7 +50,10 @@ def pile() -> HapticScene:
         if tuple(beside) in names and random.uniform() < TOUCHING:
             place = tuple(((cell + beside) / 2 * SIZE).tolist())
             contacts.append(Contact((names[tuple(cell)], names[tuple(beside)]), (place, place)))
-    ends = [(names[tuple(cells[k])], tuple((cells[k] * SIZE).tolist())) for k in random.permutation(len(cells))[: SOURCES + LISTENERS]]
+    ends = [
+        (names[tuple(cells[k])], tuple((cells[k] * SIZE).tolist()))
+        for k in random.permutation(len(cells))[: SOURCES + LISTENERS]
+    ]
     return HapticScene(
         tuple(HapticObject(name, 0.1, 0.9) for name in names.values()),
         tuple(contacts),
@@ -60,12 +72,24 @@ def drawn() -> Figure:
     axis = figure.subplots()
     for strategy, (name, colour) in CURVES.items():
         gains = np.array(
-            [propagate(graph, Settings(strategy=strategy, threshold=t, max_connections=None), BUDGET).gain for t in THRESHOLDS]
+            [
+                propagate(
+                    graph, Settings(strategy=strategy, threshold=t, max_connections=None), BUDGET
+                ).gain
+                for t in THRESHOLDS
+            ]
         )
         for pair, style in zip(pairs, ("-", "--", ":"), strict=True):
             here = gains[:, *pair]
             level = np.where(here > 0, 20 * np.log10(np.maximum(here, 1e-12)), np.nan)
-            axis.plot(THRESHOLDS, level, style, color=colour, linewidth=1.8, label=name if style == "-" else None)
+            axis.plot(
+                THRESHOLDS,
+                level,
+                style,
+                color=colour,
+                linewidth=1.8,
+                label=name if style == "-" else None,
+            )
     axis.axhline(0, color="#888", linewidth=0.8)
     axis.text(THRESHOLDS[-1], 1.0, "as strong as the source", color="#666", fontsize=8, ha="right")
     axis.axvline(Settings().threshold, color="#888", linewidth=0.8, linestyle=(0, (4, 4)))

@@ -1,4 +1,5 @@
-"""Draws the pictures of the documentation: ``python docs/pictures/draw_pictures.py``, with bpy 5.2 and the package installed.
+"""Draws the pictures of the documentation: ``python docs/pictures/draw_pictures.py``, with bpy 5.2
+and the package installed.
 
 Takes a minute or two: one of them is rendered by Cycles.
 """
@@ -32,12 +33,20 @@ def main() -> None:
     result = played.liveliest
     scene.frame_set(result.number)
     if not picture.starts_gpu():
-        raise SystemExit("nothing can be drawn off-screen here: this needs bpy 5.2 and Mesa (libegl1, libgl1-mesa-dri)")
+        raise SystemExit(
+            "nothing can be drawn off-screen here: this needs bpy 5.2 and Mesa (libegl1, "
+            "libgl1-mesa-dri)"
+        )
     with suspended():
         everything = shown_options(scene)
         ear = replace(everything, listeners=frozenset({result.listeners[0].name}))
-        write_png(FOLDER / "overlay.png", picture.viewport_picture(scene, result, SIZE, meters=True))
-        write_png(FOLDER / "overlay-selected-listener.png", picture.viewport_picture(scene, result, SIZE, ear))
+        write_png(
+            FOLDER / "overlay.png", picture.viewport_picture(scene, result, SIZE, meters=True)
+        )
+        write_png(
+            FOLDER / "overlay-selected-listener.png",
+            picture.viewport_picture(scene, result, SIZE, ear),
+        )
         session.of(scene).result = result
         bpy.ops.haptic.graph_to_geometry()
         pixels = cycles_picture.rendered(scene, SIZE, 48, denoise=True)[::-1, :, :3]

@@ -1,4 +1,5 @@
-"""Draws the page that ``--to web`` writes: ``python docs/pictures/draw_web_page.py``, with bpy 5.2, Pillow, Chromium and the package.
+"""Draws the page that ``--to web`` writes: ``python docs/pictures/draw_web_page.py``, with bpy 5.2,
+Pillow, Chromium and the package.
 
 Takes three minutes: it bakes the sample *Mine Ride*.
 """
@@ -27,11 +28,22 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         scene = folder / "Mine Ride.blend"
-        for arguments in (["sample", "mine_ride", "--output", scene], ["bake", scene, "--to", "web", "--out", folder]):
-            subprocess.run([sys.executable, "-m", "haptic_tracing", *arguments], cwd=folder, check=True)
+        for arguments in (
+            ["sample", "mine_ride", "--output", scene],
+            ["bake", scene, "--to", "web", "--out", folder],
+        ):
+            subprocess.run(
+                [sys.executable, "-m", "haptic_tracing", *arguments], cwd=folder, check=True
+            )
         with Page(scene.with_suffix(".html"), folder / "profile") as page:
-            page.run("new Promise((done) => setInterval(() => document.getElementById('play').disabled || done(true), 50))")
-            page.run(f"bar = document.getElementById('seek'); bar.value = {SECONDS}; bar.dispatchEvent(new Event('input'))")
+            page.run(
+                "new Promise((done) => setInterval(() => "
+                "document.getElementById('play').disabled || done(true), 50))"
+            )
+            page.run(
+                f"bar = document.getElementById('seek'); bar.value = {SECONDS}; "
+                "bar.dispatchEvent(new Event('input'))"
+            )
             page.run("new Promise((done) => setTimeout(done, 1000))")
             picture = Image.open(io.BytesIO(base64.b64decode(page.picture())))
     picture.convert("RGB").save(FOLDER / "web_page.png", optimize=True)

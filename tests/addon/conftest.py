@@ -1,4 +1,5 @@
-"""Blender as a module: every test starts in an empty file with the add-on registered, and the add-on is unregistered after it."""
+"""Blender as a module: every test starts in an empty file with the add-on registered, and the
+add-on is unregistered after it."""
 
 from __future__ import annotations
 
@@ -12,7 +13,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-# Threads that evaluate a scene of five objects mostly wait for each other, at full load: Blender starts as many as this process may use.
+# Threads that evaluate a scene of five objects mostly wait for each other, at full load: Blender
+# starts as many as this process may use.
 _processors = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
 if _processors:
     os.sched_setaffinity(0, {min(_processors)})
@@ -27,20 +29,24 @@ from haptic_tracing.addon import gateway, translations
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.sample_scenes import build_sample
 
-# Tests replace parts of modules: they need the modules themselves, not their stand-ins. Property groups are
-# completed before their types are kept below.
+# Tests replace parts of modules: they need the modules themselves, not their stand-ins. Property
+# groups are completed before their types are kept below.
 for _name in (*gateway.MODULES, "addon.registration.properties"):
     import_module(f"haptic_tracing.{_name}")
-# Evaluated and read once, not at the registration in each test: the types of properties, and translations.
+# Evaluated and read once, not at the registration in each test: the types of properties, and
+# translations.
 _hints = typing.get_type_hints
 _hints_of = functools.cache(_hints)
-typing.get_type_hints = lambda of, *more, **named: _hints(of, *more, **named) if more or named else _hints_of(of)
+typing.get_type_hints = lambda of, *more, **named: (
+    _hints(of, *more, **named) if more or named else _hints_of(of)
+)
 translations.dictionary = functools.cache(translations.dictionary)
 
 
 @pytest.fixture(scope="session")
 def empty_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Blender's own start-up file without its objects, stored uncompressed and in this version's layout: it is read in half the time."""
+    """Blender's own start-up file without its objects, stored uncompressed and in this version's
+    layout: it is read in half the time."""
     path = tmp_path_factory.mktemp("start-up") / "empty.blend"
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=False, copy=True)
@@ -58,10 +64,16 @@ def scene(empty_file: Path) -> Iterator[Any]:
 
 @pytest.fixture
 def add_box(scene: Any) -> Callable[..., Any]:
-    """Adds a box, as a rigid body where ``body`` is ACTIVE or PASSIVE, haptic unless said otherwise."""
+    """Adds a box, as a rigid body where ``body`` is ACTIVE or PASSIVE, haptic unless said
+    otherwise."""
 
     def add(
-        name: str, location: tuple[float, ...], size: tuple[float, ...], body: str | None = None, haptic: bool = True, mass: float = 1.0
+        name: str,
+        location: tuple[float, ...],
+        size: tuple[float, ...],
+        body: str | None = None,
+        haptic: bool = True,
+        mass: float = 1.0,
     ) -> Any:
         x, y, z = 0.5, 0.5, 0.5
         corners = [(sx * x, sy * y, sz * z) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]
@@ -112,7 +124,8 @@ def build(sample_files: Path) -> Callable[..., Any]:
                 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
                 build_sample(name, count)
                 made = path.with_stem(f"{name} {count} of {os.getpid()}")
-                bpy.ops.wm.save_as_mainfile(filepath=str(made), compress=False)  # opened again and again
+                # Opened again and again.
+                bpy.ops.wm.save_as_mainfile(filepath=str(made), compress=False)
                 made.replace(path)  # in one step: another worker may open it
             bpy.ops.wm.open_mainfile(filepath=str(path))
         return bpy.context.scene
@@ -122,7 +135,8 @@ def build(sample_files: Path) -> Callable[..., Any]:
 
 @pytest.fixture
 def traced() -> Callable[[], Any]:
-    """Traces the current frame of the current scene and returns the result (None where there is none)."""
+    """Traces the current frame of the current scene and returns the result (None where there is
+    none)."""
     from haptic_tracing.addon.session import session
 
     def trace() -> Any:
@@ -133,7 +147,8 @@ def traced() -> Callable[[], Any]:
 
 @pytest.fixture
 def as_events(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Calls handlers as Blender's events do: the worker goes on beside what a test does next, also where scripts have to wait for it."""
+    """Calls handlers as Blender's events do: the worker goes on beside what a test does next, also
+    where scripts have to wait for it."""
     from haptic_tracing.addon.session import session
 
     monkeypatch.setattr(session, "THREADS_ENDANGER_SCRIPTS", False)
@@ -141,7 +156,8 @@ def as_events(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def settle(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Any]], Any]:
-    """Draws again and again until the worker has nothing left to compute, as redraws do in a window; returns what was drawn last."""
+    """Draws again and again until the worker has nothing left to compute, as redraws do in a
+    window; returns what was drawn last."""
     from haptic_tracing.addon.session import derived, worker
 
     submit, jobs = worker.submit, 0
@@ -174,8 +190,8 @@ def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
 
 
 def pytest_unconfigure() -> None:
-    """End Python at once where Blender as a module would not: 4.2 crashes after its glTF exporter was used, 4.5 may wait for ever for the
-    thread that closes the sound device."""
+    """End Python at once where Blender as a module would not: 4.2 crashes after its glTF exporter
+    was used, 4.5 may wait for ever for the thread that closes the sound device."""
     if bpy.app.version < (5, 0, 0) and _status:
         sys.stdout.flush()
         sys.stderr.flush()

@@ -1,4 +1,5 @@
-"""A layout that records what a panel draws and refuses what Blender would: unknown properties and operators."""
+"""A layout that records what a panel draws and refuses what Blender would: unknown properties and
+operators."""
 
 from __future__ import annotations
 
@@ -39,15 +40,21 @@ class RecordingLayout:
         self.properties.append(name)
 
     def prop_enum(self, data: Any, name: str, value: str, **_: Any) -> None:
-        assert value in data.bl_rna.properties[name].enum_items, f"{data.bl_rna.identifier}.{name} is never {value}"
+        assert value in data.bl_rna.properties[name].enum_items, (
+            f"{data.bl_rna.identifier}.{name} is never {value}"
+        )
         self.properties.append(name)
 
     def prop_search(self, data: Any, name: str, search_data: Any, search: str, **_: Any) -> None:
         assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"
-        assert search in search_data.bl_rna.properties, f"{search_data.bl_rna.identifier} has no property {search}"
+        assert search in search_data.bl_rna.properties, (
+            f"{search_data.bl_rna.identifier} has no property {search}"
+        )
         self.properties.append(name)
 
-    def template_list(self, kind: str, list_id: str, data: Any, name: str, active_data: Any, active: str, **_: Any) -> None:
+    def template_list(
+        self, kind: str, list_id: str, data: Any, name: str, active_data: Any, active: str, **_: Any
+    ) -> None:
         assert hasattr(bpy.types, kind)
         assert name in data.bl_rna.properties
         assert active in active_data.bl_rna.properties
@@ -98,4 +105,6 @@ class _OperatorProperties:
 
 
 def _check_icon(icon: str) -> None:
-    assert icon in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items, f"no icon {icon}"
+    assert icon in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items, (
+        f"no icon {icon}"
+    )

@@ -1,4 +1,5 @@
-"""What Blender does next does not wait for a trace: an endless one ends with file load, undo, redo, render, exit and disabling."""
+"""What Blender does next does not wait for a trace: an endless one ends with file load, undo, redo,
+render, exit and disabling."""
 
 from __future__ import annotations
 
@@ -41,7 +42,8 @@ def leave():
 
 @pytest.fixture
 def rattle(scene, add_box, add_empty):
-    """A humming box on another, whose listener feels it at frame 1; all of it can be undone, and an undone edit be redone."""
+    """A humming box on another, whose listener feels it at frame 1; all of it can be undone, and an
+    undone edit be redone."""
     scene.render.resolution_x = scene.render.resolution_y = 4
     scene.render.engine, scene.cycles.samples = "CYCLES", 1
     scene.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
@@ -76,7 +78,9 @@ def endless(monkeypatch, scene):
     return session.of(scene).begun
 
 
-@pytest.mark.parametrize("event", [load, undo, redo, disable, leave, render], ids=lambda event: event.__name__)
+@pytest.mark.parametrize(
+    "event", [load, undo, redo, disable, leave, render], ids=lambda event: event.__name__
+)
 def test_an_endless_trace_is_cancelled(monkeypatch, rattle, event):
     begun = endless(monkeypatch, rattle)
     event()
@@ -84,7 +88,9 @@ def test_an_endless_trace_is_cancelled(monkeypatch, rattle, event):
     scene = bpy.context.scene
     if event is not load:
         scene.frame_set(3)
-        assert session.result_of(scene).number == 3 and session.result_of(scene).amplitudes[0, 0] > 0.0
+        assert (
+            session.result_of(scene).number == 3 and session.result_of(scene).amplitudes[0, 0] > 0.0
+        )
 
 
 def test_a_trace_that_a_render_cancelled_is_made_up_for(monkeypatch, rattle):
@@ -127,7 +133,8 @@ def test_what_waits_behind_a_cancelled_trace_is_dropped_or_computed_anew(monkeyp
 
 
 def test_a_cancellation_between_two_jobs_hits_neither():
-    """Thousands of short jobs and cancellations: each job has ended well, was cancelled, or was dropped, and none waits for ever."""
+    """Thousands of short jobs and cancellations: each job has ended well, was cancelled, or was
+    dropped, and none waits for ever."""
     ends = {"value": 0, "cancelled": 0, "dropped": 0}
     for number in range(2000):
         job = worker.submit(sum, range(number % 50 * 20))

@@ -1,4 +1,5 @@
-"""Contacts in Blender scenes: bad geometry is named and the rest goes on; jumps make no impacts; simulated falls hit as mechanics says."""
+"""Contacts in Blender scenes: bad geometry is named and the rest goes on; jumps make no impacts;
+simulated falls hit as mechanics says."""
 
 import importlib.util
 import math
@@ -11,7 +12,9 @@ import pytest
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session, sessions
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).with_name("recording_layout.py"))
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).with_name("recording_layout.py")
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -37,7 +40,10 @@ def add_mesh(name, corners, faces=(), edges=(), body=None, location=(0, 0, 0)):
 @pytest.fixture
 def bench(add_box):
     """A plank with a source and a box on it that listens: what goes on whatever else is wrong."""
-    plank, box = add_box("plank", (0, 0, 0), (4, 1, 0.2)), add_box("box", (1.5, 0, 0.35), (0.5, 0.5, 0.5))
+    plank, box = (
+        add_box("plank", (0, 0, 0), (4, 1, 0.2)),
+        add_box("box", (1.5, 0, 0.35), (0.5, 0.5, 0.5)),
+    )
     plank.haptics.source.enabled = box.haptics.listener.enabled = True
     return plank, box
 
@@ -53,11 +59,23 @@ SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
         ([(0, 0, 0), (1, 0, 0)], (), "MESH", "no faces"),
         ([], (), "MESH", "no vertices"),
         (SQUARE, ((0, 1, 2, 3),), "BOX", "greater than 0"),
-        ([(0, 0, 0), (1, 0, 0), (1, 1, float("inf")), (0, 1, 0)], ((0, 1, 2, 3),), "CONVEX_HULL", "not finite"),
-        ([(0, 0, 0), (1, 0, 0), (1, 1, float("nan")), (0, 1, 0)], ((0, 1, 2, 3),), "MESH", "not finite"),
+        (
+            [(0, 0, 0), (1, 0, 0), (1, 1, float("inf")), (0, 1, 0)],
+            ((0, 1, 2, 3),),
+            "CONVEX_HULL",
+            "not finite",
+        ),
+        (
+            [(0, 0, 0), (1, 0, 0), (1, 1, float("nan")), (0, 1, 0)],
+            ((0, 1, 2, 3),),
+            "MESH",
+            "not finite",
+        ),
     ],
 )
-def test_shapes_that_are_none_are_named_and_the_rest_goes_on(bench, traced, corners, faces, body, word):
+def test_shapes_that_are_none_are_named_and_the_rest_goes_on(
+    bench, traced, corners, faces, body, word
+):
     add_mesh("broken", corners, faces, body=body)
     bpy.context.view_layer.update()
     result = traced()
@@ -67,12 +85,26 @@ def test_shapes_that_are_none_are_named_and_the_rest_goes_on(bench, traced, corn
 
 @pytest.mark.parametrize("body", [None, "CONVEX_HULL", "MESH"])
 def test_flat_and_self_intersecting_meshes_take_part(bench, traced, body):
-    flat = add_mesh("flat", SQUARE, ((0, 1, 2, 3),), body=body, location=(-1.5, -0.5, 0.105 if body != "MESH" else 0.14))
+    flat = add_mesh(
+        "flat",
+        SQUARE,
+        ((0, 1, 2, 3),),
+        body=body,
+        location=(-1.5, -0.5, 0.105 if body != "MESH" else 0.14),
+    )
     crossed = [(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0), (0.5, 0.5, 1)]
-    add_mesh("knot", crossed, ((0, 1, 4), (2, 3, 4), (0, 1, 2), (1, 0, 3)), body=body, location=(-0.5, -0.5, flat.location.z))
+    add_mesh(
+        "knot",
+        crossed,
+        ((0, 1, 4), (2, 3, 4), (0, 1, 2), (1, 0, 3)),
+        body=body,
+        location=(-0.5, -0.5, flat.location.z),
+    )
     bpy.context.view_layer.update()
     result = traced()
-    touching = {frozenset(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()}
+    touching = {
+        frozenset(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()
+    }
     assert {frozenset(("plank", "flat")), frozenset(("plank", "knot"))} <= touching
     assert problems() == {}
 
@@ -106,7 +138,9 @@ def test_a_mesh_of_two_million_triangles(bench, traced):
     bpy.context.view_layer.update()
     result = traced()
     assert problems() == {}
-    assert ["plank", "terrain"] in [sorted(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()]
+    assert ["plank", "terrain"] in [
+        sorted(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()
+    ]
 
 
 @pytest.fixture
@@ -129,7 +163,10 @@ def played(scene, frames):
     return found
 
 
-@pytest.mark.parametrize(("rate", "gravity", "scale"), [(24, 9.81, 1.0), (60, 9.81, 1.0), (24, 1.62, 1.0), (25, 9.81, 0.5)])
+@pytest.mark.parametrize(
+    ("rate", "gravity", "scale"),
+    [(24, 9.81, 1.0), (60, 9.81, 1.0), (24, 1.62, 1.0), (25, 9.81, 0.5)],
+)
 def test_a_simulated_fall_hits_with_its_potential_energy(drop, scene, rate, gravity, scale):
     scene.render.fps = rate
     scene.gravity = (0, 0, -gravity)
@@ -163,7 +200,9 @@ def test_the_same_timeline_twice_gives_the_same_bits(drop, scene):
         for frame in range(1, 25):
             scene.frame_set(frame)
             result = session.result_of(scene)
-            blocks.append((result.impacts, result.amplitudes.tobytes(), result.contacts.positions.tobytes()))
+            blocks.append(
+                (result.impacts, result.amplitudes.tobytes(), result.contacts.positions.tobytes())
+            )
         runs.append(blocks)
     assert runs[0] == runs[1]
 
@@ -184,7 +223,17 @@ def test_the_panel_shows_every_stage_of_the_frame(drop, scene):
     layout = recording_layout.RecordingLayout()
     bpy.types.HAPTIC_PT_statistics.draw(SimpleNamespace(layout=layout), bpy.context)
     stages = [text for text in layout.labels if text.endswith(" ms")]
-    assert set(layout.labels) >= {"Read", "Broad", "Narrow", "Graph", "Propagate", "Mix", "Draw", "Queries avoided", "Blender milliseconds"}
+    assert set(layout.labels) >= {
+        "Read",
+        "Broad",
+        "Narrow",
+        "Graph",
+        "Propagate",
+        "Mix",
+        "Draw",
+        "Queries avoided",
+        "Blender milliseconds",
+    }
     assert len(stages) == 7 and all(float(text.removesuffix(" ms")) >= 0 for text in stages)
     assert session.of(scene).draw_milliseconds > 0
 
@@ -225,7 +274,9 @@ def test_a_deforming_mesh_touches_where_its_hull_is_in_the_frame(add_box, scene,
         bone.head, bone.tail = (0, 0, 0), (0, 0, 1)
         bpy.ops.object.mode_set(mode="OBJECT")
         group = block.vertex_groups.new(name="bone")
-        group.add([k for k, vertex in enumerate(block.data.vertices) if vertex.co.z > 0], 1.0, "REPLACE")
+        group.add(
+            [k for k, vertex in enumerate(block.data.vertices) if vertex.co.z > 0], 1.0, "REPLACE"
+        )
         block.modifiers.new("rig", "ARMATURE").object = rig
         for frame, rise in ((1, 0.0), (11, 0.3)):
             rig.pose.bones["bone"].location = (0, rise, 0)
@@ -246,8 +297,11 @@ def test_a_deforming_mesh_touches_where_its_hull_is_in_the_frame(add_box, scene,
 
 
 @pytest.mark.parametrize(("thickness", "speed"), [(0.02, 300.0), (0.01, 100.0), (0.005, 40.0)])
-def test_a_simulated_bullet_hits_the_plate_whether_it_passes_it_or_not(scene, add_box, thickness, speed):
-    """Bullet with its default margin stops the sphere of 5 mm at some speeds and lets it through at others."""
+def test_a_simulated_bullet_hits_the_plate_whether_it_passes_it_or_not(
+    scene, add_box, thickness, speed
+):
+    """Bullet with its default margin stops the sphere of 5 mm at some speeds and lets it through at
+    others."""
     bpy.ops.rigidbody.world_add()
     scene.gravity, step = (0, 0, 0), speed / 24
     plate = add_box("plate", (0, 0, 0), (2, 2, thickness))

@@ -1,4 +1,5 @@
-"""Design by Wish chooses materials so that listeners have the wished levels, says what can't be met, and is one step of undo."""
+"""Design by Wish chooses materials so that listeners have the wished levels, says what can't be
+met, and is one step of undo."""
 
 from __future__ import annotations
 
@@ -11,7 +12,9 @@ from haptic_tracing.core.render.history import still_samples
 @pytest.fixture
 def row(add_box, scene):
     """A hum, and two listeners on boxes beside it, of a material each."""
-    boxes = [add_box(name, (k, 0, 0), (1, 1, 1)) for k, name in enumerate(("Motor", "Plank", "Pad"))]
+    boxes = [
+        add_box(name, (k, 0, 0), (1, 1, 1)) for k, name in enumerate(("Motor", "Plank", "Pad"))
+    ]
     boxes[0].haptics.source.enabled = True
     boxes[0].haptics.source.frequency = 60.0
     for obj, preset in zip(boxes, ("steel", "softwood", "rubber"), strict=True):
@@ -25,11 +28,14 @@ def row(add_box, scene):
 
 
 def levels(scene):
-    """By their definition: the root of the mean square of a quarter second, in decibels of full scale."""
+    """By their definition: the root of the mean square of a quarter second, in decibels of full
+    scale."""
     import numpy as np
 
     bpy.context.view_layer.update()
-    return (10 * np.log10((still_samples(session.result_of(scene), 0.25) ** 2).mean(axis=1))).tolist()
+    return (
+        10 * np.log10((still_samples(session.result_of(scene), 0.25) ** 2).mean(axis=1))
+    ).tolist()
 
 
 def test_levels_become_what_is_wished(row, scene):

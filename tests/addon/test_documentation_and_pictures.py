@@ -1,4 +1,5 @@
-"""What menus and panels point to is there: a picture of every sample, material and signal, a page of every panel, operator and property."""
+"""What menus and panels point to is there: a picture of every sample, material and signal, a page
+of every panel, operator and property."""
 
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -25,17 +26,28 @@ def test_every_choice_has_a_small_picture():
 
 
 def test_every_panel_has_its_page():
-    modules = {panel.__module__.rpartition(".")[2] for panel in classes.CLASSES if issubclass(panel, HapticsPanel)}
+    modules = {
+        panel.__module__.rpartition(".")[2]
+        for panel in classes.CLASSES
+        if issubclass(panel, HapticsPanel)
+    }
     pages = {PAGES.get(module, f"panels/{module}") for module in modules} | {"index", "tutorial"}
     assert len(modules) > 8
     assert [page for page in pages if not (ROOT / "docs" / f"{page}.md").is_file()] == []
-    assert all(page_url(page).endswith((f"docs/{page}.md", f"manual/{page}.html")) for page in pages)
+    assert all(
+        page_url(page).endswith((f"docs/{page}.md", f"manual/{page}.html")) for page in pages
+    )
 
 
 def test_every_operator_and_property_of_ours_has_a_page():
     prefix, entries = manual_map()
     names = [f"bpy.ops.haptic.{name}" for name in dir(bpy.ops.haptic)]
     names += [f"bpy.types.{group.__name__.lower()}.any" for group in properties.CLASSES]
-    urls = {name: next((prefix + url for pattern, url in entries if fnmatchcase(name, pattern)), "") for name in names}
+    urls = {
+        name: next((prefix + url for pattern, url in entries if fnmatchcase(name, pattern)), "")
+        for name in names
+    }
     assert len(names) > 50
-    assert [name for name, url in urls.items() if not Path(url.removeprefix("file://")).is_file()] == []
+    assert [
+        name for name, url in urls.items() if not Path(url.removeprefix("file://")).is_file()
+    ] == []

@@ -1,5 +1,5 @@
-"""Draw callbacks never wait: while a trace is held up, every panel, menu, poll and view handler returns with the frame before; once the
-trace has ended, they show the new one."""
+"""Draw callbacks never wait: while a trace is held up, every panel, menu, poll and view handler
+returns with the frame before; once the trace has ended, they show the new one."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from mathutils import Matrix
 
 pytestmark = pytest.mark.usefixtures("as_events")
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).parent / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -48,7 +50,8 @@ def felt(scene, add_box, add_empty):
 
 @pytest.fixture
 def held_up(monkeypatch):
-    """Traces from now on do not begin until the returned event is set, and whoever waits for one on the main thread fails."""
+    """Traces from now on do not begin until the returned event is set, and whoever waits for one on
+    the main thread fails."""
     release = threading.Event()
     step, result, exception = Tracer.step, Future.result, Future.exception
     main = threading.main_thread()
@@ -58,11 +61,15 @@ def held_up(monkeypatch):
         return step(self, frame)
 
     def checked_result(self, *arguments):
-        assert self.done() or release.is_set() or threading.current_thread() is not main, "a draw waits for the worker"
+        assert self.done() or release.is_set() or threading.current_thread() is not main, (
+            "a draw waits for the worker"
+        )
         return result(self, *arguments)
 
     def checked_exception(self, *arguments):
-        assert self.done() or release.is_set() or threading.current_thread() is not main, "a draw waits for the worker"
+        assert self.done() or release.is_set() or threading.current_thread() is not main, (
+            "a draw waits for the worker"
+        )
         return exception(self, *arguments)
 
     monkeypatch.setattr(Tracer, "step", blocked_step)
@@ -101,7 +108,9 @@ def test_every_panel_draws_while_a_trace_is_held_up_and_then_shows_it(felt, sett
     meanwhile = {panel.__name__: drawn(panel).labels for panel in panels()}
     assert "Frame 1" in meanwhile["HAPTIC_PT_result"]
     assert "Tracing..." in meanwhile["HAPTIC_PT_result"]
-    assert any("crate" in label for label in meanwhile["HAPTIC_PT_silence"]), "the last reasons stay"
+    assert any("crate" in label for label in meanwhile["HAPTIC_PT_silence"]), (
+        "the last reasons stay"
+    )
     assert sessions.is_behind(felt), "nobody has waited"
     held_up.set()
     after = {panel.__name__: settle(lambda panel=panel: drawn(panel)).labels for panel in panels()}
@@ -132,20 +141,30 @@ def test_no_poll_waits_for_a_trace(felt, held_up):
 def viewport(felt, monkeypatch):
     """Redraws a 3D viewport as Blender does, into an off-screen buffer; returns its pixels."""
     if not picture.starts_gpu():
-        assert bpy.app.version < (5, 2), "Blender 5.2 on can draw off-screen with Mesa: install libegl1 and libgl1-mesa-dri"
+        assert bpy.app.version < (5, 2), (
+            "Blender 5.2 on can draw off-screen with Mesa: install libegl1 and libgl1-mesa-dri"
+        )
         pytest.skip("before Blender 5.2 nothing can be drawn without a window")
     import gpu
 
     view = Matrix.Translation((0, 0, -8))
     window = Matrix(((2, 0, 0, 0), (0, 3, 0, 0), (0, 0, -1.01, -0.2), (0, 0, -1, 0)))
-    region = SimpleNamespace(type="WINDOW", x=0, y=0, width=SIZE[0], height=SIZE[1], as_pointer=lambda: 1)
-    region_data = SimpleNamespace(window_matrix=window, view_matrix=view, perspective_matrix=window @ view)
+    region = SimpleNamespace(
+        type="WINDOW", x=0, y=0, width=SIZE[0], height=SIZE[1], as_pointer=lambda: 1
+    )
+    region_data = SimpleNamespace(
+        window_matrix=window, view_matrix=view, perspective_matrix=window @ view
+    )
     context = SimpleNamespace(
         scene=felt,
         screen=None,
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)),
         view_layer=bpy.context.view_layer,
-        space_data=SimpleNamespace(overlay=SimpleNamespace(show_overlays=True, show_text=False), show_gizmo=False, region_quadviews=()),
+        space_data=SimpleNamespace(
+            overlay=SimpleNamespace(show_overlays=True, show_text=False),
+            show_gizmo=False,
+            region_quadviews=(),
+        ),
         area=SimpleNamespace(regions=(region,)),
         region=region,
         region_data=region_data,
@@ -172,7 +191,9 @@ def viewport(felt, monkeypatch):
     meters._shown.clear()
 
 
-def test_the_view_is_drawn_while_a_trace_is_held_up_and_then_shows_it(felt, settle, held_up, viewport):
+def test_the_view_is_drawn_while_a_trace_is_held_up_and_then_shows_it(
+    felt, settle, held_up, viewport
+):
     held_up.set()
     before = settle(viewport)
     assert (before > 40).any(), "graph, meters and legend"
@@ -184,7 +205,9 @@ def test_the_view_is_drawn_while_a_trace_is_held_up_and_then_shows_it(felt, sett
     for left, bottom, right, top in meters.occupied(meters.bpy.context):
         covered[int(bottom) : int(top), int(left) : int(right)] = True
     assert covered.any()
-    assert np.array_equal(meanwhile[~covered], before[~covered]), "the graph of the frame before; the meters say that one is coming"
+    assert np.array_equal(meanwhile[~covered], before[~covered]), (
+        "the graph of the frame before; the meters say that one is coming"
+    )
     assert sessions.is_behind(felt)
     held_up.set()
     after = settle(viewport)

@@ -1,4 +1,5 @@
-"""*Fit Material*: values that synthetic recordings were made with come back in the scene, and what recordings don't determine is said."""
+"""*Fit Material*: values that synthetic recordings were made with come back in the scene, and what
+recordings don't determine is said."""
 
 from __future__ import annotations
 
@@ -15,18 +16,29 @@ from haptic_tracing.core.formats.tracks.wav import write_wav
 
 RATE, SECONDS = 4000, 10
 LENGTH, LOSS, SPEED, K = 3.0, 0.06, 200.0, 0.28
-"""Metres between source and contact; loss factor, speed and K of the floor as its material has them."""
+"""Metres between source and contact; loss factor, speed and K of the floor as its material has
+them."""
 DAMPING, GAIN = 1.7, 0.4
-"""What the recordings are made with: the material's damping times so much, and the contact's gain."""
+"""What the recordings are made with: the material's damping times so much, and the contact's
+gain."""
 
 
 @pytest.fixture
 def asked(scene, add_box, add_empty, tmp_path):
-    """A floor that a motor shakes, a pad on it that carries a listener, recordings of both, and what Fit Material is asked."""
-    floor, pad = add_box("Floor", (0, 0, -0.1), (8, 1, 0.2)), add_box("Pad", (LENGTH, 0, 0.005), (0.01, 0.01, 0.01))
+    """A floor that a motor shakes, a pad on it that carries a listener, recordings of both, and
+    what Fit Material is asked."""
+    floor, pad = (
+        add_box("Floor", (0, 0, -0.1), (8, 1, 0.2)),
+        add_box("Pad", (LENGTH, 0, 0.005), (0.01, 0.01, 0.01)),
+    )
     pad.haptics.function, pad.haptics.constant = "constant", 1.0
     haptics = floor.haptics
-    haptics.function, haptics.wave, haptics.loss_factor, haptics.phase_speed = "physical", "rod", LOSS, SPEED
+    haptics.function, haptics.wave, haptics.loss_factor, haptics.phase_speed = (
+        "physical",
+        "rod",
+        LOSS,
+        SPEED,
+    )
     haptics.material_k, haptics.kappa, haptics.rho = K, 0.6, 0.7
     motor, hand = add_empty("Motor", (0, 0, 0), floor), add_empty("Hand", (LENGTH, 0, 0), pad)
     motor.haptics.source.enabled = hand.haptics.listener.enabled = True
@@ -65,7 +77,9 @@ def test_the_values_of_the_recordings_come_back(asked):
     assert np.all(table[:, 3] > 0.9)
     bpy.context.view_layer.update()
     found = session.result_of(bpy.context.scene).propagation.band_gain[0, 0]
-    assert found[2] == pytest.approx(GAIN * np.exp(-np.pi * (80 * 160) ** 0.5 * LOSS / SPEED * DAMPING * LENGTH), rel=0.05)
+    assert found[2] == pytest.approx(
+        GAIN * np.exp(-np.pi * (80 * 160) ** 0.5 * LOSS / SPEED * DAMPING * LENGTH), rel=0.05
+    )
 
 
 def test_the_rule_of_a_contact_is_used_again(asked):
@@ -106,7 +120,10 @@ def test_what_is_wrong_is_said(scene, asked, tmp_path):
     asked.object = bpy.data.objects["Floor"]
     session.trace(scene, bpy.context.evaluated_depsgraph_get(), live=True)
     steps = design._steps(
-        scene, sessions.shown(scene).result.graph, read_recordings(Path(asked.source_file), Path(asked.listener_file)), []
+        scene,
+        sessions.shown(scene).result.graph,
+        read_recordings(Path(asked.source_file), Path(asked.listener_file)),
+        [],
     )
     next(steps)
     bpy.data.objects.remove(asked.object)

@@ -1,4 +1,5 @@
-"""What the sidebar begins with: the answer, the next step, and the cure of what keeps a listener from feeling anything."""
+"""What the sidebar begins with: the answer, the next step, and the cure of what keeps a listener
+from feeling anything."""
 
 import importlib.util
 from dataclasses import replace
@@ -15,7 +16,9 @@ from haptic_tracing.core.scene.values import Source
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).parent / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -63,8 +66,11 @@ def test_bodies_that_fall_need_no_source(scene, add_box, traced):
 
 
 @pytest.mark.parametrize("what", ["impacts", "textures", "one-shot"])
-def test_what_strikes_slides_or_is_triggered_needs_no_source(scene, add_box, add_empty, traced, what):
-    """Nor does it in the frames in which nothing sounds; a hammer that an animation moves strikes as well."""
+def test_what_strikes_slides_or_is_triggered_needs_no_source(
+    scene, add_box, add_empty, traced, what
+):
+    """Nor does it in the frames in which nothing sounds; a hammer that an animation moves strikes
+    as well."""
     bpy.ops.rigidbody.world_add()
     ground = add_box("ground", (0, 0, 0), (2, 2, 1), body="PASSIVE")
     hammer = add_box("hammer", (0, 0, 3), (1, 1, 1), body="ACTIVE")
@@ -96,7 +102,9 @@ def test_the_main_panel_begins_with_the_answer(scene, add_box, add_empty, settle
     assert "Make Haptic" not in labels[:6]
 
 
-def test_the_answer_says_why_nothing_is_felt_with_the_cure_beside_it(scene, add_box, add_empty, settle):
+def test_the_answer_says_why_nothing_is_felt_with_the_cure_beside_it(
+    scene, add_box, add_empty, settle
+):
     ground = add_box("ground", (0, 0, 0), (2, 2, 1))
     drill = add_empty("drill", parent=ground)
     drill.haptics.source.enabled = drill.haptics.source.muted = True
@@ -109,8 +117,22 @@ def test_the_answer_says_why_nothing_is_felt_with_the_cure_beside_it(scene, add_
 
 
 CURED = {
-    *(Cause.NO_SOURCE, Cause.MUTED, Cause.ZERO_AMPLITUDE, Cause.FINISHED, Cause.NEAREST_LISTENER_ONLY, Cause.LOCALISED),
-    *(Cause.LISTENER_GAIN, Cause.NOT_RENDERED, Cause.PAUSE, Cause.NOT_FELT, Cause.NARROW_GAP, Cause.BELOW_THRESHOLD),
+    *(
+        Cause.NO_SOURCE,
+        Cause.MUTED,
+        Cause.ZERO_AMPLITUDE,
+        Cause.FINISHED,
+        Cause.NEAREST_LISTENER_ONLY,
+        Cause.LOCALISED,
+    ),
+    *(
+        Cause.LISTENER_GAIN,
+        Cause.NOT_RENDERED,
+        Cause.PAUSE,
+        Cause.NOT_FELT,
+        Cause.NARROW_GAP,
+        Cause.BELOW_THRESHOLD,
+    ),
     *(Cause.TOO_FAR, Cause.TOO_LONG, Cause.NO_CONNECTION_ALLOWED),
 }
 
@@ -138,7 +160,10 @@ def test_panels_of_roles_that_an_object_does_not_have_are_folded(add_box):
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)
-@given(st.text(st.characters(codec="ascii", categories=["L", "N", "Zs"]), max_size=120), st.sampled_from([200.0, 160.0, 90.0]))
+@given(
+    st.text(st.characters(codec="ascii", categories=["L", "N", "Zs"]), max_size=120),
+    st.sampled_from([200.0, 160.0, 90.0]),
+)
 def test_lines_keep_all_words_and_fit(text, width):
     found = texts.lines(text, width)
     assert " ".join(found).split() == text.split()
@@ -148,7 +173,9 @@ def test_lines_keep_all_words_and_fit(text, width):
 
 @pytest.mark.parametrize("share", [1.0, 0.8, 0.3])
 def test_long_names_keep_both_ends(share, monkeypatch):
-    monkeypatch.setattr(texts, "content_width", lambda: 0.8 * texts._WIDTH)  # a sidebar 20 % narrower
+    monkeypatch.setattr(
+        texts, "content_width", lambda: 0.8 * texts._WIDTH
+    )  # a sidebar 20 % narrower
     name = "the upper shelf of the old kitchen cupboard behind the door.R"
     cut = texts.fitted(name, share)
     assert text_width(cut, texts.font_size()) <= 0.8 * texts._WIDTH * share
@@ -156,7 +183,8 @@ def test_long_names_keep_both_ends(share, monkeypatch):
 
 
 def test_both_objects_of_an_impact_stay_readable():
-    impact = Source("impact of Hammer of the blacksmith and Anvil of the blacksmith at 0.7916 s", "Hammer of the blacksmith",
+    impact = Source("impact of Hammer of the blacksmith and Anvil of the blacksmith at 0.7916 "
+"s", "Hammer of the blacksmith",
                     second_object="Anvil of the blacksmith", second_position=(0, 0, 0), kind=SourceKind.TEMPORARY)  # fmt: skip
     title = texts.source_title(impact)
     first, second = title.split(" × ")

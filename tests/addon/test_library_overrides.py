@@ -1,4 +1,5 @@
-"""Library overrides: objects and node groups of another file are linked and overridden, and every edit survives saving and reloading."""
+"""Library overrides: objects and node groups of another file are linked and overridden, and every
+edit survives saving and reloading."""
 
 import itertools
 from collections.abc import Iterator
@@ -41,17 +42,23 @@ def _overridden(path: Path) -> tuple[Any, Any]:
 def _reload(path: Path) -> tuple[Any, Any]:
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     bpy.ops.wm.open_mainfile(filepath=str(path))
-    return tuple(next(block for block in blocks if block.override_library) for blocks in (bpy.data.objects, bpy.data.node_groups))
+    return tuple(
+        next(block for block in blocks if block.override_library)
+        for blocks in (bpy.data.objects, bpy.data.node_groups)
+    )
 
 
 def _leaves(group: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Every property of ours with a value below a group: its path, the group that holds it, and its definition."""
+    """Every property of ours with a value below a group: its path, the group that holds it, and its
+    definition."""
     for name in type(group).__annotations__:
         prop = group.bl_rna.properties[name]
         if prop.type == "COLLECTION":
             for index, item in enumerate(getattr(group, name)):
                 yield from _leaves(item, f"{path}{name}[{index}].")
-        elif prop.type == "POINTER" and isinstance(inner := getattr(group, name), bpy.types.PropertyGroup):
+        elif prop.type == "POINTER" and isinstance(
+            inner := getattr(group, name), bpy.types.PropertyGroup
+        ):
             yield from _leaves(inner, f"{path}{name}.")
         else:
             yield f"{path}{name}", group, prop
@@ -66,9 +73,10 @@ def _another(prop: Any, there: Any, serial: int) -> Any:
     if prop.type == "STRING":
         return f"text {serial}"
     if prop.type == "POINTER":
-        return {"Object": lambda: bpy.data.objects["Speaker"], "NodeTree": lambda: bpy.data.node_groups["Drawn Here"]}[
-            prop.fixed_type.identifier
-        ]()
+        return {
+            "Object": lambda: bpy.data.objects["Speaker"],
+            "NodeTree": lambda: bpy.data.node_groups["Drawn Here"],
+        }[prop.fixed_type.identifier]()
     place = 0.2537 + 0.011 * (serial % 50)
     value = prop.hard_min + place * (min(prop.hard_max, prop.hard_min + 10) - prop.hard_min)
     value = int(value) if prop.type == "INT" else value
@@ -97,9 +105,21 @@ def test_every_property_edited_in_an_override_survives_saving(tmp_path: Path, fi
             setattr(holder, prop.identifier, _another(prop, there.get(path), next(serial)))
     edited = [_values(block.haptics) for block in (box, tree)]
     for own, there in zip(edited, before, strict=True):
-        assert [path for path in own if own[path] == there.get(path)] == []  # each differs from the library: it has to be stored
-    groups = {type(holder).__name__.removeprefix("Haptic") for block in (box, tree) for _, holder, _ in _leaves(block.haptics)}
-    assert groups >= {"ObjectProperties", "SourceProperties", "SoundProperties", "ListenerProperties", "ObjectMaterial", "ThermalObject"}
+        # Each differs from the library: it has to be stored.
+        assert [path for path in own if own[path] == there.get(path)] == []
+    groups = {
+        type(holder).__name__.removeprefix("Haptic")
+        for block in (box, tree)
+        for _, holder, _ in _leaves(block.haptics)
+    }
+    assert groups >= {
+        "ObjectProperties",
+        "SourceProperties",
+        "SoundProperties",
+        "ListenerProperties",
+        "ObjectMaterial",
+        "ThermalObject",
+    }
     assert groups >= {"FeltProperties", "ActuatorProperties", "Drawing", "Emphasis"}
     box, tree = _reload(tmp_path / "scene.blend")
     assert [_values(block.haptics) for block in (box, tree)] == edited
@@ -115,7 +135,9 @@ def test_later_edits_of_the_library_reach_what_the_override_did_not_change(tmp_p
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "library.blend"))
     there = bpy.data.objects["Box"].haptics
     there.kappa, there.source.sound.gain, there.source.sound.gate = 0.75, 9.0, -50.0
-    bpy.data.libraries.write(str(tmp_path / "library.blend"), {bpy.data.objects["Box"], bpy.data.node_groups["Signal"]})
+    bpy.data.libraries.write(
+        str(tmp_path / "library.blend"), {bpy.data.objects["Box"], bpy.data.node_groups["Signal"]}
+    )
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     own = next(obj for obj in bpy.data.objects if obj.override_library).haptics
     assert (own.kappa, own.source.sound.gain, own.source.sound.gate) == (0.75, 3.0, -50.0)
@@ -141,7 +163,8 @@ def test_all_properties_of_all_groups_are_overridable() -> None:
 
 
 def test_blender_overrides_no_scenes(tmp_path: Path) -> None:
-    """Settings of a linked scene can therefore be changed only in its own file, whatever their properties allow."""
+    """Settings of a linked scene can therefore be changed only in its own file, whatever their
+    properties allow."""
     bpy.context.scene.name = "Linked"
     bpy.data.libraries.write(str(tmp_path / "library.blend"), {bpy.context.scene})
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
@@ -161,7 +184,9 @@ def test_the_instance_of_a_linked_collection_says_what_to_do(tmp_path: Path, ope
     instance = bpy.data.objects.new("Rig", None)
     instance.instance_type, instance.instance_collection = "COLLECTION", wanted.collections[0]
     bpy.context.scene.collection.objects.link(instance)
-    chosen = bpy.context.temp_override(object=instance, active_object=instance, selected_objects=[instance])
+    chosen = bpy.context.temp_override(
+        object=instance, active_object=instance, selected_objects=[instance]
+    )
     with chosen, pytest.raises(RuntimeError, match="Object > Library Override > Make"):
         getattr(bpy.ops.haptic, operator)()
 

@@ -1,4 +1,5 @@
-"""A listener that is made now turns its mix down where it would be cut off; those of older files, and as in the paper, do not."""
+"""A listener that is made now turns its mix down where it would be cut off; those of older files,
+and as in the paper, do not."""
 
 import bpy
 import numpy as np
@@ -36,7 +37,9 @@ def test_a_new_listener_keeps_an_overloaded_sine_a_sine(overloaded, scene):
     assert overloaded.haptics.listener.limiter
     assert np.sqrt((harmonics(scene) ** 2).sum()) < 0.001
     overloaded.haptics.listener.limiter = False
-    assert harmonics(scene)[1] == pytest.approx(1 / 3, rel=0.02), "cut off it is nearly a square wave"
+    assert harmonics(scene)[1] == pytest.approx(1 / 3, rel=0.02), (
+        "cut off it is nearly a square wave"
+    )
 
 
 @pytest.mark.parametrize("add", ["add_listener", "add_default_listeners"])

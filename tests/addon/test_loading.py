@@ -1,4 +1,5 @@
-"""Enabling the add-on loads nothing that computes: the core follows when an object is tagged, an output is used or a file is exported."""
+"""Enabling the add-on loads nothing that computes: the core follows when an object is tagged, an
+output is used or a file is exported."""
 
 import json
 import os
@@ -8,7 +9,8 @@ import sys
 import pytest
 from haptic_tracing.addon import gateway
 
-# Modules of the core that are data, beside `core.scene`, from whose declarations Blender's properties are made.
+# Modules of the core that are data, beside `core.scene`, from whose declarations Blender's
+# properties are made.
 LEAVES = {
     "arrays",
     "design",
@@ -76,16 +78,24 @@ def loaded(tmp_path_factory):
     """What a program that uses one part after the other had loaded at each moment."""
     folder = tmp_path_factory.mktemp("loading")
     environment = {**os.environ, "BLENDER_USER_RESOURCES": str(folder)}
-    done = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, cwd=folder, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM], env=environment, cwd=folder, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     *_, shown, remaining = done.stdout.splitlines()
-    assert remaining == "[]"  # handlers, which Blender as a module would call when their names have been cleared
+    assert (
+        remaining == "[]"
+    )  # handlers, which Blender as a module would call when their names have been cleared
     return {moment: set(names) for moment, names in json.loads(shown).items()}
 
 
 def of_the_core(modules):
     """The modules of the core among these, without the values of scenes."""
-    return {name.removeprefix("core.") for name in modules if name.startswith("core.") and not name.startswith("core.scene")}
+    return {
+        name.removeprefix("core.")
+        for name in modules
+        if name.startswith("core.") and not name.startswith("core.scene")
+    }
 
 
 @pytest.mark.slow
@@ -99,6 +109,10 @@ def test_registering_frames_and_edits_of_an_untagged_scene_load_no_stage_of_the_
 def test_each_part_of_the_core_is_loaded_when_it_is_used(loaded):
     before = loaded["removed"]
     assert of_the_core(before) <= LEAVES
-    for step, stages in (("devices", {"devices.inventory"}), ("tagged", {"tracer", "contacts.tracker"}), ("exported", {"formats.export"})):
+    for step, stages in (
+        ("devices", {"devices.inventory"}),
+        ("tagged", {"tracer", "contacts.tracker"}),
+        ("exported", {"formats.export"}),
+    ):
         assert stages <= of_the_core(loaded[step] - before), step
         before = loaded[step]

@@ -1,4 +1,5 @@
-"""Make It Felt raises what reaches a listener to the wanted margin above the threshold of feeling, and says where it can't."""
+"""Make It Felt raises what reaches a listener to the wanted margin above the threshold of feeling,
+and says where it can't."""
 
 from __future__ import annotations
 
@@ -13,8 +14,12 @@ from haptic_tracing.core.render.history import still_samples
 
 @pytest.fixture
 def weak(add_box, scene):
-    """A hum that a listener on another box hardly feels, and a source beside it that it feels less."""
-    source, carrier = add_box("source", (0, 0, 0), (1, 1, 1)), add_box("carrier", (1, 0, 0), (1, 1, 1))
+    """A hum that a listener on another box hardly feels, and a source beside it that it feels
+    less."""
+    source, carrier = (
+        add_box("source", (0, 0, 0), (1, 1, 1)),
+        add_box("carrier", (1, 0, 0), (1, 1, 1)),
+    )
     source.haptics.source.enabled = carrier.haptics.listener.enabled = True
     source.haptics.source.amplitude, source.haptics.source.frequency = 0.1, 60.0
     carrier.haptics.listener.limiter = True
@@ -58,7 +63,9 @@ def test_the_amplitude_of_the_source_is_raised_where_there_is_no_more_gain(weak,
 
 def test_it_stops_at_what_can_be_raised(weak, scene):
     source, carrier = weak
-    assert make_felt("carrier", margin=60.0, use_frequency=False, use_material=False) == {"FINISHED"}
+    assert make_felt("carrier", margin=60.0, use_frequency=False, use_material=False) == {
+        "FINISHED"
+    }
     assert (source.haptics.source.amplitude, carrier.haptics.listener.gain) == (1.0, 10.0)
     assert margin(scene) < 60
 
@@ -119,9 +126,14 @@ def test_nothing_changes_where_it_could_not_be_felt(weak, scene):
     bpy.context.view_layer.update()
     before = margin(scene)
     assert before + 20 < 0
-    assert make_felt("carrier", use_amplitude=False, use_frequency=False, use_material=False) == {"CANCELLED"}
+    assert make_felt("carrier", use_amplitude=False, use_frequency=False, use_material=False) == {
+        "CANCELLED"
+    }
     assert margin(scene) == before
-    assert (source.haptics.source.amplitude, carrier.haptics.listener.gain) == (pytest.approx(0.1), 1.0)
+    assert (source.haptics.source.amplitude, carrier.haptics.listener.gain) == (
+        pytest.approx(0.1),
+        1.0,
+    )
 
 
 def test_all_selected_listeners_are_felt_by_one_press(weak, scene, add_box):

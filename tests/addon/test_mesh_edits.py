@@ -1,4 +1,5 @@
-"""An edit of a mesh is seen whenever it was made, and nothing is built anew where no mesh changed."""
+"""An edit of a mesh is seen whenever it was made, and nothing is built anew where no mesh
+changed."""
 
 from __future__ import annotations
 
@@ -15,7 +16,10 @@ from haptic_tracing.addon.session import session
 @pytest.fixture
 def boxes(add_box: Callable[..., Any], scene: Any) -> list[Any]:
     """A plank with a source, and a box that stands on it and listens, until its mesh is edited."""
-    found = [add_box("plank", (0, 0, 0), (4, 1, 0.2)), add_box("box", (1.5, 0, 0.35), (0.5, 0.5, 0.5))]
+    found = [
+        add_box("plank", (0, 0, 0), (4, 1, 0.2)),
+        add_box("box", (1.5, 0, 0.35), (0.5, 0.5, 0.5)),
+    ]
     found[0].haptics.source.enabled = found[1].haptics.listener.enabled = True
     bpy.context.view_layer.update()
     assert contacts(scene) == 1
@@ -87,7 +91,9 @@ def emptied(obj: Any) -> Any:
 @pytest.mark.parametrize("body", [None, "BOX", "CYLINDER", "CONVEX_HULL", "MESH"])
 def test_a_mesh_emptied_by_a_modifier_does_not_conduct_after_a_click_elsewhere(boxes, scene, body):
     if body is not None:
-        with bpy.context.temp_override(object=boxes[1], active_object=boxes[1], selected_objects=[boxes[1]]):
+        with bpy.context.temp_override(
+            object=boxes[1], active_object=boxes[1], selected_objects=[boxes[1]]
+        ):
             bpy.ops.rigidbody.object_add(type="PASSIVE")
         boxes[1].rigid_body.collision_shape = body
         bpy.context.view_layer.update()
@@ -98,7 +104,9 @@ def test_a_mesh_emptied_by_a_modifier_does_not_conduct_after_a_click_elsewhere(b
     bpy.context.view_layer.objects.active = boxes[0]
     bpy.context.view_layer.update()
     assert contacts(scene) == 0
-    assert [problem.message for problem in session.problems_of(scene)] == ["its mesh has no vertices"]
+    assert [problem.message for problem in session.problems_of(scene)] == [
+        "its mesh has no vertices"
+    ]
     boxes[1].modifiers.remove(modifier)
     bpy.context.view_layer.update()
     assert contacts(scene) == 1
@@ -174,7 +182,9 @@ def test_a_part_of_a_compound(add_box, scene):
 def test_shapes_are_built_once_where_only_settings_change(boxes, scene, monkeypatch):
     built = []
     build = reader.collision_shape
-    monkeypatch.setattr(reader, "collision_shape", lambda *what: built.append(what[0].name) or build(*what))
+    monkeypatch.setattr(
+        reader, "collision_shape", lambda *what: built.append(what[0].name) or build(*what)
+    )
     boxes[0].haptics.rho = 0.5
     boxes[1].location.x = 1.0
     bpy.context.view_layer.update()

@@ -84,7 +84,8 @@ def test_it_is_cancelled_and_what_was_shown_stays(slow, scene):
     assert not sessions.is_behind(scene)
     assert sessions.shown(scene) is shown
     assert not bpy.ops.haptic.cancel_tracing.poll()
-    sessions.known(scene).shown = None  # where it was the first trace of all, the hint leads to another
+    # Where it was the first trace of all, the hint leads to another.
+    sessions.known(scene).shown = None
     assert [name for name, _ in next_step(scene, False).operators] == ["haptic.trace_frame"]
     slow.haptics.rho = 0.5
     bpy.context.view_layer.update()

@@ -1,4 +1,5 @@
-"""Sources that play once per trigger, in Blender: each kind of trigger, what is baked and written of them, and what is wrong with one."""
+"""Sources that play once per trigger, in Blender: each kind of trigger, what is baked and written
+of them, and what is wrong with one."""
 
 import math
 
@@ -63,7 +64,11 @@ def onsets(results):
 
 
 def faults(scene):
-    return {problem.rule[0]: problem.message for problem in sessions.shown_problems(scene) if problem.rule is not None}
+    return {
+        problem.rule[0]: problem.message
+        for problem in sessions.shown_problems(scene)
+        if problem.rule is not None
+    }
 
 
 def test_keyframes_above_0_play_with_their_strength(scene, bell):
@@ -83,7 +88,9 @@ def test_markers_of_the_name_play_and_follow_their_markers(scene, bell):
 def test_a_body_that_falls_freely_triggers_when_it_passes_a_plane(scene, bell, ball):
     bpy.ops.mesh.primitive_plane_add(size=1, location=(3.2, 0, 1.5))
     bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ba*", "Plane"
-    assert [onset for onset, _ in onsets(play(scene))] == pytest.approx([math.sqrt(2 * 2.5 / G)], abs=1e-5)
+    assert [onset for onset, _ in onsets(play(scene))] == pytest.approx(
+        [math.sqrt(2 * 2.5 / G)], abs=1e-5
+    )
 
 
 def test_a_region_may_move_and_be_an_empty(scene, bell, ball, add_empty):
@@ -105,7 +112,9 @@ def test_a_driver_plays_in_the_frame_in_which_it_rises(scene, bell):
     driver = bell.driver_add(TRIGGER).driver
     driver.expression = "0.5 if frame % 20 > 9 else 0"
     first, second = onsets(play(scene))
-    assert first == pytest.approx((seconds(10), 0.5)) and second == pytest.approx((seconds(30), 0.5))
+    assert first == pytest.approx((seconds(10), 0.5)) and second == pytest.approx(
+        (seconds(30), 0.5)
+    )
 
 
 @pytest.fixture
@@ -127,7 +136,10 @@ def test_on_being_hit_it_plays_with_the_energy_of_the_blow(scene, struck):
     assert impact.time == pytest.approx(math.sqrt(2 * 0.3 / G), abs=5e-3)
     assert impact.energy == pytest.approx(12 * G * 0.3, rel=0.05)
     played = next(s for result in results for s in result.sources if s.name.startswith("bell at"))
-    assert played.amplitude == pytest.approx(impact.amplitude) and (played.object, played.second_object) == ("ground", None)
+    assert played.amplitude == pytest.approx(impact.amplitude) and (
+        played.object,
+        played.second_object,
+    ) == ("ground", None)
     scene.haptics.impacts = False  # it needs no knock of the impact's own
     again = play(scene)
     assert onsets(again) == onsets(results) and not any(result.impacts for result in again)
@@ -144,7 +156,11 @@ def test_a_bake_of_a_part_is_that_part_of_the_whole(scene, bell, ball, add_empty
     whole = storage.track_of(scene)
     assert len(set(whole.row_source.tolist())) == 6
     for first in (2, 18, 30, 120):
-        scene.haptics.bake.use_range, scene.haptics.bake.frame_start, scene.haptics.bake.frame_end = True, first, 136
+        (
+            scene.haptics.bake.use_range,
+            scene.haptics.bake.frame_start,
+            scene.haptics.bake.frame_end,
+        ) = True, first, 136
         bpy.ops.haptic.bake()
         part = storage.track_of(scene)
         assert part.frame_start == first and part.samples.any()
@@ -162,15 +178,24 @@ def test_the_file_plays_what_blender_plays(scene, struck, ball, tmp_path):
     write_export(capture.export("bell"), tmp_path / "bell.json")
     export = read_export(tmp_path / "bell.json")
     (source,) = export.need_scene().sources
-    assert [trigger.on for trigger in source.triggers] == ["times"] and source.triggers[0].by == ("crate", "", "")
-    for first, second in zip(results, traced_file(export.need_scene(), export.recording), strict=True):
-        assert {s.name: s.amplitude for s in first.sources} == {s.name: s.amplitude for s in second.sources}
+    assert [trigger.on for trigger in source.triggers] == ["times"] and source.triggers[0].by == (
+        "crate",
+        "",
+        "",
+    )
+    for first, second in zip(
+        results, traced_file(export.need_scene(), export.recording), strict=True
+    ):
+        assert {s.name: s.amplitude for s in first.sources} == {
+            s.name: s.amplitude for s in second.sources
+        }
         if first.block is not None:
             assert np.abs(first.block - second.block).max() <= 1e-12
     # And imported, Blender plays the file.
     other = bpy.data.scenes.new("imported")
     bpy.context.window.scene = other
-    bpy.context.view_layer.update()  # Blender 4.2 without a window shows a new scene's poses only after this
+    # Blender 4.2 without a window shows a new scene's poses only after this.
+    bpy.context.view_layer.update()
     build(export, other)
     again = play(other)
     assert onsets(again) == onsets(results)
@@ -189,7 +214,9 @@ def test_a_frame_is_written_with_what_happens_in_it(scene, struck, ball, traced)
     assert passing.pose.position == pytest.approx((3, 0, 1.5))
 
 
-def test_a_click_on_a_frame_keeps_its_blow_after_playing_and_after_loading(scene, struck, ball, add_empty, tmp_path):
+def test_a_click_on_a_frame_keeps_its_blow_after_playing_and_after_loading(
+    scene, struck, ball, add_empty, tmp_path
+):
     def at_blow(frame):
         for number in range(1, frame + 1):
             scene.frame_set(number)
@@ -210,7 +237,9 @@ def test_a_click_on_a_frame_keeps_its_blow_after_playing_and_after_loading(scene
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     again = session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
-    assert [(s.name, s.amplitude) for s in again.sources] == [(s.name, s.amplitude) for s in result.sources]
+    assert [(s.name, s.amplitude) for s in again.sources] == [
+        (s.name, s.amplitude) for s in result.sources
+    ]
     assert again.amplitudes == pytest.approx(result.amplitudes)
 
 
@@ -222,7 +251,9 @@ def test_a_click_on_a_frame_that_was_never_played_has_its_keyframe(scene, bell):
     assert session.result_of(scene).shots == ()
 
 
-def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(scene, bell, ball, add_empty):
+def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(
+    scene, bell, ball, add_empty
+):
     source = bell.haptics.source
 
     def said(**values):
@@ -231,14 +262,20 @@ def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(scene, b
         session.trace(scene, bpy.context.evaluated_depsgraph_get())
         return faults(scene)
 
-    assert said() == {"trigger": "it never plays: insert keyframes of Trigger, or choose something below"}
+    assert said() == {
+        "trigger": "it never plays: insert keyframes of Trigger, or choose something below"
+    }
     assert said(trigger_markers="Shot") == {"trigger_markers": "there is no timeline marker 'Shot'"}
     assert said(trigger_markers="", trigger_object="nobody") == {
         "trigger_object": "no haptic object 'nobody' can come into it",
         "trigger_region": "choose the region that it comes into",
     }
-    assert said(trigger_object="ball", trigger_region="nowhere") == {"trigger_region": "there is no object 'nowhere'"}
-    assert said(trigger_region="ball") == {"trigger_object": "no haptic object 'ball' can come into it"}  # itself
+    assert said(trigger_object="ball", trigger_region="nowhere") == {
+        "trigger_region": "there is no object 'nowhere'"
+    }
+    assert said(trigger_region="ball") == {
+        "trigger_object": "no haptic object 'ball' can come into it"
+    }  # itself
     assert said(trigger_object="") == {}  # anything
     assert said(trigger_region="", trigger_hit=True) == {}
     for values, message in (
@@ -250,8 +287,13 @@ def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(scene, b
         assert said(**values) == {"signal": message}
     driver = bell.driver_add(TRIGGER).driver
     variable = driver.variables.new()
-    variable.targets[0].id, variable.targets[0].data_path = bpy.data.objects["skin"], "haptics.felt.intensity"
-    assert said(signal="SINE") == {"trigger": "its driver reads what is felt, which depends on the trigger itself"}
+    variable.targets[0].id, variable.targets[0].data_path = (
+        bpy.data.objects["skin"],
+        "haptics.felt.intensity",
+    )
+    assert said(signal="SINE") == {
+        "trigger": "its driver reads what is felt, which depends on the trigger itself"
+    }
     add_empty("shaker", (0, 0, 0.5), bpy.data.objects["ground"]).haptics.source.enabled = True
     source.signal = "FILE"
     result = session.trace(scene, bpy.context.evaluated_depsgraph_get())
@@ -261,14 +303,30 @@ def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(scene, b
 def write_wav(path, samples, rate=8000):
     """With IEEE floats, which may be no numbers."""
     data = np.asarray(samples, dtype="<f4").tobytes()
-    form = np.array([3, 1], "<u2").tobytes() + np.array([rate, 4 * rate], "<u4").tobytes() + np.array([4, 32], "<u2").tobytes()
-    body = b"WAVE" + b"fmt " + np.uint32(16).tobytes() + form + b"data" + np.uint32(len(data)).tobytes() + data
+    form = (
+        np.array([3, 1], "<u2").tobytes()
+        + np.array([rate, 4 * rate], "<u4").tobytes()
+        + np.array([4, 32], "<u2").tobytes()
+    )
+    body = (
+        b"WAVE"
+        + b"fmt "
+        + np.uint32(16).tobytes()
+        + form
+        + b"data"
+        + np.uint32(len(data)).tobytes()
+        + data
+    )
     path.write_bytes(b"RIFF" + np.uint32(len(body)).tobytes() + body)
     return str(path)
 
 
 def test_a_silent_file_and_one_that_is_too_long_are_refused(scene, bell, tmp_path):
-    bell.haptics.source.signal, bell.haptics.source.trigger_hit, bell.haptics.source.decay = "FILE", True, 0.0
+    bell.haptics.source.signal, bell.haptics.source.trigger_hit, bell.haptics.source.decay = (
+        "FILE",
+        True,
+        0.0,
+    )
     for said, path in (
         ("silent", write_wav(tmp_path / "silent.wav", np.zeros(800))),
         ("longer", write_wav(tmp_path / "long.wav", np.ones(61 * 8000))),
@@ -293,11 +351,15 @@ def test_presets_play_friedlanders_wave_at_the_current_frame(scene, bell, kind, 
     assert onsets(results) == [(seconds(6), 1.0)]
     signal = next(s for result in results for s in result.sources).signal
     t = np.arange(0, 4 * phase, phase / 10)
-    np.testing.assert_allclose(signal.at(t, phase / 10), (1 - t / phase) * np.exp(-t / phase), atol=1e-6)
+    np.testing.assert_allclose(
+        signal.at(t, phase / 10), (1 - t / phase) * np.exp(-t / phase), atol=1e-6
+    )
     assert isinstance(signal.of[1], Decay)
 
 
-def test_a_front_in_a_medium_comes_when_sound_does_and_falls_with_the_distance(scene, add_box, add_empty):
+def test_a_front_in_a_medium_comes_when_sound_does_and_falls_with_the_distance(
+    scene, add_box, add_empty
+):
     air = add_box("air", (10, 0, 0), (30, 4, 4))
     air.haptics.medium = True
     blast = add_empty("blast", (0, 0, 0), None)
@@ -310,7 +372,11 @@ def test_a_front_in_a_medium_comes_when_sound_does_and_falls_with_the_distance(s
     for d in (1.0, 8.0, 20.0):
         ear = add_empty(f"ear {d:g}", (d, 0, 0))
         ear.parent, ear.matrix_parent_inverse = air, air.matrix_basis.inverted()
-        ear.haptics.listener.enabled, ear.haptics.listener.limiter, ear.haptics.listener.radius = True, False, 0.0
+        ear.haptics.listener.enabled, ear.haptics.listener.limiter, ear.haptics.listener.radius = (
+            True,
+            False,
+            0.0,
+        )
     results = play(scene, 1, 12)
     levels = next(result.amplitudes[0] for result in results if result.sources)
     names = [item.name for item in results[-1].listeners]

@@ -90,7 +90,15 @@ def test_trace_frame_says_when_nothing_is_tagged(add_box):
 
 
 @pytest.mark.parametrize(
-    "name", ["select_object", "connect_device", "disconnect_device", "copy_udev_rule", "choose_actuator", "cancel_tracing"]
+    "name",
+    [
+        "select_object",
+        "connect_device",
+        "disconnect_device",
+        "copy_udev_rule",
+        "choose_actuator",
+        "cancel_tracing",
+    ],
 )
 def test_search_finds_no_operator_that_only_its_button_can_use(name):
     operator = getattr(bpy.types, f"HAPTIC_OT_{name}")

@@ -1,4 +1,5 @@
-"""Every panel draws, with nothing, with a result and with problems; what it shows is what was traced."""
+"""Every panel draws, with nothing, with a result and with problems; what it shows is what was
+traced."""
 
 import importlib.util
 from pathlib import Path
@@ -7,7 +8,9 @@ from types import SimpleNamespace
 import bpy
 from haptic_tracing.addon.registration.properties import classes_of
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).parent / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -45,11 +48,18 @@ def _select(obj):
 def test_object_panel_shows_the_parameter_of_the_chosen_function(add_box):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     _select(box)
-    for function, parameter in (("exponential", "alpha"), ("linear", "range"), ("constant", "constant"), ("expression", "expression")):
+    for function, parameter in (
+        ("exponential", "alpha"),
+        ("linear", "range"),
+        ("constant", "constant"),
+        ("expression", "expression"),
+    ):
         box.haptics.function = function
         assert parameter in _draw(_panel("HAPTIC_PT_object")).properties
     box.haptics.function = "haptic_tracing"
-    assert not {"alpha", "range", "constant", "expression"} & set(_draw(_panel("HAPTIC_PT_object")).properties)
+    assert not {"alpha", "range", "constant", "expression"} & set(
+        _draw(_panel("HAPTIC_PT_object")).properties
+    )
 
 
 def test_the_panel_of_a_linked_object_offers_to_override_it(add_box, tmp_path):
@@ -62,14 +72,22 @@ def test_the_panel_of_a_linked_object_offers_to_override_it(add_box, tmp_path):
     bpy.context.scene.collection.objects.link(wanted.objects[0])
     _select(wanted.objects[0])
     layout = _draw(_panel("HAPTIC_PT_object"))
-    assert "object.make_override_library" in layout.operators and "Linked: override it to edit it" in layout.labels
+    assert (
+        "object.make_override_library" in layout.operators
+        and "Linked: override it to edit it" in layout.labels
+    )
 
 
 def test_who_is_felt_names_what_hides_a_source(add_box, add_empty, traced, settle):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.function, box.haptics.constant = "constant", 1.0
     box.haptics.listener.enabled = True
-    for name, frequency, amplitude in (("saw", 250.0, 1.0), ("fan", 240.0, 0.1), ("hum", 40.0, 1.0), ("fly", 40.0, 0.0001)):
+    for name, frequency, amplitude in (
+        ("saw", 250.0, 1.0),
+        ("fan", 240.0, 0.1),
+        ("hum", 40.0, 1.0),
+        ("fly", 40.0, 0.0001),
+    ):
         source = add_empty(name, parent=box).haptics.source
         source.enabled, source.frequency, source.amplitude = True, frequency, amplitude
     _select(box)
@@ -77,7 +95,12 @@ def test_who_is_felt_names_what_hides_a_source(add_box, add_empty, traced, settl
     labels = settle(lambda: _draw(_panel("HAPTIC_PT_felt"))).labels
     assert "2 felt, 1 masked, 1 too weak" in labels
     shown = [labels[labels.index(name) + 1] for name in ("saw", "hum", "fan", "fly")]
-    assert shown[0] == "+45 dB" and shown[1] in ("+13 dB", "+14 dB") and shown[2] == "by saw" and shown[3].startswith("\N{MINUS SIGN}")
+    assert (
+        shown[0] == "+45 dB"
+        and shown[1] in ("+13 dB", "+14 dB")
+        and shown[2] == "by saw"
+        and shown[3].startswith("\N{MINUS SIGN}")
+    )
     assert labels.index("saw") < labels.index("hum") < labels.index("fan") < labels.index("fly")
 
 
@@ -128,7 +151,9 @@ def test_source_panel_shows_the_curves_of_a_drawn_signal_or_its_f_curves(add_box
     assert "mapping" not in drawn.properties
     assert "envelope" in drawn.properties
     assert "To Curves" in drawn.labels
-    assert "haptic.shape_envelope" not in drawn.operators, "it would draw a curve that does not count"
+    assert "haptic.shape_envelope" not in drawn.operators, (
+        "it would draw a curve that does not count"
+    )
 
 
 def test_signal_library_shows_every_signal(add_box):
@@ -150,7 +175,10 @@ def test_the_export_panel_shows_what_each_listener_loses(tmp_path):
 
     blow = np.zeros(8000)
     blow[4000:4400] = np.sin(2 * np.pi * 100 * np.arange(400) / 8000)
-    listeners = tuple(ListenerTrack(f"on {part}", part, np.array([[0.5, 1.0]])) for part in ("hand.L", "upper_leg.L"))
+    listeners = tuple(
+        ListenerTrack(f"on {part}", part, np.array([[0.5, 1.0]]))
+        for part in ("hand.L", "upper_leg.L")
+    )
     export = Export("blow", tracks=Tracks(listeners, 8000, np.array([0.9 * blow, 0.1 * blow])))
     track_writer("tact", tmp_path, {})(export, SimpleNamespace(progress=None))
     labels = _draw(_panel("HAPTIC_PT_export")).labels

@@ -1,4 +1,5 @@
-"""Bad input in a Blender scene: a message that names the object and the cure, and the rest of the scene goes on."""
+"""Bad input in a Blender scene: a message that names the object and the cure, and the rest of the
+scene goes on."""
 
 import os
 
@@ -73,7 +74,13 @@ def test_a_vertex_that_is_not_a_number(sound, add_box, traced):
 
 
 @pytest.mark.parametrize(
-    ("formula", "reason"), [("exp(", "not a formula"), ("open('x')", "'open'"), ("x * x", "proportional"), ("", "not a formula")]
+    ("formula", "reason"),
+    [
+        ("exp(", "not a formula"),
+        ("open('x')", "'open'"),
+        ("x * x", "proportional"),
+        ("", "not a formula"),
+    ],
 )
 def test_an_expression_that_is_no_formula(sound, add_box, traced, formula, reason):
     bad = add_box("bad", (0, 0, 0), (1, 1, 1))
@@ -88,7 +95,10 @@ def test_an_expression_without_a_finite_gain_names_its_object(add_box, traced):
     bad.haptics.function, bad.haptics.expression = "expression", "x / d"
     result = traced()
     assert result is None or (result.amplitudes == 0).all()
-    assert any("bad" in problem.object + problem.message for problem in session.problems_of(bpy.context.scene))
+    assert any(
+        "bad" in problem.object + problem.message
+        for problem in session.problems_of(bpy.context.scene)
+    )
 
 
 def test_a_camera_has_no_surface(sound, traced):
@@ -103,7 +113,8 @@ def test_a_camera_has_no_surface(sound, traced):
 def test_a_rigid_body_without_a_world_is_traced_where_it_stands(add_box, traced):
     box = add_box("box", (0, 0, 0), (1, 1, 1), "ACTIVE")
     box.haptics.source.enabled = box.haptics.listener.enabled = True
-    bpy.context.scene.rigidbody_world.collection.objects.unlink(box)  # else it stops being a rigid body
+    # Else it stops being a rigid body.
+    bpy.context.scene.rigidbody_world.collection.objects.unlink(box)
     bpy.ops.rigidbody.world_remove()
     assert box.rigid_body is not None
     assert bpy.context.scene.rigidbody_world is None
@@ -152,8 +163,12 @@ def test_an_exporter_with_nothing_to_export_says_so(tmp_path):
 
 
 @pytest.mark.parametrize("body", [None, "BOX", "SPHERE", "CONVEX_HULL", "MESH"])
-def test_an_object_without_bounds_stops_only_itself_and_is_named(add_box, add_empty, traced, scene, body):
-    first, second = (add_box(name, (x, 0, 0), (1, 1, 1)) for name, x in (("first", 0), ("second", 1)))
+def test_an_object_without_bounds_stops_only_itself_and_is_named(
+    add_box, add_empty, traced, scene, body
+):
+    first, second = (
+        add_box(name, (x, 0, 0), (1, 1, 1)) for name, x in (("first", 0), ("second", 1))
+    )
     huge = add_box("huge", (0.5, 0, 0), (1, 1, 1), None if body is None else "PASSIVE")
     if body is not None:
         huge.rigid_body.collision_shape = body
@@ -169,7 +184,9 @@ def test_an_object_without_bounds_stops_only_itself_and_is_named(add_box, add_em
         result = traced()
         assert result.amplitudes == pytest.approx(before)
         assert result.objects == ("first", "second")
-        assert [(item.object, "10,000 km" in item.message) for item in session.problems_of(scene)] == [("huge", True)]
+        assert [
+            (item.object, "10,000 km" in item.message) for item in session.problems_of(scene)
+        ] == [("huge", True)]
 
 
 def test_listeners_of_an_armature_without_a_body_are_one_problem(sound, scene, add_empty, traced):
@@ -182,7 +199,9 @@ def test_listeners_of_an_armature_without_a_body_are_one_problem(sound, scene, a
     assert problem.object == "rig" and "choose its Body" in problem.message
 
 
-def test_a_collection_instance_with_haptic_objects_is_named(sound, scene, add_box, add_empty, traced):
+def test_a_collection_instance_with_haptic_objects_is_named(
+    sound, scene, add_box, add_empty, traced
+):
     collection, box = bpy.data.collections.new("crates"), add_box("crate", (0, 0, 0), (1, 1, 1))
     scene.collection.objects.unlink(box)
     collection.objects.link(box)

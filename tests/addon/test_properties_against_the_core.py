@@ -1,4 +1,5 @@
-"""What properties repeat of the core, so that registering them does not load it, is what the core has."""
+"""What properties repeat of the core, so that registering them does not load it, is what the core
+has."""
 
 from haptic_tracing.addon.properties.live_output import HapticDeviceProperties
 from haptic_tracing.addon.properties.object import HapticObjectProperties
@@ -9,7 +10,9 @@ from haptic_tracing.core.scene.functions import ALL_FUNCTIONS, FUNCTIONS
 
 
 def test_objects_offer_the_functions_of_vibration_in_the_cores_order():
-    offered = [item.identifier for item in HapticObjectProperties.bl_rna.properties["function"].enum_items]
+    offered = [
+        item.identifier for item in HapticObjectProperties.bl_rna.properties["function"].enum_items
+    ]
     assert offered == list(FUNCTIONS)
 
 

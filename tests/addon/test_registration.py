@@ -41,10 +41,18 @@ def test_handlers_survive_loading_a_file() -> None:
 @pytest.mark.slow
 def test_registering_does_not_load_what_computes():
     """It loads the declarations of the core, but neither signals nor anything above the scene."""
-    report = "print(*sorted(name for name in sys.modules if name.startswith('haptic_tracing.core.')))"
+    report = (
+        "print(*sorted(name for name in sys.modules if name.startswith('haptic_tracing.core.')))"
+    )
     code = f"import bpy, haptic_tracing, sys; haptic_tracing.register(); {report}"
-    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
-    loaded = [name.removeprefix("haptic_tracing.core.") for name in printed if name.startswith("haptic_tracing.core.")]
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
+    loaded = [
+        name.removeprefix("haptic_tracing.core.")
+        for name in printed
+        if name.startswith("haptic_tracing.core.")
+    ]
     assert "scene.values" in loaded
     computing = ("signals.", "contacts.", "graph.", "propagation.", "render.", "tracer", "design.")
     assert [name for name in loaded if name.startswith(computing)] == []

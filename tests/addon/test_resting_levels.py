@@ -1,4 +1,5 @@
-"""Walls, stacks and piles that Blender simulates at rest: no level moves from frame to frame but by what bodies move."""
+"""Walls, stacks and piles that Blender simulates at rest: no level moves from frame to frame but by
+what bodies move."""
 
 from __future__ import annotations
 
@@ -18,18 +19,32 @@ AT_REST = 0.002
 
 def wall(random):
     """Five courses of bricks in bond."""
-    return [((c + r % 2 * 0.3, 0, 0.25 + 0.5 * r), (1, 0.5, 0.5), (0, 0, 0)) for r in range(5) for c in range(4)], 50
+    return [
+        ((c + r % 2 * 0.3, 0, 0.25 + 0.5 * r), (1, 0.5, 0.5), (0, 0, 0))
+        for r in range(5)
+        for c in range(4)
+    ], 50
 
 
 def stacks(random):
     """Six stacks of cubes, each turned a bit."""
     turns = random.uniform(-0.3, 0.3, 24).tolist()
-    return [((k // 4 * 0.8, 0, 0.25 + 0.5 * (k % 4)), (0.5, 0.5, 0.5), (0, 0, turn)) for k, turn in enumerate(turns)], 50
+    return [
+        ((k // 4 * 0.8, 0, 0.25 + 0.5 * (k % 4)), (0.5, 0.5, 0.5), (0, 0, turn))
+        for k, turn in enumerate(turns)
+    ], 50
 
 
 def pile(random):
     """Cubes that fall onto each other, and come to rest."""
-    places = [(np.array([k % 3, k // 3 % 3, k // 9]) * 0.7 + random.uniform(-0.1, 0.1, 3) + [0, 0, 0.75]).tolist() for k in range(27)]
+    places = [
+        (
+            np.array([k % 3, k // 3 % 3, k // 9]) * 0.7
+            + random.uniform(-0.1, 0.1, 3)
+            + [0, 0, 0.75]
+        ).tolist()
+        for k in range(27)
+    ]
     return [(tuple(place), (0.5, 0.5, 0.5), (0.4, 0, 0.4)) for place in places], 400
 
 
@@ -42,13 +57,19 @@ def test_levels_of_what_rests(arrangement, scene, add_box):
         bpy.ops.rigidbody.world_add()
         scene.rigidbody_world.point_cache.frame_end = scene.frame_end = settled + FRAMES
         add_box("ground", (0, 0, -0.5), (30, 30, 1), "PASSIVE")
-        bodies = [add_box(f"box {number:02d}", place, size, "ACTIVE") for number, (place, size, _) in enumerate(boxes)]
+        bodies = [
+            add_box(f"box {number:02d}", place, size, "ACTIVE")
+            for number, (place, size, _) in enumerate(boxes)
+        ]
         for number, (body, (_, _, turn)) in enumerate(zip(bodies, boxes, strict=True)):
             body.rotation_euler = turn
             body.rigid_body.use_deactivation = False
             body.rigid_body.linear_damping = body.rigid_body.angular_damping = 0.5
             body.haptics.kappa, body.haptics.rho = 0.1, 0.9
-            body.haptics.source.enabled, body.haptics.listener.enabled = number % 9 == 0, number % 3 == 1
+            body.haptics.source.enabled, body.haptics.listener.enabled = (
+                number % 9 == 0,
+                number % 3 == 1,
+            )
         scene.haptics.strategy, scene.haptics.tracing = "energy_balance", False
     for frame in range(1, settled + 1):
         scene.frame_set(frame)

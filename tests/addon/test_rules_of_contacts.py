@@ -1,4 +1,5 @@
-"""The table of contacts in Blender: impedances of physical materials, the force of a rigid body, and the same through a file."""
+"""The table of contacts in Blender: impedances of physical materials, the force of a rigid body,
+and the same through a file."""
 
 from __future__ import annotations
 
@@ -83,12 +84,19 @@ def test_rules_come_back_from_a_file(standing, scene, tmp_path):
     assert rows[0].load == pytest.approx(8.0) and rows[0].stiffness == pytest.approx(2e4)
 
 
-def test_two_selected_objects_get_a_rule_of_their_own_that_counts_more_than_any_other(standing, scene):
+def test_two_selected_objects_get_a_rule_of_their_own_that_counts_more_than_any_other(
+    standing, scene
+):
     for obj in standing:
         obj.select_set(True)
     bpy.ops.haptic.add_rule(table="transmission_table")
     row = scene.haptics.transmission_table.items[0]
-    assert (row.first_kind, row.first, row.second_kind, row.second) == ("OBJECT", "Box", "OBJECT", "Floor")
+    assert (row.first_kind, row.first, row.second_kind, row.second) == (
+        "OBJECT",
+        "Box",
+        "OBJECT",
+        "Floor",
+    )
     row.function, row.constant = "constant", 0.3
     other = add_rule(scene, "constant", constant=0.9)
     other.first_kind, other.first = "OBJECT", "Floor"

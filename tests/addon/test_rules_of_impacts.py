@@ -1,4 +1,5 @@
-"""The table of rules of impacts in Blender: what it says is played, what is wrong with a row is said beside it, and the rest goes on."""
+"""The table of rules of impacts in Blender: what it says is played, what is wrong with a row is
+said beside it, and the rest goes on."""
 
 import json
 import wave
@@ -23,8 +24,20 @@ def write_wav(path, samples, rate=8000):
 def write_float_wav(path, samples):
     """With IEEE floats, which may be no numbers."""
     data = np.asarray(samples, dtype="<f4").tobytes()
-    form = np.array([3, 1], "<u2").tobytes() + np.array([8000, 32000], "<u4").tobytes() + np.array([4, 32], "<u2").tobytes()
-    body = b"WAVE" + b"fmt " + np.uint32(16).tobytes() + form + b"data" + np.uint32(len(data)).tobytes() + data
+    form = (
+        np.array([3, 1], "<u2").tobytes()
+        + np.array([8000, 32000], "<u4").tobytes()
+        + np.array([4, 32], "<u2").tobytes()
+    )
+    body = (
+        b"WAVE"
+        + b"fmt "
+        + np.uint32(16).tobytes()
+        + form
+        + b"data"
+        + np.uint32(len(data)).tobytes()
+        + data
+    )
     path.write_bytes(b"RIFF" + np.uint32(len(body)).tobytes() + body)
     return str(path)
 
@@ -42,7 +55,8 @@ def crate(scene, add_box, add_empty):
 
 @pytest.fixture
 def blow(scene, crate):
-    """The signal and amplitude of the crate's first impact, None where there is none; and the problems of rows."""
+    """The signal and amplitude of the crate's first impact, None where there is none; and the
+    problems of rows."""
 
     def play():
         for frame in range(1, 16):
@@ -70,15 +84,30 @@ def test_the_row_of_the_pair_is_played(scene, blow, tmp_path):
     ring = np.exp(-np.arange(4000) / 400) * np.sin(np.arange(4000))
     path = write_wav(tmp_path / "ring.wav", ring, rate=16_000)
     add_rule(scene, template="PLAIN")
-    add_rule(scene, first_kind="MATERIAL", first="Soft*", second_kind="OBJECT", second="ground", template="FILE", filepath=path)
+    add_rule(
+        scene,
+        first_kind="MATERIAL",
+        first="Soft*",
+        second_kind="OBJECT",
+        second="ground",
+        template="FILE",
+        filepath=path,
+    )
     source = blow()
     assert source.signal.duration == pytest.approx(0.25)
-    np.testing.assert_allclose(source.signal.sample(0, 2000, 16_000.0), ring[:2000], rtol=0, atol=1e-3)
+    np.testing.assert_allclose(
+        source.signal.sample(0, 2000, 16_000.0), ring[:2000], rtol=0, atol=1e-3
+    )
     assert problems(scene) == {}
 
 
 def test_a_drawn_signal_is_played_once_in_frames_after_its_edit_too(scene, blow):
-    tree = drawings.drawn("click", Drawing(Automation((0.0, 0.1), (1.0, 0.0)), Automation((0.0,), (200.0,)), 0.1, loops=True).to_signal())
+    tree = drawings.drawn(
+        "click",
+        Drawing(
+            Automation((0.0, 0.1), (1.0, 0.0)), Automation((0.0,), (200.0,)), 0.1, loops=True
+        ).to_signal(),
+    )
     rule = add_rule(scene, template="DRAWN")
     assert blow().signal == impact_template("stone", "wood")
     (message,) = problems(scene).values()
@@ -86,9 +115,16 @@ def test_a_drawn_signal_is_played_once_in_frames_after_its_edit_too(scene, blow)
     rule.drawing = tree
     scene.frame_set(1)
     times = np.arange(800) / 8000
-    np.testing.assert_allclose(blow().signal.sample(0, 800, 8000.0), (1 - 10 * times) * np.sin(400 * np.pi * times), rtol=0, atol=1e-5)
+    np.testing.assert_allclose(
+        blow().signal.sample(0, 800, 8000.0),
+        (1 - 10 * times) * np.sin(400 * np.pi * times),
+        rtol=0,
+        atol=1e-5,
+    )
     assert problems(scene) == {}
-    assert tree in {item.original for item in bpy.context.evaluated_depsgraph_get().ids}, "editing its curves traces again"
+    assert tree in {item.original for item in bpy.context.evaluated_depsgraph_get().ids}, (
+        "editing its curves traces again"
+    )
 
 
 def test_own_energies_decide_for_the_pair(scene, blow):
@@ -107,12 +143,27 @@ def test_without_rows_impacts_are_those_of_the_scene(scene, blow):
 
 BAD = {
     "silent": (lambda folder: write_wav(folder / "a.wav", np.zeros(800)), "no vibration"),
-    "longer than a minute": (lambda folder: write_wav(folder / "a.wav", np.full(8000 * 61, 0.5)), "a.wav lasts longer than a minute"),
+    "longer than a minute": (
+        lambda folder: write_wav(folder / "a.wav", np.full(8000 * 61, 0.5)),
+        "a.wav lasts longer than a minute",
+    ),
     "missing": (lambda folder: str(folder / "gone.wav"), "there is no file"),
-    "elsewhere": (lambda folder: "\\\\server\\share\\a.wav", "is on another computer: allow online access"),
-    "not finite": (lambda folder: write_float_wav(folder / "a.wav", [0.5, np.nan, 0.1] * 100), "not finite"),
-    "no sound file": (lambda folder: (folder / "a.wav").write_text("hello") and str(folder / "a.wav"), "a.wav"),
-    "another ending": (lambda folder: (folder / "a.txt").write_text("hello") and str(folder / "a.txt"), "the ending must be one of"),
+    "elsewhere": (
+        lambda folder: "\\\\server\\share\\a.wav",
+        "is on another computer: allow online access",
+    ),
+    "not finite": (
+        lambda folder: write_float_wav(folder / "a.wav", [0.5, np.nan, 0.1] * 100),
+        "not finite",
+    ),
+    "no sound file": (
+        lambda folder: (folder / "a.wav").write_text("hello") and str(folder / "a.wav"),
+        "a.wav",
+    ),
+    "another ending": (
+        lambda folder: (folder / "a.txt").write_text("hello") and str(folder / "a.txt"),
+        "the ending must be one of",
+    ),
     "none chosen": (lambda folder: "", "none is chosen"),
 }
 
@@ -142,7 +193,9 @@ def test_damaged_text_of_a_strangers_file_is_said(scene, blow):
     add_rule(scene, template="KEPT", imported='{"signal": {"signal": "sine", "frequency": -1}}')
     assert blow().signal == impact_template("stone", "wood")
     assert "damaged" in problems(scene)["impact_table", 0]
-    scene.haptics.impact_table.items[0].imported = json.dumps({"signal": {"signal": "sine", "frequency": 60}})
+    scene.haptics.impact_table.items[0].imported = json.dumps(
+        {"signal": {"signal": "sine", "frequency": 60}}
+    )
     scene.frame_set(1)
     assert blow().signal == impact_template("stone", "wood")
     assert "must end within 60 seconds" in problems(scene)["impact_table", 0]
@@ -153,7 +206,9 @@ def test_buttons_edit_the_table(scene, crate):
     table = scene.haptics.impact_table
     for _ in range(2):
         assert bpy.ops.haptic.add_rule(table="impact_table") == {"FINISHED"}
-    assert [(row.first_kind, row.first, row.second_kind) for row in table.items] == [("MATERIAL", "Softwood", "ANY")] * 2
+    assert [(row.first_kind, row.first, row.second_kind) for row in table.items] == [
+        ("MATERIAL", "Softwood", "ANY")
+    ] * 2
     table.items[1].template = "PLAIN"
     assert bpy.ops.haptic.move_rule(table="impact_table", up=True) == {"FINISHED"}
     assert [row.template for row in table.items] == ["PLAIN", "MATERIALS"] and table.active == 0
@@ -192,14 +247,31 @@ def test_tables_go_through_files_and_back(scene, crate, tmp_path):
             "seed": 5,
         },
     ]
-    ball = {"name": "ball", "kappa": 0.2, "rho": 0.9, "shape": {"type": "sphere", "radius": 0.5}, "material": "Rubber"}
-    document = {"format": "haptic-scene", "version": "1.1", "objects": [ball], "rules": {"impact_table": rows}}
+    ball = {
+        "name": "ball",
+        "kappa": 0.2,
+        "rho": 0.9,
+        "shape": {"type": "sphere", "radius": 0.5},
+        "material": "Rubber",
+    }
+    document = {
+        "format": "haptic-scene",
+        "version": "1.1",
+        "objects": [ball],
+        "rules": {"impact_table": rows},
+    }
     (tmp_path / "a.json").write_text(json.dumps(document))
     assert bpy.ops.import_scene.haptic_scene(filepath=str(tmp_path / "a.json")) == {"FINISHED"}
-    assert bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "b.json"), frames="CURRENT") == {"FINISHED"}
+    assert bpy.ops.export_scene.haptic_scene(
+        filepath=str(tmp_path / "b.json"), frames="CURRENT"
+    ) == {"FINISHED"}
     again = json.loads((tmp_path / "b.json").read_text())
     assert again["rules"]["impact_table"] == rows
-    assert {item["name"]: item["material"] for item in again["objects"]} == {"ball": "Rubber", "crate": "Softwood", "ground": "Stone"}
+    assert {item["name"]: item["material"] for item in again["objects"]} == {
+        "ball": "Rubber",
+        "crate": "Softwood",
+        "ground": "Stone",
+    }
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
     assert len(bpy.context.scene.haptics.impact_table.items) == 2

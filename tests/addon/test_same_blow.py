@@ -1,4 +1,5 @@
-"""Looking does not change what is felt: a frame keeps its impacts until something that makes impacts changes."""
+"""Looking does not change what is felt: a frame keeps its impacts until something that makes
+impacts changes."""
 
 from __future__ import annotations
 
@@ -81,7 +82,9 @@ def test_edits_that_do_not_affect_impacts_keep_them(struck, look):
 
 def test_a_material_changes_what_the_same_blow_feels_like(struck):
     (before,) = session.result_of(struck).sources
-    struck.objects["Nail"].haptics.material.name = struck.objects["Hammer"].haptics.material.name = "Rubber"
+    struck.objects["Nail"].haptics.material.name = struck.objects[
+        "Hammer"
+    ].haptics.material.name = "Rubber"
     bpy.context.view_layer.update()
     (after,) = session.result_of(struck).sources
     assert (after.onset, after.amplitude) == (before.onset, before.amplitude)
@@ -173,7 +176,9 @@ def test_a_saved_file_opens_with_its_result(struck, tmp_path):
     assert impacts(scene) == blow
     assert after.impacts == before.impacts
     assert after.amplitudes == pytest.approx(before.amplitudes, rel=1e-6)
-    assert [item.position for item in after.sources] == [pytest.approx(item.position, abs=1e-6) for item in before.sources]
+    assert [item.position for item in after.sources] == [
+        pytest.approx(item.position, abs=1e-6) for item in before.sources
+    ]
     bpy.ops.haptic.set_mode(mode="SD")
     assert impacts(scene) == blow
 

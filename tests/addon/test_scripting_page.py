@@ -15,7 +15,14 @@ def test_the_snippets_tag_trace_bake_export_and_compute_again(tmp_path, monkeypa
     names = {}
     for snippet in snippets:
         # Here the extension is installed as a package.
-        exec(compile(snippet.replace("bl_ext.user_default.haptic_tracing", "haptic_tracing"), PAGE.name, "exec"), names)
+        exec(
+            compile(
+                snippet.replace("bl_ext.user_default.haptic_tracing", "haptic_tracing"),
+                PAGE.name,
+                "exec",
+            ),
+            names,
+        )
     assert len(snippets) == 7
     result, found = names["result"], names["found"]
     assert result.path_objects(0, 0) == ("Ground", "Table")

@@ -1,4 +1,5 @@
-"""Scripts that call operators while the scene is traced: where threads would endanger them, none runs while they go on."""
+"""Scripts that call operators while the scene is traced: where threads would endanger them, none
+runs while they go on."""
 
 from __future__ import annotations
 
@@ -31,7 +32,9 @@ def endangered(monkeypatch):
 
 
 def _workers() -> list[str]:
-    return [thread.name for thread in threading.enumerate() if thread.name.startswith("haptic-tracing")]
+    return [
+        thread.name for thread in threading.enumerate() if thread.name.startswith("haptic-tracing")
+    ]
 
 
 @pytest.mark.usefixtures("endangered")
@@ -39,7 +42,9 @@ def test_the_worker_has_ended_before_a_script_goes_on(humming, scene):
     humming.haptics.kappa, humming.haptics.rho = 0.2, 0.25
     bpy.context.view_layer.update()
     assert _workers() == []
-    assert sessions.shown(scene).result.amplitudes[0, 0] == pytest.approx((1 - 0.2) * 0.25, rel=1e-6)
+    assert sessions.shown(scene).result.amplitudes[0, 0] == pytest.approx(
+        (1 - 0.2) * 0.25, rel=1e-6
+    )
     scene.frame_set(7)
     assert _workers() == []
     assert sessions.shown(scene).result.number == 7
@@ -97,5 +102,7 @@ def test_operators_with_an_overridden_context_do_not_crash():
         haptic_tracing.unregister()
         print("went on")
     """
-    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True, timeout=300
+    )
     assert (done.returncode, done.stdout.splitlines()[-1:]) == (0, ["went on"]), done.stderr

@@ -1,4 +1,5 @@
-"""The add-on's shortcuts: Blender uses none of them, they come and go, and the mode menu offers the four renderings."""
+"""The add-on's shortcuts: Blender uses none of them, they come and go, and the mode menu offers the
+four renderings."""
 
 import importlib.util
 from pathlib import Path
@@ -10,7 +11,9 @@ import pytest
 from haptic_tracing.addon.panels import object_menus, preferences
 from haptic_tracing.core.scene.values import MODES
 
-_spec = importlib.util.spec_from_file_location("recording_layout_of_shortcuts", Path(__file__).parent / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout_of_shortcuts", Path(__file__).parent / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -20,12 +23,24 @@ MODIFIERS = ("ctrl", "shift", "alt", "oskey")
 def own_items():
     """The add-on's shortcuts, and the keymaps that they are in."""
     configuration = bpy.context.window_manager.keyconfigs.addon
-    return [(name.name, item) for name in configuration.keymaps for item in name.keymap_items if preferences.is_own(item)]
+    return [
+        (name.name, item)
+        for name in configuration.keymaps
+        for item in name.keymap_items
+        if preferences.is_own(item)
+    ]
 
 
 def blenders_items():
-    """All shortcuts that Blender ships, as its own source has them: keymap, operator, and what is pressed."""
-    path = Path(bpy.utils.system_resource("SCRIPTS")) / "presets" / "keyconfig" / "keymap_data" / "blender_default.py"
+    """All shortcuts that Blender ships, as its own source has them: keymap, operator, and what is
+    pressed."""
+    path = (
+        Path(bpy.utils.system_resource("SCRIPTS"))
+        / "presets"
+        / "keyconfig"
+        / "keymap_data"
+        / "blender_default.py"
+    )
     specification = importlib.util.spec_from_file_location("blenders_keymaps", path)
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
@@ -38,8 +53,16 @@ def blenders_items():
 
 
 def test_tracing_modes_preview_and_panic_have_shortcuts():
-    found = {item.properties.name if item.idname == "wm.call_menu_pie" else item.idname for _, item in own_items()}
-    assert found == {"haptic.toggle_tracing", "HAPTIC_MT_mode_pie", "haptic.panic", "haptic.toggle_preview"}
+    found = {
+        item.properties.name if item.idname == "wm.call_menu_pie" else item.idname
+        for _, item in own_items()
+    }
+    assert found == {
+        "haptic.toggle_tracing",
+        "HAPTIC_MT_mode_pie",
+        "haptic.panic",
+        "haptic.toggle_preview",
+    }
 
 
 def test_blender_uses_none_of_them():
@@ -51,7 +74,11 @@ def test_blender_uses_none_of_them():
             (name, operator)
             for name, operator, pressed in blenders
             if pressed["type"] == item.type
-            and (pressed.get("any") or tuple(pressed.get(modifier, False) in (True, 1) for modifier in MODIFIERS) == keys)
+            and (
+                pressed.get("any")
+                or tuple(pressed.get(modifier, False) in (True, 1) for modifier in MODIFIERS)
+                == keys
+            )
         ]
         assert taken == [], item.idname
 
@@ -70,7 +97,9 @@ def test_the_mode_menu_offers_every_mode_and_marks_the_current_one(scene, mode):
     object_menus.HAPTIC_MT_mode_pie.draw(SimpleNamespace(layout=pie), bpy.context)
     assert pie.operators == ["haptic.set_mode"] * 4
     assert pie.labels == [f"{title} ({name})" for name, (title, _) in MODES.items()]
-    assert [icon == "RADIOBUT_ON" for icon in pie.operator_icons] == [name == mode for name in MODES]
+    assert [icon == "RADIOBUT_ON" for icon in pie.operator_icons] == [
+        name == mode for name in MODES
+    ]
 
 
 def test_preferences_list_them_where_they_can_be_changed(monkeypatch):
@@ -80,6 +109,13 @@ def test_preferences_list_them_where_they_can_be_changed(monkeypatch):
     monkeypatch.setattr(rna_keymap_ui, "draw_kmi", lambda *what: drawn.append(what[3].idname))
     configurations = bpy.context.window_manager.keyconfigs
     layout = recording_layout.RecordingLayout()
-    context = SimpleNamespace(window_manager=SimpleNamespace(keyconfigs=SimpleNamespace(user=configurations.addon)))
+    context = SimpleNamespace(
+        window_manager=SimpleNamespace(keyconfigs=SimpleNamespace(user=configurations.addon))
+    )
     preferences.draw_shortcuts(layout, context)
-    assert sorted(drawn) == ["haptic.panic", "haptic.toggle_preview", "haptic.toggle_tracing", "wm.call_menu_pie"]
+    assert sorted(drawn) == [
+        "haptic.panic",
+        "haptic.toggle_preview",
+        "haptic.toggle_tracing",
+        "wm.call_menu_pie",
+    ]

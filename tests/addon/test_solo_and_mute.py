@@ -23,7 +23,13 @@ def felt(scene):
     """By source and listener: whether anything is felt, gain of the listener included."""
     bpy.context.view_layer.update()
     result = session.result_of(scene)
-    return [[bool(gain * listener.gain > 0) for gain, listener in zip(row, result.listeners, strict=True)] for row in result.amplitudes]
+    return [
+        [
+            bool(gain * listener.gain > 0)
+            for gain, listener in zip(row, result.listeners, strict=True)
+        ]
+        for row in result.amplitudes
+    ]
 
 
 ALL = [[True, True], [True, True]]
@@ -31,7 +37,10 @@ ALL = [[True, True], [True, True]]
 
 @pytest.mark.parametrize(
     ("role", "of_left", "of_both"),
-    [("source", [[True, True], [False, False]], ALL), ("listener", [[True, False], [True, False]], ALL)],
+    [
+        ("source", [[True, True], [False, False]], ALL),
+        ("listener", [[True, False], [True, False]], ALL),
+    ],
 )
 def test_solo_silences_the_others_of_its_role(hums, scene, role, of_left, of_both):
     _, left, right = hums

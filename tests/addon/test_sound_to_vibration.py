@@ -1,4 +1,5 @@
-"""A file, a speaker or the sequencer's sound becomes the vibration of a source; what is wrong with it is said, and the rest goes on."""
+"""A file, a speaker or the sequencer's sound becomes the vibration of a source; what is wrong with
+it is said, and the rest goes on."""
 
 import importlib.util
 import json
@@ -17,13 +18,20 @@ from haptic_tracing.addon.view import sound_picture
 from haptic_tracing.core.devices.profiles import profile
 from made_sounds import claps, drums
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parent / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).parent / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
 RATE = 16000
-CONTENT_START, LEFT_HANDLE = ("content_start", "left_handle") if bpy.app.version >= (5, 2, 0) else ("frame_start", "frame_final_start")
-"""Properties of a strip: the frame at which its sound begins, and the first one at which it is heard."""
+CONTENT_START, LEFT_HANDLE = (
+    ("content_start", "left_handle")
+    if bpy.app.version >= (5, 2, 0)
+    else ("frame_start", "frame_final_start")
+)
+"""Properties of a strip: the frame at which its sound begins, and the first one at which it is
+heard."""
 
 
 def drawn(panel):
@@ -43,8 +51,20 @@ def write_wav(path, samples, rate=RATE, channels=1):
 
 def write_float_wav(path, samples):
     data = np.asarray(samples, dtype="<f4").tobytes()
-    form = np.array([3, 1], "<u2").tobytes() + np.array([RATE, 4 * RATE], "<u4").tobytes() + np.array([4, 32], "<u2").tobytes()
-    body = b"WAVE" + b"fmt " + np.uint32(16).tobytes() + form + b"data" + np.uint32(len(data)).tobytes() + data
+    form = (
+        np.array([3, 1], "<u2").tobytes()
+        + np.array([RATE, 4 * RATE], "<u4").tobytes()
+        + np.array([4, 32], "<u2").tobytes()
+    )
+    body = (
+        b"WAVE"
+        + b"fmt "
+        + np.uint32(16).tobytes()
+        + form
+        + b"data"
+        + np.uint32(len(data)).tobytes()
+        + data
+    )
     path.write_bytes(b"RIFF" + np.uint32(len(body)).tobytes() + body)
     return str(path)
 
@@ -52,7 +72,9 @@ def write_float_wav(path, samples):
 def click_at(seconds, length=2.0):
     """A click of a 2 kHz tone that dies away within 10 ms."""
     t = np.arange(round(length * RATE)) / RATE - seconds
-    return np.where(t >= 0, 0.8 * np.sin(2 * np.pi * 2000 * t) * np.exp(-np.maximum(t, 0) / 0.01), 0.0)
+    return np.where(
+        t >= 0, 0.8 * np.sin(2 * np.pi * 2000 * t) * np.exp(-np.maximum(t, 0) / 0.01), 0.0
+    )
 
 
 @pytest.fixture
@@ -118,7 +140,9 @@ def test_a_wav_file_becomes_vibration_that_is_saved_with_the_file(scene, convert
     assert sound.fault == ""
     before, waves = signal_of(scene), sound.waves
     bursts = before.of[1].of[0].automation
-    assert [np.abs(bursts.times - onset).min() for onset in onsets] == pytest.approx([0.0] * len(onsets), abs=0.010)
+    assert [np.abs(bursts.times - onset).min() for onset in onsets] == pytest.approx(
+        [0.0] * len(onsets), abs=0.010
+    )
     Path(path).unlink()
     blend = str(tmp_path / "scene.blend")
     bpy.ops.wm.save_as_mainfile(filepath=blend)
@@ -127,7 +151,9 @@ def test_a_wav_file_becomes_vibration_that_is_saved_with_the_file(scene, convert
     assert bpy.data.objects["machine"].haptics.source.sound.waves == waves
 
 
-def test_the_same_sound_gives_the_same_vibration_and_is_heard_once(scene, convert, tmp_path, monkeypatch):
+def test_the_same_sound_gives_the_same_vibration_and_is_heard_once(
+    scene, convert, tmp_path, monkeypatch
+):
     samples, rate, _ = drums()
     path = write_wav(tmp_path / "drums.wav", samples, rate)
     first = convert(filepath=path).kept
@@ -150,7 +176,9 @@ def test_it_is_played_in_a_scene_file_as_here(scene, convert, tmp_path):
     assert form["sources"][0]["signal"]["signal"] == "loop"
 
 
-@pytest.mark.parametrize(("ending", "names"), [("flac", "FLAC"), ("ogg", "OGG VORBIS"), ("mp3", "MP3 MP3")])
+@pytest.mark.parametrize(
+    ("ending", "names"), [("flac", "FLAC"), ("ogg", "OGG VORBIS"), ("mp3", "MP3 MP3")]
+)
 def test_other_formats_are_read(scene, convert, aud, tmp_path, ending, names):
     container, codec = (names.split() * 2)[:2]
     plain = aud.Sound.file(write_wav(tmp_path / "click.wav", click_at(0.5)))
@@ -158,14 +186,18 @@ def test_other_formats_are_read(scene, convert, aud, tmp_path, ending, names):
     kinds = (getattr(aud, f"CONTAINER_{container}"), getattr(aud, f"CODEC_{codec}"))
     plain.write(path, RATE, 1, aud.FORMAT_S16, *kinds, 128000, 1024)
     convert(filepath=path, loop=False)
-    assert first_touch(scene) == pytest.approx(0.5, abs=0.010 if ending == "flac" else 0.03)  # the others smear and delay
+    assert first_touch(scene) == pytest.approx(
+        0.5, abs=0.010 if ending == "flac" else 0.03
+    )  # the others smear and delay
 
 
 @pytest.mark.parametrize("is_packed", [False, True])
 def test_a_strip_plays_at_its_time_in_the_scene(scene, convert, tmp_path, is_packed):
     scene.frame_start, scene.render.fps = 11, 25
     editor = scene.sequence_editor_create()
-    strip = compatibility.strips_of(editor).new_sound("clap", write_wav(tmp_path / "click.wav", click_at(0.5)), 1, 36)
+    strip = compatibility.strips_of(editor).new_sound(
+        "clap", write_wav(tmp_path / "click.wav", click_at(0.5)), 1, 36
+    )
     if is_packed:
         strip.sound.pack()
         (tmp_path / "click.wav").unlink()
@@ -176,7 +208,9 @@ def test_a_strip_plays_at_its_time_in_the_scene(scene, convert, tmp_path, is_pac
     assert first_touch(scene) == pytest.approx(0.5 - 0.2, abs=0.010)
     setattr(strip, CONTENT_START, 11)
     setattr(strip, LEFT_HANDLE, 16)
-    other = compatibility.strips_of(editor).new_sound("late", write_wav(tmp_path / "late.wav", click_at(0.1)), 2, 11)
+    other = compatibility.strips_of(editor).new_sound(
+        "late", write_wav(tmp_path / "late.wav", click_at(0.1)), 2, 11
+    )
     setattr(other, LEFT_HANDLE, 18)  # its click is cut away
     convert(strip="")
     assert first_touch(scene) == pytest.approx(0.5, abs=0.010)
@@ -185,7 +219,9 @@ def test_a_strip_plays_at_its_time_in_the_scene(scene, convert, tmp_path, is_pac
 def test_the_volume_of_a_strip_and_its_fades_count(scene, convert, tmp_path):
     t = np.arange(2 * RATE) / RATE
     editor = scene.sequence_editor_create()
-    strip = compatibility.strips_of(editor).new_sound("hum", write_wav(tmp_path / "hum.wav", 0.5 * np.sin(2 * np.pi * 200 * t)), 1, 1)
+    strip = compatibility.strips_of(editor).new_sound(
+        "hum", write_wav(tmp_path / "hum.wav", 0.5 * np.sin(2 * np.pi * 200 * t)), 1, 1
+    )
     strip.volume = 0.5
     convert(origin="SEQUENCER", bursts=0.0)
     assert signal_of(scene).of[0].at(np.array([1.0]), 1e-3) == pytest.approx(0.25, rel=0.03)
@@ -197,7 +233,9 @@ def test_the_volume_of_a_strip_and_its_fades_count(scene, convert, tmp_path):
         for key in curve.keyframe_points:
             key.interpolation = "LINEAR"
     convert()
-    assert signal_of(scene).of[0].at(np.array([0.5, 1.0, 1.5]), 1e-3) == pytest.approx([0.125, 0.25, 0.375], rel=0.05)
+    assert signal_of(scene).of[0].at(np.array([0.5, 1.0, 1.5]), 1e-3) == pytest.approx(
+        [0.125, 0.25, 0.375], rel=0.05
+    )
 
 
 def test_a_speaker_plays_from_its_strip_on_with_its_volume_and_pitch(scene, convert, tmp_path):
@@ -212,7 +250,9 @@ def test_a_speaker_plays_from_its_strip_on_with_its_volume_and_pitch(scene, conv
     full = np.abs(signal_of(scene).sample(0, 16000, 8000.0)).max()
     speaker.data.volume = 0.5
     convert()
-    assert np.abs(signal_of(scene).sample(0, 16000, 8000.0)).max() == pytest.approx(full / 2, rel=0.02)
+    assert np.abs(signal_of(scene).sample(0, 16000, 8000.0)).max() == pytest.approx(
+        full / 2, rel=0.02
+    )
     speaker.data.pitch = 2.0
     convert()
     assert first_touch(scene) == pytest.approx(0.5 + 0.25, abs=0.010)
@@ -221,13 +261,17 @@ def test_a_speaker_plays_from_its_strip_on_with_its_volume_and_pitch(scene, conv
 def test_the_devices_best_frequency_is_that_of_its_profile(scene, convert, tmp_path):
     path = write_wav(tmp_path / "click.wav", click_at(0.5))
     convert(filepath=path, carrier="DEVICE", device="switch-pro", loop=False)
-    assert profile("switch-pro").best_frequency == 320.0  # of its resonances, 160 and 320 Hz, that nearer to where skin feels best
+    assert (
+        profile("switch-pro").best_frequency == 320.0
+    )  # of its resonances, 160 and 320 Hz, that nearer to where skin feels best
     assert signal_of(scene).of[0].of[1].frequency == 320.0
     convert(device="xbox")
     assert signal_of(scene).of[0].of[1].frequency == 250.0
 
 
-def test_what_is_wrong_with_a_sound_is_said_and_the_rest_goes_on(scene, convert, fails, tmp_path, add_box):
+def test_what_is_wrong_with_a_sound_is_said_and_the_rest_goes_on(
+    scene, convert, fails, tmp_path, add_box
+):
     other = add_box("other", (0.9, 0, 0), (1, 1, 1))
     other.haptics.source.enabled = True
     good = write_wav(tmp_path / "click.wav", click_at(0.5))
@@ -266,7 +310,9 @@ def test_a_missing_file_is_said_as_soon_as_it_is_chosen(machine, tmp_path):
 def test_a_blender_without_audio_says_so_in_the_panel(machine, tmp_path, monkeypatch):
     from haptic_tracing.addon.panels.sound import HAPTIC_PT_sound
 
-    monkeypatch.setitem(sys.modules, "aud", None)  # as in builds without it, Blender 4.2 as a module among them
+    monkeypatch.setitem(
+        sys.modules, "aud", None
+    )  # as in builds without it, Blender 4.2 as a module among them
     machine.haptics.source.sound.filepath = write_wav(tmp_path / "click.wav", click_at(0.5))
     with pytest.raises(RuntimeError, match="this Blender is built without audio"):
         bpy.ops.haptic.convert_sound()
@@ -315,7 +361,9 @@ def test_the_panel_shows_what_is_set_what_is_wrong_and_the_waves(convert, fails,
 def test_the_picture_has_the_sound_and_over_it_its_vibration(convert, tmp_path):
     t = np.arange(2 * RATE) / RATE
     loud = np.where(t < 1, 0.8, 0.1) * np.sin(2 * np.pi * 200 * t)
-    sound = convert(filepath=write_wav(tmp_path / "two.wav", loud), gate=-10.0, gain=0.5, bursts=0.0)
+    sound = convert(
+        filepath=write_wav(tmp_path / "two.wav", loud), gate=-10.0, gain=0.5, bursts=0.0
+    )
     pixels = sound_picture.picture(sound.waves, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     heights = (pixels > 0.1).sum(axis=0)  # of each column and colour
     assert heights[64, 2] == pytest.approx(256, abs=8)
@@ -332,11 +380,16 @@ def test_the_search_of_a_device_offers_the_profiles(machine):
 
 @pytest.mark.slow
 def test_ten_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, aud, tmp_path):
-    """No step takes long: each is one of 8 seconds of sound, with no more than 150 MB above the sound itself."""
+    """No step takes long: each is one of 8 seconds of sound, with no more than 150 MB above the
+    sound itself."""
     import tracemalloc
 
     t = np.arange(48000, dtype=np.float32) / 48000
-    path = write_wav(tmp_path / "long.wav", np.tile(0.3 * np.sin(2 * np.pi * 90 * t) * (np.sin(2 * np.pi * 1.0 * t) > 0), 600), 48000)
+    path = write_wav(
+        tmp_path / "long.wav",
+        np.tile(0.3 * np.sin(2 * np.pi * 90 * t) * (np.sin(2 * np.pi * 1.0 * t) > 0), 600),
+        48000,
+    )
     machine.haptics.source.sound.filepath = path
     work = sound_source.Conversion(scene, machine)
     assert work.step_count == 150

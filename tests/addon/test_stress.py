@@ -1,4 +1,5 @@
-"""Whatever is done to a scene in whatever order, what the session gives is what a trace from nothing gives: never a wrong result.
+"""Whatever is done to a scene in whatever order, what the session gives is what a trace from
+nothing gives: never a wrong result.
 
 python -m pytest tests/addon/test_stress.py --stress-seeds 20 --stress-operations 2000
 """
@@ -19,7 +20,8 @@ from haptic_tracing.core.tracer import Tracer
 FRAMES = 30
 MOST_BOXES = 12
 SAME = 1e-3
-"""Relative difference of gains: a contact is found again only where its bodies have moved by more than 0.01 mm."""
+"""Relative difference of gains: a contact is found again only where its bodies have moved by more
+than 0.01 mm."""
 
 
 def pytest_generate_tests(metafunc):
@@ -36,7 +38,8 @@ WEIGHTS = {
 
 
 class Stress:
-    """A scene of boxes that are moved, edited, undone, loaded, rendered and removed: a method for each operation."""
+    """A scene of boxes that are moved, edited, undone, loaded, rendered and removed: a method for
+    each operation."""
 
     def __init__(self, seed, folder):
         self.random, self.file, self.done = random.Random(seed), str(folder / "stress.blend"), []
@@ -48,7 +51,11 @@ class Stress:
         mesh = bpy.data.meshes.new("box")
         mesh.use_fake_user = True  # it is saved where no box is left
         corners = [(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
-        mesh.from_pydata(corners, [], [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+        mesh.from_pydata(
+            corners,
+            [],
+            [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)],
+        )
         for _ in range(6):
             self.add()
         for k, box in enumerate(self.boxes[:2]):
@@ -64,7 +71,9 @@ class Stress:
 
     @property
     def boxes(self):
-        return sorted((obj for obj in self.scene.objects if obj.type == "MESH"), key=lambda obj: obj.name)
+        return sorted(
+            (obj for obj in self.scene.objects if obj.type == "MESH"), key=lambda obj: obj.name
+        )
 
     def step(self):
         name = self.random.choices(list(WEIGHTS), list(WEIGHTS.values()))[0]
@@ -82,8 +91,12 @@ class Stress:
         return self.random.choice(self.boxes)
 
     def place(self):
-        """Near a grid where boxes touch, are apart, or overlap; never as deep along two axes, where either normal is right."""
-        return tuple(self.random.choice((0.0, 0.5, 0.98, 1.3, 2.0)) + self.random.uniform(0.0, 0.05) for _ in range(3))
+        """Near a grid where boxes touch, are apart, or overlap; never as deep along two axes, where
+        either normal is right."""
+        return tuple(
+            self.random.choice((0.0, 0.5, 0.98, 1.3, 2.0)) + self.random.uniform(0.0, 0.05)
+            for _ in range(3)
+        )
 
     def move(self):
         self.some_box().location = self.place()
@@ -138,8 +151,8 @@ class Stress:
         self.edited()
 
     def change_modifiers(self):
-        """A modifier that empties the mesh or moves it away, at once or over the frames, comes, is switched, or goes; or what touches is
-        chosen."""
+        """A modifier that empties the mesh or moves it away, at once or over the frames, comes, is
+        switched, or goes; or what touches is chosen."""
         box = self.some_box()
         if self.random.random() < 0.3:
             box.haptics.surface = self.random.choice(("CONVEX_HULL", "SEEN", "SOLID", "SHELL"))
@@ -151,11 +164,16 @@ class Stress:
             else:
                 modifier.show_viewport = not modifier.show_viewport
         elif self.random.random() < 0.5:
-            box.modifiers.new("mask", "MASK").vertex_group = (box.vertex_groups.get("none") or box.vertex_groups.new(name="none")).name
+            box.modifiers.new("mask", "MASK").vertex_group = (
+                box.vertex_groups.get("none") or box.vertex_groups.new(name="none")
+            ).name
         else:
             modifier = box.modifiers.new("array", "ARRAY")
             modifier.use_relative_offset, modifier.use_object_offset = False, True
-            modifier.offset_object = self.random.choice([None, *(other for other in self.boxes if other != box)])  # perhaps an animated one
+            # Perhaps an animated one.
+            modifier.offset_object = self.random.choice(
+                [None, *(other for other in self.boxes if other != box)]
+            )
 
     def select(self):
         """A click on another object."""
@@ -175,7 +193,9 @@ class Stress:
 
     def setting(self):
         haptics = self.scene.haptics
-        haptics.strategy = self.random.choice(("auto", "best_path", "all_paths", "as_in_the_paper", "energy_balance"))
+        haptics.strategy = self.random.choice(
+            ("auto", "best_path", "all_paths", "as_in_the_paper", "energy_balance")
+        )
         haptics.threshold = self.random.choice((0.0, 1e-4, 1e-2))
         self.edited()
 
@@ -187,7 +207,8 @@ class Stress:
             self.scene.frame_set(self.scene.frame_current % FRAMES + 1)
 
     def nest(self):
-        """Another add-on's handler comes to another frame while Blender is still at this one, before or after our own handler."""
+        """Another add-on's handler comes to another frame while Blender is still at this one,
+        before or after our own handler."""
         inside, frame = [], self.random.randint(1, FRAMES)
 
         @persistent
@@ -244,7 +265,10 @@ class Stress:
         depsgraph = bpy.context.evaluated_depsgraph_get()
         reader = SceneReader()
         reading = reader.read(scene, depsgraph)
-        if session.result_of(scene) is None and self.done[-1] in ("undo", "redo"):  # it came to a scene where nothing happened yet
+        if session.result_of(scene) is None and self.done[-1] in (
+            "undo",
+            "redo",
+        ):  # it came to a scene where nothing happened yet
             scene.frame_set(scene.frame_current)
         result = session.result_of(scene)
         where = f"after {len(self.done)} operations, the last of them {self.done[-6:]}"
@@ -256,9 +280,17 @@ class Stress:
         fresh = tracer.step(session.frame_of(scene, reading, continuous=False))
         assert result.number == fresh.number == scene.frame_current, where
         assert result.objects == fresh.objects, where
-        assert [item.name for item in result.listeners] == [item.name for item in fresh.listeners], where
+        assert [item.name for item in result.listeners] == [
+            item.name for item in fresh.listeners
+        ], where
         assert result.sources[: len(fresh.sources)] == fresh.sources, where
-        np.testing.assert_allclose(result.amplitudes[: len(fresh.sources)], fresh.amplitudes, rtol=SAME, atol=1e-9, err_msg=where)
+        np.testing.assert_allclose(
+            result.amplitudes[: len(fresh.sources)],
+            fresh.amplitudes,
+            rtol=SAME,
+            atol=1e-9,
+            err_msg=where,
+        )
         assert sessions.shown(scene).result.number == fresh.number, where
 
 
@@ -267,7 +299,8 @@ def test_every_result_is_that_of_a_fresh_trace(seed, tmp_path, pytestconfig):
     stress = Stress(seed, tmp_path)
     for _ in range(pytestconfig.getoption("--stress-operations")):
         stress.step()
-        if stress.random.random() < 0.6:  # else the next operation comes while the frame is being traced
+        # Else the next operation comes while the frame is being traced.
+        if stress.random.random() < 0.6:
             stress.check()
     stress.check()
     assert set(stress.done) == set(WEIGHTS), "every operation was tried"

@@ -1,4 +1,5 @@
-"""What is seen is what touches: concave objects by their surface, objects of earlier files by their hull until that is changed."""
+"""What is seen is what touches: concave objects by their surface, objects of earlier files by their
+hull until that is changed."""
 
 from __future__ import annotations
 
@@ -33,12 +34,15 @@ def contacts() -> dict[frozenset[str], float]:
 
 
 def shape_of(name: str) -> Any:
-    return next(body.shape for body in sessions.shown(bpy.context.scene).reading.bodies if body.name == name)
+    return next(
+        body.shape for body in sessions.shown(bpy.context.scene).reading.bodies if body.name == name
+    )
 
 
 @pytest.fixture
 def ring(scene, add_box):
-    """A torus around z, 0.2 m thick, with a hand in its hole and a block under it; none haptic yet."""
+    """A torus around z, 0.2 m thick, with a hand in its hole and a block under it; none haptic
+    yet."""
     bpy.ops.mesh.primitive_torus_add(major_radius=0.5, minor_radius=0.1)
     torus = bpy.context.object
     torus.name = "ring"
@@ -53,17 +57,22 @@ def test_a_hand_in_the_hole_of_a_ring_is_not_touched(ring):
     assert shape_of("ring").type == "mesh" and shape_of("ring").sunk_in == pytest.approx(0.05)
     assert shape_of("hand").type == "convex_hull"  # which is its surface
     ring[1].location.x = 0.31  # its corners inside the ring, whose inner side is at radius 0.4
-    assert contacts()[frozenset(("ring", "hand"))] == pytest.approx(0.4 - math.hypot(0.41, 0.1), abs=2e-3)
+    assert contacts()[frozenset(("ring", "hand"))] == pytest.approx(
+        0.4 - math.hypot(0.41, 0.1), abs=2e-3
+    )
 
 
 def test_objects_of_earlier_files_keep_their_hull_until_asked(ring):
-    """Their property isn't set. The hint counts the contacts that are air, and its button removes them, in one step of undo."""
+    """Their property isn't set. The hint counts the contacts that are air, and its button removes
+    them, in one step of undo."""
     for obj in ring:
         obj.haptics.enabled = True
     ring[0].haptics.source.enabled = ring[1].haptics.listener.enabled = True
     assert set(contacts()) == {frozenset(("ring", "block")), frozenset(("ring", "hand"))}
     reading = sessions.shown(bpy.context.scene).reading
-    assert 0.09 < reading.hulls["ring"].deviation < 0.11  # the inner sides are under the flat top of the hull
+    assert (
+        0.09 < reading.hulls["ring"].deviation < 0.11
+    )  # the inner sides are under the flat top of the hull
     assert air_contacts._count(sessions.shown(bpy.context.scene)) == 1
     bpy.ops.haptic.use_real_surface(all=True)
     assert {obj.haptics.surface for obj in ring} == {"SEEN"}
@@ -79,9 +88,13 @@ def test_a_hull_that_was_chosen_is_kept_without_a_hint(ring):
 
 
 def test_a_lamp_in_the_air_of_a_room_is_silent(add_box):
-    """Whichever way the room's faces look; what stands on its floor or is sunk into its ceiling touches."""
+    """Whichever way the room's faces look; what stands on its floor or is sunk into its ceiling
+    touches."""
     room = add_box("room", (0, 0, 0), (6, 4, 3), haptic=False)
-    lamp, table = add_box("lamp", (0, 0, 1), (0.3, 0.3, 0.2), haptic=False), add_box("table", (2, 1, -1.1), (1, 1, 0.8), haptic=False)
+    lamp, table = (
+        add_box("lamp", (0, 0, 1), (0.3, 0.3, 0.2), haptic=False),
+        add_box("table", (2, 1, -1.1), (1, 1, 0.8), haptic=False),
+    )
     make(room, lamp, table)
     assert set(contacts()) == {frozenset(("room", "table"))}
     room.data.flip_normals()
@@ -96,7 +109,8 @@ def test_a_lamp_in_the_air_of_a_room_is_silent(add_box):
 
 
 def test_the_classes_of_surfaces(scene, add_box):
-    """Open surfaces are shells, also where only a seam is open; closed ones solids, also where vertices at a seam are double."""
+    """Open surfaces are shells, also where only a seam is open; closed ones solids, also where
+    vertices at a seam are double."""
     bpy.ops.mesh.primitive_monkey_add(size=1.0)
     monkey = bpy.context.object
     bpy.ops.mesh.primitive_torus_add(location=(3, 0, 0))
@@ -117,7 +131,9 @@ def test_the_classes_of_surfaces(scene, add_box):
     assert shape_of(sphere.name).type == shape_of(grid.name).type == "convex_hull"
     monkey.haptics.surface, split.haptics.surface = "SOLID", "SHELL"
     contacts()
-    assert shape_of(monkey.name).sunk_in == pytest.approx(0.05) and shape_of(split.name).sunk_in == 0
+    assert (
+        shape_of(monkey.name).sunk_in == pytest.approx(0.05) and shape_of(split.name).sunk_in == 0
+    )
 
 
 def test_a_mesh_that_changes_class_opens_and_closes_no_contact(add_box):
@@ -174,7 +190,11 @@ def test_skin_that_is_too_fine_names_its_cure(add_box, monkeypatch):
     box.haptics.source.enabled = True
     contacts()
     (problem,) = session.problems_of(bpy.context.scene)
-    assert problem.object == torus.name and "Convex Hull" in problem.message and "Decimate" in problem.message
+    assert (
+        problem.object == torus.name
+        and "Convex Hull" in problem.message
+        and "Decimate" in problem.message
+    )
     torus.haptics.surface = "CONVEX_HULL"
     contacts()
     assert session.problems_of(bpy.context.scene) == ()
@@ -195,13 +215,18 @@ def encloses(trees: dict[str, Any], corners: dict[str, Any], a: str, b: str) -> 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_what_blender_finds_to_overlap_touches_and_what_is_apart_does_not(scene, seed):
-    """Suzanne, rings and cones in random poses, against the trees of triangles of Blender itself."""
+    """Suzanne, rings and cones in random poses, against the trees of triangles of Blender
+    itself."""
     draw = random.Random(seed)
     makers = (
         lambda: bpy.ops.mesh.primitive_monkey_add(size=0.8),
-        lambda: bpy.ops.mesh.primitive_torus_add(major_radius=0.4, minor_radius=0.12, major_segments=24, minor_segments=10),
+        lambda: bpy.ops.mesh.primitive_torus_add(
+            major_radius=0.4, minor_radius=0.12, major_segments=24, minor_segments=10
+        ),
         lambda: bpy.ops.mesh.primitive_cone_add(radius1=0.3, depth=0.6),
-        lambda: bpy.ops.mesh.primitive_torus_add(major_radius=0.3, minor_radius=0.08, major_segments=7, minor_segments=4),
+        lambda: bpy.ops.mesh.primitive_torus_add(
+            major_radius=0.3, minor_radius=0.08, major_segments=7, minor_segments=4
+        ),
     )
     objects = []
     for k in range(24):
@@ -218,7 +243,9 @@ def test_what_blender_finds_to_overlap_touches_and_what_is_apart_does_not(scene,
     for obj in objects:
         mesh = obj.evaluated_get(depsgraph).data
         corners[obj.name] = [obj.matrix_world @ vertex.co for vertex in mesh.vertices]
-        trees[obj.name] = BVHTree.FromPolygons(corners[obj.name], [tuple(face.vertices) for face in mesh.polygons])
+        trees[obj.name] = BVHTree.FromPolygons(
+            corners[obj.name], [tuple(face.vertices) for face in mesh.polygons]
+        )
     tolerance = scene.haptics.contact_tolerance
     overlapping = apart = 0
     for a, b in itertools.combinations(trees, 2):
@@ -226,7 +253,10 @@ def test_what_blender_finds_to_overlap_touches_and_what_is_apart_does_not(scene,
             overlapping += 1
             assert found[frozenset((a, b))] <= 1e-4
         else:  # no corner of either is nearer to the other than the surfaces are
-            nearest = min(min(trees[p].find_nearest(corner)[3] for corner in corners[q]) for p, q in ((a, b), (b, a)))
+            nearest = min(
+                min(trees[p].find_nearest(corner)[3] for corner in corners[q])
+                for p, q in ((a, b), (b, a))
+            )
             distance = found.get(frozenset((a, b)))
             if distance is None:
                 apart += 1

@@ -1,4 +1,5 @@
-"""What the add-on traces in a Blender scene, against closed forms and against the command line on its own export."""
+"""What the add-on traces in a Blender scene, against closed forms and against the command line on
+its own export."""
 
 import json
 import math
@@ -42,7 +43,9 @@ def test_gain_of_two_touching_boxes_is_the_closed_form(seesaw, traced):
     assert result.path_objects(0, 0) == ("plank", "box")
 
 
-def test_what_creeps_is_where_it_is_to_ten_micrometres_and_in_every_32nd_frame_to_the_bit(seesaw, scene):
+def test_what_creeps_is_where_it_is_to_ten_micrometres_and_in_every_32nd_frame_to_the_bit(
+    seesaw, scene
+):
     plank, box, _, _ = seesaw
     scene.frame_end = 97
     for obj, path, speed in ((plank, "rotation_euler", 1e-6), (box, "location", 2e-6)):
@@ -50,7 +53,9 @@ def test_what_creeps_is_where_it_is_to_ten_micrometres_and_in_every_32nd_frame_t
         for frame in (1, 97):
             setattr(obj, path, begin + speed * (frame - 1))
             obj.keyframe_insert(path, frame=frame)
-    corners = np.array([(x, y, z, 1) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    corners = np.array(
+        [(x, y, z, 1) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+    )
     kept = []
     for frame in range(2, 98):
         scene.frame_set(frame)
@@ -74,7 +79,11 @@ def test_amplitude_and_kappa_that_are_keyframed_count_at_each_frame(seesaw, scen
         scene.frame_set(frame)
         result = session.result_of(scene)
         amplitude, kappa = source.haptics.source.amplitude, plank.haptics.kappa
-        expected = amplitude * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1)) * _gain(0.1, 0.9, 0.25)
+        expected = (
+            amplitude
+            * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1))
+            * _gain(0.1, 0.9, 0.25)
+        )
         assert result.amplitudes[0, 0] == pytest.approx(expected, rel=1e-5)
     assert 0.2 < session.result_of(scene).sources[0].amplitude <= 1.0
 
@@ -85,7 +94,11 @@ def test_settings_of_the_scene_that_are_keyframed_count_at_each_frame(seesaw, sc
              "contact_tolerance": 0.02, "minimum_energy": 0.5, "maximum_energy": 7, "impact_energy": "normal", "refractory_time": 0.3,
              "impacts": False, "impact_signal": "PLAIN"}  # fmt: skip
     keyed = [(scene.haptics, *item) for item in later.items()]
-    keyed += [(scene.rigidbody_world, "time_scale", 0.5), (scene, "gravity", (1, 2, 3)), (scene, "use_gravity", False)]
+    keyed += [
+        (scene.rigidbody_world, "time_scale", 0.5),
+        (scene, "gravity", (1, 2, 3)),
+        (scene, "use_gravity", False),
+    ]
     for owner, name, value in keyed:
         owner.keyframe_insert(name, frame=1)
         setattr(owner, name, value)
@@ -93,9 +106,18 @@ def test_settings_of_the_scene_that_are_keyframed_count_at_each_frame(seesaw, sc
     found = []
     for frame in (1, 2, 1):
         scene.frame_set(frame)
-        known, fresh = session.of(scene).reading, SceneReader().read(scene, bpy.context.evaluated_depsgraph_get())
+        known, fresh = (
+            session.of(scene).reading,
+            SceneReader().read(scene, bpy.context.evaluated_depsgraph_get()),
+        )
         assert (known.settings, known.contact_settings) == (fresh.settings, fresh.contact_settings)
-        found.append({item.name: getattr(part, item.name) for part in (fresh.settings, fresh.contact_settings) for item in fields(part)})
+        found.append(
+            {
+                item.name: getattr(part, item.name)
+                for part in (fresh.settings, fresh.contact_settings)
+                for item in fields(part)
+            }
+        )
     same = {name for name, value in found[0].items() if value == found[1][name]}
     assert same == {"slack", "impact_table", "transmission_table", "textures"}
 
@@ -117,7 +139,11 @@ def test_drivers_and_strips_of_the_nla_count_at_each_frame(seesaw, scene):
         result = session.result_of(scene)
         amplitude, kappa = source.haptics.source.amplitude, frame / 20
         assert plank.haptics.kappa == pytest.approx(kappa)
-        expected = amplitude * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1)) * _gain(0.1, 0.9, 0.25)
+        expected = (
+            amplitude
+            * _gain(kappa, plank.haptics.rho, math.hypot(3.0, 0.1))
+            * _gain(0.1, 0.9, 0.25)
+        )
         assert result.amplitudes[0, 0] == pytest.approx(expected, rel=1e-5)
         felt.append(amplitude)
     assert 0 < felt[0] < felt[1] < felt[2] == felt[3] < felt[4] < 1
@@ -149,10 +175,14 @@ def test_renamed_deleted_and_duplicated_objects_keep_being_traced(seesaw, traced
     bpy.context.view_layer.update()
     result = traced()
     assert box_names(result) == ["box.001", "zzz board"]
-    assert "skin" in [p.object for p in session.problems_of(scene)]  # its parent is gone: it is on no haptic object
+    assert "skin" in [
+        p.object for p in session.problems_of(scene)
+    ]  # its parent is gone: it is on no haptic object
 
 
-def test_linked_objects_are_traced_beside_local_ones_of_the_same_name(seesaw, traced, scene, tmp_path: Path):
+def test_linked_objects_are_traced_beside_local_ones_of_the_same_name(
+    seesaw, traced, scene, tmp_path: Path
+):
     plank, _, _, _ = seesaw
     before = traced()
     library = tmp_path / "library.blend"
@@ -168,7 +198,8 @@ def test_linked_objects_are_traced_beside_local_ones_of_the_same_name(seesaw, tr
     bpy.context.view_layer.update()
     result = traced()
     assert sorted(result.objects) == sorted((*before.objects, linked.name_full))
-    assert result.contacts is not None and len(result.contacts) > len(before.contacts)  # it lies in the same place as the local one
+    # It lies in the same place as the local one.
+    assert result.contacts is not None and len(result.contacts) > len(before.contacts)
 
 
 def box_names(result):
@@ -220,7 +251,9 @@ def test_a_dropped_crate_makes_one_impact_of_its_energy(add_box, add_empty, scen
     assert impacts[0].time == pytest.approx(math.sqrt(2 * 1.0 / 9.81), abs=0.05)
 
 
-def test_the_command_line_finds_the_same_gains_in_the_export(seesaw, traced, tmp_path: Path, capsys):
+def test_the_command_line_finds_the_same_gains_in_the_export(
+    seesaw, traced, tmp_path: Path, capsys
+):
     result = traced()
     path = tmp_path / "scene.json"
     bpy.ops.export_scene.haptic_scene(filepath=str(path))
@@ -243,7 +276,10 @@ def test_the_same_timeline_played_twice_gives_the_same_bits(add_box, add_empty, 
     listener.haptics.listener.enabled = True
     first = play(scene, 1, 30)
     second = play(scene, 1, 30)
-    assert first.samples.shape == (1, round(29 / 24 * 8000)) or abs(first.samples.shape[1] - 29 / 24 * 8000) < 1
+    assert (
+        first.samples.shape == (1, round(29 / 24 * 8000))
+        or abs(first.samples.shape[1] - 29 / 24 * 8000) < 1
+    )
     assert first.samples.tobytes() == second.samples.tobytes()
     assert len(first.impacts) == 1
     assert scene.frame_current == 1

@@ -1,4 +1,5 @@
-"""A frame is traced beside Blender, on a thread of its own: with the same results, and without a trace of it when it ends."""
+"""A frame is traced beside Blender, on a thread of its own: with the same results, and without a
+trace of it when it ends."""
 
 from __future__ import annotations
 
@@ -15,7 +16,9 @@ FRAMES = 1, 40
 
 
 def threads() -> list[str]:
-    return [thread.name for thread in threading.enumerate() if thread.name.startswith("haptic-tracing")]
+    return [
+        thread.name for thread in threading.enumerate() if thread.name.startswith("haptic-tracing")
+    ]
 
 
 @pytest.fixture
@@ -29,7 +32,11 @@ def bench(build):
 def test_results_are_those_of_waiting_for_each_frame(bench):
     waited = [step.result for step in timeline.steps(bench, *FRAMES)]
     beside = list(timeline.results(bench, *FRAMES))
-    assert [r.number for r in beside] == [r.number for r in waited] == list(range(FRAMES[0], FRAMES[1] + 1))
+    assert (
+        [r.number for r in beside]
+        == [r.number for r in waited]
+        == list(range(FRAMES[0], FRAMES[1] + 1))
+    )
     for one, other in zip(waited, beside, strict=True):
         assert one.amplitudes.tobytes() == other.amplitudes.tobytes()
         assert one.contacts.positions.tobytes() == other.contacts.positions.tobytes()

@@ -18,7 +18,12 @@ sys.path.insert(0, str(ROOT / "tests" / "command_line" / "serve"))
 from crate_on_ground import SCENE
 
 CLIENT = ROOT / "clients" / "csharp"
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(not sys.platform.startswith("linux"), reason="Mono is installed on Linux only")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not sys.platform.startswith("linux"), reason="Mono is installed on Linux only"
+    ),
+]
 
 
 def test_the_sample_feels_the_crate_land(tmp_path):
@@ -26,22 +31,40 @@ def test_the_sample_feels_the_crate_land(tmp_path):
     program = tmp_path / "fall.exe"
     sources = [CLIENT / "HapticTracing.cs", CLIENT / "Fall.cs"]
     compiled = subprocess.run(
-        ["mcs", "-warnaserror", f"-out:{program}", "-r:System.Net.Http", *sources], capture_output=True, text=True, timeout=120
+        ["mcs", "-warnaserror", f"-out:{program}", "-r:System.Net.Http", *sources],
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert compiled.returncode == 0, compiled.stdout + compiled.stderr
     scene = tmp_path / "scene.json"
     scene.write_text(json.dumps({"format": "haptic-scene", "version": "1.1", **SCENE}))
-    command = [sys.executable, "-m", "haptic_tracing", "serve", str(scene), "--listen", "127.0.0.1:0"]
+    command = [
+        sys.executable,
+        "-m",
+        "haptic_tracing",
+        "serve",
+        str(scene),
+        "--listen",
+        "127.0.0.1:0",
+    ]
     server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         url = re.search(r"ws://\S+(?=,)", server.stderr.readline())[0]
-        done = subprocess.run(["mono", str(program), url], capture_output=True, text=True, timeout=120)
+        done = subprocess.run(
+            ["mono", str(program), url], capture_output=True, text=True, timeout=120
+        )
     finally:
         server.terminate()
         server.wait(20)
         server.stderr.close()
     assert done.returncode == 0, done.stdout + done.stderr
-    energy, time = map(float, re.search(r"ground and crate: ([\d.]+) J at ([\d.]+) s", done.stdout).groups())
+    energy, time = map(
+        float, re.search(r"ground and crate: ([\d.]+) J at ([\d.]+) s", done.stdout).groups()
+    )
     assert energy == pytest.approx(5 * 9.81 * 1.5, rel=0.01)
     assert time == pytest.approx(math.sqrt(2 * 1.5 / 9.81), abs=2e-3)
-    assert re.search(r"90 frames, 1 blows, hand at -\d+\.\d\d dB, then: /poses/moon: there is no object 'moon'", done.stdout), done.stdout
+    assert re.search(
+        r"90 frames, 1 blows, hand at -\d+\.\d\d dB, then: /poses/moon: there is no object 'moon'",
+        done.stdout,
+    ), done.stdout

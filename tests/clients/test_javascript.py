@@ -37,7 +37,16 @@ def site():
 
 @pytest.fixture
 def server(site):
-    command = [sys.executable, "-m", "haptic_tracing", "serve", "--listen", "127.0.0.1:0", "--allow-origin", site]
+    command = [
+        sys.executable,
+        "-m",
+        "haptic_tracing",
+        "serve",
+        "--listen",
+        "127.0.0.1:0",
+        "--allow-origin",
+        site,
+    ]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     yield re.search(r"ws://\S+(?=,)", process.stderr.readline())[0]
     process.terminate()

@@ -20,7 +20,8 @@ def registered():
 
 @pytest.fixture(scope="module")
 def command(registered):
-    """Runs a command that enables the add-on itself, in this process: it takes two seconds to start another one. Gives the exit code."""
+    """Runs a command that enables the add-on itself, in this process: it takes two seconds to start
+    another one. Gives the exit code."""
 
     def run(*arguments):
         haptic_tracing.unregister()
@@ -35,10 +36,13 @@ def command(registered):
 
 @pytest.fixture(scope="module")
 def falling(registered, tmp_path_factory):
-    """A hammer that hits a nail, as an opened file; and what File > Export writes of its frames 1 to 30."""
+    """A hammer that hits a nail, as an opened file; and what File > Export writes of its frames 1
+    to 30."""
     folder = tmp_path_factory.mktemp("hammer")
     build_sample("hammer_nail")
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "hammer.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(folder / "hammer.blend"))
-    bpy.ops.export_scene.haptic_tracks(filepath=str(folder / "addon.wav"), format="wav", frame_start=1, frame_end=30)
+    bpy.ops.export_scene.haptic_tracks(
+        filepath=str(folder / "addon.wav"), format="wav", frame_start=1, frame_end=30
+    )
     return folder

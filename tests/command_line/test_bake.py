@@ -1,4 +1,5 @@
-"""``bake`` and ``trace`` of Blender files as they are typed, against what the add-on exports of the same file."""
+"""``bake`` and ``trace`` of Blender files as they are typed, against what the add-on exports of the
+same file."""
 
 import bpy
 import pytest
@@ -12,7 +13,9 @@ FRAMES = "1:30"
 
 @pytest.mark.slow
 def test_bake_equals_the_add_ons_export_to_the_bit(falling, tmp_path):
-    done = run("bake", falling / "hammer.blend", "--frames", FRAMES, "--to", "wav,scene", "--out", tmp_path)
+    done = run(
+        "bake", falling / "hammer.blend", "--frames", FRAMES, "--to", "wav,scene", "--out", tmp_path
+    )
     assert done.returncode == 0, done.stderr
     assert [line for line in done.stdout.splitlines() if line.startswith("wrote")] == [
         f"wrote {tmp_path / name}" for name in ("hammer.wav", "hammer.wav.json", "hammer.json")
@@ -25,8 +28,23 @@ def test_bake_equals_the_add_ons_export_to_the_bit(falling, tmp_path):
 @pytest.mark.slow
 def test_modes_and_settings(falling, command, tmp_path):
     settings = ["--set", "scene.haptics.threshold=0", "--set", 'objects["Hammer"].haptics.kappa=1']
-    assert command("bake", falling / "hammer.blend", "--frames", FRAMES, "--modes", "HT,SD", "--out", tmp_path, *settings) == 0
-    assert {path.name for path in tmp_path.iterdir()} == {f"hammer.{mode}.wav{more}" for mode in ("HT", "SD") for more in ("", ".json")}
+    assert (
+        command(
+            "bake",
+            falling / "hammer.blend",
+            "--frames",
+            FRAMES,
+            "--modes",
+            "HT,SD",
+            "--out",
+            tmp_path,
+            *settings,
+        )
+        == 0
+    )
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f"hammer.{mode}.wav{more}" for mode in ("HT", "SD") for more in ("", ".json")
+    }
     assert (tmp_path / "hammer.HT.wav").read_bytes() != (tmp_path / "hammer.SD.wav").read_bytes()
 
 
@@ -39,15 +57,30 @@ def test_modes_and_settings(falling, command, tmp_path):
     ],
 )
 def test_bad_arguments_are_one_line_and_write_nothing(tmp_path, capsys, arguments, said):
-    assert main(["bake", str(tmp_path / "hammer.blend"), "--out", str(tmp_path / "out"), *arguments]) == 2
+    assert (
+        main(["bake", str(tmp_path / "hammer.blend"), "--out", str(tmp_path / "out"), *arguments])
+        == 2
+    )
     message = capsys.readouterr().err
     assert said in message and message.count("\n") == 1
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.slow
-def test_a_property_that_is_not_in_the_file_is_one_line_and_writes_nothing(falling, command, tmp_path, capsys):
-    assert command("bake", falling / "hammer.blend", "--out", tmp_path / "out", "--set", 'objects["Gone"].haptics.kappa=1') == 2
+def test_a_property_that_is_not_in_the_file_is_one_line_and_writes_nothing(
+    falling, command, tmp_path, capsys
+):
+    assert (
+        command(
+            "bake",
+            falling / "hammer.blend",
+            "--out",
+            tmp_path / "out",
+            "--set",
+            'objects["Gone"].haptics.kappa=1',
+        )
+        == 2
+    )
     said = capsys.readouterr().err
     assert 'there is no objects["Gone"].haptics.kappa' in said and "Traceback" not in said
     assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
@@ -78,21 +111,37 @@ def test_settings_that_cannot_be_made(registered, setting, said):
 @pytest.fixture(scope="module")
 def eighth(falling):
     """What ``trace`` says and writes of the eighth frame, before the blow."""
-    done = run("trace", falling / "hammer.blend", "--end", "8", "--no-picture", "--out", falling / "last")
+    done = run(
+        "trace", falling / "hammer.blend", "--end", "8", "--no-picture", "--out", falling / "last"
+    )
     return done.stdout, falling / "last" / "hammer.json"
 
 
 @pytest.mark.slow
-def test_trace_writes_all_frames_where_asked_and_says_which(falling, eighth, command, tmp_path, capsys):
+def test_trace_writes_all_frames_where_asked_and_says_which(
+    falling, eighth, command, tmp_path, capsys
+):
     said, last = eighth
     assert f"wrote {last} (frame 8)" in said
     assert read_export(last).recording is None
-    command("trace", falling / "hammer.blend", "--end", "8", "--no-picture", "--whole", "--out", tmp_path / "whole")
+    command(
+        "trace",
+        falling / "hammer.blend",
+        "--end",
+        "8",
+        "--no-picture",
+        "--whole",
+        "--out",
+        tmp_path / "whole",
+    )
     assert f"wrote {tmp_path / 'whole' / 'hammer.json'} (frames 1 to 8)" in capsys.readouterr().out
     assert read_export(tmp_path / "whole" / "hammer.json").recording.frames[-1].number <= 8
 
 
 @pytest.mark.slow
 def test_export_of_a_silent_scene_says_why(eighth, tmp_path, capsys):
-    assert main(["export", str(eighth[1]), "--to", "wav", "--out", str(tmp_path), "--seconds", "0.2"]) == 0
+    assert (
+        main(["export", str(eighth[1]), "--to", "wav", "--out", str(tmp_path), "--seconds", "0.2"])
+        == 0
+    )
     assert "feels nothing: there is no source" in capsys.readouterr().err

@@ -1,4 +1,5 @@
-"""Ctrl-C while Blender calls a handler: Blender drops the KeyboardInterrupt, and the command must end all the same."""
+"""Ctrl-C while Blender calls a handler: Blender drops the KeyboardInterrupt, and the command must
+end all the same."""
 
 import signal
 
@@ -32,7 +33,10 @@ def test_what_is_missing_is_no_bad_input(monkeypatch, capsys):
         raise ValueError("Frame 3 can't be traced")
 
     monkeypatch.setattr(command_line, "run", run)
-    assert command_line.main([next(iter(arguments.SUBCOMMANDS)), "scene.json"]) == command_line.INTERRUPTED
+    assert (
+        command_line.main([next(iter(arguments.SUBCOMMANDS)), "scene.json"])
+        == command_line.INTERRUPTED
+    )
     assert capsys.readouterr().err == ""
 
 

@@ -1,4 +1,5 @@
-"""``export`` and ``convert`` as they are typed: files, what is printed, and one line with exit code 2 for what is wrong."""
+"""``export`` and ``convert`` as they are typed: files, what is printed, and one line with exit code
+2 for what is wrong."""
 
 import json
 import os
@@ -22,7 +23,10 @@ SCENE = HapticScene(
     objects=(HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8)),
     contacts=(Contact(("ground", "bench"), ((1, 0, 0), (1, 0, 0))),),
     sources=(Source("hammer", "ground", signal=Sine(60.0)),),
-    listeners=(Listener("seat", "bench", (1.2, 0, 0.4), "upper_leg.L"), Listener("back", "bench", (1.2, 0, 0.9), "upper_back.L")),
+    listeners=(
+        Listener("seat", "bench", (1.2, 0, 0.4), "upper_leg.L"),
+        Listener("back", "bench", (1.2, 0, 0.9), "upper_back.L"),
+    ),
 )
 
 
@@ -40,7 +44,17 @@ def run(capsys, *arguments):
 
 @pytest.mark.slow
 def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_path):
-    arguments = ("export", scene_file, "--to", "wav,haptic,csv", "--out", tmp_path / "out", "--seconds", "1", "--picture")
+    arguments = (
+        "export",
+        scene_file,
+        "--to",
+        "wav,haptic,csv",
+        "--out",
+        tmp_path / "out",
+        "--seconds",
+        "1",
+        "--picture",
+    )
     code, out, err = run(capsys, *arguments)
     assert (code, err) == (0, "")
     pictures = sorted(name for name in json.loads(out)["files"] if name.endswith(".png"))
@@ -64,8 +78,17 @@ def test_a_terminal_is_asked_before_a_poor_copy_replaces_a_file(tmp_path, answer
     target = tmp_path / "noise.hjif"
     target.write_text("what was there")
     master, terminal = os.openpty()
-    command = [sys.executable, "-m", "haptic_tracing", "convert", str(tmp_path / "noise.wav"), str(target)]
-    with subprocess.Popen(command, stdin=terminal, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+    command = [
+        sys.executable,
+        "-m",
+        "haptic_tracing",
+        "convert",
+        str(tmp_path / "noise.wav"),
+        str(target),
+    ]
+    with subprocess.Popen(
+        command, stdin=terminal, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as child:
         os.write(master, answer)
         out, err = child.communicate(timeout=100)
     os.close(master)
@@ -76,76 +99,212 @@ def test_a_terminal_is_asked_before_a_poor_copy_replaces_a_file(tmp_path, answer
 
 
 def test_export_to_all_formats(capsys, scene_file, tmp_path):
-    code, out, err = run(capsys, "export", scene_file, "--to", "all", "--out", tmp_path / "out", "--seconds", "1")
+    code, out, err = run(
+        capsys, "export", scene_file, "--to", "all", "--out", tmp_path / "out", "--seconds", "1"
+    )
     assert (code, err) == (0, "")
     printed = json.loads(out)
     files = [tmp_path / name for name in printed["files"]]
     assert all(path.is_file() for path in files) and set(printed["losses"]) == set(registry.FORMATS)
     for name, listeners in printed["listeners"].items():
         assert {entry["name"] for entry in listeners} == {"seat", "back"}, name
-        assert all(set(entry) == {"name", "lost", "level", "missing", "invented"} for entry in listeners)
+        assert all(
+            set(entry) == {"name", "lost", "level", "missing", "invented"} for entry in listeners
+        )
     assert set(printed["listeners"]) == set(registry.FORMATS) - {"scene"}
     endings = ".json .wav .ohm .hjif .haps .config .haptic .acf .ahap .tact .hla .csv .npz .html"
     assert {path.suffix for path in files} == set(endings.split())
     channels = registry.read(tmp_path / "out" / "bench.wav").channels
-    assert [channel.name for channel in channels] == ["seat", "back"] and channels[0].duration == pytest.approx(1.0, abs=1e-3)
+    assert [channel.name for channel in channels] == ["seat", "back"] and channels[
+        0
+    ].duration == pytest.approx(1.0, abs=1e-3)
     # The seat is nearer; both feel the gains that propagate prints.
     main(["propagate", str(scene_file)])
-    gains = {entry["listener"]: entry["gain"] for entry in json.loads(capsys.readouterr().out)["gains"]}
+    gains = {
+        entry["listener"]: entry["gain"] for entry in json.loads(capsys.readouterr().out)["gains"]
+    }
     for channel in channels:
-        assert np.abs(channel.samples[800:]).max() == pytest.approx(gains[channel.name], rel=2e-3, abs=1e-4)
+        assert np.abs(channel.samples[800:]).max() == pytest.approx(
+            gains[channel.name], rel=2e-3, abs=1e-4
+        )
 
 
 def test_all_formats_are_those_that_can_be_written(capsys, tmp_path):
     bare = replace(SCENE, listeners=tuple(replace(item, body_part="") for item in SCENE.listeners))
     write_export(Export("bare", bare), tmp_path / "bare.json")
-    code, out, err = run(capsys, "export", tmp_path / "bare.json", "--to", "all", "--out", tmp_path / "out", "--seconds", "0.1")
+    code, out, err = run(
+        capsys,
+        "export",
+        tmp_path / "bare.json",
+        "--to",
+        "all",
+        "--out",
+        tmp_path / "out",
+        "--seconds",
+        "0.1",
+    )
     assert code == 0 and err.count("\n") == 1 and err.startswith("tact: ") and "body part" in err
-    assert set(json.loads(out)["losses"]) == set(registry.FORMATS) - {"tact"} and not list((tmp_path / "out").glob("*.tact"))
-    code, _, err = run(capsys, "export", tmp_path / "bare.json", "--to", "tact", "--out", tmp_path / "none", "--seconds", "0.1")
+    assert set(json.loads(out)["losses"]) == set(registry.FORMATS) - {"tact"} and not list(
+        (tmp_path / "out").glob("*.tact")
+    )
+    code, _, err = run(
+        capsys,
+        "export",
+        tmp_path / "bare.json",
+        "--to",
+        "tact",
+        "--out",
+        tmp_path / "none",
+        "--seconds",
+        "0.1",
+    )
     assert code == 2 and "give one such a body part" in err and not (tmp_path / "none").exists()
 
 
 def test_keys_of_a_newer_version_are_named_and_left_out(capsys, scene_file, tmp_path):
     document = json.loads(scene_file.read_text())
     scene_file.write_text(json.dumps({**document, "version": "1.9", "weather": "rain"}))
-    for command in (["propagate"], ["contacts"], ["export", "--to", "scene", "--out", tmp_path / "new"]):
+    for command in (
+        ["propagate"],
+        ["contacts"],
+        ["export", "--to", "scene", "--out", tmp_path / "new"],
+    ):
         code, out, err = run(capsys, command[0], scene_file, *command[1:])
-        assert code == 0 and json.loads(out) and err == f"{scene_file}: of a newer version; not read: /weather\n"
+        assert (
+            code == 0
+            and json.loads(out)
+            and err == f"{scene_file}: of a newer version; not read: /weather\n"
+        )
     again = json.loads((tmp_path / "new" / "bench.json").read_text())
     assert again == json.loads(json.dumps(document))
 
 
 def test_export_of_frames_is_as_long_as_they_are(capsys, tmp_path):
     frames = (RecordedFrame(1), RecordedFrame(13, amplitudes={"hammer": 0.0}), RecordedFrame(25))
-    write_export(Export("timed", SCENE, recording=Recording(24, 1, frames)), tmp_path / "timed.json.gz")
-    code, *_ = run(capsys, "export", tmp_path / "timed.json.gz", "--to", "wav", "--out", tmp_path, "--set", "wav.encoding=float32")
+    write_export(
+        Export("timed", SCENE, recording=Recording(24, 1, frames)), tmp_path / "timed.json.gz"
+    )
+    code, *_ = run(
+        capsys,
+        "export",
+        tmp_path / "timed.json.gz",
+        "--to",
+        "wav",
+        "--out",
+        tmp_path,
+        "--set",
+        "wav.encoding=float32",
+    )
     assert code == 0
     (seat, _) = registry.read(tmp_path / "timed.wav").channels
-    assert seat.duration == 1.0 and np.abs(seat.samples[1000:3000]).max() > 0.01 and not seat.samples[4100:].any()
+    assert (
+        seat.duration == 1.0
+        and np.abs(seat.samples[1000:3000]).max() > 0.01
+        and not seat.samples[4100:].any()
+    )
 
 
 def test_tracks_in_the_file_are_taken_as_they_are(capsys, scene_file, tmp_path):
-    run(capsys, "export", scene_file, "--to", "scene", "--out", tmp_path / "a", "--set", "scene.tracks=wav", "--seconds", "1")
-    assert read_export(tmp_path / "a" / "bench.json").tracks is None  # nobody asked for tracks to be rendered
-    run(capsys, "export", scene_file, "--to", "scene,wav", "--out", tmp_path / "b", "--set", "scene.tracks=inline", "--seconds", "1")
+    run(
+        capsys,
+        "export",
+        scene_file,
+        "--to",
+        "scene",
+        "--out",
+        tmp_path / "a",
+        "--set",
+        "scene.tracks=wav",
+        "--seconds",
+        "1",
+    )
+    assert (
+        read_export(tmp_path / "a" / "bench.json").tracks is None
+    )  # nobody asked for tracks to be rendered
+    run(
+        capsys,
+        "export",
+        scene_file,
+        "--to",
+        "scene,wav",
+        "--out",
+        tmp_path / "b",
+        "--set",
+        "scene.tracks=inline",
+        "--seconds",
+        "1",
+    )
     with_tracks = read_export(tmp_path / "b" / "bench.json")
     assert with_tracks.tracks.count == 8000
-    run(capsys, "export", tmp_path / "b" / "bench.json", "--to", "wav", "--out", tmp_path / "c", "--seconds", "9")
-    assert (tmp_path / "b" / "bench.wav").read_bytes() == (tmp_path / "c" / "bench.wav").read_bytes()
+    run(
+        capsys,
+        "export",
+        tmp_path / "b" / "bench.json",
+        "--to",
+        "wav",
+        "--out",
+        tmp_path / "c",
+        "--seconds",
+        "9",
+    )
+    assert (tmp_path / "b" / "bench.wav").read_bytes() == (
+        tmp_path / "c" / "bench.wav"
+    ).read_bytes()
 
 
 def test_losses_alone_write_nothing(capsys, scene_file, tmp_path):
-    code, out, _ = run(capsys, "export", scene_file, "--to", "hjif,tact", "--out", tmp_path / "out", "--losses", "--seconds", "0.1")
-    assert code == 0 and set(json.loads(out)["losses"]) == {"hjif", "tact"} and not (tmp_path / "out").exists()
+    code, out, _ = run(
+        capsys,
+        "export",
+        scene_file,
+        "--to",
+        "hjif,tact",
+        "--out",
+        tmp_path / "out",
+        "--losses",
+        "--seconds",
+        "0.1",
+    )
+    assert (
+        code == 0
+        and set(json.loads(out)["losses"]) == {"hjif", "tact"}
+        and not (tmp_path / "out").exists()
+    )
 
 
 @pytest.mark.slow
 def test_convert_between_every_pair_of_kinds(capsys, scene_file, tmp_path):
-    run(capsys, "export", scene_file, "--to", "wav,hjif,haptic,ahap,wyvrn", "--out", tmp_path, "--seconds", "0.5")
-    sources = ["bench.wav", "bench.hjif", "bench.seat.haptic", "bench.seat.ahap", "bench/bench.seat.haps"]
+    run(
+        capsys,
+        "export",
+        scene_file,
+        "--to",
+        "wav,hjif,haptic,ahap,wyvrn",
+        "--out",
+        tmp_path,
+        "--seconds",
+        "0.5",
+    )
+    sources = [
+        "bench.wav",
+        "bench.hjif",
+        "bench.seat.haptic",
+        "bench.seat.ahap",
+        "bench/bench.seat.haps",
+    ]
     for source in sources:
-        for suffix in (".wav", ".hjif", ".haptic", ".ahap", ".haps", ".hla", ".csv", ".npz", ".ohm", ".tact"):
+        for suffix in (
+            ".wav",
+            ".hjif",
+            ".haptic",
+            ".ahap",
+            ".haps",
+            ".hla",
+            ".csv",
+            ".npz",
+            ".ohm",
+            ".tact",
+        ):
             target = tmp_path / f"converted{suffix}"
             code, out, err = run(capsys, "convert", tmp_path / source, target)
             if suffix == ".tact" and ".seat" in source:  # of a leg, where no device is worn
@@ -154,9 +313,13 @@ def test_convert_between_every_pair_of_kinds(capsys, scene_file, tmp_path):
             assert code == 0, (source, suffix, err)
             assert json.loads(out)["files"]
     code, *_ = run(capsys, "convert", tmp_path / "bench.hjif", tmp_path / "again.wav")
-    first, again = (registry.read(tmp_path / name).channels[0] for name in ("bench.wav", "again.wav"))
+    first, again = (
+        registry.read(tmp_path / name).channels[0] for name in ("bench.wav", "again.wav")
+    )
     assert again.body_part == "upper_leg.L"
-    np.testing.assert_allclose(again.samples[400:3600], first.samples[400:3600], atol=0.1 * np.abs(first.samples).max())
+    np.testing.assert_allclose(
+        again.samples[400:3600], first.samples[400:3600], atol=0.1 * np.abs(first.samples).max()
+    )
 
 
 def test_convert_a_scene_packs_and_unpacks(capsys, scene_file, tmp_path):
@@ -167,20 +330,47 @@ def test_convert_a_scene_packs_and_unpacks(capsys, scene_file, tmp_path):
 
 def test_what_is_wrong_is_said_in_one_line(capsys, scene_file, tmp_path):
     broken = tmp_path / "broken.json"
-    broken.write_text('{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 2, "rho": 1}]}')
+    broken.write_text(
+        '{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 2, '
+        '"rho": 1}]}'
+    )
     silent = tmp_path / "silent.json"
     write_export(Export("silent", HapticScene(SCENE.objects)), silent)
     out = ["--out", tmp_path / "out"]
     cases = [
-        (["export", broken, "--to", "wav", *out], f"{broken}: /objects/0/kappa: must be at most 1, got 2"),
-        (["export", tmp_path / "gone.json", "--to", "wav", *out], f"{tmp_path / 'gone.json'}: No such file or directory"),
+        (
+            ["export", broken, "--to", "wav", *out],
+            f"{broken}: /objects/0/kappa: must be at most 1, got 2",
+        ),
+        (
+            ["export", tmp_path / "gone.json", "--to", "wav", *out],
+            f"{tmp_path / 'gone.json'}: No such file or directory",
+        ),
         (["export", silent, "--to", "wav", *out], "there is no listener"),
-        (["export", scene_file, "--to", "midi", *out], "format 'midi' is unknown: use one of scene, wav"),
-        (["export", scene_file, "--to", "wav", *out, "--set", "wav.speed=1"], "wav.speed=1: expected FORMAT.OPTION=VALUE with one of"),
-        (["export", scene_file, "--to", "wav", *out, "--set", "wav.encoding=mp3"], "encoding: must be one of pcm16, float32, not 'mp3'"),
-        (["export", scene_file, "--to", "hjif", *out, "--set", "hjif.error=many"], "error: must be a number from 0.001 to 0.5, not 'many'"),
-        (["export", scene_file, "--to", "wav", *out, "--seconds", "nan"], "--seconds: must be above 0"),
-        (["export", scene_file, "--to", "wav", *out, "--sample-rate", "7"], "sample_rate: must be from 100"),
+        (
+            ["export", scene_file, "--to", "midi", *out],
+            "format 'midi' is unknown: use one of scene, wav",
+        ),
+        (
+            ["export", scene_file, "--to", "wav", *out, "--set", "wav.speed=1"],
+            "wav.speed=1: expected FORMAT.OPTION=VALUE with one of",
+        ),
+        (
+            ["export", scene_file, "--to", "wav", *out, "--set", "wav.encoding=mp3"],
+            "encoding: must be one of pcm16, float32, not 'mp3'",
+        ),
+        (
+            ["export", scene_file, "--to", "hjif", *out, "--set", "hjif.error=many"],
+            "error: must be a number from 0.001 to 0.5, not 'many'",
+        ),
+        (
+            ["export", scene_file, "--to", "wav", *out, "--seconds", "nan"],
+            "--seconds: must be above 0",
+        ),
+        (
+            ["export", scene_file, "--to", "wav", *out, "--sample-rate", "7"],
+            "sample_rate: must be from 100",
+        ),
         (["export", scene_file], "the following arguments are required: --to"),
         (["convert", scene_file, tmp_path / "a.wav"], "to render it, use export"),
         (["convert", broken, tmp_path / "a.json"], f"{broken}: /objects/0/kappa"),
@@ -195,15 +385,23 @@ def test_what_is_wrong_is_said_in_one_line(capsys, scene_file, tmp_path):
 
 
 def test_the_program_itself_exits_with_2(tmp_path):
-    """As a process: exit code, one line, nothing on stdout; also for a file name with a line break in it."""
+    """As a process: exit code, one line, nothing on stdout; also for a file name with a line break
+    in it."""
     for arguments in (["propagate", "gone\nfile.json"], ["nonsense"], []):
         command = [sys.executable, "-m", "haptic_tracing", *arguments]
         done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
-        assert done.returncode == 2 and done.stdout == "" and done.stderr.count("\n") == 1, done.stderr
+        assert done.returncode == 2 and done.stdout == "" and done.stderr.count("\n") == 1, (
+            done.stderr
+        )
 
 
 def test_asking_for_help_loads_nothing_heavy(tmp_path):
     heavy = {"fcl", "scipy", "networkx", "bpy", "hid", "hidraw"}
-    code = f"import sys; from haptic_tracing.command_line import main; main(['--help']); print(sorted({heavy} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, check=True)
+    code = (
+        "import sys; from haptic_tracing.command_line import main; main(['--help']); "
+        f"print(sorted({heavy} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, check=True
+    )
     assert done.stdout.rstrip().endswith("[]")

@@ -1,4 +1,5 @@
-"""The Open Job Description of a bake, checked and run by the reference implementation of the specification."""
+"""The Open Job Description of a bake, checked and run by the reference implementation of the
+specification."""
 
 import os
 import subprocess
@@ -18,13 +19,17 @@ def openjd(*arguments):
     # The program is found beside this interpreter.
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     command = [sys.executable, "-m", "openjd", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "PATH": path})
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, env={**os.environ, "PATH": path}
+    )
 
 
 @pytest.mark.slow
 def test_the_template_is_valid_and_has_a_task_per_part():
     assert "passes validation" in openjd("check", TEMPLATE).stdout
-    told = openjd("summary", TEMPLATE, "-p", "BlendFile=a.blend", "-p", "LastFrame=9", "-p", "Parts=5").stdout
+    told = openjd(
+        "summary", TEMPLATE, "-p", "BlendFile=a.blend", "-p", "LastFrame=9", "-p", "Parts=5"
+    ).stdout
     assert "Total steps: 2" in told and "Total tasks: 6" in told
 
 
@@ -35,10 +40,21 @@ def test_a_bake_run_as_a_job_is_the_bake(tmp_path):
     try:
         build_sample("hammer_nail")
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "hammer.blend"))
-        bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "addon.wav"), format="wav", frame_start=1, frame_end=12)
+        bpy.ops.export_scene.haptic_tracks(
+            filepath=str(tmp_path / "addon.wav"), format="wav", frame_start=1, frame_end=12
+        )
     finally:
         haptic_tracing.unregister()
-    job = {"BlendFile": tmp_path / "hammer.blend", "LastFrame": 12, "Parts": 2, "OutputFolder": tmp_path / "out"}
-    done = openjd("run", TEMPLATE, *(word for name, value in job.items() for word in ("-p", f"{name}={value}")))
+    job = {
+        "BlendFile": tmp_path / "hammer.blend",
+        "LastFrame": 12,
+        "Parts": 2,
+        "OutputFolder": tmp_path / "out",
+    }
+    done = openjd(
+        "run",
+        TEMPLATE,
+        *(word for name, value in job.items() for word in ("-p", f"{name}={value}")),
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     assert (tmp_path / "out" / "hammer.wav").read_bytes() == (tmp_path / "addon.wav").read_bytes()

@@ -1,4 +1,5 @@
-"""Parts of a bake against the bake in one go, to the bit; and what `merge` says of parts that don't add up."""
+"""Parts of a bake against the bake in one go, to the bit; and what `merge` says of parts that don't
+add up."""
 
 import json
 import shutil
@@ -15,7 +16,14 @@ import pytest
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session, timeline
 from haptic_tracing.command_line import build_parser, main, merge, part
-from haptic_tracing.command_line.part_file import HeardFrame, Origin, Part, programs, read_part, write_part
+from haptic_tracing.command_line.part_file import (
+    HeardFrame,
+    Origin,
+    Part,
+    programs,
+    read_part,
+    write_part,
+)
 from haptic_tracing.command_line.sample import _bake_rigid_bodies
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
@@ -29,7 +37,8 @@ RINGING = ("jackhammer_bench", "hammer_nail")
 """Samples in which an impact sounds over a cut."""
 FEWER = {"domino_wall": 24, "pile": 8}
 TYPICAL = ("hammer_nail", "domino_wall", "sliding_and_rolling")
-"""Samples that represent the others in the suite: a blow that sounds over a cut, many impacts, what slides and rolls."""
+"""Samples that represent the others in the suite: a blow that sounds over a cut, many impacts, what
+slides and rolls."""
 
 
 class Run:
@@ -77,16 +86,25 @@ def slides(registered, tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name if name in TYPICAL else pytest.param(name, marks=pytest.mark.more) for name in SAMPLES])
+@pytest.mark.parametrize(
+    "name",
+    [name if name in TYPICAL else pytest.param(name, marks=pytest.mark.more) for name in SAMPLES],
+)
 def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
     scene = built(name, FEWER.get(name))
     seconds = timeline.sounding_seconds(scene)
-    last = next(last for last in range(60, 500, 7) if timeline.warm_start(scene, origin_of(name, last, 7).range_of(7)[0], seconds) > 1)
+    last = next(
+        last
+        for last in range(60, 500, 7)
+        if timeline.warm_start(scene, origin_of(name, last, 7).range_of(7)[0], seconds) > 1
+    )
     if scene.rigidbody_world is not None:
         scene.rigidbody_world.point_cache.frame_end = last
     _bake_rigid_bodies(scene)
     starts = {
-        (parts, number): max(timeline.warm_start(scene, origin_of(name, last, parts).range_of(number)[0], seconds), 1)
+        (parts, number): max(
+            timeline.warm_start(scene, origin_of(name, last, parts).range_of(number)[0], seconds), 1
+        )
         for parts in (2, 3, 7)
         for number in range(1, parts + 1)
     }
@@ -98,10 +116,17 @@ def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
     for parts in (2, 3, 7):
         origin = origin_of(name, last, parts)
         for number in range(1, parts + 1):
-            write_part(baked_part(runs, origin, number, starts[parts, number]), tmp_path / f"{number}.npz")
+            write_part(
+                baked_part(runs, origin, number, starts[parts, number]), tmp_path / f"{number}.npz"
+            )
             at_cut = runs[1].frames[origin.range_of(number)[0]]
-            rings_over_a_cut |= any(s.kind is SourceKind.TEMPORARY and s.onset < at_cut.time - 0.05 for s in at_cut.sources)
-        merged = merge._tracks(merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])[name])
+            rings_over_a_cut |= any(
+                s.kind is SourceKind.TEMPORARY and s.onset < at_cut.time - 0.05
+                for s in at_cut.sources
+            )
+        merged = merge._tracks(
+            merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])[name]
+        )
         assert merged.samples.tobytes() == runs[1].tracks.samples.tobytes()
         for one, other in zip(merged.listeners, runs[1].tracks.listeners, strict=True):
             assert (one.name, one.impacts.tobytes()) == (other.name, other.impacts.tobytes())
@@ -110,49 +135,82 @@ def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scene_start", "frames"), [(1, (1, 118)), (1, (185, 240)), (200, (180, 260))])
-def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(slides, tmp_path, scene_start, frames):
-    """The range begins with the scene's first frame, in the middle of a slide after it, and before it. A file slides in frames 5 to 57, a
-    ball rolls in 65 to 113, and a crate slides in 177 to 241."""
+@pytest.mark.parametrize(
+    ("scene_start", "frames"), [(1, (1, 118)), (1, (185, 240)), (200, (180, 260))]
+)
+def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(
+    slides, tmp_path, scene_start, frames
+):
+    """The range begins with the scene's first frame, in the middle of a slide after it, and before
+    it. A file slides in frames 5 to 57, a ball rolls in 65 to 113, and a crate slides in 177 to
+    241."""
     bpy.ops.wm.open_mainfile(filepath=str(slides))
     scene = bpy.context.scene
     scene.frame_start = scene_start
     whole = Run(scene, *frames, looks_back=True)
     assert whole.tracks.samples.any(axis=1).sum() > 1
-    origins = {parts: replace(origin_of("slides", frames[1], parts), frames=frames) for parts in (2, 3, 7)}
-    starts = {(parts, k): part.start_of(scene, origins[parts], k) for parts in origins for k in range(1, parts + 1)}
+    origins = {
+        parts: replace(origin_of("slides", frames[1], parts), frames=frames) for parts in (2, 3, 7)
+    }
+    starts = {
+        (parts, k): part.start_of(scene, origins[parts], k)
+        for parts in origins
+        for k in range(1, parts + 1)
+    }
     ends = {}
     for (parts, number), start in starts.items():
         ends[start] = max(origins[parts].range_of(number)[1], ends.get(start, 0))
     begin = starts[2, 1]  # of the whole as well
-    runs = {start: whole if start == begin else Run(scene, start, end) for start, end in ends.items()}
+    runs = {
+        start: whole if start == begin else Run(scene, start, end) for start, end in ends.items()
+    }
     longest = part._baked(scene, origins[2], 1, begin)
     for parts, origin in origins.items():
         last = origin.range_of(1)[1]
         heard = tuple(frame for frame in longest.frames if frame.number <= last)
         write_part(
-            replace(longest, origin=origin, after=longest.after if parts == 2 else whole.after[last], frames=heard), tmp_path / "1.npz"
+            replace(
+                longest,
+                origin=origin,
+                after=longest.after if parts == 2 else whole.after[last],
+                frames=heard,
+            ),
+            tmp_path / "1.npz",
         )
         for number in range(2, parts + 1):
-            write_part(baked_part(runs, origin, number, starts[parts, number]), tmp_path / f"{number}.npz")
-        merged = merge._tracks(merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])["slides"])
+            write_part(
+                baked_part(runs, origin, number, starts[parts, number]), tmp_path / f"{number}.npz"
+            )
+        merged = merge._tracks(
+            merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])["slides"]
+        )
         assert merged.samples.tobytes() == whole.tracks.samples.tobytes()
     if scene_start == frames[0]:
         own = Run(scene, 90, 100, looks_back=True)
         begin = sample_index((90 - frames[0]) / 24, own.rate)
         assert own.tracks.samples.any()
-        assert np.array_equal(own.tracks.samples, whole.tracks.samples[:, begin : begin + own.tracks.samples.shape[1]])
+        assert np.array_equal(
+            own.tracks.samples, whole.tracks.samples[:, begin : begin + own.tracks.samples.shape[1]]
+        )
 
 
 def run(*arguments):
-    return subprocess.run([sys.executable, "-m", "haptic_tracing", *map(str, arguments)], capture_output=True, text=True, check=False)
+    return subprocess.run(
+        [sys.executable, "-m", "haptic_tracing", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
 @pytest.fixture(scope="module")
 def hammer(falling):
-    """The hammer's file, its bake by the add-on, and two parts of it; the blow is between frames 1 and 30."""
+    """The hammer's file, its bake by the add-on, and two parts of it; the blow is between frames 1
+    and 30."""
     for number in (1, 2):
-        args = build_parser().parse_args(["bake", str(falling / "hammer.blend"), "--part", f"{number}/2", "--out", str(falling)])
+        args = build_parser().parse_args(
+            ["bake", str(falling / "hammer.blend"), "--part", f"{number}/2", "--out", str(falling)]
+        )
         part.write_part_of(bpy.context.scene, args, "hammer", (1, 30))
     return falling
 
@@ -170,7 +228,9 @@ def test_merged_files_are_those_of_the_bake(hammer, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_another_process_keeps_a_part_that_is_there(hammer):
-    done = run("bake", hammer / "hammer.blend", "--frames", "1:30", "--out", hammer, "--part", "2/2")
+    done = run(
+        "bake", hammer / "hammer.blend", "--frames", "1:30", "--out", hammer, "--part", "2/2"
+    )
     assert done.returncode == 0 and "kept" in done.stdout
 
 
@@ -193,8 +253,12 @@ def test_parts_that_do_not_add_up_are_named(hammer, tmp_path, capsys):
         write_part(replace(known, origin=replace(known.origin, **change)), second)
         assert f"{second}: {words} than {first}" in said(first, second)
     write_part(replace(known, before="0"), second)
-    assert f"{second}: what moved and touched before it is not known to the bit" in said(first, second)
-    write_part(replace(known, origin=replace(known.origin, file=str(hammer / "hammer.1-of-2.npz"))), second)
+    assert f"{second}: what moved and touched before it is not known to the bit" in said(
+        first, second
+    )
+    write_part(
+        replace(known, origin=replace(known.origin, file=str(hammer / "hammer.1-of-2.npz"))), second
+    )
     assert "stale" in said(second, first)
 
 
@@ -213,13 +277,22 @@ def test_a_part_keeps_recordings_bands_and_delays_to_the_bit(tmp_path):
     rng = np.random.default_rng(1)
     recording = Sampled(rng.normal(scale=0.1, size=1000), 8000.0)
     saw = Source("saw", "box", (1.0, 2.0, 3.0), 0.3, signal=recording, extras={"x": [1, {"y": 2}]})
-    hit = Source("hit", "box", kind=SourceKind.TEMPORARY, signal=Sine(60.0 + 1e-13), second_object="floor", onset=0.1 / 3)
+    hit = Source(
+        "hit",
+        "box",
+        kind=SourceKind.TEMPORARY,
+        signal=Sine(60.0 + 1e-13),
+        second_object="floor",
+        onset=0.1 / 3,
+    )
 
     def frame(number, *sources, bands):
         shape = len(sources), 1
         more = (rng.random((*shape, 6)), None) if bands else (None, rng.random(shape))
         gains = Propagation.of_gains(rng.random(shape), *more)
-        return HeardFrame(number, number / 7, sources, (Listener("hand", "box", (number, 0.0, 0.0)),), gains)
+        return HeardFrame(
+            number, number / 7, sources, (Listener("hand", "box", (number, 0.0, 0.0)),), gains
+        )
 
     frames = (
         frame(1, saw, bands=True),
@@ -229,13 +302,19 @@ def test_a_part_keeps_recordings_bands_and_delays_to_the_bit(tmp_path):
     )
     write_part(Part(origin_of("any", 4, 1), 1, 8000.0, "", "after", frames), tmp_path / "part.npz")
     for kept, read in zip(frames, read_part(tmp_path / "part.npz").frames, strict=True):
-        assert (kept.number, kept.time, len(kept.sources)) == (read.number, read.time, len(read.sources))
+        assert (kept.number, kept.time, len(kept.sources)) == (
+            read.number,
+            read.time,
+            len(read.sources),
+        )
         for one, other in zip(kept.sources, read.sources, strict=True):
             keys = ("name", "amplitude", "kind", "signal", "onset", "priority", "extras")
             assert [getattr(one, key) for key in keys] == [getattr(other, key) for key in keys]
         for key in ("gain", "band_gain", "delay"):
             one, other = getattr(kept.propagation, key), getattr(read.propagation, key)
-            assert (one is None) == (other is None) and (one is None or one.tobytes() == other.tobytes())
+            assert (one is None) == (other is None) and (
+                one is None or one.tobytes() == other.tobytes()
+            )
 
 
 def test_an_array_is_read_only_as_far_as_the_file_goes(tmp_path):
@@ -243,17 +322,27 @@ def test_an_array_is_read_only_as_far_as_the_file_goes(tmp_path):
     for name, dtype, shape in (("claims", "|u1", (2**40,)), ("objects", "|O", (1,))):
         path = tmp_path / f"{name}.npz"
         with zipfile.ZipFile(path, "w") as archive, archive.open("header.npy", "w") as entry:
-            np.lib.format.write_array_header_1_0(entry, {"descr": dtype, "fortran_order": False, "shape": shape})
+            np.lib.format.write_array_header_1_0(
+                entry, {"descr": dtype, "fortran_order": False, "shape": shape}
+            )
             entry.write(b"\0" * 8)
-        with pytest.raises(ValueError, match=r"/arrays/time: is required|/arrays/header/type: must be"):
+        with pytest.raises(
+            ValueError, match=r"/arrays/time: is required|/arrays/header/type: must be"
+        ):
             read_part(path)
 
 
 @pytest.fixture
 def small_part(tmp_path):
     """A part of two frames, and a function that writes it with changes to its header and arrays."""
-    saw, hand = Source("saw", "box", (0.0, 0.0, 0.0), 0.3, signal=Sine(60.0)), Listener("hand", "box", (0.0, 0.0, 0.0))
-    frames = tuple(HeardFrame(n, n / 24, (saw,), (hand,), Propagation.of_gains(np.full((1, 1), 0.5))) for n in (1, 2))
+    saw, hand = (
+        Source("saw", "box", (0.0, 0.0, 0.0), 0.3, signal=Sine(60.0)),
+        Listener("hand", "box", (0.0, 0.0, 0.0)),
+    )
+    frames = tuple(
+        HeardFrame(n, n / 24, (saw,), (hand,), Propagation.of_gains(np.full((1, 1), 0.5)))
+        for n in (1, 2)
+    )
     path = tmp_path / "part.npz"
     write_part(Part(origin_of("any", 2, 1), 1, 8000.0, "", "after", frames), path)
 
@@ -263,7 +352,9 @@ def small_part(tmp_path):
         header = json.loads(stored["header"].tobytes())
         change_header(header)
         stored |= {"header": np.frombuffer(json.dumps(header).encode(), dtype=np.uint8), **arrays}
-        np.savez_compressed(path, **{name: array for name, array in stored.items() if array is not None})
+        np.savez_compressed(
+            path, **{name: array for name, array in stored.items() if array is not None}
+        )
         return path
 
     return write
@@ -307,13 +398,22 @@ def test_a_part_with_a_strange_header_is_refused_with_its_place(small_part, plac
     [
         ({"gain": None}, "/arrays/gain: is required"),
         ({"more": np.zeros(1)}, "/arrays/more: unknown key"),
-        ({"gain": np.zeros((2, 1), dtype=np.float32)}, '/arrays/gain/type: must be "<f8", got "<f4"'),
+        (
+            {"gain": np.zeros((2, 1), dtype=np.float32)},
+            '/arrays/gain/type: must be "<f8", got "<f4"',
+        ),
         ({"gain": np.zeros((3, 1))}, "/arrays/gain: has the shape"),
         ({"gain": np.full((2, 1), np.nan)}, "/arrays/gain: has values beyond"),
         ({"time": np.array([0.0, 1e8])}, "/arrays/time: does not rise"),
         ({"counts": np.array([1, -1])}, "/arrays/counts: are not the numbers"),
-        ({"source": np.array([0, 7])}, "/arrays/source: refers to one that the header does not have"),
-        ({"source": np.array([0, -1])}, "/arrays/source: refers to one that the header does not have"),
+        (
+            {"source": np.array([0, 7])},
+            "/arrays/source: refers to one that the header does not have",
+        ),
+        (
+            {"source": np.array([0, -1])},
+            "/arrays/source: refers to one that the header does not have",
+        ),
     ],
 )
 def test_a_part_with_strange_arrays_is_refused_with_its_place(small_part, arrays, message):
@@ -334,9 +434,14 @@ def test_a_part_that_would_become_gigabytes_is_refused(small_part):
 def test_a_large_part_of_equal_gains_is_read_again(tmp_path):
     """It is stored without compression, which would make it too small for its content."""
     saws = tuple(Source(f"saw {n}", "box", (0.0, 0.0, 0.0), 0.3) for n in range(1000))
-    hand, gains = Listener("hand", "box", (0.0, 0.0, 0.0)), Propagation.of_gains(np.full((1000, 1), 0.5))
+    hand, gains = (
+        Listener("hand", "box", (0.0, 0.0, 0.0)),
+        Propagation.of_gains(np.full((1000, 1), 0.5)),
+    )
     frames = tuple(HeardFrame(n, n / 24, saws, (hand,), gains) for n in range(1, 101))
-    write_part(Part(origin_of("any", 100, 1), 1, 8000.0, "", "after", frames), tmp_path / "part.npz")
+    write_part(
+        Part(origin_of("any", 100, 1), 1, 8000.0, "", "after", frames), tmp_path / "part.npz"
+    )
     assert (read_part(tmp_path / "part.npz").frames[99].propagation.gain == 0.5).all()
 
 

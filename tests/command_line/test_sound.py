@@ -23,7 +23,10 @@ def sound(tmp_path):
 
 def test_a_sound_becomes_the_signal_of_a_source(sound, tmp_path, capsys):
     path, onsets = sound
-    assert main(["sound", str(path), "--output", str(tmp_path / "signal.json"), "--carrier", "200"]) == 0
+    assert (
+        main(["sound", str(path), "--output", str(tmp_path / "signal.json"), "--carrier", "200"])
+        == 0
+    )
     assert f"{len(onsets)} onsets" in capsys.readouterr().out
     carrier, bursts = signal_from_dict(json.loads((tmp_path / "signal.json").read_text())).of
     assert carrier.of[1].frequency == 200.0
@@ -34,7 +37,19 @@ def test_a_sound_becomes_the_signal_of_a_source(sound, tmp_path, capsys):
 def test_the_carrier_may_be_the_pitch_or_that_of_a_device(sound, tmp_path):
     path, _ = sound
     for carrier, burst in (("pitch", 160.0), ("switch-pro", 320.0)):
-        assert main(["sound", str(path), "--output", str(tmp_path / "signal.json"), "--carrier", carrier]) == 0
+        assert (
+            main(
+                [
+                    "sound",
+                    str(path),
+                    "--output",
+                    str(tmp_path / "signal.json"),
+                    "--carrier",
+                    carrier,
+                ]
+            )
+            == 0
+        )
         signal = signal_from_dict(json.loads((tmp_path / "signal.json").read_text()))
         assert burst in signal.of[1].of[1].frequency.values
 

@@ -1,4 +1,5 @@
-"""Sweeps as they are typed, with a worker killed on the way; what they refuse; and what is read out of a table."""
+"""Sweeps as they are typed, with a worker killed on the way; what they refuse; and what is read out
+of a table."""
 
 import json
 import math
@@ -66,15 +67,20 @@ def kill_one_worker(process, results):
 
 @pytest.mark.slow
 def vibration_level(samples, rate):
-    """The level of samples without the mean of at least a quarter of a second, into which shorter ones are placed in silence."""
+    """The level of samples without the mean of at least a quarter of a second, into which shorter
+    ones are placed in silence."""
     padded = np.pad(samples, (0, max(round(rate / 4) - len(samples), 0)))
     return 10 * math.log10(np.sum((padded - padded.mean()) ** 2) / len(samples))
 
 
-def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(scene, folder, command, tmp_path, capsys):
+def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(
+    scene, folder, command, tmp_path, capsys
+):
     path = f'objects["{seat(scene).name}"].haptics.kappa'
     study = folder / "kappa.toml"
-    study.write_text(f"scenes = ['bench.blend']\nframes = [1, 4]\n[settings]\n'{path}' = [0.1, 0.3, 0.6]\n")
+    study.write_text(
+        f"scenes = ['bench.blend']\nframes = [1, 4]\n[settings]\n'{path}' = [0.1, 0.3, 0.6]\n"
+    )
     two = ["sweep", str(study), "--workers", "2", "--tracks", "--out", str(tmp_path / "two")]
     program = [sys.executable, "-m", "haptic_tracing", *two]
     process = subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -89,7 +95,9 @@ def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(sce
     written = {file: file.stat().st_mtime_ns for file in (tmp_path / "two" / "kappa").rglob("*.*")}
     assert command(*two) == 0
     assert "3 variants, 0 of them new" in capsys.readouterr().out
-    assert written == {file: file.stat().st_mtime_ns for file in (tmp_path / "two" / "kappa").rglob("*.*")}
+    assert written == {
+        file: file.stat().st_mtime_ns for file in (tmp_path / "two" / "kappa").rglob("*.*")
+    }
 
     # Blender gives the same bits without any worker.
     bpy.ops.wm.open_mainfile(filepath=str(folder / "bench.blend"))
@@ -106,7 +114,9 @@ def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(sce
     # Levels are those of the tracks, gains the means of the frames.
     number = {name: k for k, name in enumerate(dict.fromkeys(row["listener"] for row in rows))}
     for row in rows:
-        samples = wavfile.read(tmp_path / "two" / "kappa" / "tracks" / f"{row['key']}.wav")[1][:, number[row["listener"]]]
+        samples = wavfile.read(tmp_path / "two" / "kappa" / "tracks" / f"{row['key']}.wav")[1][
+            :, number[row["listener"]]
+        ]
         assert row["level"] == pytest.approx(vibration_level(samples.astype("f8"), 8000), abs=1e-9)
         assert row["peak"] == np.abs(samples).max()
     for row in (row for row in rows if row[path] == 0.6):
@@ -115,7 +125,9 @@ def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(sce
             for s, source in enumerate(result.sources):
                 if source.name in gains:
                     gains[source.name].append(result.amplitudes[s, number[row["listener"]]])
-        assert dict(row["gains"]) == pytest.approx({name: np.mean(values) for name, values in gains.items()}, rel=1e-12)
+        assert dict(row["gains"]) == pytest.approx(
+            {name: np.mean(values) for name, values in gains.items()}, rel=1e-12
+        )
 
 
 @pytest.mark.parametrize(
@@ -128,16 +140,34 @@ def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(sce
         ("scenes = ['bench.blend']\nframes = [9, 2]", "frames: must be"),
         ("scenes = ['bench.blend']\nmodes = ['XX']", "/modes/0: must be one of HT"),
         ("scenes = ['bench.blend']\nseeds = ['a']", '/seeds/0: must be an integer, got "a"'),
-        ("scenes = ['bench.blend']\n[materials]\nBench = ['cheese']", "Bench: must be some of .*, not cheese"),
-        ("scenes = ['bench.blend']\n[random]\n'scene.haptics.threshold' = [0, 1]", r"seeds: \[random\] draws one value for each seed"),
+        (
+            "scenes = ['bench.blend']\n[materials]\nBench = ['cheese']",
+            "Bench: must be some of .*, not cheese",
+        ),
+        (
+            "scenes = ['bench.blend']\n[random]\n'scene.haptics.threshold' = [0, 1]",
+            r"seeds: \[random\] draws one value for each seed",
+        ),
         ("scenes = ['bench.blend']\n[settings]\na = 3", "/settings/a: must be an array, got 3"),
         (f"scenes = ['bench.blend']\nseeds = [{2**63}]", r"study.toml: /seeds/0: must be at most"),
-        (f"scenes = ['bench.blend']\n[settings]\na = [{2**63}]", r"study.toml: /settings/a/0: must be at most"),
+        (
+            f"scenes = ['bench.blend']\n[settings]\na = [{2**63}]",
+            r"study.toml: /settings/a/0: must be at most",
+        ),
         ("scenes = ['bench.blend']\n[settings]\na = [nan]", "not TOML: nan is no number"),
-        ("scenes = ['bench.blend']\nseeds = [1979-05-27]", '/seeds/0: must be an integer, got "1979-05-27"'),
-        (f"scenes = ['bench.blend']\nseeds = {'[' * 300}{']' * 300}", "nested deeper than 100 levels|nested too deeply|not TOML"),
+        (
+            "scenes = ['bench.blend']\nseeds = [1979-05-27]",
+            '/seeds/0: must be an integer, got "1979-05-27"',
+        ),
+        (
+            f"scenes = ['bench.blend']\nseeds = {'[' * 300}{']' * 300}",
+            "nested deeper than 100 levels|nested too deeply|not TOML",
+        ),
         (f"scenes = ['bench.blend']\n{'k' * 5000} = 1", "study.toml: /kkk"),
-        (f"scenes = ['bench.blend']\nseeds = {list(range(100_001))}\n", "100001 variants are more than 100000"),
+        (
+            f"scenes = ['bench.blend']\nseeds = {list(range(100_001))}\n",
+            "100001 variants are more than 100000",
+        ),
     ],
 )
 def test_studies_that_cannot_be_read(tmp_path, text, said):
@@ -145,11 +175,22 @@ def test_studies_that_cannot_be_read(tmp_path, text, said):
     (tmp_path / "study.toml").write_text(text)
     with pytest.raises(FormatError, match=said) as caught:
         read_study(tmp_path / "study.toml")
-    assert str(caught.value).startswith(f"{tmp_path / 'study.toml'}: ") and len(str(caught.value)) < 700
+    assert (
+        str(caught.value).startswith(f"{tmp_path / 'study.toml'}: ")
+        and len(str(caught.value)) < 700
+    )
 
 
 def study_of(**more):
-    empty = {"scenes": (), "frames": None, "modes": (), "seeds": (), "settings": {}, "materials": {}, "random": {}}
+    empty = {
+        "scenes": (),
+        "frames": None,
+        "modes": (),
+        "seeds": (),
+        "settings": {},
+        "materials": {},
+        "random": {},
+    }
     return Study(**{**empty, **more})
 
 
@@ -157,7 +198,10 @@ def study_of(**more):
     ("more", "said"),
     [
         ({"settings": {"scene.haptics.treshold": [0.0]}}, "there is no scene.haptics.treshold"),
-        ({"settings": {"scene.haptics.threshold": [0.1, 2.0]}}, "^scene.haptics.threshold=2.0: must be from 0 to 1"),
+        (
+            {"settings": {"scene.haptics.threshold": [0.1, 2.0]}},
+            "^scene.haptics.threshold=2.0: must be from 0 to 1",
+        ),
         ({"random": {"scene.haptics.threshold": [0.1, 2.0]}, "seeds": (1,)}, "must be from 0 to 1"),
         ({"materials": {"Gone": ["steel"]}}, "there is no object 'Gone'"),
     ],
@@ -178,7 +222,10 @@ def test_every_combination_is_a_variant_and_a_seed_draws_within_its_range(tmp_pa
     variants = list(study.variants())
     assert len(variants) == study.count == 2 * 2 * 3 * 2 * 2
     assert len({variant.key("") for variant in variants}) == len(variants)
-    drawn = {variant.seed: {other.settings["y"] for other in variants if other.seed == variant.seed} for variant in variants}
+    drawn = {
+        variant.seed: {other.settings["y"] for other in variants if other.seed == variant.seed}
+        for variant in variants
+    }
     assert all(len(values) == 1 and -2 <= min(values) <= 5 for values in drawn.values())
     assert len(set.union(*drawn.values())) == 3
 
@@ -186,7 +233,10 @@ def test_every_combination_is_a_variant_and_a_seed_draws_within_its_range(tmp_pa
 def test_disks_without_room_and_clusters_that_do_not_answer(tmp_path):
     with pytest.raises(ValueError, match=r"need about .* MB, and .* MB are free"):
         sweep._make_folders(tmp_path, 100_000, 1e18)
-    with pytest.raises(ValueError, match=r"--on tcp://127\.0\.0\.1:9: no scheduler answers"), scheduling.connected("tcp://127.0.0.1:9", 1):
+    with (
+        pytest.raises(ValueError, match=r"--on tcp://127\.0\.0\.1:9: no scheduler answers"),
+        scheduling.connected("tcp://127.0.0.1:9", 1),
+    ):
         pass
 
 
@@ -198,16 +248,28 @@ def test_workers_with_other_versions_and_clusters_without_workers_are_refused(tm
     (fake / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 0.0.1\n")
     with distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster:
         address = cluster.scheduler_address
-        with pytest.raises(ValueError, match="has no worker: start some by: dask worker"), scheduling.connected(address, 1):
+        with (
+            pytest.raises(ValueError, match="has no worker: start some by: dask worker"),
+            scheduling.connected(address, 1),
+        ):
             pass
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]),
+        }
         worker = subprocess.Popen(
-            [sys.executable, "-m", "dask", "worker", address, "--no-dashboard"], env=environment, stderr=subprocess.DEVNULL, cwd=tmp_path
+            [sys.executable, "-m", "dask", "worker", address, "--no-dashboard"],
+            env=environment,
+            stderr=subprocess.DEVNULL,
+            cwd=tmp_path,
         )
         try:
             with distributed.Client(address, set_as_default=False) as client:
                 client.wait_for_workers(1)
-            with pytest.raises(ValueError, match=r"worker .* has .*numpy 0\.0\.1; this machine has"), scheduling.connected(address, 1):
+            with (
+                pytest.raises(ValueError, match=r"worker .* has .*numpy 0\.0\.1; this machine has"),
+                scheduling.connected(address, 1),
+            ):
                 pass
         finally:
             worker.terminate()
@@ -216,8 +278,12 @@ def test_workers_with_other_versions_and_clusters_without_workers_are_refused(tm
 
 @pytest.mark.slow
 def test_the_scheduler_knows_of_a_few_tasks_and_may_go(tmp_path):
-    tasks = [{"key": str(number)} for number in range(20)]  # each fails at once, as there is no variant in it
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, processes=False) as cluster:
+    tasks = [
+        {"key": str(number)} for number in range(20)
+    ]  # each fails at once, as there is no variant in it
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, dashboard_address=None, processes=False
+    ) as cluster:
         done = scheduling.run_all(cluster.scheduler_address, 1, tasks)
         for _ in range(2):
             assert "variant" in next(done)[1]
@@ -232,7 +298,9 @@ def results(tmp_path):
     """A table of three variants of two listeners."""
     (tmp_path / "results").mkdir()
     keyed = []
-    for number, (kappa, rms, milliseconds, bound) in enumerate([(0.1, 0.1, 1.0, 0.5), (0.5, 0.01, 2.0, 0.6), (0.9, 0.001, 3.0, 0.0)]):
+    for number, (kappa, rms, milliseconds, bound) in enumerate(
+        [(0.1, 0.1, 1.0, 0.5), (0.5, 0.01, 2.0, 0.6), (0.9, 0.001, 3.0, 0.0)]
+    ):
         listeners = [
             {
                 "listener": name,
@@ -249,7 +317,12 @@ def results(tmp_path):
         (tmp_path / "results" / f"{number}.json").write_text(
             json.dumps({"milliseconds": milliseconds, "frames": 3, "listeners": listeners})
         )
-        keyed.append((str(number), Variant("a.blend", "", None, None, None, {"kappa": kappa, "kind": "x"}, {})))
+        keyed.append(
+            (
+                str(number),
+                Variant("a.blend", "", None, None, None, {"kappa": kappa, "kind": "x"}, {}),
+            )
+        )
     keyed.append(("failed", Variant("a.blend", "", None, None, None, {"kappa": 1, "kind": 2}, {})))
     table.write_table(tmp_path / "table.parquet", tmp_path, keyed)
     return tmp_path / "table.parquet"
@@ -263,12 +336,23 @@ def test_the_nearest_variant_and_the_fastest_for_their_error(results):
     # Distances to (-50, -24): sqrt(30² + 24²), sqrt(10² + 4²), sqrt(10² + 16²).
     wished = {"hand": -50.0, "foot": -24.0}
     assert wishes.nearest(wishes.felt_variants(rows, wished), wished)["hand"]["key"] == "1"
-    assert [row["key"] for row in plot.pareto(rows)] == ["0", "2"]  # the second is slower and less exact than the first
+    assert [row["key"] for row in plot.pareto(rows)] == [
+        "0",
+        "2",
+    ]  # the second is slower and less exact than the first
 
 
 def test_a_threshold_that_cuts_off_who_feels_something_is_not_fast_for_its_error():
-    def row(key: str, milliseconds: float, listener: str, level: float | None, bound: float | None) -> dict[str, object]:
-        return {"key": key, "milliseconds": milliseconds, "listener": listener, "level": level, "error_bound": bound}
+    def row(
+        key: str, milliseconds: float, listener: str, level: float | None, bound: float | None
+    ) -> dict[str, object]:
+        return {
+            "key": key,
+            "milliseconds": milliseconds,
+            "listener": listener,
+            "level": level,
+            "error_bound": bound,
+        }
 
     rows = [
         row("all cut", 1.0, "hand", None, 0.1), row("all cut", 1.0, "foot", None, 0.1), row("all cut", 1.0, "far", None, 0.1),
@@ -277,12 +361,16 @@ def test_a_threshold_that_cuts_off_who_feels_something_is_not_fast_for_its_error
         row("default", 3.0, "hand", -40.0, 0.0), row("default", 3.0, "foot", -31.0, 0.0), row("default", 3.0, "far", None, 0.001),
         row("free", 4.0, "hand", -40.0, 0.0), row("free", 4.0, "foot", -31.0, 0.0), row("free", 4.0, "far", -90.0, 0.0),
     ]  # fmt: skip
-    assert [(item["key"], item["error_bound"]) for item in plot.pareto(rows)] == [("default", 0.001), ("free", 0.0)]
+    assert [(item["key"], item["error_bound"]) for item in plot.pareto(rows)] == [
+        ("default", 0.001),
+        ("free", 0.0),
+    ]
     assert plot.pareto(rows[:3]) == []
 
 
 def test_settings_between_variants_where_levels_are_linear():
-    """hand = -10 a + 4 b - 20 and foot = 2 a + 2 b - 40: the wished levels are those of a = 0.3, b = 1.5."""
+    """hand = -10 a + 4 b - 20 and foot = 2 a + 2 b - 40: the wished levels are those of a = 0.3, b
+    = 1.5."""
     listeners = {"hand": (-10, 4, -20), "foot": (2, 2, -40)}
     variants = [
         {name: {"a": a, "b": b, "kind": kind, "level": x * a + y * b + z} for name, (x, y, z) in listeners.items()}
@@ -301,7 +389,10 @@ def test_settings_between_variants_where_levels_are_linear():
 def test_plot_draws_and_answers(results, tmp_path, capsys):
     assert main(["sweep", "plot", str(results), "--out", str(tmp_path), "--wish", "hand=-41"]) == 0
     said = capsys.readouterr().out
-    assert "nearest to the wishes: kappa 0.5\n" in said and "hand: -40.0 dB, +1.0 dB from -41.0 dB" in said
+    assert (
+        "nearest to the wishes: kappa 0.5\n" in said
+        and "hand: -40.0 dB, +1.0 dB from -41.0 dB" in said
+    )
     assert {path.name for path in tmp_path.glob("*.svg")} == {"table.levels.svg", "table.time.svg"}
 
 

@@ -1,4 +1,5 @@
-"""A plugin of pytest that saves the Blender file of every test that has a listener, at the end of the test:
+"""A plugin of pytest that saves the Blender file of every test that has a listener, at the end of
+the test:
 
 COLLECTED=/tmp/collected pytest -p collect tests/addon        with PYTHONPATH=tests/compatibility
 """
@@ -29,4 +30,6 @@ def _save(test: str) -> None:
         return
     if any(obj.haptics.listener.enabled for obj in bpy.context.scene.objects):
         name = re.sub(r"\W+", "_", test.removeprefix("tests/").replace(".py", ""))[:100]
-        bpy.ops.wm.save_as_mainfile(filepath=str(Path(os.environ["COLLECTED"], f"{name}.blend")), copy=True, compress=False)
+        bpy.ops.wm.save_as_mainfile(
+            filepath=str(Path(os.environ["COLLECTED"], f"{name}.blend")), copy=True, compress=False
+        )

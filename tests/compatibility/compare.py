@@ -1,8 +1,10 @@
 """Says what files of earlier versions give now, beside what they gave: see README.md.
 
-    python tests/compatibility/compare.py [NAME ...]     all, or those whose names contain one of these texts
+    python tests/compatibility/compare.py [NAME ...]     all, or those whose names contain one of
+    these texts
 
-One line for each file that differs: the largest difference of a level or a gain in decibels, and where it is.
+One line for each file that differs: the largest difference of a level or a gain in decibels, and
+where it is.
 """
 
 from __future__ import annotations
@@ -21,12 +23,22 @@ sys.path.insert(0, str(HERE))
 import levels
 
 FILES = HERE / "0.1.tar.xz"
-"""The files: ``samples`` and ``blends`` are Blender's, ``scenes`` haptic scenes, ``signals`` vibrations in other formats."""
+"""The files: ``samples`` and ``blends`` are Blender's, ``scenes`` haptic scenes, ``signals``
+vibrations in other formats."""
 STORED = HERE / "levels.json"
 """What they gave, by name."""
 MEANT = HERE / "meant.json"
-"""Changes that are meant, by name: ``decibels`` at most, a ``reason``, and the settings that ``restore`` the levels (null: none does)."""
-TYPICAL = ("blends/0", "samples/jackhammer_bench", "scenes/good-", "scenes/made", "imports/made", "commands/sound", "commands/scripting")
+"""Changes that are meant, by name: ``decibels`` at most, a ``reason``, and the settings that
+``restore`` the levels (null: none does)."""
+TYPICAL = (
+    "blends/0",
+    "samples/jackhammer_bench",
+    "scenes/good-",
+    "scenes/made",
+    "imports/made",
+    "commands/sound",
+    "commands/scripting",
+)
 """How the names of those begin that also run where there is little time."""
 
 
@@ -46,11 +58,20 @@ def unpack(folder: Path) -> None:
         tar.extractall(folder, filter="data")
 
 
-def measure(name: str, frames: list[int] | None, files: Path, folder: Path, settings: dict[str, str] | None = None) -> levels.Measured:
-    """Measure the file or the command of a name with the version that is installed; the add-on must be registered. ``folder``: empty."""
+def measure(
+    name: str,
+    frames: list[int] | None,
+    files: Path,
+    folder: Path,
+    settings: dict[str, str] | None = None,
+) -> levels.Measured:
+    """Measure the file or the command of a name with the version that is installed; the add-on must
+    be registered. ``folder``: empty."""
     kind, _, file = name.partition("/")
     if frames:
-        return levels.of_blend(files / f"{name}.blend", *frames, ways=kind == "samples", settings=settings)
+        return levels.of_blend(
+            files / f"{name}.blend", *frames, ways=kind == "samples", settings=settings
+        )
     if kind == "scenes":
         return levels.of_scene_file(files / name, folder)
     if kind == "imports":
@@ -63,7 +84,9 @@ def measure(name: str, frames: list[int] | None, files: Path, folder: Path, sett
     if file == "sound":
         levels.run("sound", files / "signals" / "good.wav", "--output", folder / "signal.json")
         return {"signal": levels.numbers(json.loads((folder / "signal.json").read_bytes()))}
-    return levels.of_blender_command(folder, *(str(files / part) if part.endswith(".blend") else part for part in file.split()))
+    return levels.of_blender_command(
+        folder, *(str(files / part) if part.endswith(".blend") else part for part in file.split())
+    )
 
 
 def names_in(files: Path) -> dict[str, list[int] | None]:
@@ -73,7 +96,8 @@ def names_in(files: Path) -> dict[str, list[int] | None]:
     signals = sorted(path.name for path in (files / "signals").iterdir())
     commands = (
         "bake samples/hammer_nail.blend --to wav --frames 1:24 --modes HT,SD,MD,MN",
-        "bake samples/jackhammer_bench.blend --to wav --frames 10:30 --set scene.haptics.epsilon=0.3",
+        "bake samples/jackhammer_bench.blend --to wav --frames 10:30 --set "
+        "scene.haptics.epsilon=0.3",
         "trace samples/jackhammer_bench.blend --start 1 --end 14 --whole --no-picture",
         "sound",
         "scripting",

@@ -1,6 +1,8 @@
-"""Makes the old files and the levels that they gave, from the version of the product that is installed: see README.md.
+"""Makes the old files and the levels that they gave, from the version of the product that is
+installed: see README.md.
 
-python tests/compatibility/store.py COLLECTED      with a folder of Blender files that `collect` saved
+python tests/compatibility/store.py COLLECTED      with a folder of Blender files that `collect`
+saved
 """
 
 from __future__ import annotations
@@ -39,11 +41,34 @@ SAMPLES = {
     "sliding_and_rolling": (1, 14, None),
     "mine_ride": (62, 72, None),
 }
-"""First and last frame that are played, and how many things where that can be chosen: two of the samples are smaller than by default."""
+"""First and last frame that are played, and how many things where that can be chosen: two of the
+samples are smaller than by default."""
 MOST_FRAMES = 12
-NAMED = {"poses", "properties", "functions", "amplitudes", "gains", "source_positions", "listener_positions", "extras"}
+NAMED = {
+    "poses",
+    "properties",
+    "functions",
+    "amplitudes",
+    "gains",
+    "source_positions",
+    "listener_positions",
+    "extras",
+}
 """Keys of a scene file below which the keys are names of the scene's own."""
-KINDS = {"function", "signal", "type", "strategy", "mode", "mixing", "extent", "motion", "kind", "encoding", "energy", "waveform"}
+KINDS = {
+    "function",
+    "signal",
+    "type",
+    "strategy",
+    "mode",
+    "mixing",
+    "extent",
+    "motion",
+    "kind",
+    "encoding",
+    "energy",
+    "waveform",
+}
 """Keys whose values are choices."""
 
 
@@ -65,7 +90,8 @@ def save_samples(folder: Path) -> None:
 
 
 def properties_set(group: Any) -> Iterator[Hashable]:
-    """Every property of a group, and of those in it, that has a value of its own: its class, its name and what was chosen."""
+    """Every property of a group, and of those in it, that has a value of its own: its class, its
+    name and what was chosen."""
     for described in group.bl_rna.properties:
         name = described.identifier
         if name in ("rna_type", "name"):
@@ -78,7 +104,11 @@ def properties_set(group: Any) -> Iterator[Hashable]:
             if isinstance(value, bpy.types.PropertyGroup):
                 yield from properties_set(value)
         elif group.is_property_set(name):
-            yield type(group).__name__, name, str(value) if described.type in ("ENUM", "BOOLEAN") else ""
+            yield (
+                type(group).__name__,
+                name,
+                str(value) if described.type in ("ENUM", "BOOLEAN") else "",
+            )
 
 
 def keys_of(value: Any, at: tuple[str, ...] = ()) -> Iterator[Hashable]:
@@ -94,7 +124,8 @@ def keys_of(value: Any, at: tuple[str, ...] = ()) -> Iterator[Hashable]:
 
 
 def fewest(covered: dict[Path, set[Hashable]]) -> list[Path]:
-    """A few files that together cover what all cover: each time the one that adds most, of equal ones the smallest."""
+    """A few files that together cover what all cover: each time the one that adds most, of equal
+    ones the smallest."""
     chosen, left = [], set().union(*covered.values())
     while left:
         best = max(covered, key=lambda path: (len(covered[path] & left), -path.stat().st_size))
@@ -103,8 +134,11 @@ def fewest(covered: dict[Path, set[Hashable]]) -> list[Path]:
     return chosen
 
 
-def collected(folder: Path, exported: Path) -> tuple[dict[Path, set[Hashable]], dict[Path, set[Hashable]]]:
-    """What the Blender files of a folder cover that can be traced and heard, and what the scene files do that are exported from them."""
+def collected(
+    folder: Path, exported: Path
+) -> tuple[dict[Path, set[Hashable]], dict[Path, set[Hashable]]]:
+    """What the Blender files of a folder cover that can be traced and heard, and what the scene
+    files do that are exported from them."""
     blends, scenes = {}, {}
     for path in sorted(folder.glob("*.blend")):
         try:
@@ -116,12 +150,19 @@ def collected(folder: Path, exported: Path) -> tuple[dict[Path, set[Hashable]], 
             print(f"{path.stem}: {str(error)[:200]}", file=sys.stderr)
             continue
         scene = bpy.context.scene
-        if not any(gain is not None for rows in found["gains"].values() for row in rows for gain in row[1:]):
+        if not any(
+            gain is not None for rows in found["gains"].values() for row in rows for gain in row[1:]
+        ):
             continue
         holders = [scene, *scene.objects, *bpy.data.node_groups]
         blends[path] = {feature for holder in holders for feature in properties_set(holder.haptics)}
         written = exported / f"{path.stem}.json"
-        options = {"frames": "RANGE", "frame_start": first, "frame_end": min(last, first + 4), "tracks": "none"}
+        options = {
+            "frames": "RANGE",
+            "frame_start": first,
+            "frame_end": min(last, first + 4),
+            "tracks": "none",
+        }
         if bpy.ops.export_scene.haptic_scene(filepath=str(written), **options) == {"FINISHED"}:
             scenes[written] = set(keys_of(json.loads(written.read_bytes())))
     return blends, scenes
@@ -132,7 +173,8 @@ def frames_of(scene: Any) -> tuple[int, int]:
 
 
 def as_version_1_0(path: Path, target: Path) -> None:
-    """Write a scene file as an earlier version would have, whose default strategy had another meaning."""
+    """Write a scene file as an earlier version would have, whose default strategy had another
+    meaning."""
     document = json.loads(path.read_bytes())
     document["version"] = "1.0"
     document.get("settings", {}).pop("strategy", None)
@@ -151,7 +193,9 @@ def main() -> None:
         with suspended():
             bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
             made.build_materials(bpy.context.scene)
-            bpy.ops.wm.save_as_mainfile(filepath=str(parts["blends"] / "00 every material.blend"), compress=False)
+            bpy.ops.wm.save_as_mainfile(
+                filepath=str(parts["blends"] / "00 every material.blend"), compress=False
+            )
         frames["blends/00 every material"] = [1, 12]
         made.write_scenes(parts["scenes"])
         with tempfile.TemporaryDirectory() as exported:
@@ -170,11 +214,21 @@ def main() -> None:
             if path.name != "good.wav.json":
                 shutil.copy(path, parts["scenes" if is_scene else "signals"])
         (folder / "frames.json").write_text(json.dumps(frames, indent=1), encoding="utf-8")
-        snippets = re.findall(r"```python\n(.*?)```", (HERE.parents[1] / "docs" / "scripting.md").read_text(encoding="utf-8"), re.DOTALL)
+        snippets = re.findall(
+            r"```python\n(.*?)```",
+            (HERE.parents[1] / "docs" / "scripting.md").read_text(encoding="utf-8"),
+            re.DOTALL,
+        )
         script = "\n".join(snippets).replace("bl_ext.user_default.haptic_tracing", "haptic_tracing")
         (folder / "scripting.py").write_text(script, encoding="utf-8")
         with tarfile.open(compare.FILES, "w:xz", preset=9) as tar:
-            tar.add(folder, ".", filter=lambda item: item.replace(deep=False, mtime=0, uid=0, gid=0, uname="", gname=""))
+            tar.add(
+                folder,
+                ".",
+                filter=lambda item: item.replace(
+                    deep=False, mtime=0, uid=0, gid=0, uname="", gname=""
+                ),
+            )
         store_levels(folder)
         haptic_tracing.unregister()
 
@@ -185,10 +239,16 @@ def store_levels(files: Path) -> None:
     for name, frames in compare.names_in(files).items():
         with tempfile.TemporaryDirectory() as folder:
             try:
-                measured[name] = {"frames": frames, "measured": compare.measure(name, frames, files, Path(folder))}
+                measured[name] = {
+                    "frames": frames,
+                    "measured": compare.measure(name, frames, files, Path(folder)),
+                }
             except Exception as error:
                 print(f"left out: {name}: {error}", file=sys.stderr)
-    lines = [f"{json.dumps(name)}: {json.dumps(value, separators=(',', ':'), ensure_ascii=False)}" for name, value in measured.items()]
+    lines = [
+        f"{json.dumps(name)}: {json.dumps(value, separators=(',', ':'), ensure_ascii=False)}"
+        for name, value in measured.items()
+    ]
     compare.STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 

@@ -1,4 +1,5 @@
-"""Files and commands of earlier versions give the levels that they gave, or `meant.json` says what changed and why: see README.md."""
+"""Files and commands of earlier versions give the levels that they gave, or `meant.json` says what
+changed and why: see README.md."""
 
 import math
 import sys
@@ -30,9 +31,12 @@ def files(tmp_path_factory):
 
 
 def each(name):
-    """The parameter of a name, marked slow unless it is typical; left out where Blender is older than the file."""
+    """The parameter of a name, marked slow unless it is typical; left out where Blender is older
+    than the file."""
     is_of_blender_5 = "samples/" in name or name == "blends/00 every material"
-    marks = [pytest.mark.skipif(is_of_blender_5 and not IS_NEW_ENOUGH, reason="a file of Blender 5")]
+    marks = [
+        pytest.mark.skipif(is_of_blender_5 and not IS_NEW_ENOUGH, reason="a file of Blender 5")
+    ]
     if not name.startswith(compare.TYPICAL):
         marks.append(pytest.mark.slow)
     return pytest.param(name, marks=marks, id=name)
@@ -50,21 +54,45 @@ def test_old_files_and_commands_give_the_old_levels(files, name, record_property
 def test_settings_bring_the_old_levels_back(files, tmp_path):
     for name, change in MEANT.items():
         if change["restore"]:
-            found = compare.measure(name, STORED[name]["frames"], files, tmp_path / name.replace("/", " "), change["restore"])
+            found = compare.measure(
+                name,
+                STORED[name]["frames"],
+                files,
+                tmp_path / name.replace("/", " "),
+                change["restore"],
+            )
             decibels, place = levels.difference(STORED[name]["measured"], found)
             assert decibels <= levels.TOLERANCE, place
 
 
 def test_changes_that_are_meant_are_of_stored_files_and_give_a_reason():
     assert MEANT.keys() <= STORED.keys()
-    assert all(change["reason"] and 0 < change["decibels"] < math.inf and "restore" in change for change in MEANT.values())
+    assert all(
+        change["reason"] and 0 < change["decibels"] < math.inf and "restore" in change
+        for change in MEANT.values()
+    )
 
 
 def test_differences_are_found_in_levels_names_and_impacts():
-    before = {"levels": {"1": [-20.0, None]}, "impacts": [[3, "a", "b", 0.1, 2.0]], "names": ["a"], "bits": "1"}
+    before = {
+        "levels": {"1": [-20.0, None]},
+        "impacts": [[3, "a", "b", 0.1, 2.0]],
+        "names": ["a"],
+        "bits": "1",
+    }
     assert levels.difference(before, {**before, "bits": "2"})[0] == 0.0
-    assert levels.difference(before, {**before, "levels": {"1": [-20.25, None]}}) == (0.25, "/levels/1/0")
+    assert levels.difference(before, {**before, "levels": {"1": [-20.25, None]}}) == (
+        0.25,
+        "/levels/1/0",
+    )
     assert levels.difference(before, {**before, "levels": {"1": [-20.0, -99.5]}})[0] == 0.5
-    assert levels.difference(before, {**before, "impacts": [[3, "a", "b", 0.1, 4.0]]})[0] == pytest.approx(3.01, abs=0.01)
-    for change in ({"impacts": []}, {"impacts": [[3, "a", "c", 0.1, 2.0]]}, {"names": ["b"]}, {"levels": {}}):
+    assert levels.difference(before, {**before, "impacts": [[3, "a", "b", 0.1, 4.0]]})[
+        0
+    ] == pytest.approx(3.01, abs=0.01)
+    for change in (
+        {"impacts": []},
+        {"impacts": [[3, "a", "c", 0.1, 2.0]]},
+        {"names": ["b"]},
+        {"levels": {}},
+    ):
         assert levels.difference(before, {**before, **change})[0] == math.inf

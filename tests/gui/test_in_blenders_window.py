@@ -11,7 +11,8 @@ def trouble(printed: str) -> list[str]:
 
 
 def played_through(played: tuple[dict, str]) -> dict[str, object]:
-    """What a scenario saw, once it came to its end with nothing wrong on the console and nothing left behind."""
+    """What a scenario saw, once it came to its end with nothing wrong on the console and nothing
+    left behind."""
     report, printed = played
     assert report["error"] is None, report["error"]
     assert trouble(printed) == []

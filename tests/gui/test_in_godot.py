@@ -1,4 +1,5 @@
-"""The Godot add-on in Godot itself, with Jolt, against the server: `make test-godot GODOT=path/to/godot`."""
+"""The Godot add-on in Godot itself, with Jolt, against the server: `make test-godot
+GODOT=path/to/godot`."""
 
 from __future__ import annotations
 
@@ -25,11 +26,17 @@ def server():
 
 
 def test_the_sample_feels_the_crate_land(server):
-    godot = [*shlex.split(os.environ["GODOT"]), "--headless", "--path", os.environ.get("GODOT_FOLDER", str(PROJECT))]
+    godot = [
+        *shlex.split(os.environ["GODOT"]),
+        "--headless",
+        "--path",
+        os.environ.get("GODOT_FOLDER", str(PROJECT)),
+    ]
     subprocess.run([*godot, "--import"], capture_output=True, text=True, timeout=120)
     done = subprocess.run([*godot, "--", server], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     energy = float(re.search(r"Ground and Crate: ([\d.]+) J", done.stdout)[1])
-    assert energy == pytest.approx(5 * 9.81 * 2.0, rel=0.05)  # Jolt's steps of 1/60 s change the height of the fall by up to 5 %
+    # Jolt's steps of 1/60 s change the height of the fall by up to 5 %.
+    assert energy == pytest.approx(5 * 9.81 * 2.0, rel=0.05)
     level = float(re.search(r"1 blows, hand at (-[\d.]+) dB", done.stdout)[1])
     assert -60 < level < 0

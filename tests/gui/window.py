@@ -1,9 +1,11 @@
-"""Plays a scenario in Blender's own window: real events, one step at a time, with screenshots. Runs inside Blender:
+"""Plays a scenario in Blender's own window: real events, one step at a time, with screenshots. Runs
+inside Blender:
 
 blender --enable-event-simulate --python window.py -- SCENARIO.py FOLDER
 
-A scenario is a module with ``steps(window)``, a generator: each ``yield`` hands control back to Blender, which handles events and redraws
-until the next step (``yield 2.0`` waits for two seconds). The outcome goes to FOLDER/report.json, pictures beside it; then Blender quits.
+A scenario is a module with ``steps(window)``, a generator: each ``yield`` hands control back to
+Blender, which handles events and redraws until the next step (``yield 2.0`` waits for two seconds).
+The outcome goes to FOLDER/report.json, pictures beside it; then Blender quits.
 """
 
 import json
@@ -53,7 +55,9 @@ class Window:
 
     def context(self, kind: str = "WINDOW"):
         """An override of the context: the pointer in a region of the viewport."""
-        return bpy.context.temp_override(window=self.window, area=self.view, region=self.region(kind))
+        return bpy.context.temp_override(
+            window=self.window, area=self.view, region=self.region(kind)
+        )
 
     def module(self, name: str) -> ModuleType:
         """A module of the installed extension ("addon.session.session")."""
@@ -79,7 +83,8 @@ class Window:
         yield
 
     def wait_until(self, holds: Callable[[], bool], seconds: float = 30.0) -> Steps:
-        """Wait for something that has to come, however busy the machine is; whether it came is the scenario's to judge."""
+        """Wait for something that has to come, however busy the machine is; whether it came is the
+        scenario's to judge."""
         for _ in range(round(seconds / PAUSE)):
             if holds():
                 break
@@ -112,8 +117,11 @@ class Window:
         yield 1.0
 
     def open_only(self, *wanted: str) -> None:
-        """These panels are open and the add-on's others are closed; call it before the sidebar is drawn for the first time."""
-        panels = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("HAPTIC_PT_")]
+        """These panels are open and the add-on's others are closed; call it before the sidebar is
+        drawn for the first time."""
+        panels = [
+            getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("HAPTIC_PT_")
+        ]
 
         def depth(panel: type) -> int:
             parent = getattr(panel, "bl_parent_id", "")
@@ -134,7 +142,8 @@ class Window:
         yield 1.0
 
     def scroll_sidebar(self, notches: int) -> Steps:
-        """Turn the mouse wheel over the sidebar, downwards, or upwards where ``notches`` are negative."""
+        """Turn the mouse wheel over the sidebar, downwards, or upwards where ``notches`` are
+        negative."""
         region = self.region("UI")
         self.point(region.x + region.width // 3, region.y + region.height // 2)
         yield 0.2
@@ -143,7 +152,8 @@ class Window:
         yield 0.5
 
     def under_mouse(self) -> str:
-        """What the sidebar's button under the mouse does, as Python: an operator's call, a property's data path, or nothing."""
+        """What the sidebar's button under the mouse does, as Python: an operator's call, a
+        property's data path, or nothing."""
         with self.context("UI"):
             for ask in (bpy.ops.ui.copy_python_command_button, bpy.ops.ui.copy_data_path_button):
                 if ask.poll():
@@ -152,7 +162,8 @@ class Window:
         return ""
 
     def click_button(self, wanted: str) -> Steps:
-        """Click the sidebar's button for an operator ("haptic.add_source") or a property ("haptics.kappa"), wherever it is."""
+        """Click the sidebar's button for an operator ("haptic.add_source") or a property
+        ("haptics.kappa"), wherever it is."""
         region = self.region("UI")
         passed = set()
         for fraction in (0.4, 0.82, 0.15, 0.755):  # buttons may share a line
@@ -162,18 +173,27 @@ class Window:
                 passed.add(self.under_mouse().removeprefix("bpy.ops."))
                 if not any(found.split("(")[0] == wanted for found in passed):
                     continue
-                yield 0.2  # where redraws are slow, the button of a place before may still be the active one
+                # Where redraws are slow, the button of a place before may still be the active one.
+                yield 0.2
                 if self.under_mouse().removeprefix("bpy.ops.").split("(")[0] == wanted:
                     yield from self.press("LEFTMOUSE")
                     yield 0.3
                     return
-        raise AssertionError(f"no button for {wanted} in the sidebar; there are {sorted(passed - {''})}")
+        raise AssertionError(
+            f"no button for {wanted} in the sidebar; there are {sorted(passed - {''})}"
+        )
 
     def use_theme(self, name: str) -> Steps:
-        """A theme that Blender ships, by file name ("Blender_Light"; "Blender_Dark" is the default)."""
-        themes = (Path(folder) / "interface_theme" / f"{name}.xml" for folder in bpy.utils.preset_paths(""))
+        """A theme that Blender ships, by file name ("Blender_Light"; "Blender_Dark" is the
+        default)."""
+        themes = (
+            Path(folder) / "interface_theme" / f"{name}.xml"
+            for folder in bpy.utils.preset_paths("")
+        )
         path = next(path for path in themes if path.is_file())
-        bpy.ops.script.execute_preset(filepath=str(path), menu_idname="USERPREF_MT_interface_theme_presets")
+        bpy.ops.script.execute_preset(
+            filepath=str(path), menu_idname="USERPREF_MT_interface_theme_presets"
+        )
         yield 0.5
 
     def use_scale(self, scale: float) -> Steps:
@@ -190,7 +210,8 @@ class Window:
 
     def save_picture(self, name: str) -> None:
         path = str(self.folder / f"{name}.png")
-        # Software OpenGL has no front buffer to read: Blender's own screenshot would be black there.
+        # Software OpenGL has no front buffer to read: Blender's own screenshot would be black
+        # there.
         if os.environ.get("DISPLAY") and shutil.which("import"):
             subprocess.run(["import", "-window", "root", path], check=True)
         else:
@@ -199,7 +220,8 @@ class Window:
 
 
 def play(scenario: ModuleType, window: Window) -> Steps:
-    """The scenario between two looks at what is registered: with the extension off before, on during and off after."""
+    """The scenario between two looks at what is registered: with the extension off before, on
+    during and off after."""
     yield 1.0
     bpy.ops.preferences.addon_disable(module=EXTENSION)
     yield
@@ -222,7 +244,9 @@ def main(scenario_path: str, folder: str) -> None:
 
     def finish(error: str | None) -> None:
         report = {"error": error, "seconds": time.monotonic() - started, "seen": window.seen}
-        (window.folder / "report.json").write_text(json.dumps(report, indent=1, default=bool), encoding="utf-8")
+        (window.folder / "report.json").write_text(
+            json.dumps(report, indent=1, default=bool), encoding="utf-8"
+        )
         bpy.ops.wm.quit_blender()
 
     def turn() -> float | None:

@@ -40,7 +40,8 @@ def found(root) -> list[Import]:
 
 @pytest.fixture(scope="session")
 def zips(root, tmp_path_factory) -> dict[str, Path]:
-    """The extension built by Blender's builder from this very tree: zip by platform ("linux_x64")."""
+    """The extension built by Blender's builder from this very tree: zip by platform
+    ("linux_x64")."""
     folder = tmp_path_factory.mktemp("dist")
     subprocess.run([sys.executable, root / "packaging" / "build.py", folder], check=True)
     return {path.stem.rpartition("-")[2]: path for path in folder.glob("*.zip")}

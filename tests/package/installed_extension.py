@@ -1,6 +1,8 @@
-"""Installs a zip of the extension into a Blender of its own, uses it, disables and removes it. A program for a bpy wheel.
+"""Installs a zip of the extension into a Blender of its own, uses it, disables and removes it. A
+program for a bpy wheel.
 
-python installed_extension.py ZIP REPORT.json     with BLENDER_USER_RESOURCES set to an empty folder; the network is refused
+python installed_extension.py ZIP REPORT.json     with BLENDER_USER_RESOURCES set to an empty
+folder; the network is refused
 """
 
 import importlib
@@ -37,11 +39,15 @@ def wheel_origins() -> dict[str, str]:
 
 
 def contact_of_two_spheres() -> float:
-    """Signed distance of two unit spheres whose centres are 1.5 apart, by the installed narrow phase."""
+    """Signed distance of two unit spheres whose centres are 1.5 apart, by the installed narrow
+    phase."""
     import fcl
     import numpy
 
-    spheres = [fcl.CollisionObject(fcl.Sphere(1.0), fcl.Transform(numpy.array([x, 0.0, 0.0]))) for x in (0.0, 1.5)]
+    spheres = [
+        fcl.CollisionObject(fcl.Sphere(1.0), fcl.Transform(numpy.array([x, 0.0, 0.0])))
+        for x in (0.0, 1.5)
+    ]
     request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
     result = fcl.CollisionResult()
     fcl.collide(*spheres, request, result)
@@ -49,13 +55,17 @@ def contact_of_two_spheres() -> float:
 
 
 def demo(folder: Path) -> dict[str, object]:
-    """Builds the demo scene, plays it, and exports its last frame, all with the installed extension."""
+    """Builds the demo scene, plays it, and exports its last frame, all with the installed
+    extension."""
     samples = importlib.import_module(f"{MODULE}.sample_scenes")
     timeline = importlib.import_module(f"{MODULE}.addon.session.timeline")
     session = importlib.import_module(f"{MODULE}.addon.session.session")
     scene = samples.build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
-    blocks = [step.result.block for step in timeline.steps(scene, scene.frame_start, scene.frame_start + 30)]
+    blocks = [
+        step.result.block
+        for step in timeline.steps(scene, scene.frame_start, scene.frame_start + 30)
+    ]
     scene.frame_set(scene.frame_start)
     result = session.result_of(scene)
     exported = folder / "demo.json"
@@ -63,7 +73,11 @@ def demo(folder: Path) -> dict[str, object]:
     bpy.ops.wm.read_homefile(use_empty=True)
     return {
         "gains": [
-            {"source": source.name, "listener": listener.name, "gain": float(result.amplitudes[s, i])}
+            {
+                "source": source.name,
+                "listener": listener.name,
+                "gain": float(result.amplitudes[s, i]),
+            }
             for s, source in enumerate(result.sources)
             for i, listener in enumerate(result.listeners)
         ],
@@ -75,7 +89,9 @@ def demo(folder: Path) -> dict[str, object]:
 def main(package: str, report: str) -> None:
     found: dict[str, object] = {}
     before = registered()
-    answer = bpy.ops.extensions.package_install_files(filepath=package, repo="user_default", enable_on_install=True)
+    answer = bpy.ops.extensions.package_install_files(
+        filepath=package, repo="user_default", enable_on_install=True
+    )
     found["install"] = sorted(answer)
     found["enabled"] = MODULE in bpy.context.preferences.addons
     found["module"] = importlib.import_module(MODULE).__file__
@@ -90,9 +106,13 @@ def main(package: str, report: str) -> None:
     for _ in range(3):
         enable()
         bpy.ops.wm.read_homefile(use_empty=True)
-        found["changed by enabling again"] = found.get("changed by enabling again") or difference(working, registered())
+        found["changed by enabling again"] = found.get("changed by enabling again") or difference(
+            working, registered()
+        )
         disable()
-        found["left after disabling"] = found["left after disabling"] or difference(before, registered())
+        found["left after disabling"] = found["left after disabling"] or difference(
+            before, registered()
+        )
 
     module = sys.modules[MODULE]
     for _ in range(3):  # without Blender's own book-keeping around it
@@ -108,7 +128,9 @@ def main(package: str, report: str) -> None:
 
 
 def repository_index() -> int:
-    return [repository.module for repository in bpy.context.preferences.extensions.repos].index("user_default")
+    return [repository.module for repository in bpy.context.preferences.extensions.repos].index(
+        "user_default"
+    )
 
 
 if __name__ == "__main__":

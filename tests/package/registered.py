@@ -1,4 +1,5 @@
-"""What is registered in the running Blender, as plain names, so that two moments can be compared. Runs inside Blender."""
+"""What is registered in the running Blender, as plain names, so that two moments can be compared.
+Runs inside Blender."""
 
 import gc
 import threading
@@ -16,32 +17,56 @@ def _name(function) -> str:
 
 def _handlers() -> list[str]:
     lists = {name: getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers)}
-    return [f"{name}: {_name(function)}" for name, value in lists.items() if isinstance(value, list) for function in value]
+    return [
+        f"{name}: {_name(function)}"
+        for name, value in lists.items()
+        if isinstance(value, list)
+        for function in value
+    ]
 
 
 def _timers() -> list[str]:
     # Blender lists no timers, but answers for a function whether it is one.
     callables = (types.FunctionType, types.MethodType)
-    found = [thing for thing in gc.get_objects() if isinstance(thing, callables) and bpy.app.timers.is_registered(thing)]
+    found = [
+        thing
+        for thing in gc.get_objects()
+        if isinstance(thing, callables) and bpy.app.timers.is_registered(thing)
+    ]
     return [_name(function) for function in found]
 
 
 def _draw_handlers() -> list[str]:
-    # Nor does it list draw handlers; each keeps the arguments it was added with: (space type, function, arguments, region, stage).
+    # Nor does it list draw handlers; each keeps the arguments it was added with: (space type,
+    # function, arguments, region, stage).
     tuples = (thing for thing in gc.get_objects() if type(thing) is tuple and len(thing) in (5, 6))
-    return [_name(thing[1]) for thing in tuples if callable(thing[1]) and isinstance(thing[-1], str) and thing[-1] in DRAW_STAGES]
+    return [
+        _name(thing[1])
+        for thing in tuples
+        if callable(thing[1]) and isinstance(thing[-1], str) and thing[-1] in DRAW_STAGES
+    ]
 
 
 def _properties() -> list[str]:
     owners = ((name, getattr(bpy.types, name)) for name in dir(bpy.types))
-    return [f"{name}.{key}" for name, owner in owners if hasattr(owner, "bl_rna") for key in owner.bl_rna.properties.keys()]  # noqa: SIM118
+    return [
+        f"{name}.{key}"
+        for name, owner in owners
+        if hasattr(owner, "bl_rna")
+        for key in owner.bl_rna.properties.keys()  # noqa: SIM118
+    ]
 
 
 def _menu_entries() -> list[str]:
-    """Without Blender's own: the first entry that is appended to a menu makes Blender list its own draw function, for good."""
+    """Without Blender's own: the first entry that is appended to a menu makes Blender list its own
+    draw function, for good."""
     draws = ((name, getattr(getattr(bpy.types, name), "draw", None)) for name in dir(bpy.types))
-    entries = ((name, function) for name, draw in draws for function in getattr(draw, "_draw_funcs", ()))
-    return [f"{name}: {_name(function)}" for name, function in entries if not _is_blenders(function)]
+    entries = (
+        (name, function) for name, draw in draws for function in getattr(draw, "_draw_funcs", ())
+    )
+    return [
+        f"{name}: {_name(function)}" for name, function in entries if not _is_blenders(function)
+    ]
 
 
 def _is_blenders(function: object) -> bool:
@@ -50,7 +75,11 @@ def _is_blenders(function: object) -> bool:
 
 def _keymap_items() -> list[str]:
     configuration = bpy.context.window_manager.keyconfigs.addon  # None in the background
-    return [f"{keymap.name}: {item.idname}" for keymap in (configuration.keymaps if configuration else ()) for item in keymap.keymap_items]
+    return [
+        f"{keymap.name}: {item.idname}"
+        for keymap in (configuration.keymaps if configuration else ())
+        for item in keymap.keymap_items
+    ]
 
 
 def registered() -> dict[str, list[str]]:
@@ -75,5 +104,8 @@ def difference(before: dict[str, list[str]], after: dict[str, list[str]]) -> dic
     changes = {}
     for kind in before:
         more, fewer = Counter(after[kind]), Counter(before[kind])
-        changes[kind] = sorted([f"+ {name}" for name in (more - fewer).elements()] + [f"- {name}" for name in (fewer - more).elements()])
+        changes[kind] = sorted(
+            [f"+ {name}" for name in (more - fewer).elements()]
+            + [f"- {name}" for name in (fewer - more).elements()]
+        )
     return {kind: lines for kind, lines in changes.items() if lines}

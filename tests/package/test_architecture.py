@@ -1,4 +1,5 @@
-"""The layers of `docs/architecture.md`, read from the imports; and no function too long or too branched to read."""
+"""The layers of `docs/architecture.md`, read from the imports; and no function too long or too
+branched to read."""
 
 from __future__ import annotations
 
@@ -23,10 +24,24 @@ LATE = {
 }
 """Packages that may be imported inside a function, and why."""
 
-GATEWAYS = {"__init__": "Blender imports the package before it enables the add-on, and the core is used without the add-on"}
+GATEWAYS = {
+    "__init__": "Blender imports the package before it enables the add-on, and the core is used "
+    "without the add-on"
+}
 """Modules that may import others of this package inside a function, and why."""
 
-BLENDER = {"bpy", "mathutils", "bmesh", "gpu", "gpu_extras", "aud", "blf", "bpy_extras", "bl_math", "idprop"}
+BLENDER = {
+    "bpy",
+    "mathutils",
+    "bmesh",
+    "gpu",
+    "gpu_extras",
+    "aud",
+    "blf",
+    "bpy_extras",
+    "bl_math",
+    "idprop",
+}
 
 
 def height(part: str) -> int:
@@ -48,7 +63,11 @@ def test_no_module_imports_itself_by_way_of_others(found):
 
 
 def test_the_core_knows_neither_blender_nor_the_add_on(found):
-    assert [str(one) for one in found if one.importer.startswith("core.") and not one.own and one.imported in BLENDER] == []
+    assert [
+        str(one)
+        for one in found
+        if one.importer.startswith("core.") and not one.own and one.imported in BLENDER
+    ] == []
 
 
 def test_imports_stand_at_the_head_of_a_module(found):
@@ -60,7 +79,9 @@ def test_imports_stand_at_the_head_of_a_module(found):
 @pytest.fixture(scope="module")
 def code_size(root):
     """The module `benchmarks/code_size.py`."""
-    specification = importlib.util.spec_from_file_location("code_size", root / "benchmarks" / "code_size.py")
+    specification = importlib.util.spec_from_file_location(
+        "code_size", root / "benchmarks" / "code_size.py"
+    )
     module = sys.modules["code_size"] = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
     return module
@@ -68,7 +89,9 @@ def code_size(root):
 
 @pytest.mark.slow
 def test_functions_are_under_60_lines_and_a_complexity_of_20(code_size, root):
-    large = [item for item in code_size.functions(root) if item.lines >= 60 or item.complexity >= 20]
+    large = [
+        item for item in code_size.functions(root) if item.lines >= 60 or item.complexity >= 20
+    ]
     assert [(item.place, item.lines, item.complexity) for item in large] == []
 
 

@@ -2,7 +2,8 @@ import json
 import subprocess
 import sys
 
-# Imports every module of core where Blender's modules are forbidden; prints what was imported of the packages that must wait for their use.
+# Imports every module of core where Blender's modules are forbidden; prints what was imported of
+# the packages that must wait for their use.
 PROGRAM = """
 import importlib, json, pkgutil, sys
 

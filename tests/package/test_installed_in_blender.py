@@ -16,7 +16,8 @@ CARRIED = {"fcl", "python_fcl", "hid", "hidraw", "hidapi", "fastjsonschema", "so
 
 @pytest.fixture(scope="module")
 def blender_only(tmp_path_factory) -> Path:
-    """A site folder with everything of this environment except this package and what the extension carries."""
+    """A site folder with everything of this environment except this package and what the extension
+    carries."""
     folder = tmp_path_factory.mktemp("site")
     for path in Path(sysconfig.get_path("platlib")).iterdir():
         name = path.name.lower()
@@ -41,7 +42,13 @@ def run(zips, blender_only, tmp_path_factory) -> tuple[dict, str, Path]:
         "https_proxy": "http://127.0.0.1:9",
         "http_proxy": "http://127.0.0.1:9",
     }
-    command = [sys.executable, "-S", str(HERE / "installed_extension.py"), str(zips[this_platform()]), str(report)]
+    command = [
+        sys.executable,
+        "-S",
+        str(HERE / "installed_extension.py"),
+        str(zips[this_platform()]),
+        str(report),
+    ]
     answer = subprocess.run(command, env=environment, cwd=resources, capture_output=True, text=True)
     printed = answer.stdout + answer.stderr
     assert answer.returncode == 0, printed
@@ -52,14 +59,22 @@ def test_installs_offline_and_enables(run):
     found, printed, resources = run
     assert found["install"] == ["FINISHED"]
     assert found["enabled"]
-    assert Path(found["module"]).parent == resources / "extensions" / "user_default" / "haptic_tracing"
-    assert [line for line in printed.splitlines() if "Error" in line or "Traceback" in line or "Warning" in line] == []
+    assert (
+        Path(found["module"]).parent == resources / "extensions" / "user_default" / "haptic_tracing"
+    )
+    assert [
+        line
+        for line in printed.splitlines()
+        if "Error" in line or "Traceback" in line or "Warning" in line
+    ] == []
 
 
 def test_imports_the_wheels_it_carries(run):
     found, _, resources = run
     local = resources / "extensions" / ".local"
-    assert [name for name, path in found["wheels"].items() if not Path(path).is_relative_to(local)] == []
+    assert [
+        name for name, path in found["wheels"].items() if not Path(path).is_relative_to(local)
+    ] == []
     assert found["distance"] == pytest.approx(-0.5, abs=1e-12)
 
 

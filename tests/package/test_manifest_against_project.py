@@ -15,7 +15,10 @@ SYSTEMS = {
 }
 SHIPPED_WITH_BLENDER = {"numpy"}
 COMMAND_LINE_ONLY = {"tqdm", "python-osc"}
-NEEDED_BY_THEM = {"cffi", "pycparser"}  # sounddevice calls PortAudio through cffi, which comes with pycparser
+NEEDED_BY_THEM = {
+    "cffi",
+    "pycparser",
+}  # sounddevice calls PortAudio through cffi, which comes with pycparser
 
 
 def carried(manifest) -> list[tuple[str, str, frozenset[Tag]]]:
@@ -24,8 +27,12 @@ def carried(manifest) -> list[tuple[str, str, frozenset[Tag]]]:
 
 
 def runs_on(tag: Tag, python: str) -> bool:
-    """Whether a wheel is built for this CPython: for it alone, or for the stable interface of an earlier one (PEP 384)."""
-    return tag.interpreter == python or (tag.abi == "abi3" and int(tag.interpreter.removeprefix("cp3")) <= int(python.removeprefix("cp3")))
+    """Whether a wheel is built for this CPython: for it alone, or for the stable interface of an
+    earlier one (PEP 384)."""
+    return tag.interpreter == python or (
+        tag.abi == "abi3"
+        and int(tag.interpreter.removeprefix("cp3")) <= int(python.removeprefix("cp3"))
+    )
 
 
 def test_versions_agree(manifest, project):
@@ -47,35 +54,63 @@ def test_every_wheel_has_the_pinned_version(manifest, pins):
 def test_pins_are_the_run_time_dependencies(project, pins):
     declared = map(Requirement, project["project"]["dependencies"])
     requirements = {canonicalize_name(requirement.name): requirement for requirement in declared}
-    pinned = {canonicalize_name(name): version for name, version in pins.items() if name not in NEEDED_BY_THEM}
+    pinned = {
+        canonicalize_name(name): version
+        for name, version in pins.items()
+        if name not in NEEDED_BY_THEM
+    }
     assert requirements.keys() - SHIPPED_WITH_BLENDER - COMMAND_LINE_ONLY == pinned.keys()
     assert all(requirements[name].specifier.contains(version) for name, version in pinned.items())
 
 
 def test_every_python_and_platform_has_every_wheel(manifest, pins):
     assert set(manifest["platforms"]) == set(SYSTEMS)
-    available = {name: tags for name, _, tags in carried(manifest) if Tag("py3", "none", "any") in tags}
+    available = {
+        name: tags for name, _, tags in carried(manifest) if Tag("py3", "none", "any") in tags
+    }
     for name, python, (system, machine) in itertools.product(pins, PYTHONS, SYSTEMS.values()):
         name = canonicalize_name(name)
         fitting = [
             tag
             for wheel, _, tags in carried(manifest)
             for tag in tags
-            if wheel == name and runs_on(tag, python) and tag.platform.startswith(system) and tag.platform.endswith(machine)
+            if wheel == name
+            and runs_on(tag, python)
+            and tag.platform.startswith(system)
+            and tag.platform.endswith(machine)
         ]
-        assert name in available or fitting, f"no wheel of {name} for {python} on {system} {machine}"
+        assert name in available or fitting, (
+            f"no wheel of {name} for {python} on {system} {machine}"
+        )
 
 
 @pytest.mark.parametrize("python", ["3.11", "3.13"])
-def test_environments_have_the_wheels_that_are_carried_and_all_that_is_declared(python, project, pins, root):
-    lines = (root / "packaging" / f"constraints-{python}.txt").read_text(encoding="utf-8").splitlines()
-    fixed = {canonicalize_name(name): version for name, _, version in (line.partition("==") for line in lines)}
+def test_environments_have_the_wheels_that_are_carried_and_all_that_is_declared(
+    python, project, pins, root
+):
+    lines = (
+        (root / "packaging" / f"constraints-{python}.txt").read_text(encoding="utf-8").splitlines()
+    )
+    fixed = {
+        canonicalize_name(name): version
+        for name, _, version in (line.partition("==") for line in lines)
+    }
     carried_versions = {canonicalize_name(name): version for name, version in pins.items()}
     assert carried_versions.items() <= fixed.items()
     groups = project["project"]["optional-dependencies"].values()
-    declared = map(Requirement, [*project["project"]["dependencies"], *itertools.chain.from_iterable(groups)])
-    specified = {canonicalize_name(item.name): item.specifier for item in declared if item.name not in SHIPPED_WITH_BLENDER}
-    assert [name for name, specifier in specified.items() if name not in fixed or not specifier.contains(fixed[name])] == []
+    declared = map(
+        Requirement, [*project["project"]["dependencies"], *itertools.chain.from_iterable(groups)]
+    )
+    specified = {
+        canonicalize_name(item.name): item.specifier
+        for item in declared
+        if item.name not in SHIPPED_WITH_BLENDER
+    }
+    assert [
+        name
+        for name, specifier in specified.items()
+        if name not in fixed or not specifier.contains(fixed[name])
+    ] == []
 
 
 def test_permissions_are_the_ones_used(manifest):

@@ -1,4 +1,5 @@
-"""The script that installs Debian packages, with dpkg, sudo and apt-get replaced by programs that note how they are called."""
+"""The script that installs Debian packages, with dpkg, sudo and apt-get replaced by programs that
+note how they are called."""
 
 import os
 import shutil
@@ -29,15 +30,33 @@ def install(root, tmp_path):
     def run(purpose, user, sudo):
         calls = tmp_path / "calls"
         calls.write_text("", encoding="utf-8")
-        path = os.pathsep.join([str(tmp_path), str(Path(sys.executable).parent), os.environ["PATH"]])
-        environment = os.environ | {"PATH": path, "CALLS": str(calls), "FAKE_USER": user, "FAKE_SUDO": sudo}
-        done = subprocess.run([root / "packaging" / "system_packages", purpose], env=environment, capture_output=True, text=True)
-        return done, [line for line in calls.read_text(encoding="utf-8").splitlines() if line != "sudo -n true"]
+        path = os.pathsep.join(
+            [str(tmp_path), str(Path(sys.executable).parent), os.environ["PATH"]]
+        )
+        environment = os.environ | {
+            "PATH": path,
+            "CALLS": str(calls),
+            "FAKE_USER": user,
+            "FAKE_SUDO": sudo,
+        }
+        done = subprocess.run(
+            [root / "packaging" / "system_packages", purpose],
+            env=environment,
+            capture_output=True,
+            text=True,
+        )
+        return done, [
+            line
+            for line in calls.read_text(encoding="utf-8").splitlines()
+            if line != "sudo -n true"
+        ]
 
     return run
 
 
-@pytest.mark.parametrize(("purpose", "missing"), [("demo", "libegl1"), ("test", "libegl1 umockdev")])
+@pytest.mark.parametrize(
+    ("purpose", "missing"), [("demo", "libegl1"), ("test", "libegl1 umockdev")]
+)
 def test_root_installs_what_is_missing_and_says_so(install, purpose, missing):
     done, calls = install(purpose, user="0", sudo="asks")
     assert done.returncode == 0, done.stderr

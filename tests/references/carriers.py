@@ -12,4 +12,9 @@ def values_at(carrier, times):
     oscillator, offset = _OSCILLATORS[carrier.wave]
     cycles = carrier.cycles(local) + (carrier.phase / (2 * math.pi) + offset)
     sounding = (times >= carrier.start) & (times < carrier.end)
-    return np.where(sounding, np.interp(local, carrier.amplitude_times, carrier.amplitudes) * oscillator.wave(cycles, 0.0), 0.0)
+    return np.where(
+        sounding,
+        np.interp(local, carrier.amplitude_times, carrier.amplitudes)
+        * oscillator.wave(cycles, 0.0),
+        0.0,
+    )

@@ -1,4 +1,5 @@
-"""The energy balance a second time: the definitions of the documentation in plain loops over objects and contacts, solved by mpmath."""
+"""The energy balance a second time: the definitions of the documentation in plain loops over
+objects and contacts, solved by mpmath."""
 
 from __future__ import annotations
 
@@ -13,17 +14,21 @@ Place = tuple[float, float, float]
 
 
 def _mean_between(contacts: list[dict], axis: int, low: float, high: float) -> float:
-    """Mean place along an axis of the part of the contacts, in order along it, between two fractions of their strengths."""
+    """Mean place along an axis of the part of the contacts, in order along it, between two
+    fractions of their strengths."""
     total, before, mean = sum(c["strength"] for c in contacts), 0.0, 0.0
     for contact in sorted(contacts, key=lambda c: c["place"][axis]):
         after = before + contact["strength"] / total
-        mean += max(min(after, high) - max(before, low), 0.0) * contact["place"][axis] / (high - low)
+        mean += (
+            max(min(after, high) - max(before, low), 0.0) * contact["place"][axis] / (high - low)
+        )
         before = after
     return mean
 
 
 class Balance:
-    """Subsystems and equations of a graph. ``regions``: (object, lattice point) of each subsystem."""
+    """Subsystems and equations of a graph. ``regions``: (object, lattice point) of each
+    subsystem."""
 
     def __init__(self, graph: HapticGraph, band: int | None = None) -> None:
         self.graph, self.band = graph, band
@@ -37,7 +42,13 @@ class Balance:
             strength = float(graph.weight[contact])
             place = tuple(graph.node_position[node].tolist())
             self.contacts.setdefault(here, []).append(
-                {"node": node, "partner": partner, "contact": contact, "strength": strength, "place": place}
+                {
+                    "node": node,
+                    "partner": partner,
+                    "contact": contact,
+                    "strength": strength,
+                    "place": place,
+                }
             )
         self.weights: dict[int, dict[tuple, float]] = {}
         for index, contacts in self.contacts.items():
@@ -51,7 +62,11 @@ class Balance:
     def squared(self, index: int, distance: float) -> float:
         """Square of an object's gain, at most 1."""
         item = self.graph.table.objects[index]
-        gain = float(item.propagation.gain(np.array(distance), item.kappa, item.rho, self.graph.table.epsilon))
+        gain = float(
+            item.propagation.gain(
+                np.array(distance), item.kappa, item.rho, self.graph.table.epsilon
+            )
+        )
         if self.band is not None:
             spectrum = item.propagation.spectrum
             decays = item.propagation.band_decays(item.kappa, item.rho)
@@ -65,20 +80,37 @@ class Balance:
         item = self.graph.table.objects[index]
 
         def gain(distance: float) -> float:
-            return float(item.propagation.gain(np.array(distance), item.kappa, item.rho, self.graph.table.epsilon))
+            return float(
+                item.propagation.gain(
+                    np.array(distance), item.kappa, item.rho, self.graph.table.epsilon
+                )
+            )
 
         wanted = gain(0.0) / math.e
         if extent == 0 or gain(0.0) == 0 or gain(extent) >= wanted:
             return math.inf
         low, high = 0.0, extent
         for _ in range(200):
-            low, high = ((low + high) / 2, high) if gain((low + high) / 2) >= wanted else (low, (low + high) / 2)
+            low, high = (
+                ((low + high) / 2, high)
+                if gain((low + high) / 2) >= wanted
+                else (low, (low + high) / 2)
+            )
         return high
 
     def _attach(self, index: int, contacts: list[dict]) -> None:
         middle, axes = self.graph.frames.centre[index], self.graph.frames.axes[index]
         if np.isnan(middle[0]):
-            middle = np.array([(_mean_between(contacts, k, 0.05, 0.15) + _mean_between(contacts, k, 0.85, 0.95)) / 2 for k in range(3)])
+            middle = np.array(
+                [
+                    (
+                        _mean_between(contacts, k, 0.05, 0.15)
+                        + _mean_between(contacts, k, 0.85, 0.95)
+                    )
+                    / 2
+                    for k in range(3)
+                ]
+            )
         farthest = max(math.dist(c["place"], middle) for c in contacts)
         length = self.length(index, 2 * farthest)
         for contact in contacts:
@@ -108,32 +140,50 @@ class Balance:
                 weight = contact["strength"] * self.weights[contact["node"]].get(region, 0.0)
                 if weight > 0:
                     total, moment = parts.get(contact["contact"], (0.0, np.zeros(3)))
-                    parts[contact["contact"]] = total + weight, moment + weight * np.array(contact["place"])
+                    parts[contact["contact"]] = (
+                        total + weight,
+                        moment + weight * np.array(contact["place"]),
+                    )
             places = [(strength, moment / strength) for strength, moment in parts.values()]
             total = sum(strength for strength, _ in places)
             self.centre[region] = sum(strength * place for strength, place in places) / total
-            pairs = [(a * b, float(np.sum((x - y) ** 2))) for (a, x), (b, y) in itertools.permutations(places, 2)]
-            self.distance[region] = math.sqrt(sum(w * d for w, d in pairs) / max(sum(w for w, _ in pairs), 2.0))
-            self.mass[region] = 1.0 if region[1] is None else min(1.0, max(s for s, _ in places) / max(totals.values()))
+            pairs = [
+                (a * b, float(np.sum((x - y) ** 2)))
+                for (a, x), (b, y) in itertools.permutations(places, 2)
+            ]
+            self.distance[region] = math.sqrt(
+                sum(w * d for w, d in pairs) / max(sum(w for w, _ in pairs), 2.0)
+            )
+            self.mass[region] = (
+                1.0
+                if region[1] is None
+                else min(1.0, max(s for s, _ in places) / max(totals.values()))
+            )
 
     def equations(self) -> tuple[list[float], dict[tuple[int, int], float], dict[int, float]]:
         """Dampings, couplings (both directions) and leaks to objects that transmit nothing."""
         through = [self.squared(region[0], self.distance[region]) for region in self.regions]
-        damping = [self.mass[r] / (f if f > 0 else 1.0) for r, f in zip(self.regions, through, strict=True)]
+        damping = [
+            self.mass[r] / (f if f > 0 else 1.0) for r, f in zip(self.regions, through, strict=True)
+        ]
         couplings: dict[tuple[int, int], float] = {}
         for contact in (c for contacts in self.contacts.values() for c in contacts):
             gain = float(self.graph.transmission[contact["contact"]])
             if self.band is not None and self.graph.contact_band_gains is not None:
                 gain *= float(self.graph.contact_band_gains[contact["contact"], self.band])
             value = min(gain, 1.0) ** 2
-            for (a, wa), (b, wb) in itertools.product(self.weights[contact["node"]].items(), self.weights[contact["partner"]].items()):
+            for (a, wa), (b, wb) in itertools.product(
+                self.weights[contact["node"]].items(), self.weights[contact["partner"]].items()
+            ):
                 pair = self.number[a], self.number[b]
                 couplings[pair] = couplings.get(pair, 0.0) + value * wa * wb
         for a, b in itertools.permutations(self.regions, 2):
             if a[0] == b[0] and through[self.number[a]] > 0 and through[self.number[b]] > 0:
                 across = self.squared(a[0], math.dist(self.centre[a], self.centre[b]))
                 value = across * damping[self.number[a]] * damping[self.number[b]]
-                couplings[self.number[a], self.number[b]] = couplings.get((self.number[a], self.number[b]), 0.0) + value
+                couplings[self.number[a], self.number[b]] = (
+                    couplings.get((self.number[a], self.number[b]), 0.0) + value
+                )
         leak: dict[int, float] = {}
         for a, b in list(couplings):
             if through[b] == 0:
@@ -153,14 +203,19 @@ class Balance:
         felt = {r: self.squared(index, max(0.0, away[r] - reach)) for r in here}
         if not here or max(felt.values()) == 0:
             return {}
-        if max(arriving.values()) == 0:  # the nearest regions alone: those around one contact have the same centre but for rounding
+        # The nearest regions alone: those around one contact have the same centre but for rounding.
+        if max(arriving.values()) == 0:
             arriving = {r: float(away[r] <= min(away.values()) * (1 + 1e-9)) for r in here}
         nearest = max(arriving.values())
         share = {r: (arriving[r] / nearest) ** 4 * self.mass[r] for r in here}
         total = sum(share.values())
         at_once = self.squared(index, 0.0)
         return {
-            self.number[r]: (share[r] / total, share[r] / total * min(1.0, felt[r] / at_once) * self.passes[self.number[r]]) for r in here
+            self.number[r]: (
+                share[r] / total,
+                share[r] / total * min(1.0, felt[r] / at_once) * self.passes[self.number[r]],
+            )
+            for r in here
         }
 
 
@@ -183,11 +238,25 @@ def energy_gain(graph: HapticGraph, row: int, column: int, band: int | None = No
         if graph.node_object[node] == graph.node_object[listener]:
             index = int(graph.node_object[node])
             away = math.dist(graph.node_position[node], graph.node_position[listener])
-            straight = balance.squared(index, max(0.0, away - (0.0 if graph.reach is None else float(graph.reach[listener]))))
+            straight = balance.squared(
+                index,
+                max(0.0, away - (0.0 if graph.reach is None else float(graph.reach[listener]))),
+            )
             left, spread = 1.0, 0.0
             if any(region[0] == index for region in balance.regions):
-                inside = {k: 1 / balance.squared(index, balance.distance[balance.regions[k]]) for k in put_in if balance.passes[k]}
-                left = min(1.0, sum(put_in[k][0] * heard[k][0] * inside.get(k, 1.0) / total[k] for k in put_in if k in heard))
+                inside = {
+                    k: 1 / balance.squared(index, balance.distance[balance.regions[k]])
+                    for k in put_in
+                    if balance.passes[k]
+                }
+                left = min(
+                    1.0,
+                    sum(
+                        put_in[k][0] * heard[k][0] * inside.get(k, 1.0) / total[k]
+                        for k in put_in
+                        if k in heard
+                    ),
+                )
                 spread = sum(put_in[k][1] * heard[k][1] / total[k] for k in put_in if k in heard)
             level += (left * straight - spread) / len(sources)
     if count and any(power):
@@ -196,8 +265,11 @@ def energy_gain(graph: HapticGraph, row: int, column: int, band: int | None = No
     return float(mpmath.sqrt(min(max(level, 0), 1)))
 
 
-def solved(total: list[float], couplings: dict[tuple[int, int], float], power: list[float]) -> list[mpmath.mpf]:
-    """Energies of the balance with diagonal ``total`` and ``couplings``: LU in double precision, refined with residuals of 40 digits."""
+def solved(
+    total: list[float], couplings: dict[tuple[int, int], float], power: list[float]
+) -> list[mpmath.mpf]:
+    """Energies of the balance with diagonal ``total`` and ``couplings``: LU in double precision,
+    refined with residuals of 40 digits."""
     matrix = np.diag(np.array(total))
     for (a, b), value in couplings.items():
         matrix[a, b] -= value
@@ -208,8 +280,14 @@ def solved(total: list[float], couplings: dict[tuple[int, int], float], power: l
             if scale <= mpmath.mpf(max(power)) * 1e-25:  # no double: it may be below all of them
                 return energy
             step = np.linalg.solve(matrix, [float(part / scale) for part in residual])
-            energy = [known + scale * mpmath.mpf(float(part)) for known, part in zip(energy, step, strict=True)]
-            residual = [mpmath.mpf(put) - mpmath.mpf(own) * known for put, own, known in zip(power, total, energy, strict=True)]
+            energy = [
+                known + scale * mpmath.mpf(float(part))
+                for known, part in zip(energy, step, strict=True)
+            ]
+            residual = [
+                mpmath.mpf(put) - mpmath.mpf(own) * known
+                for put, own, known in zip(power, total, energy, strict=True)
+            ]
             for (a, b), value in couplings.items():
                 residual[a] += mpmath.mpf(value) * energy[b]
     raise ArithmeticError("the refinement does not converge")

@@ -44,8 +44,9 @@ LAYERS = (
 class Import:
     """One imported name.
 
-    ``importer`` and, where ``own``, ``imported`` are modules relative to the package ("core.contacts.tracker"); of other packages
-    ``imported`` is the top-level name. ``inside``: the statement stands in a function.
+    ``importer`` and, where ``own``, ``imported`` are modules relative to the package
+    ("core.contacts.tracker"); of other packages ``imported`` is the top-level name. ``inside``: the
+    statement stands in a function.
     """
 
     importer: str
@@ -60,18 +61,32 @@ class Import:
 
 def modules(root: Path) -> dict[str, Path]:
     """File by module name, relative to the package, whose own module is "__init__"."""
-    paths = [root / "__init__.py", *(path for part in PARTS for path in sorted((root / part).rglob("*.py")))]
-    return {".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
+    paths = [
+        root / "__init__.py",
+        *(path for part in PARTS for path in sorted((root / part).rglob("*.py"))),
+    ]
+    return {
+        ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in paths
+    }
 
 
 def imports(root: Path) -> list[Import]:
     """Every import statement of the package, one entry per name."""
     known = modules(root)
-    return [found for name, path in known.items() for found in _imports_of(name, path, known.keys())]
+    return [
+        found for name, path in known.items() for found in _imports_of(name, path, known.keys())
+    ]
 
 
 def _imports_of(name: str, path: Path, known: Iterable[str]) -> Iterator[Import]:
-    package = [] if name == "__init__" else name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
+    package = (
+        []
+        if name == "__init__"
+        else name.split(".")
+        if path.name == "__init__.py"
+        else name.split(".")[:-1]
+    )
     for node, inside in _statements(ast.parse(path.read_text(encoding="utf-8")), False):
         if isinstance(node, ast.Import):
             for alias in node.names:
@@ -79,13 +94,25 @@ def _imports_of(name: str, path: Path, known: Iterable[str]) -> Iterator[Import]
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
             yield Import(name, node.module.split(".")[0], node.lineno, False, inside)
         elif isinstance(node, ast.ImportFrom) and node.level:
-            base = ".".join([*package[: len(package) - node.level + 1], *([node.module] if node.module else [])]) or "__init__"
-            for target in {f"{base}.{alias.name}" if f"{base}.{alias.name}" in known else base for alias in node.names}:
+            base = (
+                ".".join(
+                    [
+                        *package[: len(package) - node.level + 1],
+                        *([node.module] if node.module else []),
+                    ]
+                )
+                or "__init__"
+            )
+            for target in {
+                f"{base}.{alias.name}" if f"{base}.{alias.name}" in known else base
+                for alias in node.names
+            }:
                 yield Import(name, target, node.lineno, True, inside)
 
 
 def _statements(node: ast.AST, inside: bool) -> Iterator[tuple[ast.stmt, bool]]:
-    """All statements below a node, and whether each stands in a function. Statements hold others in lists; expressions hold none."""
+    """All statements below a node, and whether each stands in a function. Statements hold others in
+    lists; expressions hold none."""
     inside = inside or isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
     for part in vars(node).values():
         for inner in part if isinstance(part, list) else ():
@@ -96,13 +123,21 @@ def _statements(node: ast.AST, inside: bool) -> Iterator[tuple[ast.stmt, bool]]:
 
 
 def cycles(edges: Iterable[tuple[str, str]]) -> list[list[str]]:
-    """The groups of two or more that can each be reached from the others (strongly connected components), sorted."""
+    """The groups of two or more that can each be reached from the others (strongly connected
+    components), sorted."""
     import networkx
 
     graph = networkx.DiGraph(edge for edge in edges if edge[0] != edge[1])
-    return sorted(sorted(component) for component in networkx.strongly_connected_components(graph) if len(component) > 1)
+    return sorted(
+        sorted(component)
+        for component in networkx.strongly_connected_components(graph)
+        if len(component) > 1
+    )
 
 
 def layer(module: str) -> str:
-    """The part of `LAYERS` that a module belongs to; of a package that only contains layers, its own name."""
-    return next((part for row in LAYERS for part in row if f"{module}.".startswith(f"{part}.")), module)
+    """The part of `LAYERS` that a module belongs to; of a package that only contains layers, its
+    own name."""
+    return next(
+        (part for row in LAYERS for part in row if f"{module}.".startswith(f"{part}.")), module
+    )

@@ -1,6 +1,7 @@
 """What makes a level one that a designer can compare by a decibel, as checks of a haptic scene.
 
-Each is an assertion about the strategies that are always well posed: `AUTO`, the default, and `ENERGY_BALANCE`.
+Each is an assertion about the strategies that are always well posed: `AUTO`, the default, and
+`ENERGY_BALANCE`.
 """
 
 from __future__ import annotations
@@ -15,7 +16,16 @@ from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import Propagation, propagate
 from haptic_tracing.core.scene.measured import physical
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Mode, Pose, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Mode,
+    Pose,
+    Source,
+    Strategy,
+)
 
 WELL_POSED = (Strategy.AUTO, Strategy.ENERGY_BALANCE)
 MOVED = 0.002
@@ -35,7 +45,9 @@ def traced(scene: HapticScene, strategy: Strategy, **settings: object) -> Propag
 def decibels(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Differences of levels (n,) of all pairs that are above `QUIET` in either."""
     chosen = np.maximum(one, other) > QUIET
-    return np.abs(20 * np.log10(np.maximum(one[chosen], 1e-300) / np.maximum(other[chosen], 1e-300)))
+    return np.abs(
+        20 * np.log10(np.maximum(one[chosen], 1e-300) / np.maximum(other[chosen], 1e-300))
+    )
 
 
 def check_bounded(scene: HapticScene, strategy: Strategy) -> None:
@@ -45,17 +57,23 @@ def check_bounded(scene: HapticScene, strategy: Strategy) -> None:
 
 
 def check_cut_offs(scene: HapticScene, strategy: Strategy) -> None:
-    """A tenth of the threshold and twice the connections change nothing that was above the threshold, or nothing at all."""
+    """A tenth of the threshold and twice the connections change nothing that was above the
+    threshold, or nothing at all."""
     here, threshold = traced(scene, strategy).gain, scene.settings.threshold
     above = here >= threshold
-    for finer in ({"threshold": threshold / 10}, {"max_connections": 64}, {"max_connections": None}):
+    for finer in (
+        {"threshold": threshold / 10},
+        {"max_connections": 64},
+        {"max_connections": None},
+    ):
         found = traced(scene, strategy, **finer).gain
         assert found[above].tolist() == here[above].tolist()
         assert (found >= here).all()
 
 
 def slope(item: HapticObject, epsilon: float, extent: float) -> float:
-    """Most that the gain of an object changes with distance [dB/m], within ``extent`` metres and but for what is silent."""
+    """Most that the gain of an object changes with distance [dB/m], within ``extent`` metres and
+    but for what is silent."""
     along = np.linspace(0.0, max(extent, 0.01), 200)
     gains = item.propagation.gain(along, item.kappa, item.rho, epsilon)
     levels = 20 * np.log10(np.maximum(gains, QUIET))
@@ -63,26 +81,39 @@ def slope(item: HapticObject, epsilon: float, extent: float) -> float:
 
 
 def check_steady(scene: HapticScene, strategy: Strategy, seed: int) -> None:
-    """Contacts, sources and listeners that move by 2 mm change a level by no more than the functions along its way do, and 0.1 dB."""
+    """Contacts, sources and listeners that move by 2 mm change a level by no more than the
+    functions along its way do, and 0.1 dB."""
     random = np.random.default_rng(seed)
 
     def moved(place: tuple[float, ...]) -> tuple[float, ...]:
         step = random.normal(size=3)
-        return tuple((np.array(place) + MOVED * random.uniform() * step / np.linalg.norm(step)).tolist())
+        return tuple(
+            (np.array(place) + MOVED * random.uniform() * step / np.linalg.norm(step)).tolist()
+        )
 
     contacts = []
     for contact in scene.contacts:
         place = moved(contact.positions[0])
         shift = np.array(place) - contact.positions[0]
-        contacts.append(dataclasses.replace(contact, positions=(place, tuple((np.array(contact.positions[1]) + shift).tolist()))))
+        contacts.append(
+            dataclasses.replace(
+                contact, positions=(place, tuple((np.array(contact.positions[1]) + shift).tolist()))
+            )
+        )
     other = dataclasses.replace(
         scene,
         contacts=tuple(contacts),
         sources=tuple(
-            item if item.position is None else dataclasses.replace(item, position=moved(item.position)) for item in scene.sources
+            item
+            if item.position is None
+            else dataclasses.replace(item, position=moved(item.position))
+            for item in scene.sources
         ),
         listeners=tuple(
-            item if item.position is None else dataclasses.replace(item, position=moved(item.position)) for item in scene.listeners
+            item
+            if item.position is None
+            else dataclasses.replace(item, position=moved(item.position))
+            for item in scene.listeners
         ),
     )
     before, after = (traced(item, strategy, threshold=0.0) for item in (scene, other))
@@ -92,9 +123,20 @@ def check_steady(scene: HapticScene, strategy: Strategy, seed: int) -> None:
         ways = [result.best_path[pair] for result in (before, after) if pair in result.best_path]
         if not ways:
             continue
-        inside = [sum(slopes[graph.node_object[a]] for a, b in itertools.pairwise(way) if graph.partner[a] != b) for way in ways]
+        inside = [
+            sum(
+                slopes[graph.node_object[a]]
+                for a, b in itertools.pairwise(way)
+                if graph.partner[a] != b
+            )
+            for way in ways
+        ]
         change = decibels(before.gain[pair].reshape(1), after.gain[pair].reshape(1))
-        assert (change <= 2 * MOVED * max(inside) + STILL).all(), (pair, change, 2 * MOVED * max(inside))
+        assert (change <= 2 * MOVED * max(inside) + STILL).all(), (
+            pair,
+            change,
+            2 * MOVED * max(inside),
+        )
 
 
 def slopes_of(graph: HapticGraph) -> list[float]:
@@ -102,16 +144,30 @@ def slopes_of(graph: HapticGraph) -> list[float]:
     found = []
     for index, item in enumerate(graph.table.objects):
         places = graph.node_position[graph.nodes_of(index)]
-        found.append(slope(item, graph.table.epsilon, float(np.linalg.norm(np.ptp(places, axis=0))) if len(places) else 0.0))
+        found.append(
+            slope(
+                item,
+                graph.table.epsilon,
+                float(np.linalg.norm(np.ptp(places, axis=0))) if len(places) else 0.0,
+            )
+        )
     return found
 
 
-def check_local(scene: HapticScene, strategy: Strategy, far: str, place: tuple[float, float, float], most: float = STILL) -> None:
-    """A pebble of stone that touches only the object ``far``, at a ``place`` away from all ways, changes nothing, or an energy balance by
-    less than ``most`` decibels."""
+def check_local(
+    scene: HapticScene,
+    strategy: Strategy,
+    far: str,
+    place: tuple[float, float, float],
+    most: float = STILL,
+) -> None:
+    """A pebble of stone that touches only the object ``far``, at a ``place`` away from all ways,
+    changes nothing, or an energy balance by less than ``most`` decibels."""
     pebble = HapticObject("a pebble", 0.1, 0.9, physical("stone", (0.1, 0.1, 0.1)))
     touching = Contact((far, pebble.name), (place, place))
-    other = dataclasses.replace(scene, objects=(*scene.objects, pebble), contacts=(*scene.contacts, touching))
+    other = dataclasses.replace(
+        scene, objects=(*scene.objects, pebble), contacts=(*scene.contacts, touching)
+    )
     before, after = (traced(item, strategy).gain for item in (scene, other))
     if strategy is Strategy.AUTO:
         assert before.tobytes() == after.tobytes()
@@ -120,42 +176,63 @@ def check_local(scene: HapticScene, strategy: Strategy, far: str, place: tuple[f
 
 
 def check_shown(graph: HapticGraph, result: Propagation, threshold: float) -> None:
-    """The way that is shown makes the number: the product of its connections, and none is stronger by NetworkX's own search."""
+    """The way that is shown makes the number: the product of its connections, and none is stronger
+    by NetworkX's own search."""
     for row, source in enumerate(graph.sources):
         explicit = graph.in_band(source.band).to_networkx()
         for edge in explicit.edges.values():
             edge["cost"] = -math.log(edge["gain"]) if edge["gain"] > 0 else math.inf
-        explicit.remove_edges_from([ends for ends, edge in explicit.edges.items() if edge["cost"] == math.inf])
-        costs = networkx.multi_source_dijkstra_path_length(explicit, set(source.nodes), weight="cost")
+        explicit.remove_edges_from(
+            [ends for ends, edge in explicit.edges.items() if edge["cost"] == math.inf]
+        )
+        costs = networkx.multi_source_dijkstra_path_length(
+            explicit, set(source.nodes), weight="cost"
+        )
         for column, target in enumerate(graph.listener_nodes.tolist()):
-            gain = float(result.gain[row, column] if result.band_gain is None else result.band_gain[row, column, source.band])
+            gain = float(
+                result.gain[row, column]
+                if result.band_gain is None
+                else result.band_gain[row, column, source.band]
+            )
             nodes = result.best_path.get((row, column), ())
             best = math.exp(-costs[target]) if target in costs else 0.0
             assert (gain > 0) == bool(nodes)
             if nodes:
                 assert nodes[0] in source.nodes and nodes[-1] == target
-                product = math.prod(explicit.edges[edge]["gain"] for edge in itertools.pairwise(nodes))
+                product = math.prod(
+                    explicit.edges[edge]["gain"] for edge in itertools.pairwise(nodes)
+                )
                 assert abs(product / gain - 1) < 1e-9 and abs(best / gain - 1) < 1e-9
             else:
                 assert best < threshold
 
 
 def pile_scene(seed: int, count: int = 24) -> HapticScene:
-    """Boxes of half a metre on a ground of 20 m, each touching the ground and most of its neighbours; three sources, ten listeners."""
+    """Boxes of half a metre on a ground of 20 m, each touching the ground and most of its
+    neighbours; three sources, ten listeners."""
     random = np.random.default_rng(seed)
     side = math.ceil(math.sqrt(count))
     middles = [np.array([k % side * 0.5, k // side * 0.5, 0.25]) for k in range(count)]
     names = [f"box {k:03d}" for k in range(count)]
     boxes = [
-        HapticObject(name, *random.uniform([0.0, 0.4], [0.6, 1.0]).tolist(), shape=Box((0.5, 0.5, 0.5)), pose=Pose(tuple(middle.tolist())))
+        HapticObject(
+            name,
+            *random.uniform([0.0, 0.4], [0.6, 1.0]).tolist(),
+            shape=Box((0.5, 0.5, 0.5)),
+            pose=Pose(tuple(middle.tolist())),
+        )
         for name, middle in zip(names, middles, strict=True)
     ]
     ground = HapticObject("ground", 0.1, 0.9, shape=Box((40, 40, 1)), pose=Pose((0, 0, -0.5)))
-    touching = [("ground", name, middle * [1, 1, 0]) for name, middle in zip(names, middles, strict=True)]
+    touching = [
+        ("ground", name, middle * [1, 1, 0]) for name, middle in zip(names, middles, strict=True)
+    ]
     for (a, one), (b, two) in itertools.combinations(zip(names, middles, strict=True), 2):
         if np.abs(one - two).sum() < 0.6 and random.uniform() < 0.8:
             touching.append((a, b, (one + two) / 2 + random.uniform(-0.1, 0.1, 3)))
-    contacts = [Contact((a, b), (tuple(place.tolist()), tuple(place.tolist()))) for a, b, place in touching]
+    contacts = [
+        Contact((a, b), (tuple(place.tolist()), tuple(place.tolist()))) for a, b, place in touching
+    ]
     chosen = random.permutation(count).tolist()
     inside = [tuple((middle + random.uniform(-0.2, 0.2, 3)).tolist()) for middle in middles]
     return HapticScene(

@@ -1,4 +1,5 @@
-"""Random scenes, and two references that share nothing with the product's propagation: NetworkX's simple paths, and plain recursion."""
+"""Random scenes, and two references that share nothing with the product's propagation: NetworkX's
+simple paths, and plain recursion."""
 
 from __future__ import annotations
 
@@ -8,7 +9,15 @@ from random import Random
 
 import networkx
 from haptic_tracing.core.graph.haptic_graph import HapticGraph
-from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction
+from haptic_tracing.core.scene.functions import (
+    Constant,
+    Exponential,
+    Expression,
+    HapticTracing,
+    Identity,
+    Linear,
+    ModulationFunction,
+)
 from haptic_tracing.core.scene.functions.physical import Physical, Wave
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Source
 from haptic_tracing.core.signals import Sine
@@ -21,30 +30,47 @@ METRIC: tuple[ModulationFunction, ...] = (
     Constant(gain_value=1.0),
     Identity(),
     Constant(gain_value=0.0),
-    Physical(wave=Wave.SURFACE, loss_factor=0.2, phase_speed=200.0, reference_distance=0.3, extent=1.0),
+    Physical(
+        wave=Wave.SURFACE, loss_factor=0.2, phase_speed=200.0, reference_distance=0.3, extent=1.0
+    ),
 )
 LOW = Sine(25.0)
 """A signal in the lowest band, for which the path of the largest plain gain is the best one."""
-OTHER: tuple[ModulationFunction, ...] = (Linear(range=3.0), Expression(expression="x / (1 + d)"), Expression(expression="0.9 * exp(-d**2)"))
-AMPLIFYING: tuple[ModulationFunction, ...] = (Constant(gain_value=1.5), Expression(expression="x * (1.2 - 0.1 * d)"))
+OTHER: tuple[ModulationFunction, ...] = (
+    Linear(range=3.0),
+    Expression(expression="x / (1 + d)"),
+    Expression(expression="0.9 * exp(-d**2)"),
+)
+AMPLIFYING: tuple[ModulationFunction, ...] = (
+    Constant(gain_value=1.5),
+    Expression(expression="x * (1.2 - 0.1 * d)"),
+)
 
 
 @st.composite
 def scenes(
     draw: st.DrawFn,
     functions: tuple[ModulationFunction, ...] = METRIC,
-    transmissions: tuple[ModulationFunction, ...] = (Identity(), Constant(gain_value=0.7), Exponential(alpha=1.0)),
+    transmissions: tuple[ModulationFunction, ...] = (
+        Identity(),
+        Constant(gain_value=0.7),
+        Exponential(alpha=1.0),
+    ),
     most_contacts: int = 6,
     listeners: int = 2,
     refined: bool = False,
 ) -> HapticScene:
-    """Few objects, contacts between any two of them (also several between the same two), a source that may have two sides."""
+    """Few objects, contacts between any two of them (also several between the same two), a source
+    that may have two sides."""
     count = draw(st.integers(1, 5))
     names = [f"o{i}" for i in range(count)]
     place = st.tuples(*[st.integers(-6, 6).map(lambda v: v / 4)] * 3)
     objects = tuple(
         HapticObject(
-            name, draw(st.sampled_from([0.0, 0.1, 0.5, 1.0])), draw(st.sampled_from([0.3, 0.8, 1.0])), draw(st.sampled_from(functions))
+            name,
+            draw(st.sampled_from([0.0, 0.1, 0.5, 1.0])),
+            draw(st.sampled_from([0.3, 0.8, 1.0])),
+            draw(st.sampled_from(functions)),
         )
         for name in names
     )
@@ -54,16 +80,29 @@ def scenes(
         share = draw(st.sampled_from([1.0, 0.5])) if refined else 1.0
         at = draw(place)
         contacts.append(
-            Contact((first, second), (at, draw(st.sampled_from([at, draw(place)]))), draw(st.sampled_from(transmissions)), share=share)
+            Contact(
+                (first, second),
+                (at, draw(st.sampled_from([at, draw(place)]))),
+                draw(st.sampled_from(transmissions)),
+                share=share,
+            )
         )
     second_object = draw(st.sampled_from([None, *names]))
-    source = Source("s", draw(st.sampled_from(names)), draw(place), signal=LOW, second_object=second_object)
-    heard = tuple(Listener(f"l{k}", draw(st.sampled_from(names)), draw(place)) for k in range(draw(st.integers(1, listeners))))
+    source = Source(
+        "s", draw(st.sampled_from(names)), draw(place), signal=LOW, second_object=second_object
+    )
+    heard = tuple(
+        Listener(f"l{k}", draw(st.sampled_from(names)), draw(place))
+        for k in range(draw(st.integers(1, listeners)))
+    )
     return HapticScene(objects, tuple(contacts), (source,), heard)
 
 
-def networkx_paths(graph: HapticGraph, row: int, column: int) -> Iterator[tuple[tuple[int, ...], list[float]]]:
-    """Nodes and gains of all paths: NetworkX's simple paths without two intra-connections in a row."""
+def networkx_paths(
+    graph: HapticGraph, row: int, column: int
+) -> Iterator[tuple[tuple[int, ...], list[float]]]:
+    """Nodes and gains of all paths: NetworkX's simple paths without two intra-connections in a
+    row."""
     explicit = graph.to_networkx()
     target = int(graph.listener_nodes[column])
     for root in graph.sources[row].nodes:
@@ -74,7 +113,9 @@ def networkx_paths(graph: HapticGraph, row: int, column: int) -> Iterator[tuple[
                 yield tuple(path), [edge["gain"] for edge in edges]
 
 
-def recursive_paths(graph: HapticGraph, row: int, column: int) -> Iterator[tuple[tuple[int, ...], list[float]]]:
+def recursive_paths(
+    graph: HapticGraph, row: int, column: int
+) -> Iterator[tuple[tuple[int, ...], list[float]]]:
     """The same by recursion over contacts, from the definition."""
     inside: dict[int, list[tuple[int, float]]] = {}
     across: dict[tuple[int, int], float] = {}
@@ -87,7 +128,9 @@ def recursive_paths(graph: HapticGraph, row: int, column: int) -> Iterator[tuple
     partners = graph.partner.tolist()
     target = int(graph.listener_nodes[column])
 
-    def onwards(path: tuple[int, ...], gains: list[float]) -> Iterator[tuple[tuple[int, ...], list[float]]]:
+    def onwards(
+        path: tuple[int, ...], gains: list[float]
+    ) -> Iterator[tuple[tuple[int, ...], list[float]]]:
         for other, gain in inside.get(path[-1], ()):
             if other in path:
                 continue
@@ -102,7 +145,8 @@ def recursive_paths(graph: HapticGraph, row: int, column: int) -> Iterator[tuple
 
 
 def meets(gains: list[float], max_connections: int | None, threshold: float) -> bool:
-    """A path within both limits: it stops where the product of its gains falls below the threshold, exactly met goes on."""
+    """A path within both limits: it stops where the product of its gains falls below the threshold,
+    exactly met goes on."""
     if max_connections is not None and len(gains) > max_connections:
         return False
     least = threshold * (1 - 1e-12)
@@ -125,7 +169,8 @@ def connected_scene(
     size: float = 1.0,
     refined: bool = False,
 ) -> HapticScene:
-    """A scene in one component with up to ``extra`` contacts more than a tree needs: longer paths than `scenes` draws."""
+    """A scene in one component with up to ``extra`` contacts more than a tree needs: longer paths
+    than `scenes` draws."""
     random = Random(seed)
     count = random.randint(2, most_objects)
     names = [f"o{i}" for i in range(count)]
@@ -133,15 +178,37 @@ def connected_scene(
     def place() -> tuple[float, float, float]:
         return (random.uniform(0, size), random.uniform(0, size), random.uniform(0, size))
 
-    objects = tuple(HapticObject(name, random.uniform(0, 0.5), random.uniform(0.5, 1.0), random.choice(functions)) for name in names)
+    objects = tuple(
+        HapticObject(
+            name, random.uniform(0, 0.5), random.uniform(0.5, 1.0), random.choice(functions)
+        )
+        for name in names
+    )
     ends = [(names[i], names[random.choice([i - 1, random.randrange(i)])]) for i in range(1, count)]
     ends += [tuple(random.sample(names, 2)) for _ in range(random.randint(0, extra))]
     contacts = []
     for pair in ends:
         at = place()
         points = random.randint(1, 2) if refined else 1
-        contacts += [Contact(pair, (at if k == 0 else place(), at), random.choice(transmissions), share=1 / points) for k in range(points)]
+        contacts += [
+            Contact(
+                pair,
+                (at if k == 0 else place(), at),
+                random.choice(transmissions),
+                share=1 / points,
+            )
+            for k in range(points)
+        ]
     random.shuffle(contacts)
-    source = Source("s", names[0], place(), signal=LOW, second_object=names[1] if random.random() < 0.2 else None)
-    heard = tuple(Listener(f"l{k}", random.choice([names[-1], random.choice(names)]), place()) for k in range(random.randint(1, listeners)))
+    source = Source(
+        "s",
+        names[0],
+        place(),
+        signal=LOW,
+        second_object=names[1] if random.random() < 0.2 else None,
+    )
+    heard = tuple(
+        Listener(f"l{k}", random.choice([names[-1], random.choice(names)]), place())
+        for k in range(random.randint(1, listeners))
+    )
     return HapticScene(objects, tuple(contacts), (source,), heard)

@@ -1,4 +1,5 @@
-"""The console program in a process of its own, with a temporary folder in which it must leave nothing."""
+"""The console program in a process of its own, with a temporary folder in which it must leave
+nothing."""
 
 import os
 import subprocess
@@ -16,6 +17,8 @@ def run(*arguments, cwd=None):
     """Run the program to its end."""
     command = [sys.executable, "-m", "haptic_tracing", *map(str, arguments)]
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(command, env=environment(folder), cwd=cwd, capture_output=True, text=True, timeout=300)
+        done = subprocess.run(
+            command, env=environment(folder), cwd=cwd, capture_output=True, text=True, timeout=300
+        )
         assert not any(Path(folder).iterdir())
     return done

@@ -1,8 +1,10 @@
-"""Boxes, rods and hulls thrown onto a plane, simulated at 960 steps a second, with the exact times of their blows.
+"""Boxes, rods and hulls thrown onto a plane, simulated at 960 steps a second, with the exact times
+of their blows.
 
-In flight a body moves as a free rigid body does: its centre on a parabola, its turning with constant angular momentum (midpoint rule). It
-meets the plane when its lowest corner does, found by bisection; impulses on the corners (restitution, Coulomb friction) follow. Nothing of
-the product's geometry or motion is used.
+In flight a body moves as a free rigid body does: its centre on a parabola, its turning with
+constant angular momentum (midpoint rule). It meets the plane when its lowest corner does, found by
+bisection; impulses on the corners (restitution, Coulomb friction) follow. Nothing of the product's
+geometry or motion is used.
 """
 
 from __future__ import annotations
@@ -23,8 +25,8 @@ _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z i
 
 @dataclass(frozen=True)
 class Thrown:
-    """A body of ``mass`` [kg], its ``poses`` (k, 4, 4) at each step up to 0.1 s after its first blow, at ``time`` [s] with ``energy``
-    [J] of its centre's motion."""
+    """A body of ``mass`` [kg], its ``poses`` (k, 4, 4) at each step up to 0.1 s after its first
+    blow, at ``time`` [s] with ``energy`` [J] of its centre's motion."""
 
     shape: Shape
     mass: float
@@ -34,7 +36,8 @@ class Thrown:
 
 
 def thrown(number: int) -> Thrown:
-    """One of the bodies: by turns a box, a rod and a hull, of random size, mass, height, velocity and spin."""
+    """One of the bodies: by turns a box, a rod and a hull, of random size, mass, height, velocity
+    and spin."""
     draw = np.random.default_rng(number)
     shape, corners = _shape(number % 3, draw)
     mass, height = draw.uniform(3, 40), draw.uniform(0.4, 4)
@@ -63,7 +66,9 @@ def thrown(number: int) -> Thrown:
             if first is None:
                 first = (len(poses) - 1) * _STEP + time, mass * velocity @ velocity / 2
             world = turn @ within @ turn.T
-            velocity, spin = _struck(corners @ turn.T, centre, velocity, world @ momentum, mass, world, restitution)
+            velocity, spin = _struck(
+                corners @ turn.T, centre, velocity, world @ momentum, mass, world, restitution
+            )
             momentum = np.linalg.solve(world, spin)
             rest = _STEP - time
             centre, turn = _flight(centre, velocity, turn, spin, rest)
@@ -79,7 +84,11 @@ def _shape(kind: int, draw: np.random.Generator) -> tuple[Shape, np.ndarray]:
         points = points[Hull(points).vertices]
         points = points - points.mean(axis=0)
         return ConvexHull(points), points
-    size = draw.uniform(0.2, 1.0, 3) if kind == 0 else np.array([draw.uniform(1, 2), *draw.uniform(0.03, 0.1, 2)])
+    size = (
+        draw.uniform(0.2, 1.0, 3)
+        if kind == 0
+        else np.array([draw.uniform(1, 2), *draw.uniform(0.03, 0.1, 2)])
+    )
     return Box(tuple(size)), _CORNERS * size
 
 
@@ -87,11 +96,19 @@ def _turned(vector: np.ndarray) -> np.ndarray:
     return Rotation.from_rotvec(vector).as_matrix()
 
 
-def _flight(centre: np.ndarray, velocity: np.ndarray, turn: np.ndarray, spin: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+def _flight(
+    centre: np.ndarray, velocity: np.ndarray, turn: np.ndarray, spin: np.ndarray, time: float
+) -> tuple[np.ndarray, np.ndarray]:
     return centre + velocity * time + _G * (time * time / 2), _turned(spin * time) @ turn
 
 
-def _meeting(corners: np.ndarray, centre: np.ndarray, velocity: np.ndarray, turn: np.ndarray, spin: np.ndarray) -> float:
+def _meeting(
+    corners: np.ndarray,
+    centre: np.ndarray,
+    velocity: np.ndarray,
+    turn: np.ndarray,
+    spin: np.ndarray,
+) -> float:
     """Seconds to the first touch within the step, its whole length where there is none."""
 
     def lowest(time: float) -> float:
@@ -108,9 +125,16 @@ def _meeting(corners: np.ndarray, centre: np.ndarray, velocity: np.ndarray, turn
 
 
 def _struck(
-    arms: np.ndarray, centre: np.ndarray, velocity: np.ndarray, spin: np.ndarray, mass: float, within: np.ndarray, restitution: float
+    arms: np.ndarray,
+    centre: np.ndarray,
+    velocity: np.ndarray,
+    spin: np.ndarray,
+    mass: float,
+    within: np.ndarray,
+    restitution: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Velocity and spin after the impulses on the corners ``arms`` that touch; ``within``: the inverse of the inertia."""
+    """Velocity and spin after the impulses on the corners ``arms`` that touch; ``within``: the
+    inverse of the inertia."""
     touching = arms[(arms + centre)[:, 2] < 1e-4]
     goals = -restitution * np.minimum((velocity + np.cross(spin, touching))[:, 2], 0.0)
     impulses = np.zeros((len(touching), 3))
@@ -119,9 +143,16 @@ def _struck(
             for axis in (2, 0, 1):
                 lever = np.cross(arm, np.eye(3)[axis])
                 now = (velocity + np.cross(spin, arm))[axis]
-                wish = impulse[axis] + ((goal if axis == 2 else 0.0) - now) / (1 / mass + lever @ within @ lever)
+                wish = impulse[axis] + ((goal if axis == 2 else 0.0) - now) / (
+                    1 / mass + lever @ within @ lever
+                )
                 most = _FRICTION * impulse[2]
-                added = (max(wish, 0.0) if axis == 2 else np.clip(wish, -most, most)) - impulse[axis]
+                added = (max(wish, 0.0) if axis == 2 else np.clip(wish, -most, most)) - impulse[
+                    axis
+                ]
                 impulse[axis] += added
-                velocity, spin = velocity + np.eye(3)[axis] * (added / mass), spin + within @ lever * added
+                velocity, spin = (
+                    velocity + np.eye(3)[axis] * (added / mass),
+                    spin + within @ lever * added,
+                )
     return velocity, spin

@@ -1,4 +1,5 @@
-"""Distances of meshes by brute force over all pairs of triangles, and insides by solid angles; concave meshes made by formulas."""
+"""Distances of meshes by brute force over all pairs of triangles, and insides by solid angles;
+concave meshes made by formulas."""
 
 from __future__ import annotations
 
@@ -25,8 +26,16 @@ def _to_triangle(points, a, b, c):
 
 
 def _between_segments(p0, p1, q0, q1):
-    """Least distance of the ends from the other segment, or that of the lines where it lies within both."""
-    least = np.minimum.reduce([_to_segment(p0, q0, q1), _to_segment(p1, q0, q1), _to_segment(q0, p0, p1), _to_segment(q1, p0, p1)])
+    """Least distance of the ends from the other segment, or that of the lines where it lies within
+    both."""
+    least = np.minimum.reduce(
+        [
+            _to_segment(p0, q0, q1),
+            _to_segment(p1, q0, q1),
+            _to_segment(q0, p0, p1),
+            _to_segment(q1, p0, p1),
+        ]
+    )
     u, v, w = p1 - p0, q1 - q0, p0 - q0
     cross = np.cross(u, v)
     area = (cross * cross).sum(-1)
@@ -63,12 +72,18 @@ def distance(first: np.ndarray, second: np.ndarray) -> float:
             least = min(least, _to_triangle(a[:, k], *b.transpose(1, 0, 2)).min())
     for i in range(3):
         for j in range(3):
-            least = min(least, _between_segments(one[:, i], one[:, (i + 1) % 3], other[:, j], other[:, (j + 1) % 3]).min())
+            least = min(
+                least,
+                _between_segments(
+                    one[:, i], one[:, (i + 1) % 3], other[:, j], other[:, (j + 1) % 3]
+                ).min(),
+            )
     return float(least)
 
 
 def is_inside(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Which points (n, 3) a closed surface winds around: the sum of the triangles' solid angles (van Oosterom and Strackee 1983)."""
+    """Which points (n, 3) a closed surface winds around: the sum of the triangles' solid angles
+    (van Oosterom and Strackee 1983)."""
     a, b, c = (triangles[:, k] - points[:, None] for k in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
     volume = (a * np.cross(b, c)).sum(-1)
@@ -77,13 +92,17 @@ def is_inside(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def _grid(points: np.ndarray, wraps: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, m, 3) closed along the second axis, and along the first if it ``wraps``; otherwise its ends are closed by fans."""
+    """Points (n, m, 3) closed along the second axis, and along the first if it ``wraps``; otherwise
+    its ends are closed by fans."""
     n, m = points.shape[:2]
     index = np.arange(n * m).reshape(n, m)
     rows = np.arange(n if wraps else n - 1)
     a, b = index[rows], index[(rows + 1) % n]
     c, d = np.roll(b, -1, axis=1), np.roll(a, -1, axis=1)
-    triangles = [np.stack([a, b, c], axis=-1).reshape(-1, 3), np.stack([a, c, d], axis=-1).reshape(-1, 3)]
+    triangles = [
+        np.stack([a, b, c], axis=-1).reshape(-1, 3),
+        np.stack([a, c, d], axis=-1).reshape(-1, 3),
+    ]
     points = points.reshape(-1, 3)
     if not wraps:
         for ring, flip in ((index[0], False), (index[-1], True)):
@@ -93,24 +112,32 @@ def _grid(points: np.ndarray, wraps: bool) -> tuple[np.ndarray, np.ndarray]:
     return points, np.concatenate(triangles)
 
 
-def torus(large: float = 0.3, small: float = 0.1, n: int = 16, m: int = 8) -> tuple[np.ndarray, np.ndarray]:
+def torus(
+    large: float = 0.3, small: float = 0.1, n: int = 16, m: int = 8
+) -> tuple[np.ndarray, np.ndarray]:
     """A ring around z."""
     u, v = np.meshgrid(2 * np.pi * np.arange(n) / n, 2 * np.pi * np.arange(m) / m, indexing="ij")
     r = large + small * np.cos(v)
-    return _outwards(*_grid(np.stack([r * np.cos(u), r * np.sin(u), small * np.sin(v)], axis=-1), True))
+    return _outwards(
+        *_grid(np.stack([r * np.cos(u), r * np.sin(u), small * np.sin(v)], axis=-1), True)
+    )
 
 
 def knot(n: int = 36, m: int = 6, radius: float = 0.06) -> tuple[np.ndarray, np.ndarray]:
     """A tube along a trefoil knot."""
     t = 2 * np.pi * np.arange(n) / n
-    centre = 0.13 * np.stack([np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)], axis=1)
+    centre = 0.13 * np.stack(
+        [np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)], axis=1
+    )
     along = np.roll(centre, -1, axis=0) - np.roll(centre, 1, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
     side = np.cross(along, [0.0, 0.0, 1.0])
     side /= np.linalg.norm(side, axis=1)[:, None]
     up = np.cross(side, along)
     v = 2 * np.pi * np.arange(m) / m
-    tube = centre[:, None] + radius * (np.cos(v)[:, None] * side[:, None] + np.sin(v)[:, None] * up[:, None])
+    tube = centre[:, None] + radius * (
+        np.cos(v)[:, None] * side[:, None] + np.sin(v)[:, None] * up[:, None]
+    )
     return _outwards(*_grid(tube, True))
 
 
@@ -118,14 +145,19 @@ def turned(profile: list[tuple[float, float]], m: int = 12) -> tuple[np.ndarray,
     """A body of revolution around z, its outline given as radius and height."""
     v = 2 * np.pi * np.arange(m) / m
     r, z = np.array(profile).T
-    points = np.stack([r[:, None] * np.cos(v), r[:, None] * np.sin(v), np.broadcast_to(z[:, None], (len(r), m))], axis=-1)
+    points = np.stack(
+        [r[:, None] * np.cos(v), r[:, None] * np.sin(v), np.broadcast_to(z[:, None], (len(r), m))],
+        axis=-1,
+    )
     return _outwards(*_grid(points, False))
 
 
 def prism(outline: list[tuple[float, float]], height: float) -> tuple[np.ndarray, np.ndarray]:
     """A prism along z over an outline around a point from which all of it is seen, the origin."""
     flat = np.array(outline)
-    rings = np.stack([np.column_stack([flat, np.full(len(flat), z)]) for z in (-height / 2, height / 2)])
+    rings = np.stack(
+        [np.column_stack([flat, np.full(len(flat), z)]) for z in (-height / 2, height / 2)]
+    )
     points, triangles = _grid(rings, False)
     points[-2:, :2] = 0
     return _outwards(points, triangles)
@@ -143,7 +175,10 @@ def box(size: tuple[float, float, float], parts: int = 1) -> tuple[np.ndarray, n
     side = np.linspace(-0.5, 0.5, parts + 1)
     u, v = (part.reshape(-1) for part in np.meshgrid(side, side, indexing="ij"))
     index = np.arange((parts + 1) ** 2).reshape(parts + 1, parts + 1)
-    a, b, c, d = (part.reshape(-1) for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
+    a, b, c, d = (
+        part.reshape(-1)
+        for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])
+    )
     face = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     points, triangles = [], []
     for axis in range(3):
@@ -157,12 +192,25 @@ def box(size: tuple[float, float, float], parts: int = 1) -> tuple[np.ndarray, n
 
 def _outwards(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The triangles counter-clockwise seen from outside."""
-    volume = np.einsum("ij,ij->", points[triangles[:, 0]], np.cross(points[triangles[:, 1]], points[triangles[:, 2]]))
+    volume = np.einsum(
+        "ij,ij->",
+        points[triangles[:, 0]],
+        np.cross(points[triangles[:, 1]], points[triangles[:, 2]]),
+    )
     return points, triangles if volume > 0 else triangles[:, ::-1]
 
 
 CUP = [(0.2, -0.2), (0.25, 0.2), (0.2, 0.2), (0.16, -0.15), (0.05, -0.15)]
-DUMBBELL = [(0.15, -0.35), (0.25, -0.25), (0.15, -0.15), (0.06, -0.1), (0.06, 0.1), (0.15, 0.15), (0.25, 0.25), (0.15, 0.35)]
+DUMBBELL = [
+    (0.15, -0.35),
+    (0.25, -0.25),
+    (0.15, -0.15),
+    (0.06, -0.1),
+    (0.06, 0.1),
+    (0.15, 0.15),
+    (0.25, 0.25),
+    (0.15, 0.35),
+]
 
 SOLIDS = {
     "torus": torus(),

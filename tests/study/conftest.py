@@ -21,7 +21,8 @@ def ride_file(tmp_path_factory: pytest.TempPathFactory) -> str:
     haptic_tracing.register()
     with suspended():
         scene = build_sample("mine_ride")
-        scene.rigidbody_world.enabled = False  # all of it moves by keys: nothing has to be simulated up to the frames wanted
+        # All of it moves by keys: nothing has to be simulated up to the frames wanted.
+        scene.rigidbody_world.enabled = False
     bpy.ops.wm.save_as_mainfile(filepath=path)
     haptic_tracing.unregister()
     return path
@@ -43,7 +44,9 @@ def baked() -> dict[tuple[int, int], Any]:
 
 
 @pytest.fixture(scope="module")
-def bake(request: pytest.FixtureRequest, baked: dict[tuple[int, int], Any]) -> Callable[[int, int], Any]:
+def bake(
+    request: pytest.FixtureRequest, baked: dict[tuple[int, int], Any]
+) -> Callable[[int, int], Any]:
     """Bakes frames of the ride in all four modes; the same range only once."""
     from haptic_tracing.study.baking import bake_ride
 

@@ -8,14 +8,18 @@ SIDES = ("hand.L", "hand.R")
 
 
 def test_active_are_those_above_a_hundredth_of_full_scale():
-    assert measures.active_count(np.array([[0.0, 0.01, 0.0101, 1.0], [0.0, 0.0, 0.0, 0.0]])).tolist() == [2, 0]
+    assert measures.active_count(
+        np.array([[0.0, 0.01, 0.0101, 1.0], [0.0, 0.0, 0.0, 0.0]])
+    ).tolist() == [2, 0]
 
 
 def test_spread_of_two_alike_is_half_their_distance_and_of_one_alone_nothing():
     positions = np.array([[0.0, 0.0, 0.0], [0.0, 3.0, 4.0]])
     levels = np.array([[0.2, 0.2], [0.7, 0.0], [0.0, 0.0], [0.1, 0.3]])
     # Weights p and 1 - p at a distance d: d sqrt(p (1 - p)).
-    assert measures.spatial_spread(levels, positions) == pytest.approx([2.5, 0.0, 0.0, 5 * np.sqrt(0.25 * 0.75)])
+    assert measures.spatial_spread(levels, positions) == pytest.approx(
+        [2.5, 0.0, 0.0, 5 * np.sqrt(0.25 * 0.75)]
+    )
 
 
 def test_balance_goes_from_minus_one_at_the_left_to_one_at_the_right():

@@ -48,7 +48,9 @@ def report(bake, tmp_path):
 @pytest.mark.slow
 def test_needs_nothing_beside_it(report):
     elements = elements_of(report)
-    assert elements.references and all(reference.startswith("data:") for reference in elements.references)
+    assert elements.references and all(
+        reference.startswith("data:") for reference in elements.references
+    )
     assert elements.count["svg"] == 4 + 4  # of the player, of the only section
     text = report.read_text(encoding="utf-8")
     assert "http:" not in text and "https:" not in text
@@ -63,7 +65,9 @@ def test_player_has_the_levels_of_all_frames_modes_and_listeners(report, bake):
     levels = base64.b64decode(found["levels"])
     assert len(levels) == 31 * 4 * 10
     assert max(levels) < len(found["shades"])
-    assert levels[10 * 4 * 17 + 30 : 10 * 4 * 17 + 40] == bytes(shade_numbers(ride.renditions["MN"].peak[17]))
+    assert levels[10 * 4 * 17 + 30 : 10 * 4 * 17 + 40] == bytes(
+        shade_numbers(ride.renditions["MN"].peak[17])
+    )
 
 
 @pytest.mark.slow
@@ -72,9 +76,13 @@ def test_numbers_are_json_with_every_check_measure_and_impact(bake, tmp_path):
     write_numbers(tmp_path / "study.json", ride, checks_of(ride))
     found = json.loads((tmp_path / "study.json").read_text(encoding="utf-8"))
     assert len(found["checks"]) == len(checks_of(ride))
-    assert [(row["section"], row["mode"]) for row in found["measures"]] == [("Explosion", mode) for mode in ("HT", "SD", "MD", "MN")]
+    assert [(row["section"], row["mode"]) for row in found["measures"]] == [
+        ("Explosion", mode) for mode in ("HT", "SD", "MD", "MN")
+    ]
     assert len(found["impacts"]) == len(ride.began("Shock Front")) > 5
-    assert all(sum(gain > 0 for gain in impact["amplitudes"]["SD"]) == 1 for impact in found["impacts"])
+    assert all(
+        sum(gain > 0 for gain in impact["amplitudes"]["SD"]) == 1 for impact in found["impacts"]
+    )
 
 
 def test_body_map_has_a_disc_for_every_default_listener():
@@ -102,11 +110,29 @@ def test_plots_are_pictures_of_what_there_is_data_for(bake):
 
 @pytest.mark.slow
 def test_command_writes_everything(tmp_path):
-    command = [sys.executable, "-m", "haptic_tracing", "study", "--frames", "60:80", "--out", str(tmp_path), "--pictures", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "haptic_tracing",
+        "study",
+        "--frames",
+        "60:80",
+        "--out",
+        str(tmp_path),
+        "--pictures",
+        "1",
+    ]
     answer = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert answer.returncode == 0, answer.stderr
     names = sorted(path.name for path in tmp_path.iterdir())
-    assert names == ["mine_ride.HT.wav", "mine_ride.MD.wav", "mine_ride.MN.wav", "mine_ride.SD.wav", "report.html", "study.json"]
+    assert names == [
+        "mine_ride.HT.wav",
+        "mine_ride.MD.wav",
+        "mine_ride.MN.wav",
+        "mine_ride.SD.wav",
+        "report.html",
+        "study.json",
+    ]
     assert "holds          HT: both legs: 1 stalactites" in answer.stdout
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     # What there is none of is said.

@@ -1,4 +1,5 @@
-"""What the modes are by definition holds for short parts of the ride; what is measured is reported, whatever it says."""
+"""What the modes are by definition holds for short parts of the ride; what is measured is reported,
+whatever it says."""
 
 import numpy as np
 import pytest
@@ -10,14 +11,21 @@ from haptic_tracing.study.rendition import MODES
 STALACTITES = (60, 120)
 BRIDGE = (880, 900)
 SHOCK_WAVE = (2100, 2130)
-WALLS = (wall_frame(2) - 20, wall_frame(6) + 20)  # the last of stone, all of wood, the first of ribbons
+# The last of stone, all of wood, the first of ribbons.
+WALLS = (wall_frame(2) - 20, wall_frame(6) + 20)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("frames", [STALACTITES, BRIDGE, SHOCK_WAVE, WALLS], ids=["stalactites", "bridge", "shock wave", "walls"])
+@pytest.mark.parametrize(
+    "frames",
+    [STALACTITES, BRIDGE, SHOCK_WAVE, WALLS],
+    ids=["stalactites", "bridge", "shock wave", "walls"],
+)
 def test_every_definition_that_these_frames_have_data_for_holds(bake, frames):
     found = {check.name: check for check in checks.checks_of(bake(*frames))}
-    assert [check.measured for check in found.values() if check.by_definition and check.holds is False] == []
+    assert [
+        check.measured for check in found.values() if check.by_definition and check.holds is False
+    ] == []
     always = ("SD: one at a time", "SD: the nearest", "MN: all alike", "MD: by distance only")
     assert all(found[name].holds for name in always)
 
@@ -31,7 +39,9 @@ def test_each_part_has_data_for_its_own_checks(bake):
     assert {"HT: from left to right", "MN: no direction"} <= held(SHOCK_WAVE)
     assert {"MD: whatever the material", "MN: whatever the material"} <= held(WALLS)
     # Stone and wood of the library differ by less than everybody feels: said, not hidden.
-    (by_material,) = [check for check in checks.checks_of(bake(*WALLS)) if check.name == "HT: by material"]
+    (by_material,) = [
+        check for check in checks.checks_of(bake(*WALLS)) if check.name == "HT: by material"
+    ]
     assert by_material.holds is False and "0 actuators (stone and wood)" in by_material.measured
 
 
@@ -56,14 +66,18 @@ def test_levels_are_those_of_the_tracks(bake):
         samples = np.asarray(rendition.tracks.samples)
         # Tracks are kept in single precision.
         assert np.abs(samples).max(axis=1) == pytest.approx(rendition.peak.max(axis=0), abs=1e-7)
-        assert (samples**2).sum(axis=1) == pytest.approx((rendition.rms**2).sum(axis=0) * 8000 / 24, rel=0.01)
+        assert (samples**2).sum(axis=1) == pytest.approx(
+            (rendition.rms**2).sum(axis=0) * 8000 / 24, rel=0.01
+        )
 
 
 @pytest.mark.slow
 def test_material_counts_in_tracing_alone(bake):
     walls = checks.wall_amplitudes(bake(*WALLS))
     assert [name.split(" ")[0] for name in walls] == ["Stone", "Wood", "Wood", "Wood", "Ribbon"]
-    stone, wood, ribbon = (np.array(walls[name]) for name in ("Stone Wall 3", "Wood Wall 2", "Ribbon Wall 1"))
+    stone, wood, ribbon = (
+        np.array(walls[name]) for name in ("Stone Wall 3", "Wood Wall 2", "Ribbon Wall 1")
+    )
     assert stone[checks.HT].sum() > wood[checks.HT].sum() > 1.1 * ribbon[checks.HT].sum()
     for mode in (checks.MD, checks.MN):
         assert stone[mode] == pytest.approx(ribbon[mode], rel=0.01)

@@ -1,4 +1,5 @@
-"""Variations of the ride against the ride whose properties were edited in Blender, and a section's checks against numbers by hand."""
+"""Variations of the ride against the ride whose properties were edited in Blender, and a section's
+checks against numbers by hand."""
 
 from dataclasses import replace
 
@@ -20,13 +21,16 @@ def haptic_objects(scene):
 
 @pytest.mark.slow
 def test_nothing_of_the_ride_is_tuned(mine_ride):
-    """Every object that is no medium has the paper's function with the values of the library's preset of its name."""
+    """Every object that is no medium has the paper's function with the values of the library's
+    preset of its name."""
     presets = {material.title: material for material in MATERIALS.values()}
     solid = [obj for obj in haptic_objects(mine_ride) if not obj.haptics.medium]
     for obj in solid:
         preset = presets[obj.haptics.material.name]
         assert obj.haptics.function == "haptic_tracing"
-        assert (obj.haptics.kappa, obj.haptics.rho) == pytest.approx((preset.kappa, preset.rho), rel=1e-6)
+        assert (obj.haptics.kappa, obj.haptics.rho) == pytest.approx(
+            (preset.kappa, preset.rho), rel=1e-6
+        )
     assert {obj.haptics.material.name for obj in solid} == {material.title for material in CHOSEN}
     assert mine_ride.haptics.strategy == "auto"
     assert len(mine_ride.haptics.transmission_table.items) == 0
@@ -34,7 +38,9 @@ def test_nothing_of_the_ride_is_tuned(mine_ride):
 
 @pytest.mark.slow
 def test_a_variation_is_the_ride_with_edited_properties(mine_ride):
-    rider = next(one for one in variations() if (one.name, one.label) == ("Flesh", "double the loss"))
+    rider = next(
+        one for one in variations() if (one.name, one.label) == ("Flesh", "double the loss")
+    )
     _, ((_, varied),) = bake_ride(mine_ride, *FRAMES, variations=[rider])
     parts = [obj for obj in haptic_objects(mine_ride) if obj.haptics.material.name == "Flesh"]
     before = [(part.haptics.kappa, part.haptics.rho) for part in parts]

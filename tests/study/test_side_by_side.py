@@ -10,7 +10,13 @@ from haptic_tracing.study.baking import bake_ride
 from haptic_tracing.study.checks import checks_of
 from haptic_tracing.study.measures import felt_shares, highest_sensation
 from haptic_tracing.study.report import write_report
-from haptic_tracing.study.side_by_side import felt_verdict, reasons, sensations, wall_verdict, walls_apart
+from haptic_tracing.study.side_by_side import (
+    felt_verdict,
+    reasons,
+    sensations,
+    wall_verdict,
+    walls_apart,
+)
 
 RATE = 8000
 
@@ -31,7 +37,10 @@ def test_a_tone_is_felt_in_its_band():
 
 
 def test_a_difference_is_felt_by_everybody_or_nobody_or_some():
-    assert wall_verdict(np.array([3.0, -3.1, 2.0, 1.6, -1.6, 0.0])) == "3.1 dB at most; everybody feels it at 2 of 6, nobody at 3"
+    assert (
+        wall_verdict(np.array([3.0, -3.1, 2.0, 1.6, -1.6, 0.0]))
+        == "3.1 dB at most; everybody feels it at 2 of 6, nobody at 3"
+    )
     assert wall_verdict(np.array([np.nan])) == "silent; everybody feels it at 0 of 1, nobody at 0"
 
 
@@ -61,10 +70,13 @@ def test_ride_with_measured_materials_is_a_part_of_the_report_whatever_it_says(m
     # The impacts are the same, and so is what knows no materials.
     for other in others.values():
         assert [s.objects for s in other.soundings] == [s.objects for s in ride.soundings]
-        assert other.renditions[Mode.MN].rms == pytest.approx(ride.renditions[Mode.MN].rms, abs=1e-9)
+        assert other.renditions[Mode.MN].rms == pytest.approx(
+            ride.renditions[Mode.MN].rms, abs=1e-9
+        )
     ((pair, apart),) = walls_apart(ride)
     assert pair == "Stone and Wood"
-    assert np.abs(apart).max() < 20 * np.log10(0.595 / 0.455)  # at most the difference of one passage
+    # At most the difference of one passage.
+    assert np.abs(apart).max() < 20 * np.log10(0.595 / 0.455)
     path = tmp_path / "report.html"
     write_report(path, ride, checks_of(ride), [], {}, rides=others)
     text = path.read_text(encoding="utf-8")

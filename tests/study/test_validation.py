@@ -1,4 +1,5 @@
-"""The validation page: its solver against closed forms, its asked limits, and that the page in the documentation is this one."""
+"""The validation page: its solver against closed forms, its asked limits, and that the page in the
+documentation is this one."""
 
 import math
 from pathlib import Path
@@ -15,7 +16,8 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 def by_hand(plates, frequency):
-    """The equations of statistical energy analysis as they stand in books, solved by NumPy; plate speeds from bending stiffness."""
+    """The equations of statistical energy analysis as they stand in books, solved by NumPy; plate
+    speeds from bending stiffness."""
     stiffness, mass = 210e9 * 3e-3**3 / (12 * (1 - 0.3**2)), 7800 * 3e-3
     group_speed = 2 * (stiffness / mass) ** 0.25 * math.sqrt(2 * math.pi * frequency)
     coupling = group_speed * plates.transmission / (2 * math.pi**2 * frequency)
@@ -49,12 +51,18 @@ def test_what_is_asked_holds_and_misses_are_explained():
 def test_a_fit_finds_the_absorption_that_made_the_levels():
     made = Physical(wave=Wave.SOLID, loss_factor=0.0, absorption=0.03, material_k=0.5)
     places = [5.0, 10.0, 20.0, 40.0]
-    assert fitted(made, places, list(levels(made, places)), [False, True, False, True]).absorption == pytest.approx(0.03, rel=1e-12)
+    assert fitted(
+        made, places, list(levels(made, places)), [False, True, False, True]
+    ).absorption == pytest.approx(0.03, rel=1e-12)
 
 
 def test_the_documentation_has_this_page(tmp_path, capsys):
     assert main(["validate", "--out", str(tmp_path)]) == 0
     assert "agrees   printed     Two plates, L joint" in capsys.readouterr().out
-    assert (tmp_path / "validation.md").read_text(encoding="utf-8") == page() == (DOCS / "validation.md").read_text(encoding="utf-8")
+    assert (
+        (tmp_path / "validation.md").read_text(encoding="utf-8")
+        == page()
+        == (DOCS / "validation.md").read_text(encoding="utf-8")
+    )
     assert picture() == (DOCS / "pictures" / "validation.svg").read_text(encoding="utf-8")
     assert body_picture() == (DOCS / "pictures" / "body.svg").read_text(encoding="utf-8")

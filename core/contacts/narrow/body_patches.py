@@ -16,16 +16,18 @@ _TOGETHER = 4e-5
 """Metres beyond the least distance up to which a point or line belongs to the patch."""
 
 _POINT_AREA, _FACE_AREA = 1e-12, 1e-3
-"""Area [m^2] that a point counts as, and that from about which on a face belongs to the patch within ``PATCH_GAP``."""
+"""Area [m^2] that a point counts as, and that from about which on a face belongs to the patch
+within ``PATCH_GAP``."""
 
 MOST_CORNERS = 8
 
 
 @dataclass(frozen=True, slots=True)
 class PairPatches:
-    """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound beyond the limit of the query),
-    unit ``normal`` (3, p) from first to second, ``centre`` (3, p) of the patch, midway between the surfaces, ``area`` (p,) [m^2], and if
-    asked for the ``corners`` (k, 3) of the outline of each patch."""
+    """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound
+    beyond the limit of the query), unit ``normal`` (3, p) from first to second, ``centre`` (3, p)
+    of the patch, midway between the surfaces, ``area`` (p,) [m^2], and if asked for the ``corners``
+    (k, 3) of the outline of each patch."""
 
     distance: FloatArray
     normal: FloatArray
@@ -35,7 +37,9 @@ class PairPatches:
 
     def part(self, rows: slice) -> PairPatches:
         """The patches of some of the pairs, without corners."""
-        return PairPatches(self.distance[rows], self.normal[:, rows], self.centre[:, rows], self.area[rows])
+        return PairPatches(
+            self.distance[rows], self.normal[:, rows], self.centre[:, rows], self.area[rows]
+        )
 
     @classmethod
     def joined(cls, count: int, *parts: tuple[IntArray, PairPatches]) -> PairPatches:
@@ -49,9 +53,10 @@ class PairPatches:
 
 @dataclass(frozen=True, slots=True)
 class CoreContacts:
-    """Pairs of cores in contact: ``owner`` the pair of bodies, ``distance`` between the surfaces, ``normal``, ``centre`` of the patch,
-    ``weight`` (area in square metres; that of a line is tiny, in proportion to its length), reported ``area``, the metres ``within`` which
-    the contact counts beyond the nearest one, ``corners``."""
+    """Pairs of cores in contact: ``owner`` the pair of bodies, ``distance`` between the surfaces,
+    ``normal``, ``centre`` of the patch, ``weight`` (area in square metres; that of a line is tiny,
+    in proportion to its length), reported ``area``, the metres ``within`` which the contact counts
+    beyond the nearest one, ``corners``."""
 
     owner: IntArray
     distance: FloatArray
@@ -63,7 +68,9 @@ class CoreContacts:
     corners: list[FloatArray] | None
 
 
-def core_contacts(rows: CorePairs, normal: FloatArray, distance: FloatArray, patch: Patches, corners: bool) -> CoreContacts:
+def core_contacts(
+    rows: CorePairs, normal: FloatArray, distance: FloatArray, patch: Patches, corners: bool
+) -> CoreContacts:
     """Contacts of cores, with normals from the first body of the pair to the second."""
     points = None
     if corners:
@@ -71,20 +78,29 @@ def core_contacts(rows: CorePairs, normal: FloatArray, distance: FloatArray, pat
         points = [c[u] if u.any() else m[None] for c, u, m in every]
     outward = np.where(rows.flipped, -normal, normal)
     area = np.where(patch.wide, patch.area, 0.0)
-    # Triangles are parts of a face, however small: those that lie on each other belong to the patch as their whole face does.
+    # Triangles are parts of a face, however small: those that lie on each other belong to the patch
+    # as their whole face does.
     of_area = PATCH_GAP * patch.area / (patch.area + _FACE_AREA)
     within = _TOGETHER + (of_area if rows.triangle_b is None else np.maximum(of_area, patch.reach))
-    return CoreContacts(rows.owner, distance, outward, patch.centre, patch.area, area, within, points)
+    return CoreContacts(
+        rows.owner, distance, outward, patch.centre, patch.area, area, within, points
+    )
 
 
 def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> PairPatches:
-    """One patch per pair of bodies from those of its cores and triangles, weighted by their areas and by how near they are beside the
-    nearest one."""
+    """One patch per pair of bodies from those of its cores and triangles, weighted by their areas
+    and by how near they are beside the nearest one."""
     count = len(distance)
     normal = np.tile([[0.0], [0.0], [1.0]], count)
     centre, area = np.zeros((3, count)), np.zeros(count)
     if not found:
-        return PairPatches(distance, normal, centre, area, tuple(np.zeros((0, 3)) for _ in range(count)) if corners else ())
+        return PairPatches(
+            distance,
+            normal,
+            centre,
+            area,
+            tuple(np.zeros((0, 3)) for _ in range(count)) if corners else (),
+        )
     owner, each, normals, centres, weights, areas, within = (
         np.concatenate([getattr(f, name) for f in found], axis=-1)
         for name in ("owner", "distance", "normal", "centre", "weight", "area", "within")
@@ -125,7 +141,9 @@ def _outlines(points: list[list[FloatArray]], normal: FloatArray) -> tuple[Float
     """Corners of the convex hull of each patch in its plane, at most ``MOST_CORNERS`` of them."""
     each = [np.concatenate(parts) if parts else np.zeros((0, 3)) for parts in points]
     of = np.repeat(np.arange(len(each)), [len(every) for every in each])
-    flat = np.stack([dot(axis[:, of], np.concatenate(each).T) for axis in contact_plane(normal)], axis=1)
+    flat = np.stack(
+        [dot(axis[:, of], np.concatenate(each).T) for axis in contact_plane(normal)], axis=1
+    )
     rounded = np.round(flat, 5).tolist()
     outlines, begin = [], 0
     for every in each:

@@ -1,11 +1,12 @@
 """The separating-axis test of two boxes, many pairs at a time (Gottschalk, Lin and Manocha 1996).
 
-Of two boxes that overlap, the least depth over the normals of their faces and the cross products of their edges is the exact depth. Of two
-that are apart, the greatest separation over those axes is their distance where the features facing each other are a face or two crossing
-edges, and otherwise a lower bound.
+Of two boxes that overlap, the least depth over the normals of their faces and the cross products of
+their edges is the exact depth. Of two that are apart, the greatest separation over those axes is
+their distance where the features facing each other are a face or two crossing edges, and otherwise
+a lower bound.
 
-Arrays have the pairs along their last axis. The second box is placed by a rotation (3, 3, p) and a centre (3, p) in the frame of the first;
-half extents are (3, p).
+Arrays have the pairs along their last axis. The second box is placed by a rotation (3, 3, p) and a
+centre (3, p) in the frame of the first; half extents are (3, p).
 """
 
 from __future__ import annotations
@@ -34,10 +35,15 @@ _TURNS = (3 * TURN[:5, None] + TURN[:5]).reshape(-1)
 
 
 def _arrangement(i: int, j: int) -> list[int]:
-    """Rows of rotation, offset and half extents of two boxes arranged for edges ``i`` and ``j``, whose axes come first, the others in
-    turn: columns of the rotation, offset, half extents of the first and of the second."""
+    """Rows of rotation, offset and half extents of two boxes arranged for edges ``i`` and ``j``,
+    whose axes come first, the others in turn: columns of the rotation, offset, half extents of the
+    first and of the second."""
     of_a, of_b = TURN[i : i + 3].tolist(), TURN[j : j + 3].tolist()
-    return [3 * m + n for n in of_b for m in of_a] + [first + m for first in (9, 12) for m in of_a] + [15 + n for n in of_b]
+    return (
+        [3 * m + n for n in of_b for m in of_a]
+        + [first + m for first in (9, 12) for m in of_a]
+        + [15 + n for n in of_b]
+    )
 
 
 _ARRANGED = np.array([_arrangement(i, j) for i in range(3) for j in range(3)]).T.copy()
@@ -45,21 +51,32 @@ _BACK = np.array([[(c - i) % 3 for i in range(3) for _ in range(3)] for c in ran
 """For each pair of edges, the place of each coordinate in the order that begins with ``i``."""
 
 
-def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Greatest separation (p,) of each pair, and the axis (p,) along which it is: 0-2 a face of the first box, 3-5 a face of the second,
-    from ``FIRST_EDGE_AXIS`` on edges i and j as ``6 + 3 i + j``."""
+def best_axes(
+    rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Greatest separation (p,) of each pair, and the axis (p,) along which it is: 0-2 a face of the
+    first box, 3-5 a face of the second, from ``FIRST_EDGE_AXIS`` on edges i and j as ``6 + 3 i +
+    j``."""
     count = offset.shape[1]
     size = np.abs(rotation)
     separation = np.empty((15, count))
-    of_a, of_b, edges = separation[:3], separation[3:FIRST_EDGE_AXIS], separation[FIRST_EDGE_AXIS:].reshape(3, 3, -1)
+    of_a, of_b, edges = (
+        separation[:3],
+        separation[3:FIRST_EDGE_AXIS],
+        separation[FIRST_EDGE_AXIS:].reshape(3, 3, -1),
+    )
     np.abs(offset, out=of_a)
     of_a -= half_a
     of_a -= turned(size, half_b)
     np.abs(turned_back(rotation, offset), out=of_b)
     of_b -= half_b
     of_b -= turned_back(size, half_a)
-    # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation. Rows repeated in turn, to be sliced.
-    ways, sizes = rotation.take(TURN[:5], axis=0), size.reshape(9, -1).take(_TURNS, axis=0).reshape(5, 5, -1)
+    # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation. Rows
+    # repeated in turn, to be sliced.
+    ways, sizes = (
+        rotation.take(TURN[:5], axis=0),
+        size.reshape(9, -1).take(_TURNS, axis=0).reshape(5, 5, -1),
+    )
     turned_1, turned_2 = ways[1:4], ways[2:]
     offset, half_a, half_b = (vector.take(TURN[:5], axis=0) for vector in (offset, half_a, half_b))
     along = offset[2:, None] * turned_1
@@ -68,7 +85,8 @@ def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half
     extent += half_a[2:, None] * sizes[1:4, :3]
     extent += half_b[1:4] * sizes[:3, 2:]
     extent += half_b[2:] * sizes[:3, 1:4]
-    # The length of the axis from its components: 1 - size^2 is not that of float32 rotations, nor 0 for parallel edges.
+    # The length of the axis from its components: 1 - size^2 is not that of float32 rotations, nor 0
+    # for parallel edges.
     ways *= ways
     squared = turned_1 + turned_2
     np.subtract(np.abs(along, out=along), extent, out=edges)
@@ -83,8 +101,9 @@ def best_axes(rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half
 
 @dataclass(frozen=True, slots=True)
 class EdgePoints:
-    """Unit ``normal`` (3, p) from first to second, the points of two edges that are nearest to each other on the first box (3, p) and on
-    the second, and whether the nearest points of their lines lie ``within`` (p,) both edges."""
+    """Unit ``normal`` (3, p) from first to second, the points of two edges that are nearest to each
+    other on the first box (3, p) and on the second, and whether the nearest points of their lines
+    lie ``within`` (p,) both edges."""
 
     normal: FloatArray
     first: FloatArray
@@ -92,13 +111,20 @@ class EdgePoints:
     within: BoolArray
 
 
-def edge_points(axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> EdgePoints:
+def edge_points(
+    axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
+) -> EdgePoints:
     """The nearest points of the two edges that belong to each ``axis`` (p,) of two edges."""
     pair, count = axis - FIRST_EDGE_AXIS, len(axis)
     number = np.arange(count)
     rows = np.concatenate([rotation.reshape(9, -1), offset, half_a, half_b]).reshape(-1)
     arranged = rows.take(_ARRANGED.take(pair, axis=1) * count + number)
-    ways, offset, half_a, half_b = arranged[:9].reshape(3, 3, -1), arranged[9:12], arranged[12:15], arranged[15:]
+    ways, offset, half_a, half_b = (
+        arranged[:9].reshape(3, 3, -1),
+        arranged[9:12],
+        arranged[12:15],
+        arranged[15:],
+    )
     way = ways[0]
     found = np.zeros((3, 3, count))
     normal, on_a, on_b = found
@@ -107,20 +133,28 @@ def edge_points(axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a
     length = np.sqrt(way[1] * way[1] + way[2] * way[2])
     normal /= np.where(normal[1] * offset[1] + normal[2] * offset[2] < 0, -length, length)
     np.copyto(on_a[1:], np.where(normal[1:] < 0, -half_a[1:], half_a[1:]))
-    corner = np.where(ways[1:, 1] * normal[1] + ways[1:, 2] * normal[2] < 0, half_b[1:], -half_b[1:])
+    corner = np.where(
+        ways[1:, 1] * normal[1] + ways[1:, 2] * normal[2] < 0, half_b[1:], -half_b[1:]
+    )
     np.add(ways[1] * corner[0] + ways[2] * corner[1], offset, out=on_b)
     between = on_b - on_a
     along_i, along_j, slant = between[0], dot(between, way), way[0]
     area = 1.0 - slant * slant
     s, t = (along_i - slant * along_j) / area, (slant * along_i - along_j) / area
-    within = (np.abs(s) <= half_a[0] * (1 + EDGE_TOLERANCE)) & (np.abs(t) <= half_b[0] * (1 + EDGE_TOLERANCE))
+    within = (np.abs(s) <= half_a[0] * (1 + EDGE_TOLERANCE)) & (
+        np.abs(t) <= half_b[0] * (1 + EDGE_TOLERANCE)
+    )
     on_a[0] = np.minimum(np.maximum(s, -half_a[0]), half_a[0])
     on_b += way * np.minimum(np.maximum(t, -half_b[0]), half_b[0])
-    normal, first, second = found.reshape(3, -1).take(_BACK.take(pair, axis=1) * count + number, axis=1)
+    normal, first, second = found.reshape(3, -1).take(
+        _BACK.take(pair, axis=1) * count + number, axis=1
+    )
     return EdgePoints(normal, first, second, within)
 
 
-def axis_normals(axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray) -> FloatArray:
+def axis_normals(
+    axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
+) -> FloatArray:
     """Unit normals (3, p) from first to second along each ``axis`` (p,)."""
     k = axis % 3
     normal = np.where(axis < 3, k == COLUMN, pick(rotation.reshape(9, -1), 3 * COLUMN + k))

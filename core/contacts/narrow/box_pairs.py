@@ -1,4 +1,5 @@
-"""Pairs of bodies that are single boxes: distances and patches in arrays, without pairs of cores."""
+"""Pairs of bodies that are single boxes: distances and patches in arrays, without pairs of
+cores."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ from .supporting_feature import box_face
 
 @dataclass(frozen=True, slots=True)
 class Boxes:
-    """Pairs ``rows`` (k,) of single boxes, the second placed relative to the first, and the radii (k,) by which each is grown."""
+    """Pairs ``rows`` (k,) of single boxes, the second placed relative to the first, and the radii
+    (k,) by which each is grown."""
 
     rows: IntArray
     rotation: FloatArray
@@ -30,7 +32,8 @@ class Boxes:
 
 
 _AT_ONCE = 4096
-"""Most pairs whose contacts are computed at a time, to bound memory: smaller parts cost more in calls than the cache saves."""
+"""Most pairs whose contacts are computed at a time, to bound memory: smaller parts cost more in
+calls than the cache saves."""
 
 
 def _contacts(boxes: Boxes, limit: FloatArray) -> BoxContacts:
@@ -40,13 +43,19 @@ def _contacts(boxes: Boxes, limit: FloatArray) -> BoxContacts:
     found = []
     for k in range(parts):
         part = slice(count * k // parts, count * (k + 1) // parts)
-        placed = boxes.rotation[..., part], boxes.offset[:, part], boxes.half_a[:, part], boxes.half_b[:, part]
+        placed = (
+            boxes.rotation[..., part],
+            boxes.offset[:, part],
+            boxes.half_a[:, part],
+            boxes.half_b[:, part],
+        )
         found.append(box_contacts(*placed, limit[part]))
     return joined(found)
 
 
 class BoxPairs:
-    """Queries between those bodies of a table that are single boxes. ``is_box`` (n,): which bodies are."""
+    """Queries between those bodies of a table that are single boxes. ``is_box`` (n,): which bodies
+    are."""
 
     def __init__(self, table: CoreTable) -> None:
         first = np.minimum(table.start[:-1], max(len(table.kind) - 1, 0))
@@ -68,9 +77,18 @@ class BoxPairs:
             rows = (self.is_box[first] & self.is_box[second]).nonzero()[0]
             if len(rows) == 0:
                 return None
-            first, second, rotation, offset = first[rows], second[rows], rotation[..., rows], offset[:, rows]
+            first, second, rotation, offset = (
+                first[rows],
+                second[rows],
+                rotation[..., rows],
+                offset[:, rows],
+            )
         if self._placed:
-            shift, turn_a, turn_b = self._shift[:, second], self._turn[..., first], self._turn[..., second]
+            shift, turn_a, turn_b = (
+                self._shift[:, second],
+                self._turn[..., first],
+                self._turn[..., second],
+            )
             offset = turned_back(turn_a, offset + turned(rotation, shift) - self._shift[:, first])
             rotation = relative(turn_a, product(rotation, turn_b))
         sharp = self._authored[first] & self._authored[second]
@@ -79,11 +97,19 @@ class BoxPairs:
         return Boxes(rows, rotation, offset, size_a[:3], size_b[:3], size_a[3], size_b[3])
 
     def clearances(self, boxes: Boxes) -> FloatArray:
-        """Separations (k,) along the best axes: lower bounds on the distances that are positive only if those are."""
-        return best_axes(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b)[0] - boxes.radius_a - boxes.radius_b
+        """Separations (k,) along the best axes: lower bounds on the distances that are positive
+        only if those are."""
+        return (
+            best_axes(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b)[0]
+            - boxes.radius_a
+            - boxes.radius_b
+        )
 
-    def directed_clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-        """`clearances` and normals (3, p), or None unless all bodies are boxes at their own origins."""
+    def directed_clearances(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray
+    ) -> tuple[FloatArray, FloatArray] | None:
+        """`clearances` and normals (3, p), or None unless all bodies are boxes at their own
+        origins."""
         if not self._all or self._placed:
             return None
         boxes = self.chosen(pairs, rotation, offset)
@@ -108,27 +134,44 @@ class BoxPairs:
             centre = turned(turn, centre) + self._shift[:, first]
         return PairPatches(found.distance - radius, normal, centre, area)
 
-    def corners(self, boxes: Boxes, pairs: IntArray, normal: FloatArray, centre: FloatArray) -> tuple[IntArray, FloatArray]:
-        """The number (k,) of the patch, and the place (3, k), of each corner of the patches of ``boxes``, those of ``pairs`` of bodies.
-        ``normal`` and ``centre`` (3, p): of the patches."""
+    def corners(
+        self, boxes: Boxes, pairs: IntArray, normal: FloatArray, centre: FloatArray
+    ) -> tuple[IntArray, FloatArray]:
+        """The number (k,) of the patch, and the place (3, k), of each corner of the patches of
+        ``boxes``, those of ``pairs`` of bodies. ``normal`` and ``centre`` (3, p): of the
+        patches."""
         first, second = pairs.T
         if self._placed:
             turn, shift = self._turn[..., first], self._shift[:, first]
             normal, centre = turned_back(turn, normal), turned_back(turn, centre - shift)
         face_a = box_face(normal, self._outline[:, first]) - centre[:, None]
-        face_b = turned(boxes.rotation, box_face(-turned_back(boxes.rotation, normal), self._outline[:, second]))
+        face_b = turned(
+            boxes.rotation, box_face(-turned_back(boxes.rotation, normal), self._outline[:, second])
+        )
         found = patches(face_a, face_b + (boxes.offset - centre)[:, None], normal)
         alone = ~found.used.any(axis=0, keepdims=True)  # no outline, but the centre
         number, corner = np.concatenate([found.used, alone]).T.nonzero()
-        places = np.concatenate([found.corners, np.zeros((3, *alone.shape))], axis=1)[:, corner, number] + centre[:, number]
-        return number, turned(turn[..., number], places) + shift[:, number] if self._placed else places
+        places = (
+            np.concatenate([found.corners, np.zeros((3, *alone.shape))], axis=1)[:, corner, number]
+            + centre[:, number]
+        )
+        return number, turned(turn[..., number], places) + shift[
+            :, number
+        ] if self._placed else places
 
-    def _flatness(self, first: IntArray, second: IntArray, boxes: Boxes, normal: FloatArray) -> FloatArray:
-        """Area (k,) of the smaller of the two faces divided by that of its core, so that rounded edges within a box do not reduce the
-        area."""
+    def _flatness(
+        self, first: IntArray, second: IntArray, boxes: Boxes, normal: FloatArray
+    ) -> FloatArray:
+        """Area (k,) of the smaller of the two faces divided by that of its core, so that rounded
+        edges within a box do not reduce the area."""
         ratios, areas = [], []
-        for body, half, way in ((first, boxes.half_a, normal), (second, boxes.half_b, turned_back(boxes.rotation, normal))):
+        for body, half, way in (
+            (first, boxes.half_a, normal),
+            (second, boxes.half_b, turned_back(boxes.rotation, normal)),
+        ):
             across = np.abs(way).argmax(axis=0) != COLUMN
             areas.append(np.where(across, half, 1.0).prod(axis=0))
-            ratios.append(np.where(across, self._outline[:, body] / np.maximum(half, 1e-9), 1.0).prod(axis=0))
+            ratios.append(
+                np.where(across, self._outline[:, body] / np.maximum(half, 1e-9), 1.0).prod(axis=0)
+            )
         return np.asarray(np.where(areas[0] <= areas[1], ratios[0], ratios[1]))

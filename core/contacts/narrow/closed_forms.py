@@ -1,8 +1,8 @@
 """Distances between simple cores in closed form, many pairs at a time.
 
-Arrays have the pairs along their last axis: points (3, n), rotations (3, 3, n), triangles (3, 3, n) by coordinate and corner. All is in
-world space and metres. Points, segments and triangles have no inside; a point in a box, cylinder or cone has a negative distance, down to
-its nearest face.
+Arrays have the pairs along their last axis: points (3, n), rotations (3, 3, n), triangles (3, 3, n)
+by coordinate and corner. All is in world space and metres. Points, segments and triangles have no
+inside; a point in a box, cylinder or cone has a negative distance, down to its nearest face.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ _UP = np.array([[0.0], [0.0], [1.0]])
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """Signed ``distance`` (n,), unit ``normal`` (3, n) from first to second, nearest points ``first`` and ``second`` (3, n) on the
-    cores."""
+    """Signed ``distance`` (n,), unit ``normal`` (3, n) from first to second, nearest points
+    ``first`` and ``second`` (3, n) on the cores."""
 
     distance: FloatArray
     normal: FloatArray
@@ -39,7 +39,9 @@ def between(first: FloatArray, second: FloatArray, otherwise: FloatArray = _UP) 
     return Separation(distance, normal, first, second)
 
 
-def point_to_box(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
+def point_to_box(
+    point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray
+) -> Separation:
     """Points (3, n) and boxes of half extents (3, n)."""
     local = turned_back(rotation, point - centre)
     outside = between(local, np.clip(local, -half, half))
@@ -64,11 +66,19 @@ def _radial(local: FloatArray) -> tuple[FloatArray, FloatArray]:
     radius = np.hypot(local[0], local[1])
     off = radius > 1e-12
     divisor = np.where(off, radius, 1.0)
-    direction = np.stack([np.where(off, local[0] / divisor, 1.0), np.where(off, local[1] / divisor, 0.0), np.zeros_like(radius)])
+    direction = np.stack(
+        [
+            np.where(off, local[0] / divisor, 1.0),
+            np.where(off, local[1] / divisor, 0.0),
+            np.zeros_like(radius),
+        ]
+    )
     return radius, direction
 
 
-def point_to_cylinder(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
+def point_to_cylinder(
+    point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray
+) -> Separation:
     """Points and cylinders along local z; ``half`` (3, n) is (radius, radius, half height)."""
     local = turned_back(rotation, point - centre)
     radius, direction = _radial(local)
@@ -79,15 +89,23 @@ def point_to_cylinder(point: FloatArray, rotation: FloatArray, centre: FloatArra
     inside = (to_side > 0) & (to_end > 0)
     out = np.where(to_side <= to_end, direction, _UP * np.where(local[2] < 0, -1.0, 1.0))
     depth = np.minimum(to_side, to_end)
-    return _in_world(_merged(outside, Separation(-depth, -out, local, local + out * depth), inside), rotation, centre)
+    return _in_world(
+        _merged(outside, Separation(-depth, -out, local, local + out * depth), inside),
+        rotation,
+        centre,
+    )
 
 
-def point_to_cone(point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
-    """Points and cones along local z, base at -half height; ``half`` (3, n) is (radius of the base, the same, half height)."""
+def point_to_cone(
+    point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray
+) -> Separation:
+    """Points and cones along local z, base at -half height; ``half`` (3, n) is (radius of the base,
+    the same, half height)."""
     local = turned_back(rotation, point - centre)
     radius, direction = _radial(local)
     z, base, height = local[2], half[0], half[2]
-    # In the half plane (distance from the axis, z): the slant from the rim (base, -height) to the tip (0, height).
+    # In the half plane (distance from the axis, z): the slant from the rim (base, -height) to the
+    # tip (0, height).
     slant = np.hypot(base, 2 * height)
     along = np.clip(((radius - base) * -base + (z + height) * 2 * height) / slant**2, 0.0, 1.0)
     slant_radius, slant_z = base * (1 - along), height * (2 * along - 1)
@@ -97,26 +115,39 @@ def point_to_cone(point: FloatArray, rotation: FloatArray, centre: FloatArray, h
     to_slant = np.hypot(radius - slant_radius, z - slant_z)
     inside = (above_slant < 0) & (z > -height)
     by_floor = to_floor < to_slant
-    nearest = direction * np.where(by_floor, floor_radius, slant_radius) + _UP * np.where(by_floor, -height, slant_z)
+    nearest = direction * np.where(by_floor, floor_radius, slant_radius) + _UP * np.where(
+        by_floor, -height, slant_z
+    )
     outside = between(local, nearest)
-    return _in_world(_merged(outside, Separation(-outside.distance, -outside.normal, local, nearest), inside), rotation, centre)
+    return _in_world(
+        _merged(outside, Separation(-outside.distance, -outside.normal, local, nearest), inside),
+        rotation,
+        centre,
+    )
 
 
 def nearest_on_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
     """Point (3, n) of each segment nearest to each point."""
     way = end - start
     squared = dot(way, way)
-    return start + way * np.clip(dot(point - start, way) / np.where(squared > 0, squared, 1.0), 0.0, 1.0)
+    return start + way * np.clip(
+        dot(point - start, way) / np.where(squared > 0, squared, 1.0), 0.0, 1.0
+    )
 
 
-def segment_to_segment(a0: FloatArray, a1: FloatArray, b0: FloatArray, b1: FloatArray) -> Separation:
-    """Two segments given by their ends. The nearest points of two lines, moved into the segments one after the other."""
+def segment_to_segment(
+    a0: FloatArray, a1: FloatArray, b0: FloatArray, b1: FloatArray
+) -> Separation:
+    """Two segments given by their ends. The nearest points of two lines, moved into the segments
+    one after the other."""
     u, v, w = a1 - a0, b1 - b0, a0 - b0
     uu, vv, uv, uw, vw = dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w)
     uu1, vv1 = np.where(uu > 0, uu, 1.0), np.where(vv > 0, vv, 1.0)
     area = uu * vv - uv * uv
     crossing = area > 1e-12 * uu * vv
-    s = np.where(crossing, np.clip((uv * vw - vv * uw) / np.where(crossing, area, 1.0), 0.0, 1.0), 0.5)
+    s = np.where(
+        crossing, np.clip((uv * vw - vv * uw) / np.where(crossing, area, 1.0), 0.0, 1.0), 0.5
+    )
     t = np.clip((uv * s + vw) / vv1, 0.0, 1.0)
     s = np.clip((uv * t - uw) / uu1, 0.0, 1.0)
     t = np.clip((uv * s + vw) / vv1, 0.0, 1.0)
@@ -124,26 +155,38 @@ def segment_to_segment(a0: FloatArray, a1: FloatArray, b0: FloatArray, b1: Float
 
 
 def _perpendicular(vector: FloatArray, along: FloatArray) -> FloatArray:
-    """Unit vectors of ``vector`` (3, n), or any unit vector perpendicular to ``along`` where it vanishes."""
+    """Unit vectors of ``vector`` (3, n), or any unit vector perpendicular to ``along`` where it
+    vanishes."""
     length, extent = np.sqrt(dot(vector, vector)), np.sqrt(dot(along, along))
-    other = cross(along, np.where(np.abs(along[0]) < 0.7 * extent, [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]))
+    other = cross(
+        along,
+        np.where(np.abs(along[0]) < 0.7 * extent, [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]),
+    )
     size = np.sqrt(dot(other, other))
     other = np.where(size > 0, other / np.where(size > 0, size, 1.0), _UP)
     good = length > 1e-9 * np.maximum(1e-300, dot(along, along))
     return np.where(good, vector / np.where(good, length, 1.0), other)
 
 
-def segment_to_box(start: FloatArray, end: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> Separation:
+def segment_to_box(
+    start: FloatArray, end: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray
+) -> Separation:
     """Segments and boxes; a segment that passes through the box has distance 0.
 
-    The squared distance to a box is convex and piecewise quadratic along the segment, its pieces ending where the segment crosses a plane
-    of a face. Its derivative, piecewise linear, is evaluated there and its zero found in between.
+    The squared distance to a box is convex and piecewise quadratic along the segment, its pieces
+    ending where the segment crosses a plane of a face. Its derivative, piecewise linear, is
+    evaluated there and its zero found in between.
     """
     a = turned_back(rotation, start - centre)
     way = turned_back(rotation, end - centre) - a
     moving = np.abs(way) > 1e-300
     divisor = np.where(moving, way, 1.0)
-    crossings = np.concatenate([np.where(moving, np.clip((side * half - a) / divisor, 0.0, 1.0), 0.0) for side in (-1.0, 1.0)])
+    crossings = np.concatenate(
+        [
+            np.where(moving, np.clip((side * half - a) / divisor, 0.0, 1.0), 0.0)
+            for side in (-1.0, 1.0)
+        ]
+    )
     count = a.shape[1]
     times = np.sort(np.concatenate([np.zeros((1, count)), crossings, np.ones((1, count))]), axis=0)
     points = a[:, None] + way[:, None] * times
@@ -191,8 +234,9 @@ def point_to_triangle(point: FloatArray, corners: FloatArray) -> Separation:
 
 
 def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray) -> Separation:
-    """Segments and triangles (3, 3, n). A segment through the triangle is as deep as the shortest way out: back over the triangle's plane,
-    or sideways over one of its edges (the faces of the prism that is their Minkowski difference)."""
+    """Segments and triangles (3, 3, n). A segment through the triangle is as deep as the shortest
+    way out: back over the triangle's plane, or sideways over one of its edges (the faces of the
+    prism that is their Minkowski difference)."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     edges = [segment_to_segment(start, end, p, q) for p, q in ((a, b), (b, c), (c, a))]
     best = between(start, nearest_on_triangle(start, corners))
@@ -221,4 +265,9 @@ def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray)
 
 def _merged(first: Separation, second: Separation, chosen: BoolArray) -> Separation:
     """``second`` in the pairs that are ``chosen`` (n,), ``first`` in the others."""
-    return Separation(*(np.where(chosen, getattr(second, f.name), getattr(first, f.name)) for f in fields(Separation)))
+    return Separation(
+        *(
+            np.where(chosen, getattr(second, f.name), getattr(first, f.name))
+            for f in fields(Separation)
+        )
+    )

@@ -1,4 +1,5 @@
-"""Signed distances between convex cores, one pair at a time: by FCL (GJK) where they are apart, by EPA where they overlap."""
+"""Signed distances between convex cores, one pair at a time: by FCL (GJK) where they are apart, by
+EPA where they overlap."""
 
 from __future__ import annotations
 
@@ -30,7 +31,10 @@ _GROWTH = 1.5
 
 _MOST_TRIANGLES = 100_000
 
-_TURNS = (None, *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 0.3, 1.9]])).transpose(2, 0, 1))
+_TURNS = (
+    None,
+    *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 0.3, 1.9]])).transpose(2, 0, 1),
+)
 """Rotations under which a query is repeated."""
 
 _UPRIGHT = np.eye(3)
@@ -38,8 +42,9 @@ _UPRIGHT = np.eye(3)
 
 @dataclass(frozen=True, slots=True)
 class Convex:
-    """A convex body for queries, around its own origin. ``first`` and ``second``: FCL's objects for the first body of a pair, which stays
-    where it is, and for the second. ``farthest``: its points (m, 3) farthest along unit directions (m, 3). ``curved``: not a polytope."""
+    """A convex body for queries, around its own origin. ``first`` and ``second``: FCL's objects for
+    the first body of a pair, which stays where it is, and for the second. ``farthest``: its points
+    (m, 3) farthest along unit directions (m, 3). ``curved``: not a polytope."""
 
     first: Any
     second: Any
@@ -56,7 +61,8 @@ class ConvexDistances:
 
     def __init__(self, table: CoreTable) -> None:
         self._table = table
-        self._cores: dict[tuple[int, int], Convex] = {}  # by the id of the core and the size: equal bodies share theirs
+        # By the id of the core and the size: equal bodies share theirs.
+        self._cores: dict[tuple[int, int], Convex] = {}
         self._triangles: dict[tuple[int, int], Convex] = {}
 
     def core(self, number: int, size: int) -> Convex:
@@ -73,7 +79,9 @@ class ConvexDistances:
         if made is None:
             if len(self._triangles) >= _MOST_TRIANGLES:
                 self._triangles.clear()
-            made = self._triangles[core, number] = _polytope(Hull(corners, np.array([[0, 1, 2], [0, 2, 1]])))
+            made = self._triangles[core, number] = _polytope(
+                Hull(corners, np.array([[0, 1, 2], [0, 2, 1]]))
+            )
         return made
 
 
@@ -88,7 +96,12 @@ def convex_of(core: Core, size: int = Size.USUAL) -> Convex:
     made, farthest = _MADE[core.kind]
     geometry = made(fcl, *(2 * half).tolist())
     curved = core.kind in (Kind.CYLINDER, Kind.CONE)
-    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), partial(farthest, half), curved)
+    return Convex(
+        fcl.CollisionObject(geometry),
+        fcl.CollisionObject(geometry),
+        partial(farthest, half),
+        curved,
+    )
 
 
 def _polytope(hull: Hull) -> Convex:
@@ -96,7 +109,12 @@ def _polytope(hull: Hull) -> Convex:
 
     faces = np.concatenate([np.full((len(hull.triangles), 1), 3), hull.triangles], axis=1).ravel()
     geometry = fcl.Convex(hull.points, len(hull.triangles), faces)
-    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), partial(_farthest_of_points, hull.points), False)
+    return Convex(
+        fcl.CollisionObject(geometry),
+        fcl.CollisionObject(geometry),
+        partial(_farthest_of_points, hull.points),
+        False,
+    )
 
 
 def _farthest_of_box(half: FloatArray, directions: FloatArray) -> FloatArray:
@@ -127,25 +145,38 @@ def _farthest_of_points(points: FloatArray, directions: FloatArray) -> FloatArra
     return np.asarray(points[(directions @ points.T).argmax(axis=1)])
 
 
-_MADE: dict[Kind, tuple[Callable[[Any, float, float, float], Any], Callable[[FloatArray, FloatArray], FloatArray]]] = {
+_MADE: dict[
+    Kind,
+    tuple[
+        Callable[[Any, float, float, float], Any], Callable[[FloatArray, FloatArray], FloatArray]
+    ],
+] = {
     Kind.POINT: (lambda fcl, x, y, z: fcl.Sphere(_POINT_RADIUS), _farthest_of_box),
     Kind.SEGMENT: (lambda fcl, x, y, z: fcl.Capsule(_POINT_RADIUS, z), _farthest_of_box),
     Kind.BOX: (lambda fcl, x, y, z: fcl.Box(x, y, z), _farthest_of_box),
     Kind.CYLINDER: (lambda fcl, x, y, z: fcl.Cylinder(x / 2, z), _farthest_of_cylinder),
     Kind.CONE: (lambda fcl, x, y, z: fcl.Cone(x / 2, z), _farthest_of_cone),
 }
-"""By kind: how FCL's geometry is made from the extents of a core, and the points farthest along directions from its half extents."""
+"""By kind: how FCL's geometry is made from the extents of a core, and the points farthest along
+directions from its half extents."""
 
 
 def separations(
-    first: Sequence[Convex], second: Sequence[Convex], rotation: FloatArray, offset: FloatArray, depths: bool = True
+    first: Sequence[Convex],
+    second: Sequence[Convex],
+    rotation: FloatArray,
+    offset: FloatArray,
+    depths: bool = True,
 ) -> Separation:
-    """Separations of pairs of bodies in the frame of the first, the second placed by ``rotation`` (3, 3, n) and ``offset`` (3, n). Without
-    ``depths``, bodies that overlap have distance 0."""
+    """Separations of pairs of bodies in the frame of the first, the second placed by ``rotation``
+    (3, 3, n) and ``offset`` (3, n). Without ``depths``, bodies that overlap have distance 0."""
     import fcl
 
     request = fcl.DistanceRequest(enable_nearest_points=True)
-    rotation, offset = np.ascontiguousarray(rotation.transpose(2, 0, 1)), np.ascontiguousarray(offset.T)
+    rotation, offset = (
+        np.ascontiguousarray(rotation.transpose(2, 0, 1)),
+        np.ascontiguousarray(offset.T),
+    )
     count = len(first)
     distance = np.empty(count)
     nearest = np.empty((count, 2, 3))
@@ -160,21 +191,35 @@ def separations(
     normal = (nearest[:, 1] - nearest[:, 0]) / np.where(apart, distance, 1.0)[:, None]
     if depths:
         for k in np.flatnonzero(~apart).tolist():
-            distance[k], normal[k], nearest[k] = _overlapping(first[k], second[k], rotation[k], offset[k])
+            distance[k], normal[k], nearest[k] = _overlapping(
+                first[k], second[k], rotation[k], offset[k]
+            )
     else:
         distance[~apart] = 0.0
-    curved = np.flatnonzero(apart & np.array([a.curved or b.curved for a, b in zip(first, second, strict=True)], dtype=np.bool_))
+    curved = np.flatnonzero(
+        apart
+        & np.array(
+            [a.curved or b.curved for a, b in zip(first, second, strict=True)], dtype=np.bool_
+        )
+    )
     if len(curved):
-        # The nearest points bound the distance from above, the supporting planes perpendicular to their line from below.
+        # The nearest points bound the distance from above, the supporting planes perpendicular to
+        # their line from below.
         way = normal[curved]
         back = -np.einsum("nji,nj->ni", rotation[curved], way)
         between = (way * offset[curved]).sum(axis=1)
-        between -= _supports([first[k] for k in curved.tolist()], way) + _supports([second[k] for k in curved.tolist()], back)
+        between -= _supports([first[k] for k in curved.tolist()], way) + _supports(
+            [second[k] for k in curved.tolist()], back
+        )
         length = np.sqrt(((nearest[curved, 1] - nearest[curved, 0]) ** 2).sum(axis=1))
         distance[curved] = length
-        normal[curved] = (nearest[curved, 1] - nearest[curved, 0]) / np.where(length > 0, length, 1.0)[:, None]
+        normal[curved] = (nearest[curved, 1] - nearest[curved, 0]) / np.where(
+            length > 0, length, 1.0
+        )[:, None]
         for k in curved[length - between > _CONFIRMED].tolist():
-            distance[k], normal[k], nearest[k] = _confirmed(first[k], second[k], rotation[k], offset[k], nearest[k])
+            distance[k], normal[k], nearest[k] = _confirmed(
+                first[k], second[k], rotation[k], offset[k], nearest[k]
+            )
     return Separation(distance, normal.T.copy(), nearest[:, 0].T.copy(), nearest[:, 1].T.copy())
 
 
@@ -189,11 +234,14 @@ def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:
     return heights
 
 
-def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, nearest: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+def _confirmed(
+    a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, nearest: FloatArray
+) -> tuple[float, FloatArray, FloatArray]:
     """Distance, normal and nearest points (2, 3) of two bodies that are apart, one of them curved.
 
-    Occasionally FCL's nearest points are millimetres further apart than the supporting planes perpendicular to their line. The query is
-    then repeated with both bodies rotated until the two bounds agree; where they never do, the first body is grown until the two overlap.
+    Occasionally FCL's nearest points are millimetres further apart than the supporting planes
+    perpendicular to their line. The query is then repeated with both bodies rotated until the two
+    bounds agree; where they never do, the first body is grown until the two overlap.
     """
     import fcl
 
@@ -225,7 +273,9 @@ def _confirmed(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, n
     return distance + growth, normal, nearest - np.stack([growth * normal, np.zeros(3)])
 
 
-def _overlapping(a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+def _overlapping(
+    a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray
+) -> tuple[float, FloatArray, FloatArray]:
     """Signed distance, normal and deepest points (2, 3) of two bodies that overlap."""
     found = penetration(a.farthest, lambda ways: b.farthest(ways @ rotation) @ rotation.T + offset)
     half = found.normal * (found.depth / 2)

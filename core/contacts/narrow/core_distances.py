@@ -1,4 +1,5 @@
-"""Distances and nearest points of pairs of cores: closed forms and separating axes where there are any, else FCL pair by pair."""
+"""Distances and nearest points of pairs of cores: closed forms and separating axes where there are
+any, else FCL pair by pair."""
 
 from __future__ import annotations
 
@@ -35,7 +36,9 @@ class _Placed(NamedTuple):
     half: FloatArray
 
 
-def _ends(rotation: FloatArray, centre: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _ends(
+    rotation: FloatArray, centre: FloatArray, half: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Both ends (3, n) of segments along local z."""
     along = rotation[:, 2] * half[2]
     return centre - along, centre + along
@@ -80,7 +83,8 @@ class CoreDistances:
         return kinds in _CLOSED_FORMS or kinds == (Kind.BOX, Kind.BOX)
 
     def separated(self, rows: CorePairs, depths: bool = True) -> AxisSeparation:
-        """Separations of the cores of one group. Without ``depths``, some that overlap may be said to be 0 apart."""
+        """Separations of the cores of one group. Without ``depths``, some that overlap may be said
+        to be 0 apart."""
         if len(rows) == 0:
             empty = np.zeros((3, 0))
             return exact(Separation(np.zeros(0), empty, empty, empty))
@@ -90,10 +94,18 @@ class CoreDistances:
         if first == second == Kind.BOX:
             sharp = self._sharp(rows)
             size = np.where(sharp, Size.SHARP, Size.USUAL)
-            half_a, half_b = (self._table.half[size, :, core].T for core in (rows.first, rows.second))
-            rows.radius_a = np.where(sharp, self._table.radius[Size.SHARP, rows.first], rows.radius_a)
-            rows.radius_b = np.where(sharp, self._table.radius[Size.SHARP, rows.second], rows.radius_b)
-            return box_to_box(rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b)
+            half_a, half_b = (
+                self._table.half[size, :, core].T for core in (rows.first, rows.second)
+            )
+            rows.radius_a = np.where(
+                sharp, self._table.radius[Size.SHARP, rows.first], rows.radius_a
+            )
+            rows.radius_b = np.where(
+                sharp, self._table.radius[Size.SHARP, rows.second], rows.radius_b
+            )
+            return box_to_box(
+                rows.rotation_a, rows.centre_a, half_a, rows.rotation_b, rows.centre_b, half_b
+            )
         if (first, second) not in _CLOSED_FORMS:
             return exact(self.by_fcl(rows, depths))
         a = _Placed(rows.rotation_a, rows.centre_a, half[:, rows.first])
@@ -104,21 +116,33 @@ class CoreDistances:
         assert rows.triangle_b is not None
         if kind not in (Kind.POINT, Kind.SEGMENT, Kind.BOX):
             return exact(self.by_fcl(rows))
-        corners = self._pairing.corners(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b)
+        corners = self._pairing.corners(
+            rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b
+        )
         if kind == Kind.POINT:
             return exact(point_to_triangle(rows.centre_a, corners))
         if kind == Kind.SEGMENT:
-            ends = _ends(rows.rotation_a, rows.centre_a, self._table.half[Size.USUAL][:, rows.first])
+            ends = _ends(
+                rows.rotation_a, rows.centre_a, self._table.half[Size.USUAL][:, rows.first]
+            )
             return exact(segment_to_triangle(*ends, corners))
-        return box_to_triangle(rows.rotation_a, rows.centre_a, self._table.half[Size.THICK][:, rows.first], corners)
+        return box_to_triangle(
+            rows.rotation_a, rows.centre_a, self._table.half[Size.THICK][:, rows.first], corners
+        )
 
     def near_by_fcl(self, rows: CorePairs, limit: FloatArray) -> Separation:
-        """`by_fcl` of the rows whose bounding boxes are within ``limit`` of each other; lower bounds for the others."""
+        """`by_fcl` of the rows whose bounding boxes are within ``limit`` of each other; lower
+        bounds for the others."""
         table = self._table
         centre_a = rows.centre_a + turned(rows.rotation_a, table.bound_centre[:, rows.first])
         centre_b = rows.centre_b + turned(rows.rotation_b, table.bound_centre[:, rows.second])
-        turn, offset = relative(rows.rotation_a, rows.rotation_b), turned_back(rows.rotation_a, centre_b - centre_a)
-        bound = best_axes(turn, offset, table.bound_half[:, rows.first], table.bound_half[:, rows.second])[0]
+        turn, offset = (
+            relative(rows.rotation_a, rows.rotation_b),
+            turned_back(rows.rotation_a, centre_b - centre_a),
+        )
+        bound = best_axes(
+            turn, offset, table.bound_half[:, rows.first], table.bound_half[:, rows.second]
+        )[0]
         near = bound <= rows.radius_a + rows.radius_b + limit[rows.owner]
         if near.all():
             return self.by_fcl(rows)
@@ -131,7 +155,11 @@ class CoreDistances:
     def _sharp(self, rows: CorePairs) -> BoolArray:
         """Which rows are of two boxes that meet with sharp edges."""
         table = self._table
-        return np.asarray(table.is_box[rows.first] & table.is_box[rows.second] & (table.kind[rows.second] == Kind.BOX))
+        return np.asarray(
+            table.is_box[rows.first]
+            & table.is_box[rows.second]
+            & (table.kind[rows.second] == Kind.BOX)
+        )
 
     def by_fcl(self, rows: CorePairs, depths: bool = True) -> Separation:
         """Separations by FCL, and by EPA where cores overlap."""
@@ -141,12 +169,17 @@ class CoreDistances:
             second = [self._convex.core(core, size) for core in rows.second.tolist()]
         else:
             meshes = zip(rows.second.tolist(), rows.triangle_b.tolist(), strict=True)
-            second = [self._convex.triangle(core, number, self._pairing.mesh(core).corners[number]) for core, number in meshes]
+            second = [
+                self._convex.triangle(core, number, self._pairing.mesh(core).corners[number])
+                for core, number in meshes
+            ]
         for k in np.flatnonzero(self._sharp(rows)).tolist():
             first[k] = self._convex.core(int(rows.first[k]), Size.SHARP)
             second[k] = self._convex.core(int(rows.second[k]), Size.SHARP)
         turn = relative(rows.rotation_a, rows.rotation_b)
-        found = separations(first, second, turn, turned_back(rows.rotation_a, rows.centre_b - rows.centre_a), depths)
+        found = separations(
+            first, second, turn, turned_back(rows.rotation_a, rows.centre_b - rows.centre_a), depths
+        )
         ends = (turned(rows.rotation_a, end) + rows.centre_a for end in (found.first, found.second))
         return Separation(found.distance, turned(rows.rotation_a, found.normal), *ends)
 
@@ -154,4 +187,6 @@ class CoreDistances:
 def exact(separation: Separation) -> AxisSeparation:
     """A separation whose distances are all exact."""
     whole = np.ones(len(separation.distance), dtype=np.bool_)
-    return AxisSeparation(separation.distance, separation.normal, separation.first, separation.second, whole)
+    return AxisSeparation(
+        separation.distance, separation.normal, separation.first, separation.second, whole
+    )

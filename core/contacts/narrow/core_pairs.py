@@ -1,4 +1,5 @@
-"""Pairs of bodies as pairs of their cores in world space, in groups of the same kinds, meshes as their triangles nearby."""
+"""Pairs of bodies as pairs of their cores in world space, in groups of the same kinds, meshes as
+their triangles nearby."""
 
 from __future__ import annotations
 
@@ -15,15 +16,17 @@ from .surfaces import Surfaces
 from .triangles import apart_by
 
 BEYOND = 1e-9
-"""Metres beyond the limit of a query at which a distance is reported where only a lower bound is known."""
+"""Metres beyond the limit of a query at which a distance is reported where only a lower bound is
+known."""
 
 
 @dataclass(slots=True)
 class CorePairs:
     """Pairs of convex cores in world space.
 
-    ``owner`` (n,): the pair of bodies; ``flipped`` (n,): whether its first body is the second here; numbers of the cores, their poses, and
-    the radii by which they are grown. ``triangle_a`` and ``triangle_b`` (n,): the triangle that stands for a core that is a mesh.
+    ``owner`` (n,): the pair of bodies; ``flipped`` (n,): whether its first body is the second here;
+    numbers of the cores, their poses, and the radii by which they are grown. ``triangle_a`` and
+    ``triangle_b`` (n,): the triangle that stands for a core that is a mesh.
     """
 
     owner: IntArray
@@ -50,43 +53,77 @@ class CorePairing:
         self._table = table
         self._surfaces = surfaces
 
-    def groups(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> Iterator[CorePairs]:
-        """All pairs of cores of ``pairs`` of bodies, placed as in `NarrowPhase`, in groups of the same kinds, the simpler kind first."""
+    def groups(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray
+    ) -> Iterator[CorePairs]:
+        """All pairs of cores of ``pairs`` of bodies, placed as in `NarrowPhase`, in groups of the
+        same kinds, the simpler kind first."""
         table = self._table
         owner, first, second = _products(table.start, pairs)
         flipped = table.kind[first] > table.kind[second]
         first, second = np.where(flipped, second, first), np.where(flipped, first, second)
         # The first body of a pair is at the origin.
         turn, place, upright = rotation[..., owner], offset[:, owner], np.eye(3)[:, :, None]
-        rotation_a, centre_a = self._world(first, np.where(flipped, turn, upright), np.where(flipped, place, 0.0))
-        rotation_b, centre_b = self._world(second, np.where(flipped, upright, turn), np.where(flipped, 0.0, place))
+        rotation_a, centre_a = self._world(
+            first, np.where(flipped, turn, upright), np.where(flipped, place, 0.0)
+        )
+        rotation_b, centre_b = self._world(
+            second, np.where(flipped, upright, turn), np.where(flipped, 0.0, place)
+        )
         kinds = table.kind[first] * len(Kind) + table.kind[second]
         radius_a, radius_b = (table.radius[Size.USUAL, core] for core in (first, second))
-        everything = CorePairs(owner, flipped, first, second, rotation_a, centre_a, rotation_b, centre_b, radius_a, radius_b)
+        everything = CorePairs(
+            owner,
+            flipped,
+            first,
+            second,
+            rotation_a,
+            centre_a,
+            rotation_b,
+            centre_b,
+            radius_a,
+            radius_b,
+        )
         for value in np.unique(kinds).tolist():
-            rows = chosen_of(everything, np.flatnonzero(kinds == value)) if np.any(kinds != value) else everything
+            rows = (
+                chosen_of(everything, np.flatnonzero(kinds == value))
+                if np.any(kinds != value)
+                else everything
+            )
             kind_a, kind_b = Kind(value // len(Kind)), Kind(value % len(Kind))
             if kind_b is Kind.MESH and kind_a is Kind.BOX:
                 rows.radius_a = table.radius[Size.THICK, rows.first]
             if kind_b is Kind.MESH and kind_a is Kind.POINT:
-                rows.radius_b = np.array([table.cores[core].mesh_radius_to_points for core in rows.second.tolist()])
+                rows.radius_b = np.array(
+                    [table.cores[core].mesh_radius_to_points for core in rows.second.tolist()]
+                )
             yield rows
 
-    def _world(self, core: IntArray, rotation: FloatArray, centre: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _world(
+        self, core: IntArray, rotation: FloatArray, centre: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Poses of cores of bodies in these poses."""
         if not self._table.placed:
             return rotation, centre
-        return product(rotation, self._table.rotation[..., core]), centre + turned(rotation, self._table.offset[:, core])
+        return product(rotation, self._table.rotation[..., core]), centre + turned(
+            rotation, self._table.offset[:, core]
+        )
 
     def mesh(self, core: int) -> MeshIndex:
         """The triangles of a core that is a mesh or a hull."""
         return self._surfaces[core].index
 
     def on_triangles(self, rows: CorePairs, reach: FloatArray) -> CorePairs:
-        """Convex cores of one kind against those triangles of their meshes that are within ``reach`` (n,) metres."""
+        """Convex cores of one kind against those triangles of their meshes that are within
+        ``reach`` (n,) metres."""
         table = self._table
         turn = relative(rows.rotation_b, rows.rotation_a)
-        middle = turned_back(rows.rotation_b, rows.centre_a + turned(rows.rotation_a, table.bound_centre[:, rows.first]) - rows.centre_b)
+        middle = turned_back(
+            rows.rotation_b,
+            rows.centre_a
+            + turned(rows.rotation_a, table.bound_centre[:, rows.first])
+            - rows.centre_b,
+        )
         half = turned(np.abs(turn), table.bound_half[:, rows.first])
         half += rows.radius_a + rows.radius_b + np.maximum(reach, 0.0)
         bounds = np.stack([middle - half, middle + half]).transpose(2, 0, 1)
@@ -101,35 +138,57 @@ class CorePairing:
         return expanded
 
     def near_triangles(self, rows: CorePairs, reach: FloatArray) -> CorePairs:
-        """The pairs of triangles of pairs of surfaces that may be within ``reach`` (n,) metres of each other, in order of the rows."""
+        """The pairs of triangles of pairs of surfaces that may be within ``reach`` (n,) metres of
+        each other, in order of the rows."""
         alike: dict[tuple[int, int], list[int]] = {}
         for k, pair in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
             one, other = (id(self._surfaces[core]) for core in pair)
             alike.setdefault((one, other), []).append(k)
-        found = [self._near_of_alike(rows, np.array(numbers), reach[numbers]) for numbers in alike.values()]
+        found = [
+            self._near_of_alike(rows, np.array(numbers), reach[numbers])
+            for numbers in alike.values()
+        ]
         number, first, second = (np.concatenate(parts) for parts in zip(*found, strict=True))
         order = np.argsort(number, kind="stable")
         expanded = chosen_of(rows, number[order])
         expanded.triangle_a, expanded.triangle_b = first[order], second[order]
         return expanded
 
-    def _near_of_alike(self, rows: CorePairs, numbers: IntArray, reach: FloatArray) -> tuple[IntArray, IntArray, IntArray]:
-        """The same of the rows ``numbers`` (m,), all of the same two surfaces: the number of the row and those of the triangles."""
-        first, second = self._surfaces[int(rows.first[numbers[0]])], self._surfaces[int(rows.second[numbers[0]])]
+    def _near_of_alike(
+        self, rows: CorePairs, numbers: IntArray, reach: FloatArray
+    ) -> tuple[IntArray, IntArray, IntArray]:
+        """The same of the rows ``numbers`` (m,), all of the same two surfaces: the number of the
+        row and those of the triangles."""
+        first, second = (
+            self._surfaces[int(rows.first[numbers[0]])],
+            self._surfaces[int(rows.second[numbers[0]])],
+        )
         turn = relative(rows.rotation_b[..., numbers], rows.rotation_a[..., numbers])
-        shift = turned_back(rows.rotation_b[..., numbers], rows.centre_a[:, numbers] - rows.centre_b[:, numbers])
+        shift = turned_back(
+            rows.rotation_b[..., numbers], rows.centre_a[:, numbers] - rows.centre_b[:, numbers]
+        )
         middle, half = (second.low + second.high) / 2, (second.high - second.low) / 2
         back = turned_back(turn, middle[:, None] - shift)
         extent = turned(np.abs(turn.transpose(1, 0, 2)), half[:, None] + reach)
         pair, near = first.index.near(np.stack([back - extent, back + extent]).transpose(2, 0, 1))
-        corners = turned(turn[..., pair], first.index.corners[near].transpose(2, 1, 0)) + shift[:, None, pair]
-        bounds = np.stack([corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]]).transpose(2, 0, 1)
+        corners = (
+            turned(turn[..., pair], first.index.corners[near].transpose(2, 1, 0))
+            + shift[:, None, pair]
+        )
+        bounds = np.stack(
+            [corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]]
+        ).transpose(2, 0, 1)
         mine, theirs = second.index.near(bounds)
         pair = pair[mine]
-        possible = (apart_by(corners[..., mine], second.index.corners[theirs].transpose(2, 1, 0)) <= reach[pair]).nonzero()[0]
+        possible = (
+            apart_by(corners[..., mine], second.index.corners[theirs].transpose(2, 1, 0))
+            <= reach[pair]
+        ).nonzero()[0]
         return numbers[pair[possible]], near[mine[possible]], theirs[possible]
 
-    def corners(self, mesh: IntArray, triangle: IntArray, rotation: FloatArray, centre: FloatArray) -> FloatArray:
+    def corners(
+        self, mesh: IntArray, triangle: IntArray, rotation: FloatArray, centre: FloatArray
+    ) -> FloatArray:
         """World corners (3, 3, n), by coordinate and corner, of triangles of meshes."""
         local = np.empty((3, 3, len(mesh)))
         for core in np.unique(mesh).tolist():
@@ -139,14 +198,20 @@ class CorePairing:
 
 
 def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Every core of each pair's first body with every core of its second: number of the pair, of either core."""
+    """Every core of each pair's first body with every core of its second: number of the pair, of
+    either core."""
     count = np.diff(start)[pairs]
     many = count[:, 0] * count[:, 1]
     owner = np.repeat(np.arange(len(pairs)), many)
     within = ranges(np.zeros_like(many), many)
-    return owner, start[pairs[owner, 0]] + within // count[owner, 1], start[pairs[owner, 1]] + within % count[owner, 1]
+    return (
+        owner,
+        start[pairs[owner, 0]] + within // count[owner, 1],
+        start[pairs[owner, 1]] + within % count[owner, 1],
+    )
 
 
 def bounded(rows: CorePairs, gap: FloatArray, limit: FloatArray) -> FloatArray:
-    """Gaps as lower bounds on the distances of the bodies: beyond ``limit`` not all triangles of a mesh are included."""
+    """Gaps as lower bounds on the distances of the bodies: beyond ``limit`` not all triangles of a
+    mesh are included."""
     return gap if rows.triangle_b is None else np.minimum(gap, limit[rows.owner] + BEYOND)

@@ -32,50 +32,102 @@ class CorePatches:
     def patches(self, rows: CorePairs, separation: Separation) -> Patches:
         """Patches of rows of one group, their centres and corners in the world."""
         normal = separation.normal
-        middle = (separation.first + normal * rows.radius_a + separation.second - normal * rows.radius_b) / 2
+        middle = (
+            separation.first + normal * rows.radius_a + separation.second - normal * rows.radius_b
+        ) / 2
         count = len(rows)
         if self._table.kind[rows.first[0]] == Kind.POINT:
             none = np.zeros(count, dtype=np.bool_)
-            return Patches(middle, np.zeros(count), none, np.zeros(count), middle[:, None], none[None], none, np.zeros(count))
-        first, many_a, wide_a = self._polygons(rows.first, rows.triangle_a, rows.rotation_a, rows.centre_a, normal)
-        second, many_b, wide_b = self._polygons(rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b, -normal)
+            return Patches(
+                middle,
+                np.zeros(count),
+                none,
+                np.zeros(count),
+                middle[:, None],
+                none[None],
+                none,
+                np.zeros(count),
+            )
+        first, many_a, wide_a = self._polygons(
+            rows.first, rows.triangle_a, rows.rotation_a, rows.centre_a, normal
+        )
+        second, many_b, wide_b = self._polygons(
+            rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b, -normal
+        )
         first -= middle[:, None]
         second -= middle[:, None]
         parts = []
         for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
-            alike = np.flatnonzero((many_a == (corners_a == MANY)) & (many_b == (corners_b == MANY)))
+            alike = np.flatnonzero(
+                (many_a == (corners_a == MANY)) & (many_b == (corners_b == MANY))
+            )
             if len(alike):
-                parts.append((alike, patches(first[:, :corners_a, alike], second[:, :corners_b, alike], normal[:, alike])))
+                parts.append(
+                    (
+                        alike,
+                        patches(
+                            first[:, :corners_a, alike],
+                            second[:, :corners_b, alike],
+                            normal[:, alike],
+                        ),
+                    )
+                )
         result = _merged(count, parts)
         drawn = np.where(rows.triangle_a is None, self._table.kind[rows.first], Kind.MESH)
         kind = np.maximum(drawn, self._table.kind[rows.second])
         result = _at_nearest_points(result, np.isin(kind, _DRAWN_ROUGHLY))
         area = result.area
-        faceted = (self._table.kind[rows.second] == Kind.HULL) & np.isin(self._table.kind[rows.first], (Kind.BOX, Kind.HULL))
+        faceted = (self._table.kind[rows.second] == Kind.HULL) & np.isin(
+            self._table.kind[rows.first], (Kind.BOX, Kind.HULL)
+        )
         if faceted.any():
-            some, place, around = chosen_of(rows, faceted), middle[:, faceted], directions(normal[:, faceted])
+            some, place, around = (
+                chosen_of(rows, faceted),
+                middle[:, faceted],
+                directions(normal[:, faceted]),
+            )
             reaches = [
                 reach(self._table, core, rotation, centre, place, around)
-                for core, rotation, centre in ((some.first, some.rotation_a, some.centre_a), (some.second, some.rotation_b, some.centre_b))
+                for core, rotation, centre in (
+                    (some.first, some.rotation_a, some.centre_a),
+                    (some.second, some.rotation_b, some.centre_b),
+                )
             ]
             area[faceted] = np.maximum(area[faceted], section_area(reaches))
-        return replace(result, centre=middle + result.centre, area=area, corners=middle[:, None] + result.corners, wide=wide_a & wide_b)
+        return replace(
+            result,
+            centre=middle + result.centre,
+            area=area,
+            corners=middle[:, None] + result.corners,
+            wide=wide_a & wide_b,
+        )
 
     def _polygons(
-        self, core: IntArray, triangle: IntArray | None, rotation: FloatArray, centre: FloatArray, direction: FloatArray
+        self,
+        core: IntArray,
+        triangle: IntArray | None,
+        rotation: FloatArray,
+        centre: FloatArray,
+        direction: FloatArray,
     ) -> tuple[FloatArray, BoolArray, BoolArray]:
         if triangle is None:
             return polygons(self._table, core, rotation, centre, direction)
-        corners = self._pairing.corners(core, triangle, rotation, centre)[:, np.minimum(np.arange(MANY), 2)]  # the last one repeated
+        # The last one repeated.
+        corners = self._pairing.corners(core, triangle, rotation, centre)[
+            :, np.minimum(np.arange(MANY), 2)
+        ]
         return corners, np.zeros(len(core), dtype=np.bool_), np.ones(len(core), dtype=np.bool_)
 
 
 def _at_nearest_points(patch: Patches, rough: BoolArray) -> Patches:
-    """Patches around the origin, the nearest points of their cores; ``rough`` ones that miss it moved there."""
+    """Patches around the origin, the nearest points of their cores; ``rough`` ones that miss it
+    moved there."""
     low = np.where(patch.used, patch.corners, np.inf).min(axis=1)
     high = np.where(patch.used, patch.corners, -np.inf).max(axis=1)
     keep = ~(rough & patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=0))
-    return replace(patch, centre=patch.centre * keep, area=patch.area * keep, corners=patch.corners * keep)
+    return replace(
+        patch, centre=patch.centre * keep, area=patch.area * keep, corners=patch.corners * keep
+    )
 
 
 def _merged(count: int, parts: list[tuple[IntArray, Patches]]) -> Patches:

@@ -1,7 +1,8 @@
 """Shapes reduced to cores, the primitives of the narrow phase.
 
-Every primitive is a core (a point, a segment, a box, a cylinder, a cone, a hull, a triangle) and all points within ``radius`` of it: a
-sphere is a point, a capsule a segment, a box with rounded edges a smaller box. Distances are between cores, less the two radii.
+Every primitive is a core (a point, a segment, a box, a cylinder, a cone, a hull, a triangle) and
+all points within ``radius`` of it: a sphere is a point, a capsule a segment, a box with rounded
+edges a smaller box. Distances are between cores, less the two radii.
 """
 
 from __future__ import annotations
@@ -40,11 +41,13 @@ class Size(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Core:
-    """One primitive. ``matrix`` (4, 4): from core to body. By `Size`: ``half`` (3, 3), of a box its half extents, of a round core (radius,
-    radius, half height), of a segment (0, 0, half length); and the ``radius`` (3,) by which it is grown. ``outline`` (3,) half extents of
-    its flat faces. ``is_box``: authored as a box. ``hull``: of a HULL, moved inwards by its rounding; ``sharp_hull``: before that, with the
-    full extent of its flat faces. ``mesh_radius_to_points``: the radius of a mesh against spheres. ``sunk_in``: how far
-    beneath its surface bodies touch it [m]."""
+    """One primitive. ``matrix`` (4, 4): from core to body. By `Size`: ``half`` (3, 3), of a box its
+    half extents, of a round core (radius, radius, half height), of a segment (0, 0, half length);
+    and the ``radius`` (3,) by which it is grown. ``outline`` (3,) half extents of its flat faces.
+    ``is_box``: authored as a box. ``hull``: of a HULL, moved inwards by its rounding;
+    ``sharp_hull``: before that, with the full extent of its flat faces. ``mesh_radius_to_points``:
+    the radius of a mesh against spheres. ``sunk_in``: how far beneath its surface bodies touch it
+    [m]."""
 
     kind: Kind
     matrix: FloatArray
@@ -68,14 +71,17 @@ class Core:
         return np.array([-half, half])
 
     def thickness(self) -> float:
-        """Smallest extent [m]: of a shell that of its surface, of a solid mesh that of its bounds, of a hull the smallest width square to a
-        face."""
+        """Smallest extent [m]: of a shell that of its surface, of a solid mesh that of its bounds,
+        of a hull the smallest width square to a face."""
         if self.mesh is not None:
             inside = float(np.ptp(self.bounds(), axis=0).min()) if self.mesh.sunk_in > 0 else 0.0
             return inside + 2 * min(self.radius[0], self.mesh_radius_to_points)
         if self.hull is not None:
             normals, _ = self.hull.planes()
-            return float(np.ptp(self.hull.points @ normals.T, axis=0).min(initial=np.inf)) + 2 * self.radius[0]
+            return (
+                float(np.ptp(self.hull.points @ normals.T, axis=0).min(initial=np.inf))
+                + 2 * self.radius[0]
+            )
         return 2 * (float(self.half[0].min()) + self.radius[0])
 
 
@@ -91,7 +97,9 @@ def _core(part: Part, solid: bool) -> Core:
         case Sphere(radius=radius):
             return _simple(Kind.POINT, replace(part, radius=part.radius + radius), (0, 0, 0))
         case Capsule(radius=radius, height=height):
-            return _simple(Kind.SEGMENT, replace(part, radius=part.radius + radius), (0, 0, height / 2))
+            return _simple(
+                Kind.SEGMENT, replace(part, radius=part.radius + radius), (0, 0, height / 2)
+            )
         case Box(size=size, rounding=rounding):
             return _box(part.matrix, part.radius, np.array(size) / 2, rounding)
         case Cylinder(radius=radius, height=height, rounding=rounding):
@@ -106,16 +114,33 @@ def _core(part: Part, solid: bool) -> Core:
         case Mesh() as mesh:
             if solid:
                 return _hull(part, mesh.points[np.unique(mesh.triangles)], 0.0)
-            to_points = part.radius if mesh.sphere_margin is None else part.radius - mesh.margin + mesh.sphere_margin
-            return replace(_simple(Kind.MESH, part, (0, 0, 0)), mesh=mesh, mesh_radius_to_points=to_points, sunk_in=mesh.sunk_in)
+            to_points = (
+                part.radius
+                if mesh.sphere_margin is None
+                else part.radius - mesh.margin + mesh.sphere_margin
+            )
+            return replace(
+                _simple(Kind.MESH, part, (0, 0, 0)),
+                mesh=mesh,
+                mesh_radius_to_points=to_points,
+                sunk_in=mesh.sunk_in,
+            )
     raise TypeError(f"no core for {part.shape!r}")
 
 
-def _box(matrix: FloatArray, radius: float, half: FloatArray, rounding: float, sharp_to_boxes: bool = True) -> Core:
+def _box(
+    matrix: FloatArray,
+    radius: float,
+    half: FloatArray,
+    rounding: float,
+    sharp_to_boxes: bool = True,
+) -> Core:
     inner = min(rounding, float(np.min(half)))
     roundings = [inner, 0.0, rounding] if sharp_to_boxes else 3 * [inner]
     halves = np.array([np.maximum(half - each, 0.0) for each in roundings])
-    return Core(Kind.BOX, matrix, [radius + each for each in roundings], halves, half, sharp_to_boxes)
+    return Core(
+        Kind.BOX, matrix, [radius + each for each in roundings], halves, half, sharp_to_boxes
+    )
 
 
 def _hull(part: Part, points: FloatArray, rounding: float) -> Core:
@@ -130,7 +155,9 @@ def _hull(part: Part, points: FloatArray, rounding: float) -> Core:
     radius = part.radius + rounding
     if len(inner.points) == 2:
         return _between(replace(part, radius=radius), inner.points)
-    return replace(_simple(Kind.HULL, replace(part, radius=radius), (0, 0, 0)), hull=inner, sharp_hull=sharp)
+    return replace(
+        _simple(Kind.HULL, replace(part, radius=radius), (0, 0, 0)), hull=inner, sharp_hull=sharp
+    )
 
 
 def _between(part: Part, ends: FloatArray) -> Core:
@@ -160,7 +187,8 @@ def _as_box(corners: FloatArray) -> tuple[FloatArray, FloatArray] | None:
         return None
     edges = corners - corners[0]
     order = np.argsort(np.linalg.norm(edges, axis=1), kind="stable")
-    # The three nearest corners need not lie along edges: find three directions that are perpendicular.
+    # The three nearest corners need not lie along edges: find three directions that are
+    # perpendicular.
     for first in order[1:4].tolist():
         for second in order[2:].tolist():
             for third in order[3:].tolist():
@@ -181,7 +209,8 @@ def _as_box(corners: FloatArray) -> tuple[FloatArray, FloatArray] | None:
 
 
 def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Three axes (rows) in the order and senses that are nearest to x, y, z and right-handed, with their lengths."""
+    """Three axes (rows) in the order and senses that are nearest to x, y, z and right-handed, with
+    their lengths."""
     order = max(permutations(range(3)), key=lambda o: sum(abs(unit[o[k], k]) for k in range(3)))
     unit, lengths = unit[list(order)], lengths[list(order)]
     unit = unit * np.where(np.diag(unit) < 0, -1.0, 1.0)[:, None]
@@ -207,10 +236,12 @@ class Reduced:
 
 @dataclass(frozen=True, slots=True)
 class CoreTable:
-    """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``. ``rotation`` (3, 3, c) and ``offset`` (3, c)
-    place a core in its body; ``placed`` is False where all of them are the identity. ``bound_centre`` and ``bound_half`` (3, c): box around
-    the core in its own frame. ``thickness`` (b,) of each body's thinnest core [m]. ``reduced``: the shapes, by their ids and whether they
-    are volumes. The rest are the fields of `Core`: ``radius`` (3, c) and ``half`` (3, 3, c) by size."""
+    """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``.
+    ``rotation`` (3, 3, c) and ``offset`` (3, c) place a core in its body; ``placed`` is False where
+    all of them are the identity. ``bound_centre`` and ``bound_half`` (3, c): box around the core in
+    its own frame. ``thickness`` (b,) of each body's thinnest core [m]. ``reduced``: the shapes, by
+    their ids and whether they are volumes. The rest are the fields of `Core`: ``radius`` (3, c) and
+    ``half`` (3, 3, c) by size."""
 
     cores: tuple[Core, ...]
     start: IntArray
@@ -228,9 +259,11 @@ class CoreTable:
     reduced: dict[tuple[int, bool], Reduced]
 
     @classmethod
-    def of(cls, shapes: Sequence[Shape], solid: Sequence[bool], before: CoreTable | None = None) -> CoreTable:
-        """Tabulate the cores of ``shapes``; ``solid`` says which meshes are volumes. Equal shapes are reduced once, those that are the same
-        object in the table ``before`` not again."""
+    def of(
+        cls, shapes: Sequence[Shape], solid: Sequence[bool], before: CoreTable | None = None
+    ) -> CoreTable:
+        """Tabulate the cores of ``shapes``; ``solid`` says which meshes are volumes. Equal shapes
+        are reduced once, those that are the same object in the table ``before`` not again."""
         same = {} if before is None else before.reduced
         equal: dict[tuple[Shape, bool], Reduced] = {}
         reduced: dict[tuple[int, bool], Reduced] = {}
@@ -251,7 +284,9 @@ class CoreTable:
             half=np.array([_columns([core.half[size] for core in cores]) for size in Size]),
             outline=_columns([core.outline for core in cores]),
             cores=cores,
-            start=np.concatenate([[0], np.cumsum([len(body.cores) for body in per_body])]).astype(np.int64),
+            start=np.concatenate([[0], np.cumsum([len(body.cores) for body in per_body])]).astype(
+                np.int64
+            ),
             kind=np.array([core.kind for core in cores], dtype=np.int64),
             rotation=matrices[:, :3, :3].transpose(1, 2, 0).copy(),
             offset=matrices[:, :3, 3].T.copy(),

@@ -1,6 +1,8 @@
-"""Vectors, rotations and poses of many pairs at a time, the pairs along the last axis of every array.
+"""Vectors, rotations and poses of many pairs at a time, the pairs along the last axis of every
+array.
 
-Sums are in a fixed order, so that results do not depend on which pairs are computed together, as those of `einsum` and `matmul` do.
+Sums are in a fixed order, so that results do not depend on which pairs are computed together, as
+those of `einsum` and `matmul` do.
 """
 
 from __future__ import annotations
@@ -48,14 +50,17 @@ relative = turned_back
 
 
 def relative_pose(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rotation (3, 3, n) and offset (3, n) of poses ``b`` in the frames of poses ``a``, both (12, n): rotation by rows, then position."""
+    """Rotation (3, 3, n) and offset (3, n) of poses ``b`` in the frames of poses ``a``, both (12,
+    n): rotation by rows, then position."""
     turn = a[:9].reshape(3, 3, -1)
     return relative(turn, b[:9].reshape(3, 3, -1)), turned_back(turn, b[9:] - a[9:])
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Cross products of vectors (3, ..., n)."""
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    return np.stack(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
 
 
 def pick(values: FloatArray, index: IntArray) -> FloatArray:

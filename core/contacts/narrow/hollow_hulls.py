@@ -1,4 +1,5 @@
-"""Bodies deep in convex hulls that stand for closed surfaces: such a hull is a wall as thick as bodies may sink in, not a solid."""
+"""Bodies deep in convex hulls that stand for closed surfaces: such a hull is a wall as thick as
+bodies may sink in, not a solid."""
 
 from __future__ import annotations
 
@@ -17,19 +18,30 @@ from .surfaces import Surfaces
 
 
 class HollowHulls:
-    """Limits the depth of contacts of the ``shapes`` that are such hulls, and drops what is deeper inside."""
+    """Limits the depth of contacts of the ``shapes`` that are such hulls, and drops what is deeper
+    inside."""
 
-    def __init__(self, shapes: Sequence[Shape], table: CoreTable, bodies: ConvexDistances, surfaces: Surfaces) -> None:
+    def __init__(
+        self, shapes: Sequence[Shape], table: CoreTable, bodies: ConvexDistances, surfaces: Surfaces
+    ) -> None:
         self._shapes = shapes
         self._table = table
         self._bodies = bodies
         self._surfaces = surfaces
         self._faces: dict[int, tuple[FloatArray, FloatArray]] = {}
-        self._depth = np.array([np.inf if not isinstance(s, ConvexHull) or s.sunk_in is None else s.sunk_in for s in shapes])
+        self._depth = np.array(
+            [
+                np.inf if not isinstance(s, ConvexHull) or s.sunk_in is None else s.sunk_in
+                for s in shapes
+            ]
+        )
         self._size = np.array([np.ptp(s.local_bounds(), axis=0).min() for s in shapes])
 
-    def limit(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, found: PairPatches) -> None:
-        """Correct the patches ``found`` of ``pairs`` (p, 2), placed as in `NarrowPhase`, in place."""
+    def limit(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, found: PairPatches
+    ) -> None:
+        """Correct the patches ``found`` of ``pairs`` (p, 2), placed as in `NarrowPhase`, in
+        place."""
         depth = self._depth[pairs].min(axis=1)
         most = np.minimum(depth, self._size[pairs].min(axis=1) / 2)
         for k in np.flatnonzero(np.isfinite(depth) & (found.distance < -most)).tolist():
@@ -46,7 +58,9 @@ class HollowHulls:
                 nearest = int(gaps.argmin())
                 if gaps[nearest] > 0:
                     normal = normals[nearest]
-                    centre = way @ self._end(inner, normal @ way) + shift + normal * (gaps[nearest] / 2)
+                    centre = (
+                        way @ self._end(inner, normal @ way) + shift + normal * (gaps[nearest] / 2)
+                    )
                     found.distance[k] = gaps[nearest] - most[k]
                     found.normal[:, k] = sign * (normal if sign > 0 else turn @ normal)
                     found.centre[:, k] = centre if sign > 0 else turn @ centre + place
@@ -72,7 +86,13 @@ class HollowHulls:
             own = directions @ self._table.rotation[..., core]
             farthest = self._points(core, own) if self._table.kind[core] == Kind.MESH else None
             far = self._bodies.core(core, Size.USUAL).support(own) if farthest is None else farthest
-            np.maximum(reach, far + directions @ self._table.offset[:, core] + self._table.radius[Size.USUAL, core], out=reach)
+            np.maximum(
+                reach,
+                far
+                + directions @ self._table.offset[:, core]
+                + self._table.radius[Size.USUAL, core],
+                out=reach,
+            )
         return reach
 
     def _points(self, core: int, directions: FloatArray) -> FloatArray:
@@ -80,10 +100,15 @@ class HollowHulls:
         return np.asarray((corners @ directions.T).max(axis=0))
 
     def _end(self, body: int, direction: FloatArray) -> FloatArray:
-        """The middle of what of a body is farthest along a unit direction: of its corners, those that are hardly less far count less."""
+        """The middle of what of a body is farthest along a unit direction: of its corners, those
+        that are hardly less far count less."""
         places, heights = [], []
         for core in self._cores(body):
-            turn, place, radius = self._table.rotation[..., core], self._table.offset[:, core], self._table.radius[Size.USUAL, core]
+            turn, place, radius = (
+                self._table.rotation[..., core],
+                self._table.offset[:, core],
+                self._table.radius[Size.USUAL, core],
+            )
             own = turn.T @ direction
             corners = self._corners(core, own)
             at = corners @ turn.T + place + radius * direction
@@ -102,6 +127,8 @@ class HollowHulls:
             assert item.hull is not None
             return item.hull.points
         if item.kind is Kind.BOX:
-            signs = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+            signs = np.array(
+                [[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
+            )
             return np.asarray(signs * item.half[Size.USUAL])
         return np.asarray(self._bodies.core(core, Size.USUAL).farthest(direction[None]))

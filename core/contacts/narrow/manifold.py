@@ -1,8 +1,11 @@
-"""Contact patches: where the facing features of two touching cores lie on each other, many pairs at a time.
+"""Contact patches: where the facing features of two touching cores lie on each other, many pairs at
+a time.
 
-Each core contributes its supporting feature: a face of a box, hull or triangle, the end of a cylinder, a line along the side of a round
-core. Both are projected onto the contact plane and intersected, as far as the gap between them is within ``PATCH_GAP`` of the least. A face
-on a face gives their common area, an edge a strip along it, a corner almost nothing: centre and area change smoothly as a body tips.
+Each core contributes its supporting feature: a face of a box, hull or triangle, the end of a
+cylinder, a line along the side of a round core. Both are projected onto the contact plane and
+intersected, as far as the gap between them is within ``PATCH_GAP`` of the least. A face on a face
+gives their common area, an edge a strip along it, a corner almost nothing: centre and area change
+smoothly as a body tips.
 """
 
 from __future__ import annotations
@@ -15,11 +18,12 @@ from ...arrays import BoolArray, FloatArray
 from .frames import added, cross, dot, turned
 
 PATCH_GAP = 0.001
-"""Metres beyond the least gap up to which two surfaces belong to the patch. A body of 1 m at rest that trembles by 1e-4 rad keeps its whole
-face in the patch."""
+"""Metres beyond the least gap up to which two surfaces belong to the patch. A body of 1 m at rest
+that trembles by 1e-4 rad keeps its whole face in the patch."""
 
 _LYING, _TIPPED = 0.002, 0.02
-"""Slopes between two faces below which they lie on each other, and above which they touch along a line or at a point."""
+"""Slopes between two faces below which they lie on each other, and above which they touch along a
+line or at a point."""
 
 _LINE_GAP = 0.00005
 """``PATCH_GAP`` where faces touch along a line or at a point [m]."""
@@ -27,10 +31,11 @@ _LINE_GAP = 0.00005
 
 @dataclass(frozen=True, slots=True)
 class Patches:
-    """Per pair: ``centre`` (3, n) in the contact plane through the origin, ``area`` (n,) [m^2], ``found`` (n,) False where the features do
-    not face each other, ``gap`` (n,) by which the nearest corner of the patch is further apart than the distance along the normal (infinite
-    where there is none), ``corners`` (3, k, n) of the patch, which of them are ``used`` (k, n), ``wide`` (n,) False for a line,
-    and ``reach`` (n,): the largest gap within the patch beyond the least."""
+    """Per pair: ``centre`` (3, n) in the contact plane through the origin, ``area`` (n,) [m^2],
+    ``found`` (n,) False where the features do not face each other, ``gap`` (n,) by which the
+    nearest corner of the patch is further apart than the distance along the normal (infinite where
+    there is none), ``corners`` (3, k, n) of the patch, which of them are ``used`` (k, n), ``wide``
+    (n,) False for a line, and ``reach`` (n,): the largest gap within the patch beyond the least."""
 
     centre: FloatArray
     area: FloatArray
@@ -43,8 +48,9 @@ class Patches:
 
 
 def patch_gap(slope: FloatArray) -> FloatArray:
-    """Largest gap [m] within a patch of faces at a ``slope`` (rise over run): ``PATCH_GAP`` where they are parallel, smoothly less where
-    they are tipped, so that the patch stays near the line or point where they touch."""
+    """Largest gap [m] within a patch of faces at a ``slope`` (rise over run): ``PATCH_GAP`` where
+    they are parallel, smoothly less where they are tipped, so that the patch stays near the line or
+    point where they touch."""
     tipped = np.minimum(np.maximum((slope - _LYING) / (_TIPPED - _LYING), 0.0), 1.0)
     return np.asarray(PATCH_GAP - (PATCH_GAP - _LINE_GAP) * tipped * tipped * (3.0 - 2.0 * tipped))
 
@@ -56,20 +62,25 @@ def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     sign = np.where(z < 0, -1.0, 1.0)
     a = -1.0 / (sign + z)
     b = x * y * a
-    return np.stack([1.0 + sign * x * x * a, sign * b, -sign * x]), np.stack([b, sign + y * y * a, -y])
+    return np.stack([1.0 + sign * x * x * a, sign * b, -sign * x]), np.stack(
+        [b, sign + y * y * a, -y]
+    )
 
 
 def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patches:
-    """Patches of features given as convex polygons ``first`` (3, k, n) and ``second`` (3, m, n) around any origin, in either sense,
-    repeated corners allowed; ``normal`` (3, n) from first to second.
+    """Patches of features given as convex polygons ``first`` (3, k, n) and ``second`` (3, m, n)
+    around any origin, in either sense, repeated corners allowed; ``normal`` (3, n) from first to
+    second.
 
-    The area and its centre are integrals along the boundary of the intersection (Green's theorem), which consists of the parts of each
-    polygon's edges that lie inside everything else and need not be put in order.
+    The area and its centre are integrals along the boundary of the intersection (Green's theorem),
+    which consists of the parts of each polygon's edges that lie inside everything else and need not
+    be put in order.
     """
     u, v = contact_plane(normal)
     frame = np.stack([u, v, normal])
     a, b = turned(frame, first), turned(frame, second)
-    # The gap between the two as a linear function over the plane, counted from the least that their farthest corners would leave.
+    # The gap between the two as a linear function over the plane, counted from the least that their
+    # farthest corners would leave.
     slope_a, level_a = _plane(a)
     slope_b, level_b = _plane(b)
     slope = slope_b - slope_a
@@ -81,20 +92,25 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     a = _counter_clockwise(a[:2] - origin[:, None])
     b = _counter_clockwise(b[:2] - origin[:, None])
     slack = 1e-9 * np.maximum(np.abs(a).max(axis=(0, 1)), np.abs(b).max(axis=(0, 1)))
-    # Boundary of the first inside the second, and of the second strictly inside the first: a shared edge counts once.
+    # Boundary of the first inside the second, and of the second strictly inside the first: a shared
+    # edge counts once.
     pieces = [
         _clipped(a, np.roll(a, -1, axis=1), _moved(_lines(b), slack)),
         _clipped(b, np.roll(b, -1, axis=1), _moved(_lines(a), -slack)),
     ]
     start, end = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(2))
     used = np.concatenate([piece[2] for piece in pieces])
-    # Leave out where the gap is larger; the cut closes the outline from where it goes out to where it comes in.
+    # Leave out where the gap is larger; the cut closes the outline from where it goes out to where
+    # it comes in.
     from_gap, to_gap = (level + dot(ends, slope[:, None]) for ends in (start, end))
     least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=0)
     reach = patch_gap(np.sqrt(dot(slope, slope)))
     top = np.where(np.isinf(least_gap), 0.0, least_gap) + reach
     rise = to_gap - from_gap
-    leaves, enters = used & (from_gap <= top) & (to_gap > top), used & (from_gap > top) & (to_gap <= top)
+    leaves, enters = (
+        used & (from_gap <= top) & (to_gap > top),
+        used & (from_gap > top) & (to_gap <= top),
+    )
     share = np.divide(top - from_gap, rise, out=np.zeros_like(rise), where=leaves | enters)
     used &= (from_gap <= top) | (to_gap <= top)
     cut = start + (end - start) * share
@@ -118,8 +134,9 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
 def _area_and_centre(
     start: FloatArray, end: FloatArray, used: BoolArray, leaves: BoolArray, enters: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Area (n,) and centre (2, n) inside the boundary pieces that are ``used`` (k, n), from ``start`` to ``end`` (2, k, n), with a straight
-    line from the one that ``leaves`` to the one that ``enters``."""
+    """Area (n,) and centre (2, n) inside the boundary pieces that are ``used`` (k, n), from
+    ``start`` to ``end`` (2, k, n), with a straight line from the one that ``leaves`` to the one
+    that ``enters``."""
     out, back = added(end * leaves), added(start * enters)
     closing = out[0] * back[1] - out[1] * back[0]
     turns = np.where(used, start[0] * end[1] - start[1] * end[0], 0.0)
@@ -149,8 +166,8 @@ def _counter_clockwise(polygon: FloatArray) -> FloatArray:
 
 
 def _lines(polygon: FloatArray) -> FloatArray:
-    """The edges of polygons as half-planes (3, k, n): ``l[0] x + l[1] y + l[2] >= 0`` inside, in metres. One without length holds
-    everywhere."""
+    """The edges of polygons as half-planes (3, k, n): ``l[0] x + l[1] y + l[2] >= 0`` inside, in
+    metres. One without length holds everywhere."""
     way = np.roll(polygon, -1, axis=1) - polygon
     length = np.sqrt(dot(way, way))
     real = length > 0
@@ -164,8 +181,11 @@ def _moved(lines: FloatArray, outwards: FloatArray) -> FloatArray:
     return moved
 
 
-def _clipped(start: FloatArray, end: FloatArray, lines: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """The part of each segment (2, k, n) that satisfies all lines (3, m, n), and whether there is one (k, n)."""
+def _clipped(
+    start: FloatArray, end: FloatArray, lines: FloatArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """The part of each segment (2, k, n) that satisfies all lines (3, m, n), and whether there is
+    one (k, n)."""
     f0, f1 = (dot(ends[:, :, None], lines[:2, None]) + lines[2] for ends in (start, end))
     out0, out1 = f0 < 0, f1 < 0
     crossing = out0 != out1

@@ -35,10 +35,18 @@ class MeshIndex:
         low, high = corners.min(axis=1), corners.max(axis=1)
         size = max(8, int(len(corners) ** 0.5 / 2))
         starts = np.arange(0, len(corners), size)
-        return cls(corners, low, high, np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts), size)
+        return cls(
+            corners,
+            low,
+            high,
+            np.minimum.reduceat(low, starts),
+            np.maximum.reduceat(high, starts),
+            size,
+        )
 
     def near(self, bounds: FloatArray) -> tuple[IntArray, IntArray]:
-        """Pairs of boxes ``bounds`` (n, 2, 3) [local space] and triangles with overlapping bounds: numbers of both, sorted."""
+        """Pairs of boxes ``bounds`` (n, 2, 3) [local space] and triangles with overlapping bounds:
+        numbers of both, sorted."""
         boxes, triangles = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
         step = max(1, _CHUNK // max(len(self.block_low), 1))
         for begin in range(0, len(bounds), step):
@@ -51,16 +59,22 @@ class MeshIndex:
                 triangles.append(found[1])
         return np.concatenate(boxes), np.concatenate(triangles)
 
-    def _in_blocks(self, bounds: FloatArray, box: IntArray, block: IntArray) -> tuple[IntArray, IntArray]:
+    def _in_blocks(
+        self, bounds: FloatArray, box: IntArray, block: IntArray
+    ) -> tuple[IntArray, IntArray]:
         triangle = (block[:, None] * self.size + np.arange(self.size)).reshape(-1)
         owner = np.repeat(box, self.size)
         real = triangle < len(self.corners)
         triangle, owner = triangle[real], owner[real]
-        kept = ((self.low[triangle] <= bounds[owner, 1]) & (self.high[triangle] >= bounds[owner, 0])).all(axis=1)
+        kept = (
+            (self.low[triangle] <= bounds[owner, 1]) & (self.high[triangle] >= bounds[owner, 0])
+        ).all(axis=1)
         return owner[kept], triangle[kept]
 
 
-def _overlapping(bounds: FloatArray, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
+def _overlapping(
+    bounds: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[IntArray, IntArray]:
     overlap = np.ones((len(bounds), len(low)), dtype=np.bool_)
     for axis in range(3):
         overlap &= low[None, :, axis] <= bounds[:, None, 1, axis]

@@ -21,23 +21,36 @@ from .surface_pairs import SurfacePairs
 from .surfaces import Surfaces
 
 _CERTAIN = 1e-4
-"""Metres between a lower and an upper bound on a distance up to which the lower bound counts as the distance."""
+"""Metres between a lower and an upper bound on a distance up to which the lower bound counts as the
+distance."""
 
 
 class NarrowPhase:
-    """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes count as hulls. ``is_box`` (n,): which
-    bodies are single boxes; ``is_mesh`` (n,): which have a mesh. What it knows of shapes that are also in the one ``before`` it takes over.
+    """Queries between bodies given by number. ``solid`` says which bodies are volumes: their meshes
+    count as hulls. ``is_box`` (n,): which bodies are single boxes; ``is_mesh`` (n,): which have a
+    mesh. What it knows of shapes that are also in the one ``before`` it takes over.
 
-    A pair is placed by the ``rotation`` (3, 3, p) of its second body and the ``offset`` (3, p) of its origin in the frame of the first;
-    results are in that frame.
+    A pair is placed by the ``rotation`` (3, 3, p) of its second body and the ``offset`` (3, p) of
+    its origin in the frame of the first; results are in that frame.
     """
 
-    def __init__(self, shapes: Sequence[Shape], solid: Sequence[bool] | None = None, before: NarrowPhase | None = None) -> None:
-        self._table: CoreTable = CoreTable.of(shapes, solid or [False] * len(shapes), None if before is None else before._table)
+    def __init__(
+        self,
+        shapes: Sequence[Shape],
+        solid: Sequence[bool] | None = None,
+        before: NarrowPhase | None = None,
+    ) -> None:
+        self._table: CoreTable = CoreTable.of(
+            shapes, solid or [False] * len(shapes), None if before is None else before._table
+        )
         table = self._table
         self._boxes = BoxPairs(table)
         self.is_box = self._boxes.is_box
-        self.is_mesh = np.logical_or.reduceat(np.append(table.kind == Kind.MESH, False), table.start[:-1]) if len(shapes) else self.is_box
+        self.is_mesh = (
+            np.logical_or.reduceat(np.append(table.kind == Kind.MESH, False), table.start[:-1])
+            if len(shapes)
+            else self.is_box
+        )
         surfaces, bodies = Surfaces(table), ConvexDistances(table)
         self._kept = surfaces
         if before is not None:
@@ -50,16 +63,22 @@ class NarrowPhase:
 
     @property
     def thickness(self) -> FloatArray:
-        """Smallest extent of each body's thinnest part (n,) [m]: a step longer than that may pass through it."""
+        """Smallest extent of each body's thinnest part (n,) [m]: a step longer than that may pass
+        through it."""
         return self._table.thickness
 
-    def query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
-        """Distances and patches of ``pairs`` (p, 2). Distances up to ``limit`` (p,) metres are exact; beyond, they are lower bounds."""
+    def query(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray
+    ) -> PairPatches:
+        """Distances and patches of ``pairs`` (p, 2). Distances up to ``limit`` (p,) metres are
+        exact; beyond, they are lower bounds."""
         found = self._query(pairs, rotation, offset, limit)
         self._hollow.limit(pairs, rotation, offset, found)
         return found
 
-    def _query(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> PairPatches:
+    def _query(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray
+    ) -> PairPatches:
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is None:
             return self._general(pairs, rotation, offset, limit)
@@ -71,24 +90,40 @@ class NarrowPhase:
         return PairPatches.joined(len(pairs), (boxes.rows, found), (others, rest))
 
     def corners(
-        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, normal: FloatArray, centre: FloatArray
+        self,
+        pairs: IntArray,
+        rotation: FloatArray,
+        offset: FloatArray,
+        limit: FloatArray,
+        normal: FloatArray,
+        centre: FloatArray,
     ) -> tuple[IntArray, FloatArray]:
-        """The number (k,) of the pair, and the place (3, k), of each corner of the patches of ``pairs``, which have this ``normal`` and
-        ``centre`` (3, p)."""
+        """The number (k,) of the pair, and the place (3, k), of each corner of the patches of
+        ``pairs``, which have this ``normal`` and ``centre`` (3, p)."""
         parts, others = [], np.arange(len(pairs))
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is not None:
-            number, places = self._boxes.corners(boxes, pairs[boxes.rows], normal[:, boxes.rows], centre[:, boxes.rows])
+            number, places = self._boxes.corners(
+                boxes, pairs[boxes.rows], normal[:, boxes.rows], centre[:, boxes.rows]
+            )
             parts.append((boxes.rows[number], places))
             others = np.delete(others, boxes.rows)
         if len(others):
-            corners = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others], corners=True).corners
-            parts.append((others.repeat([len(each) for each in corners]), np.concatenate(corners).T))
-        return np.concatenate([number for number, _ in parts]), np.concatenate([places for _, places in parts], axis=1)
+            corners = self._general(
+                pairs[others], rotation[..., others], offset[:, others], limit[others], corners=True
+            ).corners
+            parts.append(
+                (others.repeat([len(each) for each in corners]), np.concatenate(corners).T)
+            )
+        return np.concatenate([number for number, _ in parts]), np.concatenate(
+            [places for _, places in parts], axis=1
+        )
 
-    def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray) -> FloatArray:
-        """Signed distances (p,), or lower bounds on them that are positive only if the distance is. Cheaper than `query`. Beyond ``limit``
-        (p,) a bound need not be larger than that."""
+    def clearances(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray
+    ) -> FloatArray:
+        """Signed distances (p,), or lower bounds on them that are positive only if the distance is.
+        Cheaper than `query`. Beyond ``limit`` (p,) a bound need not be larger than that."""
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is None:
             return self.directed_clearances(pairs, rotation, offset, limit)[0]
@@ -96,7 +131,9 @@ class NarrowPhase:
         distance[boxes.rows] = self._boxes.clearances(boxes)
         if len(boxes.rows) < len(pairs):
             others = np.delete(np.arange(len(pairs)), boxes.rows)
-            distance[others] = self.directed_clearances(pairs[others], rotation[..., others], offset[:, others], limit[others])[0]
+            distance[others] = self.directed_clearances(
+                pairs[others], rotation[..., others], offset[:, others], limit[others]
+            )[0]
         return distance
 
     def directed_clearances(
@@ -138,7 +175,14 @@ class NarrowPhase:
     def _is_on_mesh(self, rows: CorePairs) -> bool:
         return bool(self._table.kind[rows.second[0]] == Kind.MESH)
 
-    def _general(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray, corners: bool = False) -> PairPatches:
+    def _general(
+        self,
+        pairs: IntArray,
+        rotation: FloatArray,
+        offset: FloatArray,
+        limit: FloatArray,
+        corners: bool = False,
+    ) -> PairPatches:
         """Pairs of any shapes."""
         distance = np.full(len(pairs), np.inf)
         found: list[CoreContacts] = []
@@ -153,7 +197,9 @@ class NarrowPhase:
                 rows = chosen_of(rows, ~self._surfaces.inside(rows, limit, distance, found))
                 rows = self._surfaces.near(rows, limit) if len(rows) else rows
                 if len(rows):
-                    self._finish(rows, self._distances.separated(rows), limit, distance, found, corners)
+                    self._finish(
+                        rows, self._distances.separated(rows), limit, distance, found, corners
+                    )
             elif self._distances.in_closed_form(rows):
                 closed.append((rows, self._distances.separated(rows)))
             else:
@@ -163,17 +209,34 @@ class NarrowPhase:
             rows = joined(others)
             closed.append((rows, exact(self._distances.near_by_fcl(rows, limit))))
         if closed:
-            rows, separated = joined([group for group, _ in closed]), joined([separated for _, separated in closed])
+            rows, separated = (
+                joined([group for group, _ in closed]),
+                joined([separated for _, separated in closed]),
+            )
             is_point = self._table.kind[rows.first] == Kind.POINT
             for chosen in (is_point.nonzero()[0], (~is_point).nonzero()[0]):
                 if len(chosen):
-                    self._finish(chosen_of(rows, chosen), chosen_of(separated, chosen), limit, distance, found, corners)
+                    self._finish(
+                        chosen_of(rows, chosen),
+                        chosen_of(separated, chosen),
+                        limit,
+                        distance,
+                        found,
+                        corners,
+                    )
         return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, corners)
 
     def _finish(
-        self, rows: CorePairs, separated: AxisSeparation, limit: FloatArray, distance: FloatArray, found: list[CoreContacts], corners: bool
+        self,
+        rows: CorePairs,
+        separated: AxisSeparation,
+        limit: FloatArray,
+        distance: FloatArray,
+        found: list[CoreContacts],
+        corners: bool,
     ) -> None:
-        """Add the patches of rows within ``limit`` to ``found`` and lower bounds on the others to ``distance``."""
+        """Add the patches of rows within ``limit`` to ``found`` and lower bounds on the others to
+        ``distance``."""
         gap = bounded(rows, separated.distance - rows.radius_a - rows.radius_b, limit)
         near = gap <= limit[rows.owner]
         np.minimum.at(distance, rows.owner[~near], gap[~near])
@@ -185,10 +248,21 @@ class NarrowPhase:
         unsure = ~separated.exact & (patch.gap > _CERTAIN)
         if unsure.any():
             again = chosen_of(rows, unsure)
-            self._finish(again, exact(self._distances.by_fcl(again)), limit, distance, found, corners)
-            rows, separated, patch = chosen_of(rows, ~unsure), chosen_of(separated, ~unsure), chosen_of(patch, ~unsure)
+            self._finish(
+                again, exact(self._distances.by_fcl(again)), limit, distance, found, corners
+            )
+            rows, separated, patch = (
+                chosen_of(rows, ~unsure),
+                chosen_of(separated, ~unsure),
+                chosen_of(patch, ~unsure),
+            )
         if len(rows):
-            gap = separated.distance - rows.radius_a - rows.radius_b + np.where(separated.exact, 0.0, patch.gap)
+            gap = (
+                separated.distance
+                - rows.radius_a
+                - rows.radius_b
+                + np.where(separated.exact, 0.0, patch.gap)
+            )
             if rows.triangle_b is not None:
                 gap = np.maximum(gap, self._surfaces.deepest(rows))
             found.append(core_contacts(rows, separated.normal, gap, patch, corners))

@@ -1,11 +1,13 @@
-"""Where a parallelogram lies over the square |u|, |v| <= 1: area, centre and least height, many pairs at a time.
+"""Where a parallelogram lies over the square |u|, |v| <= 1: area, centre and least height, many
+pairs at a time.
 
-Area and centre are integrals along an outline (Green's theorem). The outline of the parallelogram, each of its points moved to the nearest
-one of the square, goes around every point inside the square just as often as before: what it encloses is what both have in common. It is
-closed wherever edges coincide or cross at next to no angle, and nothing has to be put in order.
+Area and centre are integrals along an outline (Green's theorem). The outline of the parallelogram,
+each of its points moved to the nearest one of the square, goes around every point inside the square
+just as often as before: what it encloses is what both have in common. It is closed wherever edges
+coincide or cross at next to no angle, and nothing has to be put in order.
 
-Arrays have the pairs along their last axis; points are (u, v, height). Sums are in a fixed order, so that results do not depend on which
-pairs are computed together.
+Arrays have the pairs along their last axis; points are (u, v, height). Sums are in a fixed order,
+so that results do not depend on which pairs are computed together.
 """
 
 from __future__ import annotations
@@ -28,10 +30,12 @@ _THIN = 5e-15
 """Area up to which the centre is the middle of the edges."""
 
 
-def overlap(centre: FloatArray, sides: FloatArray, within: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
-    """The part of the square under the parallelogram ``centre + s sides[0] + t sides[1]``, |s|, |t| <= 1, of ``centre`` (3, p) and
-    ``sides`` (2, 3, p), as far as its height is ``within`` (p,) of the least there: area (p,), centre (2, p), least height (p,), and
-    whether there is any (p,)."""
+def overlap(
+    centre: FloatArray, sides: FloatArray, within: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+    """The part of the square under the parallelogram ``centre + s sides[0] + t sides[1]``, |s|, |t|
+    <= 1, of ``centre`` (3, p) and ``sides`` (2, 3, p), as far as its height is ``within`` (p,) of
+    the least there: area (p,), centre (2, p), least height (p,), and whether there is any (p,)."""
     sides = sides * np.copysign(1.0, sides[:, 2:])  # both ascend
     lowest = _lowest(centre, sides)
     # Integrals about a point of the overlap, so that little is lost where it is small.
@@ -47,8 +51,8 @@ def overlap(centre: FloatArray, sides: FloatArray, within: FloatArray) -> tuple[
 
 
 def _edges(centre: FloatArray, sides: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Middles (2, 2, 3, p) of the edges along either side, and where these come into the square and leave it (2, 2, p), as parts of their
-    halves; in the wrong order where they lie outside."""
+    """Middles (2, 2, 3, p) of the edges along either side, and where these come into the square and
+    leave it (2, 2, p), as parts of their halves; in the wrong order where they lie outside."""
     middles = np.empty((2, *sides.shape))
     np.subtract(centre, sides[::-1], out=middles[0])
     np.add(centre, sides[::-1], out=middles[1])
@@ -61,8 +65,8 @@ def _edges(centre: FloatArray, sides: FloatArray) -> tuple[FloatArray, FloatArra
 
 
 def _lowest(centre: FloatArray, sides: FloatArray) -> FloatArray:
-    """The lowest point (3, p) of the parallelogram over the square: where one of its edges, all of which ascend, comes in, or at the
-    square's own lowest corner."""
+    """The lowest point (3, p) of the parallelogram over the square: where one of its edges, all of
+    which ascend, comes in, or at the square's own lowest corner."""
     count = centre.shape[1]
     points = np.empty((5, 3, count))
     begins = points[:4].reshape(2, 2, 3, count)
@@ -75,7 +79,8 @@ def _lowest(centre: FloatArray, sides: FloatArray) -> FloatArray:
     across = a[1:] * b[2::-2] - a[2::-2] * b[1:]  # minus slope times determinant
     corner = np.copysign(1.0, across * determinant, out=points[4, :2])
     away = corner - centre[:2]
-    parts = np.abs(rows[4::-4] * away - rows[3:0:-2] * away[::-1]) <= np.abs(determinant)  # s and t times determinant
+    # S and t times determinant.
+    parts = np.abs(rows[4::-4] * away - rows[3:0:-2] * away[::-1]) <= np.abs(determinant)
     across *= away
     height = centre[2] - (across[0] + across[1]) / determinant
     points[4, 2] = np.where(parts[0] & parts[1], height, _NOWHERE)
@@ -84,7 +89,8 @@ def _lowest(centre: FloatArray, sides: FloatArray) -> FloatArray:
 
 
 def _outline(centre: FloatArray, sides: FloatArray, top: FloatArray) -> FloatArray:
-    """Corners (2, 6, p) of the part of the parallelogram up to the height ``top`` (p,), in turn from the lowest one back to it."""
+    """Corners (2, 6, p) of the part of the parallelogram up to the height ``top`` (p,), in turn
+    from the lowest one back to it."""
     rise = sides[:, 2] + _LEAST
     lowest = centre - sides[0] - sides[1]
     left = top - lowest[2]
@@ -99,19 +105,25 @@ def _outline(centre: FloatArray, sides: FloatArray, top: FloatArray) -> FloatArr
 
 
 def _integrals(corners: FloatArray, origin: FloatArray) -> FloatArray:
-    """Twice the area inside an outline (2, 6, p) and the square, and six times its moments about ``origin`` (2, p); all three (3, p)
-    negative where the outline is clockwise."""
+    """Twice the area inside an outline (2, 6, p) and the square, and six times its moments about
+    ``origin`` (2, p); all three (3, p) negative where the outline is clockwise."""
     count = corners.shape[2]
     begin, way = corners[:, :-1], corners[:, 1:] - corners[:, :-1]
     borders = _SQUARE - begin
     borders *= 1.0 / (way + _LEAST)
-    (enter_u, enter_v), (leave_u, leave_v) = np.minimum(borders[0], borders[1]), np.maximum(borders[0], borders[1])
+    (enter_u, enter_v), (leave_u, leave_v) = (
+        np.minimum(borders[0], borders[1]),
+        np.maximum(borders[0], borders[1]),
+    )
     # Between these parts of each edge, in turn, what it is moved to is straight.
     parts = np.empty((5, 5, count))
     parts[:, 0] = 0.0
     np.minimum(enter_u, enter_v, out=parts[:, 1])
     np.maximum(leave_u, leave_v, out=parts[:, 4])
-    later, sooner = np.maximum(enter_u, enter_v, out=enter_u), np.minimum(leave_u, leave_v, out=leave_u)
+    later, sooner = (
+        np.maximum(enter_u, enter_v, out=enter_u),
+        np.minimum(leave_u, leave_v, out=leave_u),
+    )
     np.minimum(later, sooner, out=parts[:, 2])
     np.maximum(later, sooner, out=parts[:, 3])
     np.maximum(parts, 0.0, out=parts)
@@ -141,4 +153,10 @@ def _middle_of_edges(centre: FloatArray, sides: FloatArray) -> FloatArray:
     middles, enter, leave = _edges(centre, sides)
     ends = np.stack([enter, leave])[:, :, :, None] * sides[:, :2] + middles[:, :, :2]
     inside = (enter <= leave)[:, :, None]
-    return np.asarray((np.where(inside, ends, 1.0).min(axis=(0, 1, 2)) + np.where(inside, ends, -1.0).max(axis=(0, 1, 2))) / 2)
+    return np.asarray(
+        (
+            np.where(inside, ends, 1.0).min(axis=(0, 1, 2))
+            + np.where(inside, ends, -1.0).max(axis=(0, 1, 2))
+        )
+        / 2
+    )

@@ -1,8 +1,10 @@
-"""Penetration depth of two convex bodies by the expanding polytope algorithm (EPA; van den Bergen 2001).
+"""Penetration depth of two convex bodies by the expanding polytope algorithm (EPA; van den Bergen
+2001).
 
-The depth is the distance of the origin from the boundary of the bodies' Minkowski difference. A polytope inside that difference is grown
-where it is nearest to the origin: the nearest face bounds the depth from below, the supporting plane in the direction of its normal bounds
-it from above. The algorithm ends when both agree, so the result is the global minimum and known to ``_TOLERANCE``.
+The depth is the distance of the origin from the boundary of the bodies' Minkowski difference. A
+polytope inside that difference is grown where it is nearest to the origin: the nearest face bounds
+the depth from below, the supporting plane in the direction of its normal bounds it from above. The
+algorithm ends when both agree, so the result is the global minimum and known to ``_TOLERANCE``.
 """
 
 from __future__ import annotations
@@ -24,8 +26,9 @@ _FLAT = 1e-9
 
 _MOST_STEPS = 1000
 _IDLE_STEPS = 200
-"""Steps, and steps without a better direction, after which the best direction so far is used: where the difference has rotational symmetry,
-many directions are equally good, and the bounds never agree."""
+"""Steps, and steps without a better direction, after which the best direction so far is used: where
+the difference has rotational symmetry, many directions are equally good, and the bounds never
+agree."""
 
 _TILT = 1e-4
 """Angle [rad] between a face's normal and the directions in which its other corners are sought."""
@@ -44,8 +47,8 @@ _Point = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Penetration:
-    """``depth`` [m] by which two bodies overlap along the unit ``normal`` from first to second, ``middle`` between the two deepest
-    points."""
+    """``depth`` [m] by which two bodies overlap along the unit ``normal`` from first to second,
+    ``middle`` between the two deepest points."""
 
     depth: float
     normal: FloatArray
@@ -58,13 +61,16 @@ def row_dots(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def row_cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Cross products (m, 3) of vectors (m, 3) or (3,), with the bits of `np.cross` and a fifth of its overhead."""
-    return np.asarray(a.take(_NEXT, -1) * b.take(_AFTER_NEXT, -1) - a.take(_AFTER_NEXT, -1) * b.take(_NEXT, -1))
+    """Cross products (m, 3) of vectors (m, 3) or (3,), with the bits of `np.cross` and a fifth of
+    its overhead."""
+    return np.asarray(
+        a.take(_NEXT, -1) * b.take(_AFTER_NEXT, -1) - a.take(_AFTER_NEXT, -1) * b.take(_NEXT, -1)
+    )
 
 
 def penetration(first: Farthest, second: Farthest) -> Penetration:
-    """Penetration of two overlapping convex bodies given by their farthest points. Where both are flat and lie in one plane the depth is
-    0 along its normal."""
+    """Penetration of two overlapping convex bodies given by their farthest points. Where both are
+    flat and lie in one plane the depth is 0 along its normal."""
 
     def supports(ways: FloatArray) -> tuple[FloatArray, FloatArray]:
         of_first = first(ways)
@@ -77,7 +83,8 @@ def penetration(first: Farthest, second: Farthest) -> Penetration:
 
 
 _Supports = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""Points (m, 3) of the Minkowski difference farthest along directions (m, 3), and the points of the first body that they come from."""
+"""Points (m, 3) of the Minkowski difference farthest along directions (m, 3), and the points of the
+first body that they come from."""
 
 
 def _simplex(supports: _Supports) -> _Polytope | Penetration:
@@ -104,7 +111,10 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     if abs(height[k]) <= _FLAT:
         depth = float(min(points[0] @ normal, -(points[1] @ normal)))
         return Penetration(depth, normal, (source_a + source_b + source_c) / 3)
-    polytope = _Polytope([tuple(p.tolist()) for p in (a, b, c, points[k])], [source_a, source_b, source_c, sources[k]])
+    polytope = _Polytope(
+        [tuple(p.tolist()) for p in (a, b, c, points[k])],
+        [source_a, source_b, source_c, sources[k]],
+    )
     up = height[k] > 0
     for corners in ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)):
         polytope.add_face(*(corners[::-1] if up else corners))
@@ -128,13 +138,20 @@ def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
         polytope.add_point(point, sources[0], number)
     assert nearest is not None
     normal = np.array(nearest.normal)
-    return Penetration(least, normal, _deepest(*polytope.triangle(nearest), normal, supports) - normal * (least / 2))
+    return Penetration(
+        least,
+        normal,
+        _deepest(*polytope.triangle(nearest), normal, supports) - normal * (least / 2),
+    )
 
 
-def _deepest(points: FloatArray, sources: FloatArray, normal: FloatArray, supports: _Supports) -> FloatArray:
-    """The point of the first body that belongs to the foot of the origin on a face of the difference, of which the triangle ``points``
-    (3, 3) with its ``sources`` (3, 3) is known. Where the foot lies beyond an edge of the triangle, the next triangle is found by the
-    corner of the face that is farthest out beyond that edge."""
+def _deepest(
+    points: FloatArray, sources: FloatArray, normal: FloatArray, supports: _Supports
+) -> FloatArray:
+    """The point of the first body that belongs to the foot of the origin on a face of the
+    difference, of which the triangle ``points`` (3, 3) with its ``sources`` (3, 3) is known. Where
+    the foot lies beyond an edge of the triangle, the next triangle is found by the corner of the
+    face that is farthest out beyond that edge."""
     foot = normal * float(normal @ points[0])
     for _ in range(_MOST_CORNERS):
         edges = row_cross(normal, points[_NEXT] - points)  # inwards
@@ -145,7 +162,10 @@ def _deepest(points: FloatArray, sources: FloatArray, normal: FloatArray, suppor
             break
         outwards = -edges[k] / size[k]
         corner, source = supports((normal + _TILT * outwards)[None])
-        if float((corner[0] - points[k]) @ outwards) <= _FLAT or float((points[k] - corner[0]) @ normal) > _TILT * _TILT:
+        if (
+            float((corner[0] - points[k]) @ outwards) <= _FLAT
+            or float((points[k] - corner[0]) @ normal) > _TILT * _TILT
+        ):
             break
         points = np.stack([points[(k + 1) % 3], points[k], corner[0]])
         sources = np.stack([sources[(k + 1) % 3], sources[k], source[0]])
@@ -162,7 +182,8 @@ class _Face:
 
 
 class _Polytope:
-    """A convex polytope of triangles with outward normals that grows point by point. ``sources``: a point of the first body per corner."""
+    """A convex polytope of triangles with outward normals that grows point by point. ``sources``: a
+    point of the first body per corner."""
 
     def __init__(self, points: list[_Point], sources: list[FloatArray]) -> None:
         self._points = points
@@ -209,7 +230,10 @@ class _Polytope:
                     continue
                 face = self.faces[other]
                 nx, ny, nz = face.normal
-                if face.offset == math.inf or nx * x + ny * y + nz * z - face.offset > 1e-3 * _TOLERANCE:
+                if (
+                    face.offset == math.inf
+                    or nx * x + ny * y + nz * z - face.offset > 1e-3 * _TOLERANCE
+                ):
                     seen.add(other)
                     visible.append(other)
                 else:
@@ -223,4 +247,6 @@ class _Polytope:
     def triangle(self, face: _Face) -> tuple[FloatArray, FloatArray]:
         """Corners (3, 3) of a face and the points (3, 3) of the first body that they come from."""
         corners = list(face.corners)
-        return np.array([self._points[k] for k in corners]), np.array([self._sources[k] for k in corners])
+        return np.array([self._points[k] for k in corners]), np.array(
+            [self._sources[k] for k in corners]
+        )

@@ -1,9 +1,12 @@
-"""Contact area of two overlapping bodies whose surfaces consist of many small faces, from a section through the overlap.
+"""Contact area of two overlapping bodies whose surfaces consist of many small faces, from a section
+through the overlap.
 
-Round bodies are given by hulls of many faces, of which any two that face each other are slivers. Where the bodies overlap, the plane across
-the normal, midway between their deepest points, cuts both; the area of what lies in both cuts is that of the contact. From the point
-between the deepest ones it is seen in directions all around, so the area is a continuous function of the poses and the normal. The normal
-of overlapping polyhedra jumps where they are equally deep in each other along two directions.
+Round bodies are given by hulls of many faces, of which any two that face each other are slivers.
+Where the bodies overlap, the plane across the normal, midway between their deepest points, cuts
+both; the area of what lies in both cuts is that of the contact. From the point between the deepest
+ones it is seen in directions all around, so the area is a continuous function of the poses and the
+normal. The normal of overlapping polyhedra jumps where they are equally deep in each other along
+two directions.
 """
 
 from __future__ import annotations
@@ -18,7 +21,8 @@ from .frames import added, dot, turned_back
 
 _ANGLES = 2 * np.pi * np.arange(24) / 24
 _POLE = np.array([[0.36], [0.48], [0.8]])
-"""Opposite of the only normal near which the directions around it change quickly; no face of usual shapes has it."""
+"""Opposite of the only normal near which the directions around it change quickly; no face of usual
+shapes has it."""
 _ACROSS = np.array([[0.8], [-0.6], [0.0]])
 _AROUND = _ACROSS * np.cos(_ANGLES) + np.cross(_POLE, _ACROSS, axis=0) * np.sin(_ANGLES)
 """Unit vectors (3, k) around the pole."""
@@ -34,28 +38,41 @@ _LEAST = 1e-12
 
 def directions(normal: FloatArray) -> FloatArray:
     """Unit vectors (3, k, n) all around each unit normal (3, n)."""
-    # The mirror that maps the pole to the opposite of a normal maps what is around the one to what is around the other.
+    # The mirror that maps the pole to the opposite of a normal maps what is around the one to what
+    # is around the other.
     mirror = normal + _POLE
     mirror = mirror / np.sqrt(np.maximum(dot(mirror, mirror), 1e-12))
-    return np.asarray(_AROUND[:, :, None] - 2 * mirror[:, None] * dot(_AROUND[:, :, None], mirror[:, None]))
+    return np.asarray(
+        _AROUND[:, :, None] - 2 * mirror[:, None] * dot(_AROUND[:, :, None], mirror[:, None])
+    )
 
 
 def section_area(reaches: Sequence[FloatArray]) -> FloatArray:
-    """Area (n,) of what two sections have in common that reach so far (k, n) [m] around a point in both: that of the polygon of the places
-    reached, so never more than there is."""
+    """Area (n,) of what two sections have in common that reach so far (k, n) [m] around a point in
+    both: that of the polygon of the places reached, so never more than there is."""
     both = np.minimum(*reaches)
     return np.asarray(added(both * np.roll(both, 1, axis=0)) * (np.sin(_ANGLES[1]) / 2))
 
 
-def reach(table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatArray, point: FloatArray, around: FloatArray) -> FloatArray:
-    """How far (k, n) [m] boxes and hulls, grown by their radii, reach from points (3, n) in them in the directions ``around`` (3, k, n); 0
-    for a point outside. ``rotation``, ``centre``: poses of the cores (n,)."""
+def reach(
+    table: CoreTable,
+    core: IntArray,
+    rotation: FloatArray,
+    centre: FloatArray,
+    point: FloatArray,
+    around: FloatArray,
+) -> FloatArray:
+    """How far (k, n) [m] boxes and hulls, grown by their radii, reach from points (3, n) in them in
+    the directions ``around`` (3, k, n); 0 for a point outside. ``rotation``, ``centre``: poses of
+    the cores (n,)."""
     local, ways = turned_back(rotation, point - centre), turned_back(rotation, around)
     result = np.zeros(ways.shape[1:])
     boxes = np.flatnonzero(table.kind[core] == Kind.BOX)
     if len(boxes):
         sides = np.concatenate([np.eye(3), -np.eye(3)])
-        result[:, boxes] = _reach(sides, np.tile(table.outline[:, core[boxes]], (2, 1)), local[:, boxes], ways[..., boxes])
+        result[:, boxes] = _reach(
+            sides, np.tile(table.outline[:, core[boxes]], (2, 1)), local[:, boxes], ways[..., boxes]
+        )
     alike: dict[tuple[int, float], list[int]] = {}
     for row in np.flatnonzero(table.kind[core] == Kind.HULL).tolist():
         item = table.cores[int(core[row])]
@@ -68,18 +85,23 @@ def reach(table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatA
             continue
         size = max(1, _AT_ONCE // len(normals))
         for some in (rows[first : first + size] for first in range(0, len(rows), size)):
-            result[:, some] = _reach(normals, (offsets + item.radius[0])[:, None], local[:, some], ways[..., some])
+            result[:, some] = _reach(
+                normals, (offsets + item.radius[0])[:, None], local[:, some], ways[..., some]
+            )
     return result
 
 
-def _reach(normals: FloatArray, offsets: FloatArray, point: FloatArray, ways: FloatArray) -> FloatArray:
-    """The same of one set of faces (f, 3), whose ``offsets`` (f, n) may differ. Directions in the second half are those of the first,
-    turned about."""
+def _reach(
+    normals: FloatArray, offsets: FloatArray, point: FloatArray, ways: FloatArray
+) -> FloatArray:
+    """The same of one set of faces (f, 3), whose ``offsets`` (f, n) may differ. Directions in the
+    second half are those of the first, turned about."""
     x, y, z = normals.T[:, :, None]
     room = np.maximum(offsets - (x * point[0] + y * point[1] + z * point[2]), _LEAST)
     x, y, z = x / room, y / room, z / room
     half = ways.shape[1] // 2
-    nearer = np.empty(ways.shape[1:])  # how much nearer the next face comes per metre, in parts of the room to it
+    # How much nearer the next face comes per metre, in parts of the room to it.
+    nearer = np.empty(ways.shape[1:])
     for k in range(half):
         slope = x * ways[0, k] + y * ways[1, k] + z * ways[2, k]
         nearer[k], nearer[k + half] = slope.max(axis=0), -slope.min(axis=0)

@@ -1,6 +1,8 @@
-"""Nearest points of boxes and boxes, and of boxes and triangles, by separating axes, many pairs at a time.
+"""Nearest points of boxes and boxes, and of boxes and triangles, by separating axes, many pairs at
+a time.
 
-Distances are exact where the nearest features are a face or two crossing edges, and otherwise lower bounds; ``exact`` says which.
+Distances are exact where the nearest features are a face or two crossing edges, and otherwise lower
+bounds; ``exact`` says which.
 """
 
 from __future__ import annotations
@@ -26,17 +28,33 @@ class AxisSeparation(Separation):
 
 
 def box_to_box(
-    rotation_a: FloatArray, centre_a: FloatArray, half_a: FloatArray, rotation_b: FloatArray, centre_b: FloatArray, half_b: FloatArray
+    rotation_a: FloatArray,
+    centre_a: FloatArray,
+    half_a: FloatArray,
+    rotation_b: FloatArray,
+    centre_b: FloatArray,
+    half_b: FloatArray,
 ) -> AxisSeparation:
-    """Boxes in world space: rotations (3, 3, n), centres (3, n), half extents (3, n), which may be 0."""
-    rotation, offset = relative(rotation_a, rotation_b), turned_back(rotation_a, centre_b - centre_a)
+    """Boxes in world space: rotations (3, 3, n), centres (3, n), half extents (3, n), which may be
+    0."""
+    rotation, offset = (
+        relative(rotation_a, rotation_b),
+        turned_back(rotation_a, centre_b - centre_a),
+    )
     distance, axis = best_axes(rotation, offset, half_a, half_b)
     of_a, of_b = axis < 3, (axis >= 3) & (axis < FIRST_EDGE_AXIS)
     normal = np.where(of_a, axis == COLUMN, pick(rotation.reshape(9, -1), 3 * COLUMN + axis % 3))
     normal *= np.where(dot(normal, offset) < 0, -1.0, 1.0)
-    # Face of the first: the second's supporting point must lie over that face; and the other way round.
+    # Face of the first: the second's supporting point must lie over that face; and the other way
+    # round.
     first = _support(normal, half_a, offset)
-    second = turned(rotation, _support(-turned_back(rotation, normal), half_b, -turned_back(rotation, offset))) + offset
+    second = (
+        turned(
+            rotation,
+            _support(-turned_back(rotation, normal), half_b, -turned_back(rotation, offset)),
+        )
+        + offset
+    )
     over_a, over_b = second - normal * distance, first + normal * distance
     inside_a = (np.abs(over_a) <= half_a + _ON_FACE).all(axis=0)
     inside_b = (np.abs(turned_back(rotation, over_b - offset)) <= half_b + _ON_FACE).all(axis=0)
@@ -44,20 +62,31 @@ def box_to_box(
     exact = (of_a & inside_a) | (of_b & inside_b)
     edges = np.flatnonzero(axis >= FIRST_EDGE_AXIS)
     if len(edges):
-        points = edge_points(axis[edges], rotation[..., edges], offset[:, edges], half_a[:, edges], half_b[:, edges])
-        normal[:, edges], first[:, edges], second[:, edges] = points.normal, points.first, points.second
+        points = edge_points(
+            axis[edges], rotation[..., edges], offset[:, edges], half_a[:, edges], half_b[:, edges]
+        )
+        normal[:, edges], first[:, edges], second[:, edges] = (
+            points.normal,
+            points.first,
+            points.second,
+        )
         exact[edges] = points.within
     first, second = (turned(rotation_a, end) + centre_a for end in (first, second))
-    return AxisSeparation(distance, turned(rotation_a, normal), first, second, exact | (distance <= 0))
+    return AxisSeparation(
+        distance, turned(rotation_a, normal), first, second, exact | (distance <= 0)
+    )
 
 
 def _support(direction: FloatArray, half: FloatArray, towards: FloatArray) -> FloatArray:
-    """The point of a box farthest along ``direction``; along axes perpendicular to it, the coordinate nearest to ``towards``."""
+    """The point of a box farthest along ``direction``; along axes perpendicular to it, the
+    coordinate nearest to ``towards``."""
     free = np.clip(towards, -half, half)
     return np.where(np.abs(direction) < 1e-7, free, np.where(direction < 0, -half, half))
 
 
-def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, corners: FloatArray) -> AxisSeparation:
+def box_to_triangle(
+    rotation: FloatArray, centre: FloatArray, half: FloatArray, corners: FloatArray
+) -> AxisSeparation:
     """Boxes and triangles (3, 3, n) by coordinate and corner, in world space."""
     local = turned_back(rotation, corners - centre[:, None])
     edges = local[:, [1, 2, 0]] - local
@@ -70,7 +99,9 @@ def box_to_triangle(rotation: FloatArray, centre: FloatArray, half: FloatArray, 
     axes[:, 4:] = cross(np.eye(3)[:, :, None, None], edges[:, None]).reshape(3, 9, count)
     length = np.sqrt(dot(axes, axes))
     scale = np.sqrt(dot(edges, edges)).max(axis=0)
-    usable = length > 1e-6 * np.concatenate([scale[None] ** 2, np.ones((3, count)), np.repeat(scale[None], 9, axis=0)])
+    usable = length > 1e-6 * np.concatenate(
+        [scale[None] ** 2, np.ones((3, count)), np.repeat(scale[None], 9, axis=0)]
+    )
     axes /= np.where(usable, length, 1.0)
     heights = dot(axes[:, :, None], local[:, None])
     extent = dot(np.abs(axes), half[:, None])

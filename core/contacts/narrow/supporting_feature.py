@@ -1,4 +1,5 @@
-"""Supporting features: the face, edge or corner of a core that is farthest in a direction, as a convex polygon."""
+"""Supporting features: the face, edge or corner of a core that is farthest in a direction, as a
+convex polygon."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from .manifold import PATCH_GAP, contact_plane
 
 FEW = 4
 MANY = 16
-"""Corners of a polygon: few for boxes, lines and triangles, many for the ends of round cores and larger faces."""
+"""Corners of a polygon: few for boxes, lines and triangles, many for the ends of round cores and
+larger faces."""
 
 _WIDTH = 1e-6
 """Half the width [m] of the strip that stands for a line."""
@@ -28,10 +30,15 @@ _UP = np.array([[0.0], [0.0], [1.0]])
 
 
 def polygons(
-    table: CoreTable, core: IntArray, rotation: FloatArray, centre: FloatArray, direction: FloatArray
+    table: CoreTable,
+    core: IntArray,
+    rotation: FloatArray,
+    centre: FloatArray,
+    direction: FloatArray,
 ) -> tuple[FloatArray, BoolArray, BoolArray]:
-    """The features of cores (n,) placed in the world in ``direction`` (3, n): corners (3, ``MANY``, n), the last one
-    repeated; which have more than ``FEW`` (n,); which are wider than a line (n,)."""
+    """The features of cores (n,) placed in the world in ``direction`` (3, n): corners (3, ``MANY``,
+    n), the last one repeated; which have more than ``FEW`` (n,); which are wider than a line
+    (n,)."""
     count = len(core)
     corners = np.empty((3, MANY, count))
     many = np.zeros(count, dtype=np.bool_)
@@ -49,7 +56,9 @@ def polygons(
                 wide[rows] = False
             case Kind.CYLINDER:
                 flat = np.abs(towards[2]) >= np.hypot(towards[0], towards[1])
-                corners[..., rows] = _end(outline, np.where(towards[2] < 0, -1.0, 1.0) * outline[2], towards)
+                corners[..., rows] = _end(
+                    outline, np.where(towards[2] < 0, -1.0, 1.0) * outline[2], towards
+                )
                 side = _radial(towards) * outline[0]
                 corners[:, :FEW, rows[~flat]] = _line(side, _UP * outline[2], towards)[..., ~flat]
                 many[rows] = wide[rows] = flat
@@ -71,8 +80,11 @@ def polygons(
     return turned(rotation, corners) + centre[:, None], many, wide
 
 
-def _by_hull(table: CoreTable, cores: IntArray) -> list[tuple[IntArray, tuple[FloatArray, FloatArray]]]:
-    """Rows of hulls that are the same, as equal bodies have them, and normals and corners of their faces."""
+def _by_hull(
+    table: CoreTable, cores: IntArray
+) -> list[tuple[IntArray, tuple[FloatArray, FloatArray]]]:
+    """Rows of hulls that are the same, as equal bodies have them, and normals and corners of their
+    faces."""
     alike: dict[Hull, list[int]] = {}
     for row, core in enumerate(cores.tolist()):
         hull = table.cores[core].sharp_hull
@@ -83,30 +95,49 @@ def _by_hull(table: CoreTable, cores: IntArray) -> list[tuple[IntArray, tuple[Fl
 
 @lru_cache(4096)
 def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
-    """Outward normals (f, 3) and corners in order (f, k, 3) of a hull's faces, triangles of one plane merged; short ones repeat their last
-    corner, and k is ``FEW`` or ``MANY``. Shared by all trackers."""
+    """Outward normals (f, 3) and corners in order (f, k, 3) of a hull's faces, triangles of one
+    plane merged; short ones repeat their last corner, and k is ``FEW`` or ``MANY``. Shared by all
+    trackers."""
     normals, offsets = hull.planes()
     extent = float(np.max(np.ptp(hull.points, axis=0)))
-    across = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
-    own = [np.flatnonzero(np.abs(hull.points @ normal - offset) <= 1e-5 * extent) for normal, offset in zip(normals, offsets, strict=True)]
+    across = np.cross(
+        normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    )
+    own = [
+        np.flatnonzero(np.abs(hull.points @ normal - offset) <= 1e-5 * extent)
+        for normal, offset in zip(normals, offsets, strict=True)
+    ]
     counts = np.array([len(numbers) for numbers in own])
     corners = np.empty((len(own), FEW if counts.max() <= FEW else MANY, 3))
     for count in np.unique(counts).tolist():
         faces = np.flatnonzero(counts == count)
         on = hull.points[np.array([own[face] for face in faces])]
         apart = on - on.mean(axis=1, keepdims=True)
-        angles = np.arctan2(np.einsum("fkc,fc->fk", apart, np.cross(normals, across)[faces]), np.einsum("fkc,fc->fk", apart, across[faces]))
-        chosen = np.linspace(0, count, MANY, endpoint=False) if count > MANY else np.minimum(np.arange(corners.shape[1]), count - 1)
-        corners[faces] = on[np.arange(len(on))[:, None], angles.argsort(axis=1, kind="stable")[:, chosen.astype(int)]]
+        angles = np.arctan2(
+            np.einsum("fkc,fc->fk", apart, np.cross(normals, across)[faces]),
+            np.einsum("fkc,fc->fk", apart, across[faces]),
+        )
+        chosen = (
+            np.linspace(0, count, MANY, endpoint=False)
+            if count > MANY
+            else np.minimum(np.arange(corners.shape[1]), count - 1)
+        )
+        corners[faces] = on[
+            np.arange(len(on))[:, None],
+            angles.argsort(axis=1, kind="stable")[:, chosen.astype(int)],
+        ]
     return normals, corners
 
 
 def box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
-    """Corners (3, ``FEW``, n) of the face of a box with half extents (3, n) that lies in ``direction`` (3, n)."""
+    """Corners (3, ``FEW``, n) of the face of a box with half extents (3, n) that lies in
+    ``direction`` (3, n)."""
     axis = np.abs(direction).argmax(axis=0)
     corners = np.empty((3, FEW, len(axis)))
     pair = np.arange(len(axis))
-    corners[axis, :, pair] = (np.where(pick(direction, axis) < 0, -1.0, 1.0) * pick(half, axis))[:, None]
+    corners[axis, :, pair] = (np.where(pick(direction, axis) < 0, -1.0, 1.0) * pick(half, axis))[
+        :, None
+    ]
     for k in (1, 2):
         other = (axis + k) % 3
         corners[other, :, pair] = (pick(half, other) * _SQUARE[k - 1]).T
@@ -114,7 +145,8 @@ def box_face(direction: FloatArray, half: FloatArray) -> FloatArray:
 
 
 def _line(middle: FloatArray, along: FloatArray, direction: FloatArray) -> FloatArray:
-    """A narrow strip from ``middle - along`` to ``middle + along`` that faces ``direction``; a dot at its end where it points that way."""
+    """A narrow strip from ``middle - along`` to ``middle + along`` that faces ``direction``; a dot
+    at its end where it points that way."""
     across = cross(along, direction)
     length = np.sqrt(dot(across, across))
     pointing = length < 1e-3 * np.sqrt(dot(along, along))
@@ -125,7 +157,15 @@ def _line(middle: FloatArray, along: FloatArray, direction: FloatArray) -> Float
         along, across = np.where(pointing, u * _WIDTH, along), np.where(pointing, v, across)
         length = np.where(pointing, 1.0, length)
     across = across * (_WIDTH / np.where(length > 0, length, 1.0))
-    return np.stack([middle - along - across, middle + along - across, middle + along + across, middle - along + across], axis=1)
+    return np.stack(
+        [
+            middle - along - across,
+            middle + along - across,
+            middle + along + across,
+            middle - along + across,
+        ],
+        axis=1,
+    )
 
 
 def _radial(direction: FloatArray) -> FloatArray:
@@ -135,8 +175,8 @@ def _radial(direction: FloatArray) -> FloatArray:
 
 
 def _end(half: FloatArray, height: FloatArray, direction: FloatArray) -> FloatArray:
-    """The disc at a height: a polygon with a corner at the disc's extreme point along ``direction``, or with the disc's area where it is
-    nearly perpendicular to ``direction``."""
+    """The disc at a height: a polygon with a corner at the disc's extreme point along
+    ``direction``, or with the disc's area where it is nearly perpendicular to ``direction``."""
     out = _radial(direction)
     tipped = np.hypot(direction[0], direction[1]) * half[0] > PATCH_GAP
     radius = half[0] * np.where(tipped, 1.0, _WIDER)
@@ -148,7 +188,8 @@ def _end(half: FloatArray, height: FloatArray, direction: FloatArray) -> FloatAr
 
 
 def _cone(direction: FloatArray, half: FloatArray) -> tuple[BoolArray, FloatArray]:
-    """Whether the base faces ``direction``, and the line from rim to tip that faces it otherwise."""
+    """Whether the base faces ``direction``, and the line from rim to tip that faces it
+    otherwise."""
     slant = np.hypot(half[0], 2 * half[2])
     by_slant = (np.hypot(direction[0], direction[1]) * 2 * half[2] + direction[2] * half[0]) / slant
     rim = _radial(direction) * half[0] - _UP * half[2]

@@ -1,4 +1,5 @@
-"""Surfaces of cores as triangles: meshes, and hulls where they meet a mesh. What is inside a closed one touches it down to a depth."""
+"""Surfaces of cores as triangles: meshes, and hulls where they meet a mesh. What is inside a closed
+one touches it down to a depth."""
 
 from __future__ import annotations
 
@@ -14,9 +15,10 @@ from .mesh_index import MeshIndex
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """The triangles of a core in its own frame. ``depth`` [m]: how far beneath the surface a body touches it; 0 of a shell, infinite of a
-    hull. ``size`` [m]: the smallest extent of a solid, infinite of a
-    shell. ``first`` and ``second``: FCL's objects for the first and the second of a pair."""
+    """The triangles of a core in its own frame. ``depth`` [m]: how far beneath the surface a body
+    touches it; 0 of a shell, infinite of a hull. ``size`` [m]: the smallest extent of a solid,
+    infinite of a shell. ``first`` and ``second``: FCL's objects for the first and the second of a
+    pair."""
 
     index: MeshIndex
     low: FloatArray
@@ -36,7 +38,11 @@ class Surface:
         else:
             assert core.hull is not None
             points, triangles = core.hull.points, core.hull.triangles
-            depth = 0.0 if np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3 else core.sunk_in
+            depth = (
+                0.0
+                if np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3
+                else core.sunk_in
+            )
         geometry = fcl.BVHModel()
         geometry.beginModel(len(points), len(triangles))
         geometry.addSubModel(points, triangles)
@@ -44,11 +50,19 @@ class Surface:
         low, high = core.bounds()
         size = float(np.min(high - low)) + 2 * core.radius[0] if depth > 0 else np.inf
         index = MeshIndex.of(points[triangles])
-        return cls(index, low, high, depth, size, fcl.CollisionObject(geometry), fcl.CollisionObject(geometry))
+        return cls(
+            index,
+            low,
+            high,
+            depth,
+            size,
+            fcl.CollisionObject(geometry),
+            fcl.CollisionObject(geometry),
+        )
 
     def contains(self, points: FloatArray) -> BoolArray:
-        """Which points (n, 3) are inside: where the surface winds around them, counted along rays upwards. A point on the edge of two
-        triangles, seen from above, counts for one of them."""
+        """Which points (n, 3) are inside: where the surface winds around them, counted along rays
+        upwards. A point on the edge of two triangles, seen from above, counts for one of them."""
         bounds = np.stack([points, points], axis=1)
         bounds[:, 1, 2] = np.inf
         ray, triangle = self.index.near(bounds)
@@ -62,10 +76,13 @@ class Surface:
 
 
 def _side(start: FloatArray, end: FloatArray) -> IntArray:
-    """On which side of each edge (n, 3), seen from above, the origin is: 1 or -1; the opposite for the edge in the other direction."""
+    """On which side of each edge (n, 3), seen from above, the origin is: 1 or -1; the opposite for
+    the edge in the other direction."""
     area = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
     way = end - start
-    return np.sign(np.where(area != 0, area, np.where(way[:, 1] != 0, way[:, 1], way[:, 0]))).astype(np.int64)
+    return np.sign(
+        np.where(area != 0, area, np.where(way[:, 1] != 0, way[:, 1], way[:, 0]))
+    ).astype(np.int64)
 
 
 class Surfaces:
@@ -77,7 +94,11 @@ class Surfaces:
 
     def take_over(self, before: Surfaces) -> None:
         """Keep the surfaces of those cores that are in this table, too."""
-        self._made = {id(core): before._made[id(core)] for core in self._table.cores if id(core) in before._made}
+        self._made = {
+            id(core): before._made[id(core)]
+            for core in self._table.cores
+            if id(core) in before._made
+        }
 
     def __getitem__(self, core: int) -> Surface:
         item = self._table.cores[core]

@@ -5,25 +5,39 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, chosen_of, replace_rows
-from .closed_forms import Separation, between, nearest_on_triangle, segment_to_segment, segment_to_triangle
+from .closed_forms import (
+    Separation,
+    between,
+    nearest_on_triangle,
+    segment_to_segment,
+    segment_to_triangle,
+)
 from .frames import cross, dot
 
 _FACE_PREFERENCE = 1e-6
-"""Metres by which a pair of edges must be further apart than the faces, so that parallel faces have the faces' normal."""
+"""Metres by which a pair of edges must be further apart than the faces, so that parallel faces have
+the faces' normal."""
 
 
 def triangle_to_triangle(first: FloatArray, second: FloatArray) -> Separation:
-    """Pairs of triangles (3, 3, n) by coordinate and corner: the nearest of edges and edges, corners and faces. Of two that cross, the
-    deepest way of an edge of either through the other."""
+    """Pairs of triangles (3, 3, n) by coordinate and corner: the nearest of edges and edges,
+    corners and faces. Of two that cross, the deepest way of an edge of either through the other."""
     count = first.shape[2]
     one, other = first[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]], second[:, [0, 1, 2] * 3]
-    after, beyond = np.roll(first, -1, axis=1)[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]], np.roll(second, -1, axis=1)[:, [0, 1, 2] * 3]
+    after, beyond = (
+        np.roll(first, -1, axis=1)[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]],
+        np.roll(second, -1, axis=1)[:, [0, 1, 2] * 3],
+    )
     edges = segment_to_segment(*(ends.reshape(3, -1) for ends in (one, after, other, beyond)))
     onto_second = nearest_on_triangle(first.reshape(3, -1), np.tile(second, 3))
     onto_first = nearest_on_triangle(second.reshape(3, -1), np.tile(first, 3))
-    corners = [between(first.reshape(3, -1), onto_second), between(onto_first, second.reshape(3, -1))]
+    corners = [
+        between(first.reshape(3, -1), onto_second),
+        between(onto_first, second.reshape(3, -1)),
+    ]
     distance, normal, start, end = (
-        np.concatenate([getattr(part, name) for part in (*corners, edges)], axis=-1) for name in ("distance", "normal", "first", "second")
+        np.concatenate([getattr(part, name) for part in (*corners, edges)], axis=-1)
+        for name in ("distance", "normal", "first", "second")
     )
     best = distance.reshape(15, count).argmin(axis=0) * count + np.arange(count)
     found = Separation(distance[best], normal[:, best], start[:, best], end[:, best])
@@ -45,30 +59,52 @@ def _straddles(first: FloatArray, second: FloatArray) -> BoolArray:
 def _crossed(first: FloatArray, second: FloatArray) -> Separation:
     """The deepest of the ways of the edges of triangles through the others."""
     count = first.shape[2]
-    edges = [(one, other, corner) for one, other in ((first, second), (second, first)) for corner in range(3)]
+    edges = [
+        (one, other, corner)
+        for one, other in ((first, second), (second, first))
+        for corner in range(3)
+    ]
     start, end, corners = (
-        np.concatenate(parts, axis=-1) for parts in zip(*((one[:, k], one[:, (k + 1) % 3], other) for one, other, k in edges), strict=True)
+        np.concatenate(parts, axis=-1)
+        for parts in zip(
+            *((one[:, k], one[:, (k + 1) % 3], other) for one, other, k in edges), strict=True
+        )
     )
     found = segment_to_triangle(start, end, corners)
     best = found.distance.reshape(6, count).argmin(axis=0)
     of, flipped = best * count + np.arange(count), best >= 3
     normal, a, b = found.normal[:, of], found.first[:, of], found.second[:, of]
-    return Separation(found.distance[of], np.where(flipped, -normal, normal), np.where(flipped, b, a), np.where(flipped, a, b))
+    return Separation(
+        found.distance[of],
+        np.where(flipped, -normal, normal),
+        np.where(flipped, b, a),
+        np.where(flipped, a, b),
+    )
 
 
 def apart_by(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Lower bounds (n,) on the distances of triangles: along their normals and the line of their middles."""
+    """Lower bounds (n,) on the distances of triangles: along their normals and the line of their
+    middles."""
     middles = (second.sum(axis=1) - first.sum(axis=1)) / 3
     length = np.sqrt(dot(middles, middles))
-    axes = np.stack([unit_normals(first), unit_normals(second), middles / np.where(length > 0, length, 1.0)], axis=1)
+    axes = np.stack(
+        [unit_normals(first), unit_normals(second), middles / np.where(length > 0, length, 1.0)],
+        axis=1,
+    )
     a, b = dot(axes[:, :, None], first[:, None]), dot(axes[:, :, None], second[:, None])
-    return np.asarray(np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1)).max(axis=0))
+    return np.asarray(
+        np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1)).max(axis=0)
+    )
 
 
 def beside(first: FloatArray, second: FloatArray, normal: FloatArray) -> BoolArray:
-    """Which triangles are surely not over the first ones, seen along their unit normals (3, n): as circles around their middles."""
+    """Which triangles are surely not over the first ones, seen along their unit normals (3, n): as
+    circles around their middles."""
     middle_a, middle_b = first.sum(axis=1) / 3, second.sum(axis=1) / 3
-    reach = sum(np.sqrt(_squared(corners - middle[:, None]).max(axis=0)) for corners, middle in ((first, middle_a), (second, middle_b)))
+    reach = sum(
+        np.sqrt(_squared(corners - middle[:, None]).max(axis=0))
+        for corners, middle in ((first, middle_a), (second, middle_b))
+    )
     way = middle_b - middle_a
     return np.asarray(_squared(way) - dot(way, normal) ** 2 > reach**2)
 
@@ -84,20 +120,32 @@ def unit_normals(corners: FloatArray) -> FloatArray:
     return np.asarray(normal / np.where(length > 0, length, 1.0))
 
 
-def facing_axes(first: FloatArray, second: FloatArray, normal_a: FloatArray, normal_b: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Signed separations (n,) of faces of two solids that look at each other, their outward normals being ``normal_a`` and ``normal_b``
-    (3, n), and the axes (3, n) from the first to the second. Negative where they have passed through each other: of the axes between the
-    two normals, that along which they are least deep (separating axes)."""
+def facing_axes(
+    first: FloatArray, second: FloatArray, normal_a: FloatArray, normal_b: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Signed separations (n,) of faces of two solids that look at each other, their outward normals
+    being ``normal_a`` and ``normal_b`` (3, n), and the axes (3, n) from the first to the second.
+    Negative where they have passed through each other: of the axes between the two normals, that
+    along which they are least deep (separating axes)."""
     edges_a, edges_b = np.roll(first, -1, axis=1) - first, np.roll(second, -1, axis=1) - second
     crossed = cross(edges_a[:, :, None], edges_b[:, None]).reshape(3, 9, -1)
     length = np.sqrt(dot(crossed, crossed))
     crossed = crossed / np.where(length > 0, length, 1.0)
     crossed = crossed * np.where(dot(crossed, (normal_a - normal_b)[:, None]) < 0, -1.0, 1.0)
     axes = np.concatenate([normal_a[:, None], -normal_b[:, None], crossed], axis=1)
-    heights_a, heights_b = dot(axes[:, :, None], first[:, None]), dot(axes[:, :, None], second[:, None])
+    heights_a, heights_b = (
+        dot(axes[:, :, None], first[:, None]),
+        dot(axes[:, :, None], second[:, None]),
+    )
     separation = heights_b.min(axis=1) - heights_a.max(axis=1)
-    within = (length > 0) & (dot(axes[:, 2:], normal_a[:, None]) > 0) & (dot(axes[:, 2:], normal_b[:, None]) < 0)
+    within = (
+        (length > 0)
+        & (dot(axes[:, 2:], normal_a[:, None]) > 0)
+        & (dot(axes[:, 2:], normal_b[:, None]) < 0)
+    )
     separation[2:] = np.where(within, separation[2:] - _FACE_PREFERENCE, -np.inf)
     best = separation.argmax(axis=0)
     axis = axes[:, best, np.arange(len(best))]
-    return np.asarray(dot(axis[:, None], second).min(axis=0) - dot(axis[:, None], first).max(axis=0)), axis
+    return np.asarray(
+        dot(axis[:, None], second).min(axis=0) - dot(axis[:, None], first).max(axis=0)
+    ), axis

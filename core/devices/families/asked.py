@@ -1,4 +1,5 @@
-"""Pads that are asked whether they can rumble, as SDL does: those of 8BitDo, and those that speak SInput (HandheldLegend and others)."""
+"""Pads that are asked whether they can rumble, as SDL does: those of 8BitDo, and those that speak
+SInput (HandheldLegend and others)."""
 
 from __future__ import annotations
 
@@ -11,17 +12,24 @@ from .family import HidDevice, Interface, answer_of
 from .pads import pad
 
 _ULTIMATE_2_WIRELESS, _ULTIMATE_3 = 0x6012, 0x202F
-# Reading this feature report switches to the firmware's extended protocol; the Ultimate 3 has another one, which includes its capabilities.
+# Reading this feature report switches to the firmware's extended protocol; the Ultimate 3 has
+# another one, which includes its capabilities.
 _EXTENDED, _ABILITIES = 0x06, 0x30
 _ATTEMPTS = 5
-# The firmware of the Ultimate 2 Wireless that rumbles sends input reports of this length, earlier ones shorter reports.
+# The firmware of the Ultimate 2 Wireless that rumbles sends input reports of this length, earlier
+# ones shorter reports.
 _LONG_INPUT = 34
 
 
-def _prepare_8bitdo(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
+def _prepare_8bitdo(
+    device: HidDevice, interface: Interface, write: Callable[[Report], bool]
+) -> None:
     if not _rumbles(device, interface.product):
         name = interface.title or "8BitDo controller"
-        raise OSError(f"{name} does not report that it can rumble: update its firmware, or switch it to another mode")
+        raise OSError(
+            f"{name} does not report that it can rumble: update its firmware, or switch it to "
+            "another mode"
+        )
 
 
 def _rumbles(device: HidDevice, product: int) -> bool:
@@ -47,12 +55,16 @@ EIGHTBITDO = pad("8bitdo", prepare=_prepare_8bitdo)
 
 _ANSWER, _FEATURES = 0x02, 0x02
 _ASK_FEATURES = Report(bytes([0x03, _FEATURES]).ljust(48, b"\0"))
-# The answer to the query of features: report id, command, version of the protocol (2 bytes), capabilities.
+# The answer to the query of features: report id, command, version of the protocol (2 bytes),
+# capabilities.
 _CAPABILITIES, _CAN_RUMBLE = 4, 0x01
 
 
-def _prepare_sinput(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> None:
-    """Query the pad's capabilities, as SDL does. A pad that does not answer is driven nevertheless."""
+def _prepare_sinput(
+    device: HidDevice, interface: Interface, write: Callable[[Report], bool]
+) -> None:
+    """Query the pad's capabilities, as SDL does. A pad that does not answer is driven
+    nevertheless."""
     write(_ASK_FEATURES)
     answer = answer_of(device, _describes_features)
     if answer is not None and not answer[_CAPABILITIES] & _CAN_RUMBLE:

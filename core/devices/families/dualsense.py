@@ -1,10 +1,13 @@
-"""DualSense and DualSense Edge: rumble emulated by the pad's firmware on two voice coils, or samples over Bluetooth.
+"""DualSense and DualSense Edge: rumble emulated by the pad's firmware on two voice coils, or
+samples over Bluetooth.
 
-Layout: Linux ``hid-playstation.c`` and SDL's PS5 driver agree on it; the drivers' common block of 47 bytes starts at byte 1 (USB) or 3
-(Bluetooth). Only the flags of the vibration are set, so lights and triggers stay as the game or the system left them.
+Layout: Linux ``hid-playstation.c`` and SDL's PS5 driver agree on it; the drivers' common block of
+47 bytes starts at byte 1 (USB) or 3 (Bluetooth). Only the flags of the vibration are set, so lights
+and triggers stay as the game or the system left them.
 
-Samples without a cable are experimental. The layout of report 0x32 was determined by the SAxense project (egormanga/SAxense): two packets,
-one that counts and one with 32 frames of 8-bit samples, left and right in turn, at 3 kHz.
+Samples without a cable are experimental. The layout of report 0x32 was determined by the SAxense
+project (egormanga/SAxense): two packets, one that counts and one with 32 frames of 8-bit samples,
+left and right in turn, at 3 kHz.
 """
 
 from __future__ import annotations
@@ -27,11 +30,14 @@ _HAPTICS_SELECT = 0x02
 _COMPATIBLE_VIBRATION_2 = 0x04
 
 _FIRMWARE_INFO = 0x20
-# SDL's threshold; the kernel's is lower (0x0215), and pads between the two still understand the old flags.
+# SDL's threshold; the kernel's is lower (0x0215), and pads between the two still understand the old
+# flags.
 _SECOND_GENERATION = 0x0224
 
 
-def _report(transport: Transport, sequence: int, flag0: int, flag2: int, left: int, right: int) -> Report:
+def _report(
+    transport: Transport, sequence: int, flag0: int, flag2: int, left: int, right: int
+) -> Report:
     block = bytearray(47)
     block[0], block[2], block[3], block[38] = flag0, right, left, flag2
     if transport == "usb":
@@ -50,8 +56,11 @@ def release(transport: Transport, sequence: int) -> tuple[Report, ...]:
     return (_report(transport, sequence, 0, 0, 0, 0),)
 
 
-def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> RumbleFamily | None:
-    """The first generation's reports for an old firmware; an unreadable version counts as new, as in SDL."""
+def _prepare(
+    device: HidDevice, interface: Interface, write: Callable[[Report], bool]
+) -> RumbleFamily | None:
+    """The first generation's reports for an old firmware; an unreadable version counts as new, as
+    in SDL."""
     if interface.product == EDGE:
         return None
     try:
@@ -59,7 +68,11 @@ def _prepare(device: HidDevice, interface: Interface, write: Callable[[Report], 
     except OSError:
         return None
     known = len(info) >= 46
-    return DUALSENSE_FIRST_GENERATION if known and int.from_bytes(info[44:46], "little") < _SECOND_GENERATION else None
+    return (
+        DUALSENSE_FIRST_GENERATION
+        if known and int.from_bytes(info[44:46], "little") < _SECOND_GENERATION
+        else None
+    )
 
 
 DUALSENSE = RumbleFamily(
@@ -72,7 +85,9 @@ DUALSENSE = RumbleFamily(
     prepare=_prepare,
 )
 
-DUALSENSE_FIRST_GENERATION = replace(DUALSENSE, encode=partial(_encode, _COMPATIBLE_VIBRATION | _HAPTICS_SELECT, 0), prepare=None)
+DUALSENSE_FIRST_GENERATION = replace(
+    DUALSENSE, encode=partial(_encode, _COMPATIBLE_VIBRATION | _HAPTICS_SELECT, 0), prepare=None
+)
 
 FRAMES = 32
 RATE = 3000

@@ -16,17 +16,25 @@ from ..report import Report, Tones, Transport, levels
 BUS_USB = 1
 BUS_BLUETOOTH = 2
 
-_HIDAPI_KEYS = {"path": "path", "vendor": "vendor_id", "product": "product_id", "usage_page": "usage_page", "usage": "usage"}
+_HIDAPI_KEYS = {
+    "path": "path",
+    "vendor": "vendor_id",
+    "product": "product_id",
+    "usage_page": "usage_page",
+    "usage": "usage",
+}
 
 RESEND = 2.0
-"""Seconds after which a steady drive is sent again, as SDL does: so that a stop by another program lasts at most that long."""
+"""Seconds after which a steady drive is sent again, as SDL does: so that a stop by another program
+lasts at most that long."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interface:
     """One entry of hidapi's ``enumerate``.
 
-    path: for ``open_path``. number: USB interface, -1 if none. serial: may be empty; the MAC address over Bluetooth.
+    path: for ``open_path``. number: USB interface, -1 if none. serial: may be empty; the MAC
+    address over Bluetooth.
     """
 
     path: bytes
@@ -51,11 +59,14 @@ class Interface:
         usb = bus == BUS_USB or (bus != BUS_BLUETOOTH and number >= 0)
         values = {name: entry[key] for name, key in _HIDAPI_KEYS.items()}
         serial, title = entry.get("serial_number") or "", entry.get("product_string") or ""
-        return cls(**values, serial=serial, title=title, number=number, transport="usb" if usb else "bt")
+        return cls(
+            **values, serial=serial, title=title, number=number, transport="usb" if usb else "bt"
+        )
 
 
 class HidDevice(ABC):
-    """The part of hidapi's ``device`` that is used, for replacements that handle reports by other means and send no input."""
+    """The part of hidapi's ``device`` that is used, for replacements that handle reports by other
+    means and send no input."""
 
     def __init__(self) -> None:
         self._error = ""
@@ -111,16 +122,21 @@ def nothing(transport: Transport, sequence: int) -> tuple[Report, ...]:
 
 
 class Prepare(Protocol):
-    """Sets up an opened device. ``write`` sends a report and returns whether the device accepted it.
+    """Sets up an opened device. ``write`` sends a report and returns whether the device accepted
+    it.
 
-    Returns the family to use (older firmware may need other reports), or None for the same one. Raises OSError with the reason if the
-    device cannot be driven.
+    Returns the family to use (older firmware may need other reports), or None for the same one.
+    Raises OSError with the reason if the device cannot be driven.
     """
 
-    def __call__(self, device: HidDevice, interface: Interface, write: Callable[[Report], bool]) -> AnyFamily | None: ...
+    def __call__(
+        self, device: HidDevice, interface: Interface, write: Callable[[Report], bool]
+    ) -> AnyFamily | None: ...
 
 
-def answer_of(device: HidDevice, is_answer: Callable[[bytes], bool], seconds: float = 0.1) -> bytes | None:
+def answer_of(
+    device: HidDevice, is_answer: Callable[[bytes], bool], seconds: float = 0.1
+) -> bytes | None:
     """The first input report that ``is_answer`` accepts; None if there is none in time."""
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0.0:
@@ -136,18 +152,16 @@ def answer_of(device: HidDevice, is_answer: Callable[[bytes], bool], seconds: fl
 class Family:
     """The common fields of rumble and stream families.
 
-    name: key in the registry and on the command line.
-    ids: (vendor, product) numbers.
-    channels: names of the values of a drive, in order.
-    minimum_interval: least seconds from the end of one report to the next, by supported transport, the default first.
-    refresh_interval: seconds after which an unchanged non-zero drive is sent again.
-    picks: predicate of the interface to open.
-    probe_input: of several such interfaces, open the one that emits input within 16 ms.
-    prepare: sets up a device once after it was opened; called in the writer's thread.
-    startup: reports before the first block and before the first one after a pause; (transport, sequence of the first) -> reports.
-    release: reports after zero, at a pause and at the end.
-    farewell: reports after those, at the end alone.
-    zero_repeats: number of times that zero is sent before reports cease.
+    name: key in the registry and on the command line. ids: (vendor, product) numbers. channels:
+    names of the values of a drive, in order. minimum_interval: least seconds from the end of one
+    report to the next, by supported transport, the default first. refresh_interval: seconds after
+    which an unchanged non-zero drive is sent again. picks: predicate of the interface to open.
+    probe_input: of several such interfaces, open the one that emits input within 16 ms. prepare:
+    sets up a device once after it was opened; called in the writer's thread. startup: reports
+    before the first block and before the first one after a pause; (transport, sequence of the
+    first) -> reports. release: reports after zero, at a pause and at the end. farewell: reports
+    after those, at the end alone. zero_repeats: number of times that zero is sent before reports
+    cease.
     """
 
     name: str
@@ -179,8 +193,8 @@ class Family:
 class RumbleFamily(Family):
     """Devices commanded by amplitude, with or without a frequency.
 
-    encode: (drive, transport, sequence) -> report; raises ValueError for an amplitude outside [0, 1].
-    rumble: the drive for a classic pair (left or low-frequency, right or high-frequency motor).
+    encode: (drive, transport, sequence) -> report; raises ValueError for an amplitude outside [0,
+    1]. rumble: the drive for a classic pair (left or low-frequency, right or high-frequency motor).
     has_tones: channels take a frequency.
     """
 

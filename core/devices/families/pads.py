@@ -1,8 +1,10 @@
 """Gamepads with two motors whose reports have a fixed layout, from `pads.json`.
 
-A layout is the bytes of a report in hexadecimal, with ``sequence`` for the lower byte of the report's number, and ``left`` and ``right``
-with the format of their amplitudes: ``8``, ``5``: the upper bits of the 16-bit value; ``16``: all of it, little-endian; ``%``: percent.
-Reports are padded with zeros to their length. ``silent``: a separate layout for zero; ``crc``, ``feature``: see `report`.
+A layout is the bytes of a report in hexadecimal, with ``sequence`` for the lower byte of the
+report's number, and ``left`` and ``right`` with the format of their amplitudes: ``8``, ``5``: the
+upper bits of the 16-bit value; ``16``: all of it, little-endian; ``%``: percent. Reports are padded
+with zeros to their length. ``silent``: a separate layout for zero; ``crc``, ``feature``: see
+`report`.
 """
 
 from __future__ import annotations
@@ -34,10 +36,14 @@ def _part(word: str, drive: Tones, sequence: int) -> bytes:
     return bytes([sequence & 0xFF]) if word == "sequence" else bytes.fromhex(word)
 
 
-def _encode(reports: Mapping[str, Mapping[str, Any]], drive: Tones, transport: Transport, sequence: int) -> Report:
+def _encode(
+    reports: Mapping[str, Mapping[str, Any]], drive: Tones, transport: Transport, sequence: int
+) -> Report:
     form = reports.get(transport) or reports["any"]
     layout = form["layout"] if any(drive.amplitudes) else form.get("silent", form["layout"])
-    data = b"".join(_part(word, drive, sequence) for word in layout.split()).ljust(form.get("length", 0), b"\0")
+    data = b"".join(_part(word, drive, sequence) for word in layout.split()).ljust(
+        form.get("length", 0), b"\0"
+    )
     return Report(with_crc(data) if form.get("crc") else data, feature=form.get("feature", False))
 
 

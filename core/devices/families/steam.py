@@ -1,7 +1,8 @@
-"""Steam Deck, and Steam Controller of 2026: rumble, or 8-bit samples at 8 kHz to its two internal actuators.
+"""Steam Deck, and Steam Controller of 2026: rumble, or 8-bit samples at 8 kHz to its two internal
+actuators.
 
-Layout: SDL's driver, Linux ``hid-steam.c`` and the notes of the steam-controller-stuff and TritonLib projects. Steam itself writes to
-the pad: drive it only while Steam is closed.
+Layout: SDL's driver, Linux ``hid-steam.c`` and the notes of the steam-controller-stuff and
+TritonLib projects. Steam itself writes to the pad: drive it only while Steam is closed.
 """
 
 from __future__ import annotations
@@ -48,7 +49,9 @@ STEAM_DECK = pad("steam-deck", picks=_not_keyboard_or_mouse, probe_input=True)
 
 def _carries_a_controller(interface: Interface) -> bool:
     """On the wireless adaptor, interfaces 2 to 5 are the controllers paired with it."""
-    return is_vendor_defined(interface) and (interface.product not in DONGLES or 2 <= interface.number <= 5)
+    return is_vendor_defined(interface) and (
+        interface.product not in DONGLES or 2 <= interface.number <= 5
+    )
 
 
 STEAM_CONTROLLER = pad("steam-controller", picks=_carries_a_controller, probe_input=True)

@@ -1,1 +1,2 @@
-"""Reading and writing files: bounded JSON, schemas, atomic writes, errors that name file and place."""
+"""Reading and writing files: bounded JSON, schemas, atomic writes, errors that name file and
+place."""

@@ -1,6 +1,8 @@
-"""Writing a file, or several, in one step: complete or not at all. Several go into a hidden folder beside their target first.
+"""Writing a file, or several, in one step: complete or not at all. Several go into a hidden folder
+beside their target first.
 
-Windows refuses to replace a file that another program has open. What was written then stays beside it.
+Windows refuses to replace a file that another program has open. What was written then stays beside
+it.
 """
 
 from __future__ import annotations
@@ -36,7 +38,8 @@ _LOCK = "lock"
 
 
 def lock(descriptor: int) -> bool:
-    """Lock an open file until it is closed or the process ends. False if another process has locked it, which is then writing it."""
+    """Lock an open file until it is closed or the process ends. False if another process has locked
+    it, which is then writing it."""
     try:
         _lock(descriptor)
     except OSError:
@@ -45,11 +48,13 @@ def lock(descriptor: int) -> bool:
 
 
 class WrittenBeside(OSError):
-    """A file could not be replaced, because another program has it open; the text says where the new one is."""
+    """A file could not be replaced, because another program has it open; the text says where the
+    new one is."""
 
 
 def _replace(path: Path, target: Path) -> None:
-    """Move a file to ``target``, which it replaces. Raises OSError, if another program has that open only after some tries."""
+    """Move a file to ``target``, which it replaces. Raises OSError, if another program has that
+    open only after some tries."""
     for left in reversed(range(_TRIES)):
         try:
             path.replace(target)
@@ -66,13 +71,16 @@ def _is_open_elsewhere(error: OSError) -> bool:
 
 def _beside(path: Path) -> Path:
     """A free name beside ``path``: "track (2).wav"."""
-    names = (path.with_name(f"{path.stem} ({number}){path.suffix}") for number in range(2, sys.maxsize))
+    names = (
+        path.with_name(f"{path.stem} ({number}){path.suffix}") for number in range(2, sys.maxsize)
+    )
     return next(name for name in names if not name.exists())
 
 
 @contextmanager
 def _errors_of(own: Path, shown: Path) -> Iterator[None]:
-    """Let errors of the hidden file or folder ``own``, and of what is in it, name what is ``shown`` to the user instead."""
+    """Let errors of the hidden file or folder ``own``, and of what is in it, name what is ``shown``
+    to the user instead."""
     try:
         yield
     except OSError as error:
@@ -83,10 +91,12 @@ def _errors_of(own: Path, shown: Path) -> Iterator[None]:
 
 @contextmanager
 def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
-    """A binary file that replaces ``path`` when the block ends without an error and is removed otherwise.
+    """A binary file that replaces ``path`` when the block ends without an error and is removed
+    otherwise.
 
-    It is written beside ``path`` and synchronised to the disk, so that the last step is a rename within one file system. Raises OSError;
-    `WrittenBeside` if the file is complete under another name.
+    It is written beside ``path`` and synchronised to the disk, so that the last step is a rename
+    within one file system. Raises OSError; `WrittenBeside` if the file is complete under another
+    name.
     """
     path = Path(path)
     temporary = path.with_name(f".{secrets.token_hex(8)}.part")
@@ -103,7 +113,9 @@ def atomic_file(path: str | Path) -> Iterator[BinaryIO]:
         if isinstance(error, OSError) and _is_open_elsewhere(error):
             other = _beside(path)
             temporary.replace(other)
-            raise WrittenBeside(f"{path} is open in another program: the new file is {other.name}, beside it") from None
+            raise WrittenBeside(
+                f"{path} is open in another program: the new file is {other.name}, beside it"
+            ) from None
         temporary.unlink()
         raise
 
@@ -132,12 +144,17 @@ class Staging:
         return [self._target / path.relative_to(self.folder) for path in files]
 
     def commit(self, files: Collection[Path]) -> None:
-        """Move the files to their places, in this order; each replaces an existing file. If one can't be replaced, none is.
+        """Move the files to their places, in this order; each replaces an existing file. If one
+        can't be replaced, none is.
 
         Raises OSError; `WrittenBeside` if the files are complete in a folder beside their places.
         """
         places = dict(zip(files, self.targets(files), strict=True))
-        before = {target: self.folder / f"before {number}" for number, target in enumerate(places.values()) if target.exists()}
+        before = {
+            target: self.folder / f"before {number}"
+            for number, target in enumerate(places.values())
+            if target.exists()
+        }
         for target, kept in before.items():
             _keep(target, kept)
         moved: list[Path] = []
@@ -158,7 +175,10 @@ class Staging:
                     place = other / path.relative_to(self.folder)
                     place.parent.mkdir(parents=True, exist_ok=True)
                     path.replace(place)
-                raise WrittenBeside(f"{target} is open in another program: nothing was replaced, the new files are in {other}") from None
+                raise WrittenBeside(
+                    f"{target} is open in another program: nothing was replaced, the new files "
+                    f"are in {other}"
+                ) from None
             raise
 
 
@@ -172,7 +192,8 @@ def _keep(path: Path, kept: Path) -> None:
 
 @contextmanager
 def staging(target: Path) -> Iterator[Staging]:
-    """A folder for files on the way to ``target``, an existing folder; what was not committed is removed at the end.
+    """A folder for files on the way to ``target``, an existing folder; what was not committed is
+    removed at the end.
 
     Remains of a killed process are removed as well. Raises OSError.
     """

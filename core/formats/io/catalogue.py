@@ -1,4 +1,5 @@
-"""The formats by name, with their options, described for menus and command lines. Does not import the modules that write and read them."""
+"""The formats by name, with their options, described for menus and command lines. Does not import
+the modules that write and read them."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ _TRUTH = {"true": True, "false": False}
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """An option. The type is that of ``default``: bool, int, float, or str with ``choices``. ``minimum`` and ``maximum`` bound numbers."""
+    """An option. The type is that of ``default``: bool, int, float, or str with ``choices``.
+    ``minimum`` and ``maximum`` bound numbers."""
 
     name: str
     default: Value
@@ -35,7 +37,9 @@ class Option:
     def parse(self, text: str) -> Value:
         """Parse ``text``. Raises ValueError that names the option."""
         try:
-            return self.checked(_TRUTH[text.lower()] if isinstance(self.default, bool) else type(self.default)(text))
+            return self.checked(
+                _TRUTH[text.lower()] if isinstance(self.default, bool) else type(self.default)(text)
+            )
         except (KeyError, ValueError):
             raise ValueError(f"{self.name}: must be {self._range()}, not {text!r}") from None
 
@@ -46,7 +50,11 @@ class Option:
         elif isinstance(self.default, str):
             good = value in self.choices
         else:
-            good = isinstance(value, int | float) and not isinstance(value, bool) and self.minimum <= value <= self.maximum
+            good = (
+                isinstance(value, int | float)
+                and not isinstance(value, bool)
+                and self.minimum <= value <= self.maximum
+            )
             good = good and (isinstance(self.default, float) or isinstance(value, int))
         if not good:
             raise ValueError(f"{self.name}: must be {self._range()}, not {value!r}")
@@ -62,18 +70,25 @@ class Option:
 
 
 def complete(options: Sequence[Option], chosen: Mapping[str, Value]) -> dict[str, Any]:
-    """The value of every option: the chosen one, checked, or the default. Raises ValueError for an unknown option."""
+    """The value of every option: the chosen one, checked, or the default. Raises ValueError for an
+    unknown option."""
     known = {option.name: option for option in options}
     for name in chosen:
         if name not in known:
-            raise ValueError(f"{name}: unknown option" + (f"; known are {', '.join(known)}" if known else "; there are none"))
-    return {name: option.checked(chosen.get(name, option.default)) for name, option in known.items()}
+            raise ValueError(
+                f"{name}: unknown option"
+                + (f"; known are {', '.join(known)}" if known else "; there are none")
+            )
+    return {
+        name: option.checked(chosen.get(name, option.default)) for name, option in known.items()
+    }
 
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """``label``: its name in menus. ``suffix``: of its files. ``module``: the module in `core.formats` that writes and, if it ``is_read``,
-    reads it. ``files``: patterns of the names of its files. ``carries``: what they hold."""
+    """``label``: its name in menus. ``suffix``: of its files. ``module``: the module in
+    `core.formats` that writes and, if it ``is_read``, reads it. ``files``: patterns of the names of
+    its files. ``carries``: what they hold."""
 
     name: str
     label: str
@@ -86,12 +101,18 @@ class Format:
 
 
 def _format(form: dict[str, Any]) -> Format:
-    options = [Option(**{**item, "choices": tuple(item.get("choices", ()))}) for item in form.pop("options", ())]
+    options = [
+        Option(**{**item, "choices": tuple(item.get("choices", ()))})
+        for item in form.pop("options", ())
+    ]
     return Format(**form, options=tuple(options))
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
-    {form["name"]: _format(form) for form in json.loads(Path(__file__).with_name("formats.json").read_text("utf-8"))}
+    {
+        form["name"]: _format(form)
+        for form in json.loads(Path(__file__).with_name("formats.json").read_text("utf-8"))
+    }
 )
 """The formats by name."""
 

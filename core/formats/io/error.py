@@ -10,18 +10,21 @@ from ...scene.references import PlacedError
 
 
 def json_pointer(parts: Iterable[str | int]) -> str:
-    """The JSON pointer (RFC 6901) to the value reached by keys and indices; ``/`` for the document itself."""
+    """The JSON pointer (RFC 6901) to the value reached by keys and indices; ``/`` for the document
+    itself."""
     pointer = "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in parts)
     return pointer or "/"
 
 
 def _shortened(text: str, most: int) -> str:
-    """Beginning and end of a text, which may contain names from the file, at most ``most`` characters together."""
+    """Beginning and end of a text, which may contain names from the file, at most ``most``
+    characters together."""
     return text if len(text) <= most else f"{text[: most // 2]} … {text[3 - most // 2 :]}"
 
 
 class FormatError(ValueError):
-    """``FILE: /json/pointer: reason``, without the pointer if it is the whole document; long names in either are shortened.
+    """``FILE: /json/pointer: reason``, without the pointer if it is the whole document; long names
+    in either are shortened.
 
     ``pointer`` is a JSON pointer, or a place such as ``byte 12`` in a file that is not JSON.
     """

@@ -9,12 +9,17 @@ from collections.abc import Iterable
 LONGEST = 80
 """Maximum number of characters of a file name without its suffix."""
 
-_FORBIDDEN = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff\ud800-\udfff]+')
-_RESERVED = re.compile(r"(CON|PRN|AUX|NUL|CONIN\$|CONOUT\$|(COM|LPT)[0-9¹²³])(\..*)?", re.IGNORECASE)
+_FORBIDDEN = re.compile(
+    r'[<>:"/\\|?*\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff\ud800-\udfff]+'
+)
+_RESERVED = re.compile(
+    r"(CON|PRN|AUX|NUL|CONIN\$|CONOUT\$|(COM|LPT)[0-9¹²³])(\..*)?", re.IGNORECASE
+)
 
 
 def file_stem(name: str) -> str:
-    """``name`` as a file name without suffix: forbidden characters become ``_``, names reserved by Windows get a leading ``_``."""
+    """``name`` as a file name without suffix: forbidden characters become ``_``, names reserved by
+    Windows get a leading ``_``."""
     stem = _FORBIDDEN.sub("_", unicodedata.normalize("NFC", name))[:LONGEST].strip(" .")
     if not stem or stem.startswith("-") or _RESERVED.fullmatch(stem):
         stem = f"_{stem}"

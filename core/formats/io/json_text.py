@@ -18,11 +18,17 @@ def compact(value: Any) -> str:
 _ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
-def json_points(first_key: str, second_key: str, first: FloatArray, second: FloatArray) -> list[dict[str, Any]]:
+def json_points(
+    first_key: str, second_key: str, first: FloatArray, second: FloatArray
+) -> list[dict[str, Any]]:
     """Objects with the same two keys, from a column (n,) of numbers for each."""
-    return [{first_key: x, second_key: y} for x, y in zip(first.tolist(), second.tolist(), strict=True)]
+    return [
+        {first_key: x, second_key: y} for x, y in zip(first.tolist(), second.tolist(), strict=True)
+    ]
 
 
 def write_json(path: Path, value: Any) -> Path:
     """Write an indented document in one step."""
-    return write_text(path, [json.dumps(value, ensure_ascii=False, allow_nan=False, indent=1), "\n"])
+    return write_text(
+        path, [json.dumps(value, ensure_ascii=False, allow_nan=False, indent=1), "\n"]
+    )

@@ -1,4 +1,5 @@
-"""The JSON Schema of haptic scenes: its outline, and the definitions of the items, which follow from the declarations of their fields."""
+"""The JSON Schema of haptic scenes: its outline, and the definitions of the items, which follow
+from the declarations of their fields."""
 
 from __future__ import annotations
 
@@ -42,7 +43,8 @@ DEFINED: dict[str, type] = {
 
 
 def function_schema() -> dict[str, Any]:
-    """The definition of modulation functions: each has its own parameters, and all have those of the spectrum."""
+    """The definition of modulation functions: each has its own parameters, and all have those of
+    the spectrum."""
     properties: dict[str, Any] = {}
     owners: dict[str, list[str]] = {}
     for name, cls in TRANSMISSIONS.items():
@@ -60,26 +62,45 @@ def function_schema() -> dict[str, Any]:
         "required": ["function"],
         "additionalProperties": False,
         "allOf": [
-            {"if": {"properties": {"function": {"enum": list(names)}}}, "else": {"properties": dict.fromkeys(keys, False)}}
+            {
+                "if": {"properties": {"function": {"enum": list(names)}}},
+                "else": {"properties": dict.fromkeys(keys, False)},
+            }
             for names, keys in alike.items()
         ],
     }
 
 
 def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
-    """The definition of signals: each kind has its own parameters. ``outline``: those that are not numbers."""
+    """The definition of signals: each kind has its own parameters. ``outline``: those that are not
+    numbers."""
     kinds = {kind: json_fields(cls) for kind, cls in SIGNAL_KINDS.items()}
     properties: dict[str, Any] = {"signal": {"description": "Kind of signal.", "enum": list(kinds)}}
-    numbers = {kind: {key: _parameter(entry) for key, entry in own.items() if _is_number(entry)} for kind, own in kinds.items()}
+    numbers = {
+        kind: {key: _parameter(entry) for key, entry in own.items() if _is_number(entry)}
+        for kind, own in kinds.items()
+    }
     for found in numbers.values():
         for key, item in found.items():
             properties[key] = _either(properties.get(key, item), item)
     rules = []
     for kind, own in kinds.items():
-        narrow = {key: _limits(item) for key, item in numbers[kind].items() if _limits(item) != _limits(properties[key])}
-        narrow |= {key: {"type": _COMBINED[entry.metadata["check"] is SIGNALS["check"]]} for key, entry in own.items() if key == "of"}
+        narrow = {
+            key: _limits(item)
+            for key, item in numbers[kind].items()
+            if _limits(item) != _limits(properties[key])
+        }
+        narrow |= {
+            key: {"type": _COMBINED[entry.metadata["check"] is SIGNALS["check"]]}
+            for key, entry in own.items()
+            if key == "of"
+        }
         required = [key for key, entry in own.items() if entry.default is MISSING]
-        then = {"propertyNames": {"enum": ["signal", *own]}, "required": required, "properties": narrow}
+        then = {
+            "propertyNames": {"enum": ["signal", *own]},
+            "required": required,
+            "properties": narrow,
+        }
         given = {key: value for key, value in then.items() if value}
         rules.append({"if": {"properties": {"signal": {"const": kind}}}, "then": given})
     return {
@@ -110,7 +131,12 @@ def _parameter(entry: Field[Any]) -> dict[str, Any]:
     check, description = entry.metadata["check"], f"{entry.metadata['about']}."
     if check.func not in _TYPES:
         return {"description": description, "$ref": "#/$defs/parameter"}
-    return {"description": description, "type": _TYPES[check.func], "minimum": check.keywords["low"], "maximum": check.keywords["high"]}
+    return {
+        "description": description,
+        "type": _TYPES[check.func],
+        "minimum": check.keywords["low"],
+        "maximum": check.keywords["high"],
+    }
 
 
 def _either(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
@@ -125,11 +151,17 @@ def _either(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, An
 
 def scene_schema() -> dict[str, Any]:
     """The schema as a JSON document."""
-    document: dict[str, Any] = json.loads(Path(__file__).with_name("scene_outline.json").read_text("utf-8"))
+    document: dict[str, Any] = json.loads(
+        Path(__file__).with_name("scene_outline.json").read_text("utf-8")
+    )
     definitions = document["$defs"]
     for name, cls in DEFINED.items():
         outline, item = definitions[name], schema_of(cls)
-        definitions[name] = {**outline, **item, "properties": {**outline.get("properties", {}), **item["properties"]}}
+        definitions[name] = {
+            **outline,
+            **item,
+            "properties": {**outline.get("properties", {}), **item["properties"]},
+        }
     definitions["function"] |= function_schema()
     definitions["signal"] |= signal_schema(definitions["signal"])
     return document

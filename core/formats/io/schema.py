@@ -1,4 +1,5 @@
-"""Validation by the JSON Schemas of core/formats/schemas, with errors that give file, JSON pointer and reason."""
+"""Validation by the JSON Schemas of core/formats/schemas, with errors that give file, JSON pointer
+and reason."""
 
 from __future__ import annotations
 
@@ -21,20 +22,25 @@ MESSAGES = "run-time-1"
 Place = tuple[str | int, ...]
 
 MOST_UNKNOWN = 200
-"""Maximum number of unknown keys, list items counted once, of a readable document of a newer version."""
+"""Maximum number of unknown keys, list items counted once, of a readable document of a newer
+version."""
 
 _LONGEST_VALUE = 60
 
 
 def validate(document: Any, schema: str, file: str | Path) -> None:
-    """Raise FormatError unless ``document``, read from ``file``, is valid by ``schemas/<schema>.schema.json``."""
+    """Raise FormatError unless ``document``, read from ``file``, is valid by
+    ``schemas/<schema>.schema.json``."""
     fault = _fault(document, schema)
     if fault is not None:
         raise FormatError(file, json_pointer(fault.place), fault.reason)
 
 
-def without_unknown_keys(document: dict[str, Any], schema: str, file: str | Path) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """A copy of the document without the keys that the schema does not define, and JSON pointers to these (``*``: all items of a list).
+def without_unknown_keys(
+    document: dict[str, Any], schema: str, file: str | Path
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """A copy of the document without the keys that the schema does not define, and JSON pointers to
+    these (``*``: all items of a list).
 
     Raises FormatError for any other fault.
     """
@@ -50,7 +56,8 @@ def without_unknown_keys(document: dict[str, Any], schema: str, file: str | Path
 
 
 def _remove(value: Any, pattern: Sequence[str | None], key: str) -> None:
-    """Remove ``key`` from the objects that the pattern leads to; None matches every item of a list."""
+    """Remove ``key`` from the objects that the pattern leads to; None matches every item of a
+    list."""
     if not pattern:
         if isinstance(value, dict):
             value.pop(key, None)
@@ -63,7 +70,8 @@ def _remove(value: Any, pattern: Sequence[str | None], key: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Fault:
-    """The first fault of a document, of the value at ``place``. ``unknown``: its key is undefined."""
+    """The first fault of a document, of the value at ``place``. ``unknown``: its key is
+    undefined."""
 
     place: Place
     reason: str
@@ -77,15 +85,22 @@ def _fault(document: Any, schema: str) -> _Fault | None:
         _validator(schema)(document)
     except fastjsonschema.JsonSchemaValueException as error:
         name = (error.name or "data").removeprefix("data")
-        place = next((parts for parts, value in _readings(document, name, ()) if value is error.value), ())
+        place = next(
+            (parts for parts, value in _readings(document, name, ()) if value is error.value), ()
+        )
         key, reason = _reason(error)
-        return _Fault(place if key is None else (*place, key), reason, unknown=error.rule == "additionalProperties")
+        return _Fault(
+            place if key is None else (*place, key),
+            reason,
+            unknown=error.rule == "additionalProperties",
+        )
     return None
 
 
 def load_schema(schema: str) -> dict[str, Any]:
-    """The schema as a JSON document. ``haptic-scene-1.1#NAME``: that of an object with any of the properties of the definition NAME;
-    ``run-time-1#NAME``: that of a message, whose parts are those of scenes."""
+    """The schema as a JSON document. ``haptic-scene-1.1#NAME``: that of an object with any of the
+    properties of the definition NAME; ``run-time-1#NAME``: that of a message, whose parts are those
+    of scenes."""
     name, _, part = schema.partition("#")
     if name == MESSAGES:
         messages = json.loads((SCHEMAS / f"{MESSAGES}.schema.json").read_text("utf-8"))
@@ -93,7 +108,11 @@ def load_schema(schema: str) -> dict[str, Any]:
     if name == SCENE:
         scene = scene_schema()
         definitions = scene["$defs"]
-        return _alone({"type": "object", "properties": definitions[part]["properties"]}, definitions) if part else scene
+        return (
+            _alone({"type": "object", "properties": definitions[part]["properties"]}, definitions)
+            if part
+            else scene
+        )
     document: dict[str, Any] = json.loads((SCHEMAS / f"{schema}.schema.json").read_text("utf-8"))
     return document
 
@@ -113,16 +132,21 @@ def _alone(schema: dict[str, Any], definitions: dict[str, Any]) -> dict[str, Any
 def _validator(schema: str) -> Callable[[Any], Any]:
     import fastjsonschema
 
-    # The schemas use only keywords with the same meaning in draft 2020-12 and in draft 7, which the validator implements.
-    definition = _with_inlined_leaves(load_schema(schema)) | {"$schema": "http://json-schema.org/draft-07/schema#"}
+    # The schemas use only keywords with the same meaning in draft 2020-12 and in draft 7, which the
+    # validator implements.
+    definition = _with_inlined_leaves(load_schema(schema)) | {
+        "$schema": "http://json-schema.org/draft-07/schema#"
+    }
     validator: Callable[[Any], Any] = fastjsonschema.compile(definition, use_default=False)
     return validator
 
 
 def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
-    """The schema with the definitions of numbers, texts and arrays of these instead of references to them.
+    """The schema with the definitions of numbers, texts and arrays of these instead of references
+    to them.
 
-    The validator calls a function and formats a name for every reference, which is most of its time.
+    The validator calls a function and formats a name for every reference, which is most of its
+    time.
     """
     defined: dict[str, Any] = definition.get("$defs", {})
 
@@ -132,7 +156,11 @@ def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
         if not isinstance(value, dict):
             return value
         target = defined.get(str(value.get("$ref", "")).removeprefix("#/$defs/"))
-        if target is not None and target.get("type") not in (None, "object") and "#/$defs/json" not in json.dumps(target):
+        if (
+            target is not None
+            and target.get("type") not in (None, "object")
+            and "#/$defs/json" not in json.dumps(target)
+        ):
             return inlined(target)
         return {key: inlined(member) for key, member in value.items()}
 
@@ -141,7 +169,8 @@ def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
 
 
 def _readings(value: Any, name: str, parts: Place) -> Iterator[tuple[Place, Any]]:
-    """Every place that the validator's name ``.objects[0].kappa`` may denote, because keys may contain dots, with its value."""
+    """Every place that the validator's name ``.objects[0].kappa`` may denote, because keys may
+    contain dots, with its value."""
     if not name:
         yield parts, value
     elif isinstance(value, list) and name.startswith("["):
@@ -161,22 +190,41 @@ def _reason(error: Any) -> tuple[str | None, str]:
             return next(key for key in limit if key not in value), "is required"
         case "additionalProperties":
             known = error.definition.get("properties", {})
-            return next(key for key in value if key not in known), "unknown key; known are " + ", ".join(known)
+            return next(
+                key for key in value if key not in known
+            ), "unknown key; known are " + ", ".join(known)
         case "type":
             wanted = limit if isinstance(limit, str) else " or ".join(limit)
-            return None, f"must be {'an' if wanted[0] in 'aio' else 'a'} {wanted}, got {_shown(value)}"
+            return (
+                None,
+                f"must be {'an' if wanted[0] in 'aio' else 'a'} {wanted}, got {_shown(value)}",
+            )
         case "const" | "enum":
             choices = limit if rule == "enum" else [limit]
-            return None, f"must be {' or '.join(json.dumps(choice) for choice in choices)}, got {_shown(value)}"
+            return (
+                None,
+                f"must be {' or '.join(json.dumps(choice) for choice in choices)}, got "
+                f"{_shown(value)}",
+            )
         case "minimum" | "exclusiveMinimum" | "maximum" | "exclusiveMaximum":
-            words = {"minimum": "at least", "exclusiveMinimum": "more than", "maximum": "at most", "exclusiveMaximum": "less than"}
+            words = {
+                "minimum": "at least",
+                "exclusiveMinimum": "more than",
+                "maximum": "at most",
+                "exclusiveMaximum": "less than",
+            }
             return None, f"must be {words[rule]} {limit:g}, got {_shown(value)}"
         case "minItems" | "maxItems" | "minLength" | "maxLength":
-            least, parts = "least" if rule[:3] == "min" else "most", "items" if rule[3:] == "Items" else "characters"
+            least, parts = (
+                "least" if rule[:3] == "min" else "most",
+                "items" if rule[3:] == "Items" else "characters",
+            )
             return None, f"must have at {least} {limit} {parts}, has {len(value)}"
         case "propertyNames":
             known = limit["enum"]
-            return next(key for key in value if key not in known), "does not belong here; known are " + ", ".join(known)
+            return next(
+                key for key in value if key not in known
+            ), "does not belong here; known are " + ", ".join(known)
         case None:
             return None, "does not belong here"
         case _:
@@ -188,5 +236,9 @@ def _shown(value: Any) -> str:
         return "an object"
     if isinstance(value, list):
         return "an array"
-    text = json.dumps(value) if not isinstance(value, int) or abs(value) < 10**_LONGEST_VALUE else "a huge number"
+    text = (
+        json.dumps(value)
+        if not isinstance(value, int) or abs(value) < 10**_LONGEST_VALUE
+        else "a huge number"
+    )
     return text if len(text) <= _LONGEST_VALUE else text[:_LONGEST_VALUE] + "..."

@@ -1,7 +1,9 @@
-"""Strict JSON: bounded in size, depth and number of values; NaN, duplicate keys and unpaired surrogates are errors.
+"""Strict JSON: bounded in size, depth and number of values; NaN, duplicate keys and unpaired
+surrogates are errors.
 
-The parser of the standard library accepts some of these. They are replaced by a marker while parsing; only if there is a marker, the
-document is searched for it, so that the error gives its JSON pointer.
+The parser of the standard library accepts some of these. They are replaced by a marker while
+parsing; only if there is a marker, the document is searched for it, so that the error gives its
+JSON pointer.
 """
 
 from __future__ import annotations
@@ -62,7 +64,8 @@ def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
 
 
 def without_trailing_commas(data: bytes) -> bytes:
-    """JSON text with a space in place of each comma before a closing bracket, which some applications accept."""
+    """JSON text with a space in place of each comma before a closing bracket, which some
+    applications accept."""
     codes = np.frombuffer(data, dtype=np.uint8).copy()
     unescaped = np.frombuffer(_without_escapes(data), dtype=np.uint8)
     outside = np.cumsum(unescaped == ord('"'), dtype=np.uint8) & 1 == 0
@@ -74,7 +77,8 @@ def without_trailing_commas(data: bytes) -> bytes:
 
 
 def _without_escapes(data: bytes) -> bytes:
-    """The text with escaped backslashes and quotes replaced, of the same length: every quote in it delimits a string."""
+    """The text with escaped backslashes and quotes replaced, of the same length: every quote in it
+    delimits a string."""
     return data.replace(b"\\\\", b"__").replace(b'\\"', b"__") if b"\\" in data else data
 
 
@@ -85,7 +89,9 @@ def parse_json(data: bytes, file: str | Path) -> Any:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise FormatError(file, "/", f"not UTF-8: byte {error.start} is 0x{data[error.start]:02x}") from None
+        raise FormatError(
+            file, "/", f"not UTF-8: byte {error.start} is 0x{data[error.start]:02x}"
+        ) from None
     _check_extent(data, file)
     misplaced = False
 
@@ -100,12 +106,21 @@ def parse_json(data: bytes, file: str | Path) -> Any:
             return result
         keys = [key for key, _ in pairs]
         first = {key: place for place, key in reversed([*enumerate(keys)])}
-        return mark(f"the key {next(key for place, key in enumerate(keys) if place > first[key])!r} occurs twice")
+        return mark(
+            f"the key {next(key for place, key in enumerate(keys) if place > first[key])!r} "
+            "occurs twice"
+        )
 
     try:
-        document = json.loads(text, object_pairs_hook=members, parse_constant=lambda name: mark(f"{name} is not a JSON number"))
+        document = json.loads(
+            text,
+            object_pairs_hook=members,
+            parse_constant=lambda name: mark(f"{name} is not a JSON number"),
+        )
     except json.JSONDecodeError as error:
-        raise FormatError(file, "/", f"not JSON: {error.msg} (line {error.lineno} column {error.colno})") from None
+        raise FormatError(
+            file, "/", f"not JSON: {error.msg} (line {error.lineno} column {error.colno})"
+        ) from None
     except RecursionError:
         raise FormatError(file, "/", "nested too deeply") from None
     except ValueError:
@@ -126,8 +141,11 @@ def _check_extent(data: bytes, file: str | Path) -> None:
     data = _without_escapes(data)
     quotes = depth = values = 0
     for start in range(0, len(data), _CHUNK):
-        codes = np.frombuffer(data, dtype=np.uint8, count=min(_CHUNK, len(data) - start), offset=start)
-        # A byte after an odd number of quotes is inside a string. The count modulo 256 keeps the parity.
+        codes = np.frombuffer(
+            data, dtype=np.uint8, count=min(_CHUNK, len(data) - start), offset=start
+        )
+        # A byte after an odd number of quotes is inside a string. The count modulo 256 keeps the
+        # parity.
         before = np.cumsum(codes == ord('"'), dtype=np.uint8) + np.uint8(quotes % 256)
         outside = before & 1 == 0
         quotes = int(before[-1])
@@ -140,7 +158,9 @@ def _check_extent(data: bytes, file: str | Path) -> None:
             depths = depth + np.cumsum(np.where(opening[brackets], 1, -1))
             if depths.max() > MAX_DEPTH:
                 place = start + int(brackets[np.argmax(depths > MAX_DEPTH)])
-                raise FormatError(file, "/", f"nested deeper than {MAX_DEPTH} levels at byte {place}")
+                raise FormatError(
+                    file, "/", f"nested deeper than {MAX_DEPTH} levels at byte {place}"
+                )
             depth = int(depths[-1])
 
 
@@ -148,7 +168,9 @@ def _find_misplaced(document: Any, file: str | Path) -> None:
     for parts, value in _walk(document):
         if isinstance(value, _Misplaced):
             raise FormatError(file, json_pointer(parts), value.reason)
-        strings = [value] if isinstance(value, str) else list(value) if isinstance(value, dict) else []
+        strings = (
+            [value] if isinstance(value, str) else list(value) if isinstance(value, dict) else []
+        )
         for text in strings:
             if any("\ud800" <= c <= "\udfff" for c in text):
                 raise FormatError(file, json_pointer(parts), f"{text!r} has an unpaired surrogate")

@@ -12,13 +12,24 @@ from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, 
 from ..io.error import errors_in
 from .motion import unpacked
 from .recording import Poses, RecordedFrame, Recording, is_on, pair_of
-from .values_json import json_value, read_contact, read_function, read_listener, read_object, read_source, read_value
+from .values_json import (
+    json_value,
+    read_contact,
+    read_function,
+    read_listener,
+    read_object,
+    read_source,
+    read_value,
+)
 
 
 def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
     """The JSON object of a frame, without unchanged values."""
     changes = {key.name: getattr(frame, key.name) for key in fields(frame) if key.name != "number"}
-    return {"frame": frame.number, **{key: dict(v) if key == "poses" else json_value(v) for key, v in changes.items() if v}}
+    return {
+        "frame": frame.number,
+        **{key: dict(v) if key == "poses" else json_value(v) for key, v in changes.items() if v},
+    }
 
 
 def _as_tuples(value: Any) -> Any:
@@ -28,11 +39,15 @@ def _as_tuples(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def recording_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> Recording | None:
+def recording_from_dict(
+    document: Mapping[str, Any], scene: HapticScene, file: str | Path
+) -> Recording | None:
     """The frames of a validated document, or None where it has none. Raises FormatError."""
     with errors_in(file):
         frames = document.get("frames", [])
-        known = {item.name for item in scene.objects} | {form["name"] for frame in frames for form in frame.get("objects", ())}
+        known = {item.name for item in scene.objects} | {
+            form["name"] for frame in frames for form in frame.get("objects", ())
+        }
         moving = unpacked(document.get("motions", []), known)
         if not frames:
             if moving:
@@ -41,10 +56,17 @@ def recording_from_dict(document: Mapping[str, Any], scene: HapticScene, file: s
         if "frame_rate" not in document:
             raise PlacedError(("frame_rate",), "is required where there are frames")
         reader = _FrameReader(scene)
-        recorded = tuple(reader.moved(reader.frame(form, ("frames", i)), moving, ("frames", i)) for i, form in enumerate(frames))
+        recorded = tuple(
+            reader.moved(reader.frame(form, ("frames", i)), moving, ("frames", i))
+            for i, form in enumerate(frames)
+        )
         if moving:
             raise PlacedError(("motions",), f"frame {min(moving)} is not among the frames")
-        return Recording(float(document["frame_rate"]), int(document.get("frame_start", recorded[0].number)), recorded)
+        return Recording(
+            float(document["frame_rate"]),
+            int(document.get("frame_start", recorded[0].number)),
+            recorded,
+        )
 
 
 class _FrameReader:
@@ -70,14 +92,29 @@ class _FrameReader:
         for name, row in form.get("poses", {}).items():
             read_value(Pose, {"position": row[:3], "rotation": row[3:]}, (*place, "poses", name))
         contacts = self._contacts(form, place)
-        functions = {name: read_function(function, (*place, "functions", name)) for name, function in form.get("functions", {}).items()}
-        positions = {name: tuple(map(tuple, places)) for name, places in form.get("source_positions", {}).items()}
-        read = {"functions": functions, "source_positions": positions, "contacts": contacts, "parted": parted, "sources": sources}
+        functions = {
+            name: read_function(function, (*place, "functions", name))
+            for name, function in form.get("functions", {}).items()
+        }
+        positions = {
+            name: tuple(map(tuple, places))
+            for name, places in form.get("source_positions", {}).items()
+        }
+        read = {
+            "functions": functions,
+            "source_positions": positions,
+            "contacts": contacts,
+            "parted": parted,
+            "sources": sources,
+        }
         others = {key: _as_tuples(value) for key, value in form.items() if key != "frame"}
-        return RecordedFrame(number, **{**others, **read, "objects": objects, "listeners": listeners})
+        return RecordedFrame(
+            number, **{**others, **read, "objects": objects, "listeners": listeners}
+        )
 
     def moved(self, frame: RecordedFrame, moving: dict[int, Poses], place: Place) -> RecordedFrame:
-        """The frame that was read last with the poses of its motions, which are removed from ``moving``."""
+        """The frame that was read last with the poses of its motions, which are removed from
+        ``moving``."""
         poses = moving.pop(frame.number, None)
         if poses is None:
             return frame
@@ -86,7 +123,9 @@ class _FrameReader:
             raise PlacedError(("motions",), f"there is no object {name!r} in frame {frame.number}")
         for name in frame.poses:
             if name in poses:
-                raise PlacedError((*place, "poses", name), "a motion has a pose for this frame, too")
+                raise PlacedError(
+                    (*place, "poses", name), "a motion has a pose for this frame, too"
+                )
         return replace(frame, poses={**poses, **frame.poses} if frame.poses else poses)
 
     def _remove(self, form: Mapping[str, Any], place: Place) -> None:
@@ -105,7 +144,10 @@ class _FrameReader:
 
     def _objects(self, form: Mapping[str, Any], place: Place) -> tuple[HapticObject, ...]:
         """The objects that appear."""
-        objects = tuple(read_object(item, (*place, "objects", i)) for i, item in enumerate(form.get("objects", ())))
+        objects = tuple(
+            read_object(item, (*place, "objects", i))
+            for i, item in enumerate(form.get("objects", ()))
+        )
         for i, item in enumerate(objects):
             require_new(item.name, self.objects, "object", (*place, "objects", i, "name"))
             self.objects.add(item.name)
@@ -113,7 +155,10 @@ class _FrameReader:
 
     def _listeners(self, form: Mapping[str, Any], place: Place) -> tuple[Listener, ...]:
         """The listeners that appear."""
-        listeners = tuple(read_listener(item, (*place, "listeners", i)) for i, item in enumerate(form.get("listeners", ())))
+        listeners = tuple(
+            read_listener(item, (*place, "listeners", i))
+            for i, item in enumerate(form.get("listeners", ()))
+        )
         for i, item in enumerate(listeners):
             require_new(item.name, self.listeners, "listener", (*place, "listeners", i, "name"))
             require_known(item.object, self.objects, "object", (*place, "listeners", i, "object"))
@@ -122,14 +167,22 @@ class _FrameReader:
 
     def _sources(self, form: Mapping[str, Any], place: Place) -> tuple[Source, ...]:
         """The sources that begin; they exist from now on."""
-        sources = tuple(read_source(source, (*place, "sources", i)) for i, source in enumerate(form.get("sources", [])))
+        sources = tuple(
+            read_source(source, (*place, "sources", i))
+            for i, source in enumerate(form.get("sources", []))
+        )
         for i, source in enumerate(sources):
             if not (source.rubs and source.name in self.sources and self.sources[source.name].rubs):
                 require_new(source.name, self.sources, "source", (*place, "sources", i, "name"))
             self.sources[source.name] = source
             require_known(source.object, self.objects, "object", (*place, "sources", i, "object"))
             if source.second_object is not None:
-                require_known(source.second_object, self.objects, "object", (*place, "sources", i, "second_object"))
+                require_known(
+                    source.second_object,
+                    self.objects,
+                    "object",
+                    (*place, "sources", i, "second_object"),
+                )
         return sources
 
     def _check_names(self, form: Mapping[str, Any], place: Place) -> None:
@@ -144,7 +197,10 @@ class _FrameReader:
                     require_known(name, known, kind, (*place, key, name))
 
     def _contacts(self, form: Mapping[str, Any], place: Place) -> tuple[Contact, ...]:
-        contacts = tuple(read_contact(contact, (*place, "contacts", i)) for i, contact in enumerate(form.get("contacts", [])))
+        contacts = tuple(
+            read_contact(contact, (*place, "contacts", i))
+            for i, contact in enumerate(form.get("contacts", []))
+        )
         for i, contact in enumerate(contacts):
             for k, name in enumerate(contact.objects):
                 require_known(name, self.objects, "object", (*place, "contacts", i, "objects", k))
@@ -156,6 +212,8 @@ class _FrameReader:
         parted = tuple((min(pair), max(pair)) for pair in form.get("parted", []))
         for i, pair in enumerate(parted):
             if pair not in self.touching:
-                raise PlacedError((*place, "parted", i), f"{pair[0]!r} and {pair[1]!r} did not touch")
+                raise PlacedError(
+                    (*place, "parted", i), f"{pair[0]!r} and {pair[1]!r} did not touch"
+                )
             self.touching.remove(pair)
         return parted

@@ -1,4 +1,5 @@
-"""Lists of a haptic scene file beside those of the scene: devices, by which actuators play which listeners, and the library of materials.
+"""Lists of a haptic scene file beside those of the scene: devices, by which actuators play which
+listeners, and the library of materials.
 
 Objects refer to their material in ``material`` and have a copy of its values.
 """
@@ -23,27 +24,40 @@ def device_to_dict(device: DeviceMapping) -> dict[str, Any]:
     return {key: value for key, value in asdict(device).items() if key != "extras" or value}
 
 
-def devices_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> tuple[DeviceMapping, ...]:
+def devices_from_dict(
+    document: Mapping[str, Any], scene: HapticScene, file: str | Path
+) -> tuple[DeviceMapping, ...]:
     """The devices of a validated document. Raises FormatError."""
     forms = document.get("devices", [])
     listeners = {item.name for item in scene.listeners}
     with errors_in(file):
         require_unique([form["name"] for form in forms], "device", "devices")
         return tuple(
-            DeviceMapping(form["name"], form["profile"], tuple(_actuators(form, listeners, ("devices", i))), form.get("extras", {}))
+            DeviceMapping(
+                form["name"],
+                form["profile"],
+                tuple(_actuators(form, listeners, ("devices", i))),
+                form.get("extras", {}),
+            )
             for i, form in enumerate(forms)
         )
 
 
-def _actuators(form: Mapping[str, Any], listeners: set[str], place: Place) -> Iterator[ActuatorMapping]:
+def _actuators(
+    form: Mapping[str, Any], listeners: set[str], place: Place
+) -> Iterator[ActuatorMapping]:
     for k, item in enumerate(form.get("actuators", [])):
         require_known(item["listener"], listeners, "listener", (*place, "actuators", k, "listener"))
         yield ActuatorMapping(item["actuator"], item["listener"], item.get("gain", 1.0))
 
 
-def materials_from_dict(document: Mapping[str, Any], file: str | Path) -> tuple[LibraryMaterial, ...]:
+def materials_from_dict(
+    document: Mapping[str, Any], file: str | Path
+) -> tuple[LibraryMaterial, ...]:
     """The materials of a validated document. Raises FormatError."""
     forms = document.get("materials", [])
     with errors_in(file):
         require_unique([form["name"] for form in forms], "material", "materials")
-        return tuple(read_value(LibraryMaterial, form, ("materials", i)) for i, form in enumerate(forms))
+        return tuple(
+            read_value(LibraryMaterial, form, ("materials", i)) for i, form in enumerate(forms)
+        )

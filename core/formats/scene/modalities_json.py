@@ -14,13 +14,19 @@ from ...scene.references import Place, PlacedError, require_known
 from ...scene.values import HapticScene
 from ..io.error import errors_in
 
-CARRIED: Mapping[str, Modality] = {name: modality for name, modality in MODALITIES.items() if not modality.sampled}
+CARRIED: Mapping[str, Modality] = {
+    name: modality for name, modality in MODALITIES.items() if not modality.sampled
+}
 """The modalities that have a section in files."""
 
 
 def modalities_to_dict(scenes: Iterable[ModalityScene]) -> dict[str, Any]:
     """The JSON objects of the modalities that are not empty."""
-    return {item.modality.name: _form(item) for item in sorted(scenes, key=lambda item: item.modality.name) if not item.is_empty}
+    return {
+        item.modality.name: _form(item)
+        for item in sorted(scenes, key=lambda item: item.modality.name)
+        if not item.is_empty
+    }
 
 
 def _form(scene: ModalityScene) -> dict[str, Any]:
@@ -40,11 +46,15 @@ def _form(scene: ModalityScene) -> dict[str, Any]:
     return form
 
 
-def modalities_from_dict(document: Mapping[str, Any], scene: HapticScene, file: str | Path) -> tuple[ModalityScene, ...]:
+def modalities_from_dict(
+    document: Mapping[str, Any], scene: HapticScene, file: str | Path
+) -> tuple[ModalityScene, ...]:
     """The modalities of a validated document. Raises FormatError."""
     objects = {item.name for item in scene.objects}
     with errors_in(file):
-        return tuple(_read(name, form, objects) for name, form in document.get("modalities", {}).items())
+        return tuple(
+            _read(name, form, objects) for name, form in document.get("modalities", {}).items()
+        )
 
 
 def _read(name: str, form: Mapping[str, Any], objects: set[str]) -> ModalityScene:

@@ -1,10 +1,12 @@
 """Compressed poses of objects that move in many consecutive frames.
 
-In a file a motion is ``{"object", "frame", "count", "poses"}``: the poses of ``count`` consecutive frames, the first of which is
-``frame``. They are a table of ``count`` rows of integers in units of 1e-5 (position x, y, z in metres, rotation w, x, y, z). Each column
-is replaced by its second difference (the first row is unchanged, the second is the first difference, then a[n] - 2 a[n - 1] + a[n - 2]).
-The table is read column by column, signs are folded (n to 2 n, -n to 2 n - 1), and the little-endian 64 bit integers are written as byte
-planes: the first byte of each, then the second of each. The result is compressed by zlib (RFC 1950) and encoded in base64.
+In a file a motion is ``{"object", "frame", "count", "poses"}``: the poses of ``count`` consecutive
+frames, the first of which is ``frame``. They are a table of ``count`` rows of integers in units of
+1e-5 (position x, y, z in metres, rotation w, x, y, z). Each column is replaced by its second
+difference (the first row is unchanged, the second is the first difference, then a[n] - 2 a[n - 1] +
+a[n - 2]). The table is read column by column, signs are folded (n to 2 n, -n to 2 n - 1), and the
+little-endian 64 bit integers are written as byte planes: the first byte of each, then the second of
+each. The result is compressed by zlib (RFC 1950) and encoded in base64.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ from .recording import PER_UNIT, PoseRow, Poses, RecordedFrame, pose_row
 FEWEST = 8
 """Minimum number of consecutive frames of a motion; shorter ones are written in the frames."""
 MANY = 20_000
-"""Number of poses from which a recording has motions; fewer are written in the frames, where they are readable."""
+"""Number of poses from which a recording has motions; fewer are written in the frames, where they
+are readable."""
 MOST = 4_500_000
 """Maximum number of poses that are read."""
 
@@ -33,11 +36,15 @@ _LEVEL = 6
 
 
 def packed(frames: Sequence[RecordedFrame]) -> tuple[list[dict[str, Any]], Sequence[RecordedFrame]]:
-    """Motions in the order of the objects' names, and the frames without the poses in these motions.
+    """Motions in the order of the objects' names, and the frames without the poses in these
+    motions.
 
-    There are no motions if there are fewer than ``MANY`` poses, or poses that are not multiples of 1e-5.
+    There are no motions if there are fewer than ``MANY`` poses, or poses that are not multiples of
+    1e-5.
     """
-    if sum(len(frame.poses) for frame in frames) < MANY or not all(_is_rounded(frame.poses) for frame in frames):
+    if sum(len(frame.poses) for frame in frames) < MANY or not all(
+        _is_rounded(frame.poses) for frame in frames
+    ):
         return [], frames
     names = sorted({name for frame in frames for name in frame.poses})
     number = {name: k for k, name in enumerate(names)}
@@ -48,14 +55,23 @@ def packed(frames: Sequence[RecordedFrame]) -> tuple[list[dict[str, Any]], Seque
     ticks = np.concatenate([poses.ticks for poses in every])
     order = np.lexsort((times, objects))
     objects, rows, times = objects[order], rows[order], times[order]
-    starts = np.flatnonzero(np.concatenate([[True], (np.diff(objects) != 0) | (np.diff(times) != 1)]))
+    starts = np.flatnonzero(
+        np.concatenate([[True], (np.diff(objects) != 0) | (np.diff(times) != 1)])
+    )
     motions: list[dict[str, Any]] = []
     left: dict[int, dict[str, PoseRow]] = {}
     for first, last in zip(starts.tolist(), [*starts[1:].tolist(), len(objects)], strict=True):
         name = names[objects[first]]
         run = ticks[order[first:last]]
         if last - first >= FEWEST:
-            motions.append({"object": name, "frame": int(times[first]), "count": last - first, "poses": encoded(run)})
+            motions.append(
+                {
+                    "object": name,
+                    "frame": int(times[first]),
+                    "count": last - first,
+                    "poses": encoded(run),
+                }
+            )
             continue
         for row, pose in zip(rows[first:last].tolist(), run, strict=True):
             left.setdefault(row, {})[name] = pose_row(pose)
@@ -67,7 +83,9 @@ def _is_rounded(poses: Mapping[str, PoseRow]) -> bool:
     if isinstance(poses, Poses) or not poses:
         return True
     values = np.array(list(poses.values()), dtype=np.float64)
-    return bool((np.abs(values) < 10**9).all() and (np.rint(values * PER_UNIT) / PER_UNIT == values).all())
+    return bool(
+        (np.abs(values) < 10**9).all() and (np.rint(values * PER_UNIT) / PER_UNIT == values).all()
+    )
 
 
 def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str]) -> dict[int, Poses]:
@@ -92,7 +110,9 @@ def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str]) -> dict[int,
     if not tables:
         return {}
     names = [form["object"] for form in forms]
-    times = np.concatenate([int(form["frame"]) + np.arange(count) for form, count in zip(forms, counts, strict=True)])
+    times = np.concatenate(
+        [int(form["frame"]) + np.arange(count) for form, count in zip(forms, counts, strict=True)]
+    )
     motions = np.repeat(np.arange(len(forms)), counts)
     ticks = np.concatenate(tables)
     order = np.argsort(times, kind="stable")
@@ -134,4 +154,9 @@ def decoded(text: str, count: int) -> IntArray:
         raise ValueError(f"does not hold {count} poses")
     folded = np.frombuffer(planes, dtype=np.uint8).reshape(8, -1).T.copy().view("<u8").ravel()
     column = (folded >> np.uint64(1)).astype(np.int64) ^ -(folded & np.uint64(1)).astype(np.int64)
-    return np.cumsum(np.concatenate([column.reshape(7, count).T[:1], np.cumsum(column.reshape(7, count).T[1:], axis=0)]), axis=0)
+    return np.cumsum(
+        np.concatenate(
+            [column.reshape(7, count).T[:1], np.cumsum(column.reshape(7, count).T[1:], axis=0)]
+        ),
+        axis=0,
+    )

@@ -17,7 +17,18 @@ from ...contacts.shapes import pose_matrix
 from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
 from ...scene.functions import ModulationFunction
-from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, SourceKind, Trigger, TriggerKind, Vector
+from ...scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Pose,
+    Source,
+    SourceKind,
+    Trigger,
+    TriggerKind,
+    Vector,
+)
 from ...tracer import Frame, Tracer
 
 Pair = tuple[str, str]
@@ -25,7 +36,8 @@ Item = TypeVar("Item")
 Value = TypeVar("Value")
 
 DIGITS = 13
-"""Decimals of recorded values that gains depend on, so that a recording reproduces the gains to 12 digits."""
+"""Decimals of recorded values that gains depend on, so that a recording reproduces the gains to 12
+digits."""
 
 
 PoseRow = tuple[float, float, float, float, float, float, float]
@@ -36,7 +48,8 @@ PER_UNIT = 10**POSE_DIGITS
 
 
 class Poses(Mapping[str, PoseRow]):
-    """Poses by object, stored as integers (n, 7) in units of 1e-5: a seventh of the memory of a dictionary of tuples."""
+    """Poses by object, stored as integers (n, 7) in units of 1e-5: a seventh of the memory of a
+    dictionary of tuples."""
 
     __slots__ = ("_rows", "names", "ticks")
 
@@ -74,11 +87,13 @@ def pose_row(ticks: IntArray) -> PoseRow:
 class RecordedFrame:
     """The changes since the frame before; the changes since the scene itself for the first frame.
 
-    poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object. functions: propagation function by
-    object. amplitudes and source_positions: by source; a source of two objects has a position on each. listener_positions and gains: by
-    listener. contacts: all contacts of every pair of objects whose contacts changed. parted: pairs that no longer touch. sources: those
-    that begin, or begin again (`Source.rubs`); a temporary source ends when its signal has ended. removed_objects, removed_listeners: names
-    of those that disappear, with all sources and listeners on them. objects, listeners: those that appear, after the removals.
+    poses: by object, position x, y, z and rotation w, x, y, z. properties: (kappa, rho) by object.
+    functions: propagation function by object. amplitudes and source_positions: by source; a source
+    of two objects has a position on each. listener_positions and gains: by listener. contacts: all
+    contacts of every pair of objects whose contacts changed. parted: pairs that no longer touch.
+    sources: those that begin, or begin again (`Source.rubs`); a temporary source ends when its
+    signal has ended. removed_objects, removed_listeners: names of those that disappear, with all
+    sources and listeners on them. objects, listeners: those that appear, after the removals.
     """
 
     number: int
@@ -100,7 +115,8 @@ class RecordedFrame:
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """``frames`` in ascending order; in frames without an entry nothing changed. Frame ``frame_start`` is at 0 seconds."""
+    """``frames`` in ascending order; in frames without an entry nothing changed. Frame
+    ``frame_start`` is at 0 seconds."""
 
     frame_rate: float
     frame_start: int
@@ -108,8 +124,12 @@ class Recording:
 
     def with_all(self, scene: HapticScene) -> HapticScene:
         """The scene with every object and listener that appears, in its first state."""
-        objects = {item.name: item for frame in reversed(self.frames) for item in reversed(frame.objects)}
-        listeners = {item.name: item for frame in reversed(self.frames) for item in reversed(frame.listeners)}
+        objects = {
+            item.name: item for frame in reversed(self.frames) for item in reversed(frame.objects)
+        }
+        listeners = {
+            item.name: item for frame in reversed(self.frames) for item in reversed(frame.listeners)
+        }
         return replace(
             scene,
             objects=tuple((objects | {item.name: item for item in scene.objects}).values()),
@@ -126,9 +146,11 @@ def pair_of(contact: Contact) -> Pair:
     return _sorted_pair(*contact.objects)
 
 
-def states(scene: HapticScene, recording: Recording, late: Callable[[], Mapping[str, float]] = dict) -> Iterator[tuple[int, HapticScene]]:
-    """Every frame number from the first to the last recorded, with the scene in it: its active sources and its contacts. ``late``: delay of
-    a source at the listeners [s], by name."""
+def states(
+    scene: HapticScene, recording: Recording, late: Callable[[], Mapping[str, float]] = dict
+) -> Iterator[tuple[int, HapticScene]]:
+    """Every frame number from the first to the last recorded, with the scene in it: its active
+    sources and its contacts. ``late``: delay of a source at the listeners [s], by name."""
     state = _State(scene)
     frames = iter(recording.frames)
     change = next(frames, None)
@@ -142,27 +164,47 @@ def states(scene: HapticScene, recording: Recording, late: Callable[[], Mapping[
         number += 1
 
 
-def without_rubbing(scene: HapticScene, recording: Recording | None) -> tuple[HapticScene, Recording | None]:
-    """The same without the sources of sliding and rolling, which the rules of the scene create again."""
-    begun = [item for frame in recording.frames for item in frame.sources] if recording is not None else []
+def without_rubbing(
+    scene: HapticScene, recording: Recording | None
+) -> tuple[HapticScene, Recording | None]:
+    """The same without the sources of sliding and rolling, which the rules of the scene create
+    again."""
+    begun = (
+        [item for frame in recording.frames for item in frame.sources]
+        if recording is not None
+        else []
+    )
     names = {item.name for item in (*scene.sources, *begun) if item.rubs}
     if recording is not None and names:
         frames = tuple(
             replace(
                 frame,
                 sources=tuple(item for item in frame.sources if item.name not in names),
-                amplitudes={name: amplitude for name, amplitude in frame.amplitudes.items() if name not in names},
-                source_positions={name: places for name, places in frame.source_positions.items() if name not in names},
+                amplitudes={
+                    name: amplitude
+                    for name, amplitude in frame.amplitudes.items()
+                    if name not in names
+                },
+                source_positions={
+                    name: places
+                    for name, places in frame.source_positions.items()
+                    if name not in names
+                },
             )
             for frame in recording.frames
         )
         recording = replace(recording, frames=frames)
-    return replace(scene, sources=tuple(item for item in scene.sources if item.name not in names)), recording
+    return replace(
+        scene, sources=tuple(item for item in scene.sources if item.name not in names)
+    ), recording
 
 
 def _is_over(source: Source, time: float) -> bool:
     """Whether a temporary source has ended before ``time``, up to rounding."""
-    return source.kind is SourceKind.TEMPORARY and source.onset + source.emitted.duration <= time + 1e-9
+    return (
+        source.kind is SourceKind.TEMPORARY
+        and source.onset + source.emitted.duration <= time + 1e-9
+    )
 
 
 def by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
@@ -174,7 +216,8 @@ def by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
 
 
 class _State:
-    """The current state of a changing scene: its items by name, and the contacts by pairs of objects."""
+    """The current state of a changing scene: its items by name, and the contacts by pairs of
+    objects."""
 
     def __init__(self, scene: HapticScene) -> None:
         self._scene = scene
@@ -195,7 +238,11 @@ class _State:
 
     def end_sources(self, time: float, late: Mapping[str, float]) -> None:
         """Remove the temporary sources that have ended before ``time``."""
-        for name in [name for name, item in self._sources.items() if _is_over(item, time - late.get(name, 0.0))]:
+        for name in [
+            name
+            for name, item in self._sources.items()
+            if _is_over(item, time - late.get(name, 0.0))
+        ]:
             del self._sources[name]
 
     def apply(self, change: RecordedFrame) -> None:
@@ -231,9 +278,15 @@ class _State:
         gone = set(change.removed_objects)
         if gone:
             self._objects = {name: item for name, item in self._objects.items() if name not in gone}
-            self._sources = {name: item for name, item in self._sources.items() if not is_on(item, gone)}
-            self._listeners = {name: item for name, item in self._listeners.items() if item.object not in gone}
-            self._contacts = {pair: touching for pair, touching in self._contacts.items() if gone.isdisjoint(pair)}
+            self._sources = {
+                name: item for name, item in self._sources.items() if not is_on(item, gone)
+            }
+            self._listeners = {
+                name: item for name, item in self._listeners.items() if item.object not in gone
+            }
+            self._contacts = {
+                pair: touching for pair, touching in self._contacts.items() if gone.isdisjoint(pair)
+            }
 
 
 def is_on(source: Source, objects: Set[str]) -> bool:
@@ -241,22 +294,33 @@ def is_on(source: Source, objects: Set[str]) -> bool:
     return source.object in objects or source.second_object in objects
 
 
-def traced(scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE_RATE) -> Iterator[FrameResult]:
-    """Trace every frame with the recorded contacts; if there are none at all, contacts are found from shapes and poses."""
+def traced(
+    scene: HapticScene, recording: Recording, sample_rate: float = SAMPLE_RATE
+) -> Iterator[FrameResult]:
+    """Trace every frame with the recorded contacts; if there are none at all, contacts are found
+    from shapes and poses."""
     tracer = Tracer(scene.rules, sample_rate=sample_rate)
-    detect = not scene.contacts and not any(frame.contacts or frame.parted for frame in recording.frames)
+    detect = not scene.contacts and not any(
+        frame.contacts or frame.parted for frame in recording.frames
+    )
     for number, state in states(scene, recording, lambda: tracer.collisions.late):
         frame = frame_of(state, number, recording.time_of(number), detect)
         yield tracer.step(replace(frame, exact=number % EXACT_FRAMES == 0))
 
 
 def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Frame:
-    """The tracer's input for a scene at ``time``; ``detect``: find contacts from shapes and poses."""
+    """The tracer's input for a scene at ``time``; ``detect``: find contacts from shapes and
+    poses."""
     frame = Frame(number, time, scene.objects, scene.sources, scene.listeners, scene.settings)
     if detect:
         shaped = [item for item in scene.objects if item.shape is not None]
-        bodies = tuple(Body(item.name, item.shape, item.mass, item.motion, item.medium, item.material) for item in shaped)
-        transforms = np.array([pose_matrix(item.pose or Pose()) for item in shaped], dtype=np.float64).reshape(-1, 4, 4)
+        bodies = tuple(
+            Body(item.name, item.shape, item.mass, item.motion, item.medium, item.material)
+            for item in shaped
+        )
+        transforms = np.array(
+            [pose_matrix(item.pose or Pose()) for item in shaped], dtype=np.float64
+        ).reshape(-1, 4, 4)
         return replace(frame, bodies=bodies, transforms=transforms)
     index = {name: i for i, name in enumerate(sorted(item.name for item in scene.objects))}
     return replace(frame, contacts=ContactSet.from_contacts(scene.contacts, index))
@@ -265,8 +329,8 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
 class SceneRecorder:
     """Records the changes of a scene frame by frame.
 
-    A persistent source that disappears while its object stays gets the amplitude 0 until it is back. The triggers of a source are written
-    as the times at which it played.
+    A persistent source that disappears while its object stays gets the amplitude 0 until it is
+    back. The triggers of a source are written as the times at which it played.
     """
 
     def __init__(self, frame_rate: float, frame_start: int) -> None:
@@ -290,13 +354,18 @@ class SceneRecorder:
         names: Sequence[str],
         shots: Collection[Shot] = (),
     ) -> None:
-        """Add a frame; ``names`` of objects by the indices in ``contacts``, ``shots`` of sources with triggers. Raises ValueError
-        unless ``number`` ascends."""
+        """Add a frame; ``names`` of objects by the indices in ``contacts``, ``shots`` of sources
+        with triggers. Raises ValueError unless ``number`` ascends."""
         self._shots.update(shots)
         if self._frames and number <= self._frames[-1].number:
-            raise ValueError(f"number: frame {number} does not come after frame {self._frames[-1].number}")
+            raise ValueError(
+                f"number: frame {number} does not come after frame {self._frames[-1].number}"
+            )
         begun = not self._frames
-        numbers = [self._functions.setdefault(function, len(self._functions)) for function in contacts.transmissions]
+        numbers = [
+            self._functions.setdefault(function, len(self._functions))
+            for function in contacts.transmissions
+        ]
         rows = _rows(contacts, np.array(numbers, dtype=np.float64))
         touching = _touching(contacts, rows, names)
         changed = [pair for pair, rows in touching.items() if self._contacts.get(pair) != rows]
@@ -307,13 +376,30 @@ class SceneRecorder:
         removed = tuple(sorted(self._listeners.keys() - {item.name for item in listeners}))
         appearing = tuple(item for item in objects if item.name not in self._objects)
         hearing = tuple(_placed(item) for item in listeners if item.name not in self._listeners)
-        of_objects, of_listeners = self._changed_objects(objects), self._changed_listeners(listeners)
+        of_objects, of_listeners = (
+            self._changed_objects(objects),
+            self._changed_listeners(listeners),
+        )
         new, of_sources = self._changed_sources(sources)
         if begun:
-            self._first = HapticScene(objects=appearing, contacts=moved, sources=new, listeners=hearing)
+            self._first = HapticScene(
+                objects=appearing, contacts=moved, sources=new, listeners=hearing
+            )
             self._frames.append(RecordedFrame(number))
         else:
-            change = RecordedFrame(number, *of_objects, *of_sources, *of_listeners, moved, parted, new, appearing, hearing, gone, removed)
+            change = RecordedFrame(
+                number,
+                *of_objects,
+                *of_sources,
+                *of_listeners,
+                moved,
+                parted,
+                new,
+                appearing,
+                hearing,
+                gone,
+                removed,
+            )
             self._frames.append(change)
 
     def scene(self) -> HapticScene:
@@ -322,21 +408,36 @@ class SceneRecorder:
 
     def recording(self) -> Recording:
         """The changes since the first frame."""
-        return Recording(self._rate, self._start, tuple(replace(frame, sources=self._timed(frame.sources)) for frame in self._frames))
+        return Recording(
+            self._rate,
+            self._start,
+            tuple(replace(frame, sources=self._timed(frame.sources)) for frame in self._frames),
+        )
 
     def _timed(self, sources: tuple[Source, ...]) -> tuple[Source, ...]:
         """The sources, with the times of their shots for triggers."""
-        return tuple(item if item.triggers is None else replace(item, triggers=self._times(item.name)) for item in sources)
+        return tuple(
+            item if item.triggers is None else replace(item, triggers=self._times(item.name))
+            for item in sources
+        )
 
     def _times(self, source: str) -> tuple[Trigger, ...]:
         shots = sorted((s.onset, s.strength, s.by) for s in self._shots if s.source == source)
         if not shots:
             return ()
         onsets, strengths, by = zip(*shots, strict=True)
-        return (Trigger(TriggerKind.TIMES, onsets, strengths if min(strengths) < 1 else (), by if any(by) else ()),)
+        return (
+            Trigger(
+                TriggerKind.TIMES,
+                onsets,
+                strengths if min(strengths) < 1 else (),
+                by if any(by) else (),
+            ),
+        )
 
     def _removed_objects(self, objects: Sequence[HapticObject]) -> tuple[str, ...]:
-        """The names of objects that have disappeared; the sources on them are removed, so that they can begin again."""
+        """The names of objects that have disappeared; the sources on them are removed, so that they
+        can begin again."""
         gone = self._objects.keys() - {item.name for item in objects}
         for name in [name for name, item in self._sources.items() if gone and is_on(item, gone)]:
             del self._sources[name]
@@ -344,13 +445,25 @@ class SceneRecorder:
 
     def _changed_objects(
         self, objects: Sequence[HapticObject]
-    ) -> tuple[Mapping[str, PoseRow], dict[str, tuple[float, float]], dict[str, ModulationFunction]]:
+    ) -> tuple[
+        Mapping[str, PoseRow], dict[str, tuple[float, float]], dict[str, ModulationFunction]
+    ]:
         """Poses, (kappa, rho) and functions of the objects that existed before."""
-        before, self._objects = self._objects, {item.name: (item, None if item.pose is None else _pose_row(item.pose)) for item in objects}
+        before, self._objects = (
+            self._objects,
+            {
+                item.name: (item, None if item.pose is None else _pose_row(item.pose))
+                for item in objects
+            },
+        )
         rows = _changed(self._objects, before, lambda known: known[1])
         poses = Poses.of({name: row for name, row in rows.items() if row is not None})
         properties = _changed(self._objects, before, lambda known: (known[0].kappa, known[0].rho))
-        return poses, properties, _changed(self._objects, before, lambda known: known[0].propagation)
+        return (
+            poses,
+            properties,
+            _changed(self._objects, before, lambda known: known[0].propagation),
+        )
 
     def _changed_sources(
         self, sources: Sequence[Source]
@@ -369,8 +482,13 @@ class SceneRecorder:
                 continue
             if rounded.amplitude != before.amplitude:
                 amplitudes[item.name] = rounded.amplitude
-            if (rounded.position, rounded.second_position) != (before.position, before.second_position):
-                positions[item.name] = (rounded.position,) if second is None else (rounded.position, second)
+            if (rounded.position, rounded.second_position) != (
+                before.position,
+                before.second_position,
+            ):
+                positions[item.name] = (
+                    (rounded.position,) if second is None else (rounded.position, second)
+                )
         for name in self._sources.keys() - {item.name for item in sources}:
             gone = self._sources[name]
             if gone.kind is SourceKind.PERSISTENT and gone.amplitude:
@@ -378,14 +496,18 @@ class SceneRecorder:
                 self._sources[name] = replace(gone, amplitude=0.0)
         return tuple(new), (dict(sorted(amplitudes.items())), positions)
 
-    def _changed_listeners(self, listeners: Sequence[Listener]) -> tuple[dict[str, Vector], dict[str, float]]:
+    def _changed_listeners(
+        self, listeners: Sequence[Listener]
+    ) -> tuple[dict[str, Vector], dict[str, float]]:
         """Positions and gains of the listeners that existed before."""
         before, self._listeners = self._listeners, {item.name: _placed(item) for item in listeners}
         positions = _changed(self._listeners, before, lambda item: item.position)
         return positions, _changed(self._listeners, before, lambda item: item.gain)
 
 
-def _changed(now: Mapping[str, Item], before: Mapping[str, Item], value: Callable[[Item], Value]) -> dict[str, Value]:
+def _changed(
+    now: Mapping[str, Item], before: Mapping[str, Item], value: Callable[[Item], Value]
+) -> dict[str, Value]:
     """The changed values of items that existed before, by name."""
     values = {name: value(item) for name, item in now.items() if name in before}
     return {name: known for name, known in values.items() if known != value(before[name])}
@@ -402,7 +524,9 @@ def _rounded(vector: Sequence[float]) -> Vector:
 
 
 def _pose_row(pose: Pose) -> PoseRow:
-    a, b, c, d, e, f, g = (round(component, POSE_DIGITS) for component in (*pose.position, *pose.rotation))
+    a, b, c, d, e, f, g = (
+        round(component, POSE_DIGITS) for component in (*pose.position, *pose.rotation)
+    )
     return a, b, c, d, e, f, g
 
 
@@ -410,10 +534,17 @@ _SCALARS = ("distance", "area", "weight")
 
 
 def _rows(contacts: ContactSet, numbers: FloatArray) -> FloatArray:
-    """One row per contact: positions, normal, distance, area, weight, all rounded, and the index of its transmission function."""
-    parts = (contacts.positions.reshape(-1, 6), contacts.normal, *(getattr(contacts, name) for name in _SCALARS))
+    """One row per contact: positions, normal, distance, area, weight, all rounded, and the index of
+    its transmission function."""
+    parts = (
+        contacts.positions.reshape(-1, 6),
+        contacts.normal,
+        *(getattr(contacts, name) for name in _SCALARS),
+    )
     # Adding 0 turns -0 into 0.
-    return np.column_stack([np.round(np.column_stack(parts), DIGITS) + 0.0, numbers[contacts.transmission]])
+    return np.column_stack(
+        [np.round(np.column_stack(parts), DIGITS) + 0.0, numbers[contacts.transmission]]
+    )
 
 
 def _touching(contacts: ContactSet, rows: FloatArray, names: Sequence[str]) -> dict[Pair, bytes]:
@@ -425,8 +556,14 @@ def _touching(contacts: ContactSet, rows: FloatArray, names: Sequence[str]) -> d
     return result
 
 
-def _contacts_of(contacts: ContactSet, every_row: FloatArray, names: Sequence[str], pairs: set[Pair]) -> tuple[Contact, ...]:
-    chosen = [i for i, (a, b) in enumerate(contacts.pairs.tolist()) if _sorted_pair(names[a], names[b]) in pairs]
+def _contacts_of(
+    contacts: ContactSet, every_row: FloatArray, names: Sequence[str], pairs: set[Pair]
+) -> tuple[Contact, ...]:
+    chosen = [
+        i
+        for i, (a, b) in enumerate(contacts.pairs.tolist())
+        if _sorted_pair(names[a], names[b]) in pairs
+    ]
     rows = every_row[chosen]
     part = replace(
         contacts,

@@ -1,4 +1,5 @@
-"""Haptic scene JSON 1.1: reading and writing `HapticScene`; older versions are migrated, unknown keys of newer ones are ignored."""
+"""Haptic scene JSON 1.1: reading and writing `HapticScene`; older versions are migrated, unknown
+keys of newer ones are ignored."""
 
 from __future__ import annotations
 
@@ -19,19 +20,36 @@ from ..io.json_text import compact
 from ..io.scene_schema import SCENE
 from ..io.schema import validate, without_unknown_keys
 from ..io.strict_json import read_json
-from .values_json import json_value, read_contact, read_listener, read_object, read_rules, read_source, read_value, scene_items
+from .values_json import (
+    json_value,
+    read_contact,
+    read_listener,
+    read_object,
+    read_rules,
+    read_source,
+    read_value,
+    scene_items,
+)
 
 FORMAT = "haptic-scene"
 VERSION = "1.1"
 
-CONVENTION = {"axes": "right-handed, z up", "length": "m", "mass": "kg", "time": "s", "energy": "J", "rotation": "quaternion w, x, y, z"}
+CONVENTION = {
+    "axes": "right-handed, z up",
+    "length": "m",
+    "mass": "kg",
+    "time": "s",
+    "energy": "J",
+    "rotation": "quaternion w, x, y, z",
+}
 """Axes and units of every scene file."""
 
 _NEWER = re.compile(r"1\.[0-9]{1,4}")
 
 
 def _from_1_0(document: dict[str, Any]) -> dict[str, Any]:
-    """A 1.0 document as 1.1, with the same meaning: ``auto``, the default strategy of 1.0, is ``as_in_the_paper`` in 1.1."""
+    """A 1.0 document as 1.1, with the same meaning: ``auto``, the default strategy of 1.0, is
+    ``as_in_the_paper`` in 1.1."""
     settings = document.get("settings", {})
     if isinstance(settings, dict) and settings.get("strategy", "auto") == "auto":
         settings = {**settings, "strategy": "as_in_the_paper"}
@@ -70,7 +88,11 @@ def _with_rules(document: dict[str, Any]) -> dict[str, Any]:
     known = extras.get("blender") if isinstance(extras, dict) else None
     if "rules" in document or not isinstance(extras, dict) or not isinstance(known, dict):
         return document
-    rules = {rule: known[key] for key, rule in _FORMERLY.items() if key in known and _is_valid(rule, known[key])}
+    rules = {
+        rule: known[key]
+        for key, rule in _FORMERLY.items()
+        if key in known and _is_valid(rule, known[key])
+    }
     left = {key: value for key, value in known.items() if key not in _FORMERLY}
     return {**document, "rules": rules, "extras": {**extras, "blender": left}}
 
@@ -90,9 +112,15 @@ def write_scene(scene: HapticScene, path: str | Path) -> None:
 
 
 def write_document(document: Mapping[str, Any], path: str | Path) -> None:
-    """Write a scene's document in one step, one list item per line. The same document gives the same bytes."""
+    """Write a scene's document in one step, one list item per line. The same document gives the
+    same bytes."""
     is_packed = Path(path).suffix.lower() == ".gz"
-    with atomic_file(path) as file, gzip.GzipFile("", "wb", fileobj=file, mtime=0) if is_packed else nullcontext(file) as written:
+    with (
+        atomic_file(path) as file,
+        gzip.GzipFile("", "wb", fileobj=file, mtime=0)
+        if is_packed
+        else nullcontext(file) as written,
+    ):
         written.writelines(line.encode("utf-8") for line in _lines(document))
 
 
@@ -105,18 +133,37 @@ def scene_of(document: Mapping[str, Any], file: str | Path) -> HapticScene:
     """The scene of a document from `current_document`. Raises FormatError."""
     with errors_in(file):
         return HapticScene(
-            objects=tuple(read_object(form, ("objects", i)) for i, form in enumerate(document["objects"])),
-            contacts=tuple(read_contact(form, ("contacts", i)) for i, form in enumerate(document.get("contacts", []))),
-            sources=tuple(read_source(form, ("sources", i)) for i, form in enumerate(document.get("sources", []))),
-            listeners=tuple(read_listener(form, ("listeners", i)) for i, form in enumerate(document.get("listeners", []))),
+            objects=tuple(
+                read_object(form, ("objects", i)) for i, form in enumerate(document["objects"])
+            ),
+            contacts=tuple(
+                read_contact(form, ("contacts", i))
+                for i, form in enumerate(document.get("contacts", []))
+            ),
+            sources=tuple(
+                read_source(form, ("sources", i))
+                for i, form in enumerate(document.get("sources", []))
+            ),
+            listeners=tuple(
+                read_listener(form, ("listeners", i))
+                for i, form in enumerate(document.get("listeners", []))
+            ),
             settings=read_value(Settings, document.get("settings", {}), ("settings",)),
             extras=document.get("extras", {}),
-            rules=read_rules({key: value for key, value in document.get("rules", {}).items() if key not in _RETIRED}, ("rules",)),
+            rules=read_rules(
+                {
+                    key: value
+                    for key, value in document.get("rules", {}).items()
+                    if key not in _RETIRED
+                },
+                ("rules",),
+            ),
         )
 
 
 def current_document(document: Any, file: str | Path) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """The valid document in the current version, and the JSON pointers of keys of a newer version, which are not read.
+    """The valid document in the current version, and the JSON pointers of keys of a newer version,
+    which are not read.
 
     Raises FormatError for anything but a valid haptic scene of version 1.x.
     """
@@ -129,16 +176,27 @@ def current_document(document: Any, file: str | Path) -> tuple[dict[str, Any], t
     document = _with_rules(document)
     if version != VERSION:
         if not isinstance(version, str) or not _NEWER.fullmatch(version):
-            raise FormatError(file, "/version", f'this reads version "{min(MIGRATIONS)}" to "{VERSION}", not {json.dumps(version)[:40]}')
+            raise FormatError(
+                file,
+                "/version",
+                f'this reads version "{min(MIGRATIONS)}" to "{VERSION}", not '
+                f"{json.dumps(version)[:40]}",
+            )
         return without_unknown_keys({**document, "version": VERSION}, SCENE, file)
     validate(document, SCENE, file)
     return document, ()
 
 
 def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
-    """The document of a scene, keys in the order of the definition; defaults are left out, except positions and settings."""
+    """The document of a scene, keys in the order of the definition; defaults are left out, except
+    positions and settings."""
     head = {"format": FORMAT, "version": VERSION, "convention": CONVENTION}
-    document = {**head, "settings": _all_values(scene.settings), "rules": _all_values(scene.rules), **scene_items(scene)}
+    document = {
+        **head,
+        "settings": _all_values(scene.settings),
+        "rules": _all_values(scene.rules),
+        **scene_items(scene),
+    }
     return {**document, "extras": json_value(scene.extras)} if scene.extras else document
 
 

@@ -19,27 +19,35 @@ MAX_INLINE = 192 * 2**20
 
 
 def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[str, Any]:
-    """The JSON object of the tracks, with the name of the WAV file beside it, or with their samples.
+    """The JSON object of the tracks, with the name of the WAV file beside it, or with their
+    samples.
 
     Raises ValueError for more than ``MAX_INLINE`` bytes of samples.
     """
     form: dict[str, Any] = {"sample_rate": tracks.sample_rate, "start": tracks.start}
     listeners: list[dict[str, Any]] = [
-        {"name": track.name, "body_part": track.body_part, "impacts": track.impacts.tolist()} for track in tracks.listeners
+        {"name": track.name, "body_part": track.body_part, "impacts": track.impacts.tolist()}
+        for track in tracks.listeners
     ]
     if sidecar is not None:
         return {**form, "file": sidecar, "listeners": listeners}
     size = len(listeners) * tracks.count * np.dtype(TYPES[encoding]).itemsize
     if size > MAX_INLINE:
-        raise ValueError(f"tracks: {size / 2**20:.0f} MiB are too many for the scene file: write them into a WAV file beside it")
+        raise ValueError(
+            f"tracks: {size / 2**20:.0f} MiB are too many for the scene file: write them into a "
+            "WAV file beside it"
+        )
     blocks = list(encoded(tracks, encoding))
     for number, listener in enumerate(listeners):
-        listener["samples"] = base64.b64encode(b"".join(block[number].tobytes() for block in blocks)).decode("ascii")
+        listener["samples"] = base64.b64encode(
+            b"".join(block[number].tobytes() for block in blocks)
+        ).decode("ascii")
     return {**form, "encoding": encoding, "listeners": listeners}
 
 
 def tracks_from_dict(document: Mapping[str, Any], file: str | Path) -> Tracks | None:
-    """The tracks of a validated document, or None where it has none. Raises FormatError or OSError."""
+    """The tracks of a validated document, or None where it has none. Raises FormatError or
+    OSError."""
     if "tracks" not in document:
         return None
     form = document["tracks"]
@@ -47,11 +55,21 @@ def tracks_from_dict(document: Mapping[str, Any], file: str | Path) -> Tracks | 
     listeners = []
     for i, track in enumerate(form["listeners"]):
         try:
-            listeners.append(ListenerTrack(track["name"], track.get("body_part", ""), np.array(track.get("impacts", [])).reshape(-1, 2)))
+            listeners.append(
+                ListenerTrack(
+                    track["name"],
+                    track.get("body_part", ""),
+                    np.array(track.get("impacts", [])).reshape(-1, 2),
+                )
+            )
         except ValueError as error:
-            raise FormatError(file, f"/tracks/listeners/{i}/impacts", str(error).partition(": ")[2]) from None
+            raise FormatError(
+                file, f"/tracks/listeners/{i}/impacts", str(error).partition(": ")[2]
+            ) from None
     try:
-        return Tracks(tuple(listeners), int(form["sample_rate"]), samples, float(form.get("start", 0.0)))
+        return Tracks(
+            tuple(listeners), int(form["sample_rate"]), samples, float(form.get("start", 0.0))
+        )
     except ValueError as error:
         raise FormatError(file, "/tracks", str(error)) from None
 
@@ -59,18 +77,28 @@ def tracks_from_dict(document: Mapping[str, Any], file: str | Path) -> Tracks | 
 def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
     name = form["file"]
     if name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
-        raise FormatError(file, "/tracks/file", f"{name!r} is not the name of a file in the same folder")
+        raise FormatError(
+            file, "/tracks/file", f"{name!r} is not the name of a file in the same folder"
+        )
     path = Path(file).parent / name
     try:
         if path.exists() and not path.is_file():
             raise ValueError("is not a regular file")
         stored = StoredSamples(path)
     except (OSError, ValueError) as error:
-        raise FormatError(file, "/tracks/file", f"{name}: {error.strerror if isinstance(error, OSError) else error}") from None
+        raise FormatError(
+            file,
+            "/tracks/file",
+            f"{name}: {error.strerror if isinstance(error, OSError) else error}",
+        ) from None
     channels, count = stored.shape
     if stored.rate != form["sample_rate"] or channels != len(form["listeners"]):
         wanted = f"{len(form['listeners'])} channels at {form['sample_rate']} Hz"
-        raise FormatError(file, "/tracks/file", f"{name} has {channels} channels at {stored.rate:g} Hz, not {wanted}")
+        raise FormatError(
+            file,
+            "/tracks/file",
+            f"{name} has {channels} channels at {stored.rate:g} Hz, not {wanted}",
+        )
     return np.asarray(stored[:, :count])
 
 
@@ -83,6 +111,10 @@ def _inline(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
         except ValueError:
             raise FormatError(file, f"/tracks/listeners/{i}/samples", "is not base64") from None
         if len(data) % kind.itemsize or (rows and len(data) != rows[0].nbytes):
-            raise FormatError(file, f"/tracks/listeners/{i}/samples", f"{len(data)} bytes are no whole samples or not as many as others")
+            raise FormatError(
+                file,
+                f"/tracks/listeners/{i}/samples",
+                f"{len(data)} bytes are no whole samples or not as many as others",
+            )
         rows.append(np.frombuffer(data, dtype=kind))
     return np.array(rows) / np.float32(FULL_SCALE[form["encoding"]])

@@ -1,4 +1,5 @@
-"""Objects, contacts, sources and listeners as JSON values. Errors are `PlacedError`, which names the place of the value in its document."""
+"""Objects, contacts, sources and listeners as JSON values. Errors are `PlacedError`, which names
+the place of the value in its document."""
 
 from __future__ import annotations
 
@@ -32,9 +33,15 @@ def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) ->
 
 
 def read_members(form: Mapping[str, Any], place: Place) -> dict[str, Any]:
-    """The members of an item as arguments of its class: some converted by `_READERS`, other lists as tuples."""
-    members = {key: _READERS[key](value, (*place, key)) if key in _READERS else value for key, value in form.items()}
-    return {key: tuple(value) if isinstance(value, list) else value for key, value in members.items()}
+    """The members of an item as arguments of its class: some converted by `_READERS`, other lists
+    as tuples."""
+    members = {
+        key: _READERS[key](value, (*place, key)) if key in _READERS else value
+        for key, value in form.items()
+    }
+    return {
+        key: tuple(value) if isinstance(value, list) else value for key, value in members.items()
+    }
 
 
 read_contact = partial(read_value, Contact)
@@ -52,14 +59,17 @@ def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
 
 
 def read_function(
-    form: Mapping[str, Any], place: Place, functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS
+    form: Mapping[str, Any],
+    place: Place,
+    functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS,
 ) -> ModulationFunction:
     """A propagation function, or another one of ``functions``."""
     return _placed(partial(function_from_dict, functions=functions), form, place)
 
 
 def _placed(make: Callable[[Any], T], form: Mapping[str, Any], place: Place) -> T:
-    """What ``make`` returns for ``form``; its ValueError ``key: reason`` or ``key/key: reason`` becomes an error at that key of it."""
+    """What ``make`` returns for ``form``; its ValueError ``key: reason`` or ``key/key: reason``
+    becomes an error at that key of it."""
     try:
         return make(form)
     except PlacedError:
@@ -91,11 +101,17 @@ def read_triggers(forms: Sequence[Mapping[str, Any]], place: Place) -> tuple[Tri
     return tuple(read_value(Trigger, form, (*place, k)) for k, form in enumerate(forms))
 
 
-def _read_table(make: Callable[..., T], forms: Sequence[Mapping[str, Any]], place: Place) -> RuleTable[T]:
-    """A table of rules; ``make`` makes the value of a row from its keys other than ``between``, which has none, one or both sides."""
+def _read_table(
+    make: Callable[..., T], forms: Sequence[Mapping[str, Any]], place: Place
+) -> RuleTable[T]:
+    """A table of rules; ``make`` makes the value of a row from its keys other than ``between``,
+    which has none, one or both sides."""
     rows = []
     for i, form in enumerate(forms):
-        sides = [read_value(Side, side, (*place, i, "between", k)) for k, side in enumerate(form.get("between", []))]
+        sides = [
+            read_value(Side, side, (*place, i, "between", k))
+            for k, side in enumerate(form.get("between", []))
+        ]
         first, second = (*sides, Side(), Side())[:2]
         does = {key: value for key, value in form.items() if key != "between"}
         rows.append(Rule((first, second), read_value(make, does, (*place, i))))
@@ -116,12 +132,16 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
     "transmission_table": partial(_read_table, lambda transmission: transmission),
     "triggers": read_triggers,
 }
-"""Readers of the members of items, by the name of the member, which means the same in every item."""
+"""Readers of the members of items, by the name of the member, which means the same in every
+item."""
 
 
 def item_to_dict(item: Any) -> dict[str, Any]:
-    """The JSON object of an item: required values, and others where they differ from their default."""
-    values = ((name, getattr(item, name), default) for name, default in _defaults(item.__class__).items())
+    """The JSON object of an item: required values, and others where they differ from their
+    default."""
+    values = (
+        (name, getattr(item, name), default) for name, default in _defaults(item.__class__).items()
+    )
     return {name: json_value(value) for name, value, default in values if value != default}
 
 
@@ -129,16 +149,26 @@ def item_to_dict(item: Any) -> dict[str, Any]:
 def _defaults(cls: type) -> Mapping[str, Any]:
     """The defaults of the fields of a class, `MISSING` for a field that is always written."""
     required = {name for name, declaration in declared(cls).items() if declaration.required}
-    return {entry.name: MISSING if entry.name in required else default_of(cls, entry.name) for entry in fields(cls)}
+    return {
+        entry.name: MISSING if entry.name in required else default_of(cls, entry.name)
+        for entry in fields(cls)
+    }
 
 
 def _does_to_dict(does: ImpactRule | ModulationFunction | Texture) -> dict[str, Any]:
-    return {"transmission": does.to_dict()} if isinstance(does, ModulationFunction) else item_to_dict(does)
+    return (
+        {"transmission": does.to_dict()}
+        if isinstance(does, ModulationFunction)
+        else item_to_dict(does)
+    )
 
 
 def scene_items(scene: HapticScene) -> dict[str, list[dict[str, Any]]]:
     """The JSON lists of a scene."""
-    return {key: [item_to_dict(item) for item in getattr(scene, key)] for key in ("objects", "contacts", "sources", "listeners")}
+    return {
+        key: [item_to_dict(item) for item in getattr(scene, key)]
+        for key in ("objects", "contacts", "sources", "listeners")
+    }
 
 
 def json_value(value: Any) -> Any:
@@ -153,7 +183,10 @@ def json_value(value: Any) -> Any:
         case ModulationFunction() | Shape() | Signal():
             return value.to_dict()
         case RuleTable():
-            return [{"between": [item_to_dict(side) for side in row.between], **_does_to_dict(row.does)} for row in value.rows]
+            return [
+                {"between": [item_to_dict(side) for side in row.between], **_does_to_dict(row.does)}
+                for row in value.rows
+            ]
         case Mapping():
             return {key: json_value(member) for key, member in value.items()}
         case list() | tuple():

@@ -1,13 +1,16 @@
-"""AHAP (Apple Core Haptics): a pattern per listener, and another one of its impacts, since curves change every event of their pattern;
-impacts alone need no other one.
+"""AHAP (Apple Core Haptics): a pattern per listener, and another one of its impacts, since curves
+change every event of their pattern; impacts alone need no other one.
 
-Both are played together: the continuous pattern has the power that the transients leave. Intensity is the square root of the amplitude,
-sharpness that of the frequency's relative position between 65 and 300 Hz.
+Both are played together: the continuous pattern has the power that the transients leave. Intensity
+is the square root of the amplitude, sharpness that of the frequency's relative position between 65
+and 300 Hz.
 
-It is read as Apple's loader does: unknown keys are ignored, missing ones have their defaults. An event's amplitude is the square of its
-intensity times the value of the intensity curves, its frequency goes from 65 to 300 Hz with the square of sharpness plus the value of the
-sharpness curves. Curves are interpolated before these laws. ``AttackTime``, ``DecayTime`` and ``ReleaseTime`` are taken as seconds: Apple's
-reference gives 0 to 1 as their range, its headers say that they act exponentially, and no public document gives the mapping.
+It is read as Apple's loader does: unknown keys are ignored, missing ones have their defaults. An
+event's amplitude is the square of its intensity times the value of the intensity curves, its
+frequency goes from 65 to 300 Hz with the square of sharpness plus the value of the sharpness
+curves. Curves are interpolated before these laws. ``AttackTime``, ``DecayTime`` and ``ReleaseTime``
+are taken as seconds: Apple's reference gives 0 to 1 as their range, its headers say that they act
+exponentially, and no public document gives the mapping.
 """
 
 from __future__ import annotations
@@ -49,7 +52,8 @@ Keys = tuple[FloatArray, FloatArray]
 MAX_BYTES = 32 * 2**20
 
 _PARTS = 16
-"""Linear pieces of amplitude or frequency over a change of intensity or sharpness by 1: an error below 0.001."""
+"""Linear pieces of amplitude or frequency over a change of intensity or sharpness by 1: an error
+below 0.001."""
 _ENVELOPE = ("AttackTime", "DecayTime", "ReleaseTime", "Sustained")
 _KNOWN = ("HapticIntensity", "HapticSharpness", *_ENVELOPE)
 _CONTROLS = ("HapticIntensityControl", "HapticSharpnessControl")
@@ -59,7 +63,10 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     yield from common_losses(export.need_tracks(), body=False)
     yield "the place on the body: a phone has one actuator; the file name gives the listener"
-    yield f"the wave itself: intensity and sharpness every {options['step'] * 1000:g} ms remain, within {LOWEST:g} to {HIGHEST:g} Hz"
+    yield (
+        f"the wave itself: intensity and sharpness every {options['step'] * 1000:g} ms remain, "
+        f"within {LOWEST:g} to {HIGHEST:g} Hz"
+    )
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:
@@ -67,28 +74,55 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.SPECTRUM, LOWEST, HIGHEST)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
-    """Write ``<scene>.<listener>.ahap`` and, for impacts beside continuous vibration, ``.transients.ahap``."""
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
+    """Write ``<scene>.<listener>.ahap`` and, for impacts beside continuous vibration,
+    ``.transients.ahap``."""
     files = []
     for number, listener, row, path in listener_files(export, folder, "ahap"):
         bursts = bursts_of(row, listener.impacts, lambda frequency: (EMPHASIS_SECONDS, 0.5))
-        clicks = [_event("HapticTransient", burst.time, burst.amplitude, burst.frequency) for burst in bursts]
-        continuous = list(_continuous(*vibration_envelope(row, options["step"], bursts), options["step"], row.duration, options["error"]))
+        clicks = [
+            _event("HapticTransient", burst.time, burst.amplitude, burst.frequency)
+            for burst in bursts
+        ]
+        continuous = list(
+            _continuous(
+                *vibration_envelope(row, options["step"], bursts),
+                options["step"],
+                row.duration,
+                options["error"],
+            )
+        )
         if not continuous and not clicks:  # players refuse an empty pattern
-            continuous = [_event("HapticContinuous", 0.0, 0.0, LOWEST, min(row.duration, LONGEST_EVENT))]
-        compare_carriers(row, number, carriers_of(continuous, {}) + carriers_of(clicks, {}), measured)
+            continuous = [
+                _event("HapticContinuous", 0.0, 0.0, LOWEST, min(row.duration, LONGEST_EVENT))
+            ]
+        compare_carriers(
+            row, number, carriers_of(continuous, {}) + carriers_of(clicks, {}), measured
+        )
         files.append(_write(path, export, listener, continuous or clicks))
         if continuous and clicks:
             files.append(_write(path.with_suffix(TRANSIENTS_SUFFIX), export, listener, clicks))
     return files
 
 
-def _write(path: Path, export: TrackExport, listener: ListenerTrack, pattern: list[dict[str, Any]]) -> Path:
-    metadata = {"Project": export.name, "Created": export.date, "Description": f"{listener.name}, by {EDITOR}"}
-    return write_text(path, [compact({"Version": 1.0, "Metadata": metadata, "Pattern": pattern}), "\n"])
+def _write(
+    path: Path, export: TrackExport, listener: ListenerTrack, pattern: list[dict[str, Any]]
+) -> Path:
+    metadata = {
+        "Project": export.name,
+        "Created": export.date,
+        "Description": f"{listener.name}, by {EDITOR}",
+    }
+    return write_text(
+        path, [compact({"Version": 1.0, "Metadata": metadata, "Pattern": pattern}), "\n"]
+    )
 
 
-def _continuous(amplitude: FloatArray, frequency: FloatArray, step: float, duration: float, error: float) -> Iterator[dict[str, Any]]:
+def _continuous(
+    amplitude: FloatArray, frequency: FloatArray, step: float, duration: float, error: float
+) -> Iterator[dict[str, Any]]:
     """Events of full intensity wherever there is vibration, each with its curves."""
     largest = float(np.max(amplitude))
     sounding = np.append(amplitude > SILENCE * largest, False)
@@ -102,7 +136,11 @@ def _continuous(amplitude: FloatArray, frequency: FloatArray, step: float, durat
             inside = (centres > start) & (centres < end)
             times = np.concatenate([[start], centres[inside], [end]])
             for name, values, tolerance in (
-                ("HapticIntensityControl", intensity(amplitude), error * math.sqrt(min(largest, 1.0))),
+                (
+                    "HapticIntensityControl",
+                    intensity(amplitude),
+                    error * math.sqrt(min(largest, 1.0)),
+                ),
                 ("HapticSharpnessControl", sharpness(frequency), error),
             ):
                 levels = np.interp(times, centres[first:last], values[first:last])
@@ -111,21 +149,45 @@ def _continuous(amplitude: FloatArray, frequency: FloatArray, step: float, durat
             start = end
 
 
-def _event(kind: str, time: float, amplitude: float, frequency: float, duration: float | None = None) -> dict[str, Any]:
+def _event(
+    kind: str, time: float, amplitude: float, frequency: float, duration: float | None = None
+) -> dict[str, Any]:
     parameters = [
-        {"ParameterID": "HapticIntensity", "ParameterValue": round(float(intensity(np.array(amplitude))), 4)},
-        {"ParameterID": "HapticSharpness", "ParameterValue": round(float(sharpness(np.array(frequency))), 4)},
+        {
+            "ParameterID": "HapticIntensity",
+            "ParameterValue": round(float(intensity(np.array(amplitude))), 4),
+        },
+        {
+            "ParameterID": "HapticSharpness",
+            "ParameterValue": round(float(sharpness(np.array(frequency))), 4),
+        },
     ]
     length = {} if duration is None else {"EventDuration": round(duration, 6)}
-    return {"Event": {"Time": round(time, 6), "EventType": kind, **length, "EventParameters": parameters}}
+    return {
+        "Event": {
+            "Time": round(time, 6),
+            "EventType": kind,
+            **length,
+            "EventParameters": parameters,
+        }
+    }
 
 
 def _curves(name: str, times: FloatArray, values: FloatArray) -> Iterator[dict[str, Any]]:
-    """Curves of at most 16 points, each starting with the last point of the one before. Times of points are relative to their curve."""
+    """Curves of at most 16 points, each starting with the last point of the one before. Times of
+    points are relative to their curve."""
     for first in range(0, max(len(times) - 1, 1), MOST_POINTS - 1):
         part = slice(first, first + MOST_POINTS)
-        points = json_points("Time", "ParameterValue", (times[part] - times[first]).round(6), values[part].round(4))
-        yield {"ParameterCurve": {"ParameterID": name, "Time": round(float(times[first]), 6), "ParameterCurveControlPoints": points}}
+        points = json_points(
+            "Time", "ParameterValue", (times[part] - times[first]).round(6), values[part].round(4)
+        )
+        yield {
+            "ParameterCurve": {
+                "ParameterID": name,
+                "Time": round(float(times[first]), 6),
+                "ParameterCurveControlPoints": points,
+            }
+        }
 
 
 def read(path: Path) -> VibrationFile:
@@ -138,16 +200,26 @@ def read(path: Path) -> VibrationFile:
     document = parse_json(corrected, path)
     pattern = document.get("Pattern") if isinstance(document, dict) else None
     if not isinstance(pattern, list):
-        raise FormatError(path, "/Pattern" if isinstance(document, dict) else "/", "must be an array" if document else "is required")
+        raise FormatError(
+            path,
+            "/Pattern" if isinstance(document, dict) else "/",
+            "must be an array" if document else "is required",
+        )
     with errors_in(path):
         carriers = carriers_of(pattern, losses, Budget(path, is_json=True).take)
     end = max((carrier.end for carrier in carriers), default=0.0)
     return VibrationFile((Channel(path.stem, end, carriers),), tuple(losses))
 
 
-def carriers_of(pattern: list[Any], losses: dict[str, None], take: Callable[[float], None] = lambda size: None) -> tuple[Carrier, ...]:
-    """The oscillations of a pattern; ignored entries are added to ``losses``. take: is told the bytes of each oscillation."""
-    controls = {name: _control(pattern, name, default) for name, default in zip(_CONTROLS, (1.0, 0.0), strict=True)}
+def carriers_of(
+    pattern: list[Any], losses: dict[str, None], take: Callable[[float], None] = lambda size: None
+) -> tuple[Carrier, ...]:
+    """The oscillations of a pattern; ignored entries are added to ``losses``. take: is told the
+    bytes of each oscillation."""
+    controls = {
+        name: _control(pattern, name, default)
+        for name, default in zip(_CONTROLS, (1.0, 0.0), strict=True)
+    }
     carriers = []
     for place, kind, body in _entries(pattern):
         if kind != "Event":
@@ -158,12 +230,20 @@ def carriers_of(pattern: list[Any], losses: dict[str, None], take: Callable[[flo
             continue
         event = body.get("EventType")
         if event not in ("HapticTransient", "HapticContinuous"):
-            losses["audio is not read" if str(event).startswith("Audio") else f"the event type {event} is not known"] = None
+            losses[
+                "audio is not read"
+                if str(event).startswith("Audio")
+                else f"the event type {event} is not known"
+            ] = None
             continue
         values = dict(_parameters(body, place, losses))
         start = _number(body, "Time", 0.0, place)
         duration = _number(body, "EventDuration", 0.0, place)
-        envelope = _envelope(values, duration) if event == "HapticContinuous" else (np.array([0.0, EMPHASIS_SECONDS]), np.ones(2))
+        envelope = (
+            _envelope(values, duration)
+            if event == "HapticContinuous"
+            else (np.array([0.0, EMPHASIS_SECONDS]), np.ones(2))
+        )
         if envelope[0][-1] > 0 and start >= 0:
             carriers.append(_carrier(start, values, envelope, controls))
             take(carriers[-1].size)
@@ -197,11 +277,16 @@ def _list(form: Mapping[str, Any], key: str, place: Place) -> list[Mapping[str, 
     return values
 
 
-def _parameters(event: Mapping[str, Any], place: Place, losses: dict[str, None]) -> Iterator[tuple[str, float]]:
+def _parameters(
+    event: Mapping[str, Any], place: Place, losses: dict[str, None]
+) -> Iterator[tuple[str, float]]:
     for k, parameter in enumerate(_list(event, "EventParameters", place)):
         name = parameter.get("ParameterID")
         if name in _KNOWN:
-            yield str(name), _number(parameter, "ParameterValue", 0.0, (*place, "EventParameters", k))
+            yield (
+                str(name),
+                _number(parameter, "ParameterValue", 0.0, (*place, "EventParameters", k)),
+            )
         else:
             losses[f"the event parameter {name} is not read"] = None
 
@@ -222,7 +307,8 @@ def _envelope(values: Mapping[str, float], duration: float) -> Keys:
 
 
 def _control(pattern: list[Any], name: str, default: float) -> Keys:
-    """Times and values of one control: it holds its default before the first curve or parameter, and each last value until the next."""
+    """Times and values of one control: it holds its default before the first curve or parameter,
+    and each last value until the next."""
     pieces: list[tuple[float, list[tuple[float, float]]]] = []
     for place, kind, body in _entries(pattern):
         if body.get("ParameterID") != name:
@@ -234,7 +320,10 @@ def _control(pattern: list[Any], name: str, default: float) -> Keys:
             points = _list(body, "ParameterCurveControlPoints", place)
             named = [(*place, "ParameterCurveControlPoints", k) for k in range(len(points))]
             keys = [
-                (start + _number(point, "Time", 0.0, own), _number(point, "ParameterValue", default, own))
+                (
+                    start + _number(point, "Time", 0.0, own),
+                    _number(point, "ParameterValue", default, own),
+                )
                 for point, own in zip(points, named, strict=True)
             ]
             pieces += [(start, sorted(keys, key=lambda key: key[0]))] if keys else []
@@ -245,21 +334,33 @@ def _control(pattern: list[Any], name: str, default: float) -> Keys:
     return np.maximum.accumulate(times), values
 
 
-def _carrier(start: float, values: Mapping[str, float], envelope: Keys, controls: Mapping[str, Keys]) -> Carrier:
-    times, shares = _product(envelope, _within(controls["HapticIntensityControl"], start, envelope[0][-1]))
+def _carrier(
+    start: float, values: Mapping[str, float], envelope: Keys, controls: Mapping[str, Keys]
+) -> Carrier:
+    times, shares = _product(
+        envelope, _within(controls["HapticIntensityControl"], start, envelope[0][-1])
+    )
     times, intensities = _refined(_limited(times, values.get("HapticIntensity", 1.0) * shares))
     key_times, offsets = _within(controls["HapticSharpnessControl"], start, envelope[0][-1])
-    key_times, sharpness = _refined(_limited(key_times, values.get("HapticSharpness", 0.5) + offsets))
+    key_times, sharpness = _refined(
+        _limited(key_times, values.get("HapticSharpness", 0.5) + offsets)
+    )
     frequencies = LOWEST + (HIGHEST - LOWEST) * sharpness**2
-    return Carrier(start, start + float(envelope[0][-1]), 0.0, times, intensities**2, key_times, frequencies)
+    return Carrier(
+        start, start + float(envelope[0][-1]), 0.0, times, intensities**2, key_times, frequencies
+    )
 
 
 def _limited(times: FloatArray, values: FloatArray) -> Keys:
     """The curve within 0 to 1, with keys where it reaches these limits."""
     for limit in (0.0, 1.0):
-        crossed = np.flatnonzero(((values[:-1] - limit) * (values[1:] - limit) < 0) & (times[:-1] < times[1:]))
+        crossed = np.flatnonzero(
+            ((values[:-1] - limit) * (values[1:] - limit) < 0) & (times[:-1] < times[1:])
+        )
         share = (limit - values[crossed]) / (values[crossed + 1] - values[crossed])
-        times = np.insert(times, crossed + 1, times[crossed] + share * (times[crossed + 1] - times[crossed]))
+        times = np.insert(
+            times, crossed + 1, times[crossed] + share * (times[crossed + 1] - times[crossed])
+        )
         values = np.insert(values, crossed + 1, limit)
     return times, np.clip(values, 0.0, 1.0)
 
@@ -269,18 +370,23 @@ def _within(keys: Keys, start: float, length: float) -> Keys:
     times, values = keys
     first, last = np.searchsorted(times, [start, start + length], side="right")
     before = (
-        values[max(first - 1, 0)] if first == len(times) else np.interp(start, times[first - 1 : first + 1], values[first - 1 : first + 1])
+        values[max(first - 1, 0)]
+        if first == len(times)
+        else np.interp(start, times[first - 1 : first + 1], values[first - 1 : first + 1])
     )
     after = np.interp(start + length, times, values)
-    return np.concatenate([[0.0], np.minimum(times[first:last] - start, length), [length]]), np.concatenate(
-        [[before], values[first:last], [after]]
-    )
+    return np.concatenate(
+        [[0.0], np.minimum(times[first:last] - start, length), [length]]
+    ), np.concatenate([[before], values[first:last], [after]])
 
 
 def _product(first: Keys, second: Keys) -> Keys:
-    """The product of two curves at the keys of both; between them it is refined, since it is not linear."""
+    """The product of two curves at the keys of both; between them it is refined, since it is not
+    linear."""
     times = np.unique(np.concatenate([first[0], second[0]]))
-    times = np.unique(np.concatenate([times, *(times[:-1] + np.diff(times) * k / 4 for k in (1, 2, 3))]))
+    times = np.unique(
+        np.concatenate([times, *(times[:-1] + np.diff(times) * k / 4 for k in (1, 2, 3))])
+    )
     if len(second[0]) == 2 and second[1][0] == second[1][1]:
         return first[0], first[1] * second[1][0]
     if (first[1] == 1.0).all():
@@ -289,14 +395,17 @@ def _product(first: Keys, second: Keys) -> Keys:
 
 
 def _refined(keys: Keys) -> Keys:
-    """More keys where the value changes, so that its square is linear between them up to an error of 0.001."""
+    """More keys where the value changes, so that its square is linear between them up to an error
+    of 0.001."""
     times, values = keys
     parts = np.maximum(np.ceil(np.abs(np.diff(values)) * _PARTS), 1).astype(np.int64)
     parts[np.diff(times) <= 0] = 1
     owner = np.repeat(np.arange(len(parts)), parts)
     share = (np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[owner]
     moved, risen = np.diff(times)[owner], np.diff(values)[owner]
-    return np.append(times[owner] + share * moved, times[-1]), np.append(values[owner] + share * risen, values[-1])
+    return np.append(times[owner] + share * moved, times[-1]), np.append(
+        values[owner] + share * risen, values[-1]
+    )
 
 
 def intensity(amplitude: FloatArray) -> FloatArray:

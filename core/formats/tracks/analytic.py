@@ -17,7 +17,8 @@ ComplexArray = NDArray[np.complex128]
 WINDOW = 64
 """Length of a window (seconds, even)."""
 CONTEXT = 2
-"""Length of the signal before and after each window that is returned with it (seconds): a whole number of points of every grid."""
+"""Length of the signal before and after each window that is returned with it (seconds): a whole
+number of points of every grid."""
 _GUARD = 2
 """Further margin, in which the circular convolution of the transform wraps around (seconds)."""
 
@@ -26,8 +27,8 @@ _GUARD = 2
 class Band:
     """A part of the spectrum from ``low`` to ``high`` hertz.
 
-    Its weight fades over ``low_fade`` and ``high_fade`` hertz on either side of its edges. Keys lie on a grid of ``grid_rate`` hertz, at
-    least twice the width with both fades.
+    Its weight fades over ``low_fade`` and ``high_fade`` hertz on either side of its edges. Keys lie
+    on a grid of ``grid_rate`` hertz, at least twice the width with both fades.
     """
 
     low: float
@@ -38,7 +39,8 @@ class Band:
 
     @property
     def centre(self) -> float:
-        """The frequency (hertz) that the analytic signal is shifted down by; an integer, so that blocks have whole cycles."""
+        """The frequency (hertz) that the analytic signal is shifted down by; an integer, so that
+        blocks have whole cycles."""
         return float(round((self.low - self.low_fade + self.high + self.high_fade) / 2))
 
 
@@ -46,8 +48,9 @@ class Band:
 class Window:
     """Complex amplitudes of all bands in one window.
 
-    start, end: seconds. parts: for each band its amplitude z on its grid, from ``origin`` seconds to at most ``CONTEXT`` seconds after the
-    end of the window; the band is ``Re(z exp(2πi centre t))``. is_last: the window reaches the end of the signal.
+    start, end: seconds. parts: for each band its amplitude z on its grid, from ``origin`` seconds
+    to at most ``CONTEXT`` seconds after the end of the window; the band is ``Re(z exp(2πi centre
+    t))``. is_last: the window reaches the end of the signal.
     """
 
     start: int
@@ -68,20 +71,31 @@ def analytic_windows(row: Row, bands: Sequence[Band]) -> Iterator[Window]:
         is_last = start + length >= duration
         spectrum = np.fft.rfft(row.read((start - margin) * rate, (start + length + margin) * rate))
         parts = [np.zeros(0, dtype=np.complex128)] * len(bands)
-        # Bands with the same grid are transformed at once, because each call computes the factors of the transform anew.
+        # Bands with the same grid are transformed at once, because each call computes the factors
+        # of the transform anew.
         for grid_rate in {band.grid_rate for band in bands}:
             numbers = [k for k, band in enumerate(bands) if band.grid_rate == grid_rate]
             count = round(transformed * grid_rate)
             shifted = np.zeros((len(numbers), count), dtype=np.complex128)
             for line, k in zip(shifted, numbers, strict=True):
                 bins, weight = weights[k]
-                line[(bins - round(bands[k].centre * transformed)) % count] = spectrum[bins] * weight
+                line[(bins - round(bands[k].centre * transformed)) % count] = (
+                    spectrum[bins] * weight
+                )
             waves = np.fft.ifft(shifted) * (2 * count / (transformed * rate))
-            end = math.ceil(duration * grid_rate) - round(start * grid_rate) if is_last else round(length * grid_rate)
+            end = (
+                math.ceil(duration * grid_rate) - round(start * grid_rate)
+                if is_last
+                else round(length * grid_rate)
+            )
             context = 0 if is_last else round(CONTEXT * grid_rate)
             for k, z in zip(numbers, waves, strict=True):
-                parts[k] = z[round(_GUARD * grid_rate) : round(margin * grid_rate) + end + context + 1]
-        yield Window(start, min(start + length, math.ceil(duration)), start - CONTEXT, tuple(parts), is_last)
+                parts[k] = z[
+                    round(_GUARD * grid_rate) : round(margin * grid_rate) + end + context + 1
+                ]
+        yield Window(
+            start, min(start + length, math.ceil(duration)), start - CONTEXT, tuple(parts), is_last
+        )
 
 
 def _weights(band: Band, length: int, sample_rate: int) -> tuple[IntArray, FloatArray]:

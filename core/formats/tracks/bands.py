@@ -1,4 +1,5 @@
-"""Partition of the spectrum for keyframes: narrow bands around steady tones, which need few keys, wide bands elsewhere."""
+"""Partition of the spectrum for keyframes: narrow bands around steady tones, which need few keys,
+wide bands elsewhere."""
 
 from __future__ import annotations
 
@@ -42,7 +43,9 @@ def bands_for(row: Row, edges: Sequence[float]) -> tuple[Band, ...]:
     """
     lowest, highest = edges[0], edges[-1]
     cuts: dict[float, float] = {lowest: lowest / 2, highest: HIGHEST_FADE}
-    tones = [tone for tone in _tones(row) if 2 * lowest <= tone <= highest - HIGHEST_FADE - 2 * HALF_TONE]
+    tones = [
+        tone for tone in _tones(row) if 2 * lowest <= tone <= highest - HIGHEST_FADE - 2 * HALF_TONE
+    ]
     if tones and tones[0] > 3 * HALF_TONE:
         cuts[tones[0] - HALF_TONE] = HALF_TONE / 2
     for tone, after in pairwise([*tones, highest]):
@@ -61,7 +64,10 @@ def bands_for(row: Row, edges: Sequence[float]) -> tuple[Band, ...]:
 
 def _chain(edges: Sequence[float], fades: Sequence[float]) -> tuple[Band, ...]:
     parts = zip(edges[:-1], edges[1:], fades[:-1], fades[1:], strict=True)
-    return tuple(Band(low, high, first, last, _grid_rate(high + last - low + first)) for low, high, first, last in parts)
+    return tuple(
+        Band(low, high, first, last, _grid_rate(high + last - low + first))
+        for low, high, first, last in parts
+    )
 
 
 def _grid_rate(width: float) -> float:
@@ -69,20 +75,36 @@ def _grid_rate(width: float) -> float:
 
 
 def _tones(row: Row) -> list[float]:
-    """Frequencies (hertz, ascending) of peaks in the median of the short-time power spectra, that is, of steady tones."""
+    """Frequencies (hertz, ascending) of peaks in the median of the short-time power spectra, that
+    is, of steady tones."""
     size = round(_WINDOW * row.sample_rate)
     if row.count < 2 * size:
         return []
     window = np.hanning(size)
     most = round(MOST_HERTZ * _WINDOW) + 1
     starts = range(0, row.count - size + 1, max(size // 2, row.count // _SPECTRA))
-    # Several windows are transformed at once, because each call computes the factors of the transform anew.
-    groups = ([row.read(start, start + size) for start in starts[k : k + _AT_ONCE]] for k in range(0, len(starts), _AT_ONCE))
-    power = np.median(np.concatenate([np.abs(np.fft.rfft(np.array(group) * window)[:, :most]) ** 2 for group in groups]), axis=0)
-    views = np.lib.stride_tricks.sliding_window_view(np.pad(power, _NEIGHBOURS, mode="edge"), 2 * _NEIGHBOURS + 1)
+    # Several windows are transformed at once, because each call computes the factors of the
+    # transform anew.
+    groups = (
+        [row.read(start, start + size) for start in starts[k : k + _AT_ONCE]]
+        for k in range(0, len(starts), _AT_ONCE)
+    )
+    power = np.median(
+        np.concatenate(
+            [np.abs(np.fft.rfft(np.array(group) * window)[:, :most]) ** 2 for group in groups]
+        ),
+        axis=0,
+    )
+    views = np.lib.stride_tricks.sliding_window_view(
+        np.pad(power, _NEIGHBOURS, mode="edge"), 2 * _NEIGHBOURS + 1
+    )
     floor = np.median(views, axis=1)
     near = np.lib.stride_tricks.sliding_window_view(np.pad(power, 4), 9)
-    standing_out = (power >= np.amax(near, axis=1)) & (power > _CONTRAST * floor) & (power > _LOUDEST_SHARE * np.amax(power))
+    standing_out = (
+        (power >= np.amax(near, axis=1))
+        & (power > _CONTRAST * floor)
+        & (power > _LOUDEST_SHARE * np.amax(power))
+    )
     tones = np.flatnonzero(standing_out)
     loudest = np.sort(tones[np.argsort(power[tones], kind="stable")[::-1][:MOST_TONES]])
     return [float(tone) / _WINDOW for tone in loudest.tolist()]

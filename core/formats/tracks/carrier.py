@@ -20,7 +20,8 @@ _OSCILLATORS: dict[str, tuple[Oscillator, float]] = {
     "triangle": (Triangle(), 0.0),
     "saw": (Saw(), 0.5),
 }
-"""Waves by name, with the cycles to add so that each begins at 0 (a square at its edge) and rises."""
+"""Waves by name, with the cycles to add so that each begins at 0 (a square at its edge) and
+rises."""
 
 
 _OBJECT_BYTES = 800
@@ -28,11 +29,12 @@ _OBJECT_BYTES = 800
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Carrier:
-    """``a(t) sin(phase + 2π ∫ f dt)``, or another wave of that phase, from ``start`` to ``end`` (seconds), silent elsewhere.
+    """``a(t) sin(phase + 2π ∫ f dt)``, or another wave of that phase, from ``start`` to ``end``
+    (seconds), silent elsewhere.
 
-    phase: radians at the start. amplitude_times, amplitudes (n,) and frequency_times, frequencies (m,): keys, n and m >= 1, in seconds
-    from the start, never decreasing, hertz; the values are constant before the first key and after the last. wave: sine, square, triangle
-    or saw.
+    phase: radians at the start. amplitude_times, amplitudes (n,) and frequency_times, frequencies
+    (m,): keys, n and m >= 1, in seconds from the start, never decreasing, hertz; the values are
+    constant before the first key and after the last. wave: sine, square, triangle or saw.
     """
 
     start: float
@@ -68,12 +70,17 @@ class Carrier:
 
         def keys(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
             # Two keys at one time are a jump: the part begins after it, or ends before it.
-            first, last = np.searchsorted(times, begin, side="right"), np.searchsorted(times, end, side="left")
+            first, last = (
+                np.searchsorted(times, begin, side="right"),
+                np.searchsorted(times, end, side="left"),
+            )
             low, high = np.interp([begin, end], times, values)
             low = values[first - 1] if first and times[first - 1] == begin else low
             high = values[last] if last < len(times) and times[last] == end else high
             inside = slice(first, last)
-            return np.concatenate([[0.0], times[inside] - begin, [end - begin]]), np.concatenate([[low], values[inside], [high]])
+            return np.concatenate([[0.0], times[inside] - begin, [end - begin]]), np.concatenate(
+                [[low], values[inside], [high]]
+            )
 
         return Carrier(
             self.start + begin,
@@ -93,7 +100,9 @@ class Carrier:
         length = self.end - self.start
         before = self.amplitude_times < length
         times = np.append(self.amplitude_times[before], length)
-        values = np.append(self.amplitudes[before], np.interp(length, self.amplitude_times, self.amplitudes))
+        values = np.append(
+            self.amplitudes[before], np.interp(length, self.amplitude_times, self.amplitudes)
+        )
         signal = keyed * Keyed(Automation(times, values))
         return Delay(signal, self.start) if self.start else signal
 
@@ -140,10 +149,13 @@ def _index(time: float, rate: float) -> int:
 
 
 def _counts(keys: FloatArray, times: FloatArray, rate: float) -> IntArray:
-    """How many of the evenly spaced ``times`` follow each key; those before the first key count for it."""
+    """How many of the evenly spaced ``times`` follow each key; those before the first key count for
+    it."""
     borders = np.empty(len(keys) + 1, dtype=np.int64)
     borders[0], borders[-1] = 0, len(times)
-    borders[1:-1] = np.minimum(np.maximum(np.ceil((keys[1:] - times[0]) * rate - 1e-9), 0), len(times))
+    borders[1:-1] = np.minimum(
+        np.maximum(np.ceil((keys[1:] - times[0]) * rate - 1e-9), 0), len(times)
+    )
     return borders[1:] - borders[:-1]
 
 
@@ -162,11 +174,15 @@ def rendered(carriers: Iterable[Carrier], first: int, last: int, rate: float) ->
     for carrier in carriers:
         begin, end = max(_index(carrier.start, rate), first), min(_index(carrier.end, rate), last)
         if begin < end:
-            samples[begin - first : end - first] += carrier.sampled(times[begin - first : end - first], rate)
+            samples[begin - first : end - first] += carrier.sampled(
+                times[begin - first : end - first], rate
+            )
     return samples
 
 
-def compare_carriers(original: Row, listener: int, carriers: Iterable[Carrier], measured: Comparison) -> None:
+def compare_carriers(
+    original: Row, listener: int, carriers: Iterable[Carrier], measured: Comparison
+) -> None:
     """Compare the samples of a listener with the carriers that are played instead."""
     player = Player(original, listener, measured)
     player.add(carriers)
@@ -189,13 +205,20 @@ class Player:
         self._carriers.extend(carriers)
 
     def play_until(self, time: float) -> None:
-        """Compare all samples before ``time`` (seconds); carriers that end before it are dropped."""
+        """Compare all samples before ``time`` (seconds); carriers that end before it are
+        dropped."""
         count, thinning = self._original.count, self._measured.thinning
         rate = self._original.sample_rate / thinning
         last = count if math.isinf(time) else min(math.floor(time * rate) * thinning, count)
         while self._done < last:
             first, end = self._done, min(self._done + CHUNK // thinning * thinning, last)
             played = rendered(self._carriers, first // thinning, -(-end // thinning), rate)
-            self._measured.add(self._listener, self._original.read(first, end), np.clip(played, -1.0, 1.0))
+            self._measured.add(
+                self._listener, self._original.read(first, end), np.clip(played, -1.0, 1.0)
+            )
             self._done = end
-            self._carriers = [carrier for carrier in self._carriers if carrier.end * self._original.sample_rate > end]
+            self._carriers = [
+                carrier
+                for carrier in self._carriers
+                if carrier.end * self._original.sample_rate > end
+            ]

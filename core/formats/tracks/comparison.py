@@ -1,4 +1,5 @@
-"""Measured differences between tracks and their decoded form in a format: by band, in level and at onsets."""
+"""Measured differences between tracks and their decoded form in a format: by band, in level and at
+onsets."""
 
 from __future__ import annotations
 
@@ -31,9 +32,11 @@ LOWEST_RATE = 2500
 """Least sample rate of the decoded signal (hertz)."""
 
 STEADY = 1.5
-"""Frequency (hertz) below which a signal is a steady push, which nobody feels and no actuator plays: it counts in no level."""
+"""Frequency (hertz) below which a signal is a steady push, which nobody feels and no actuator
+plays: it counts in no level."""
 MISSED = 0.25
-"""An onset is missing if the rise of the envelope is less than this share of the original's (-12 dB)."""
+"""An onset is missing if the rise of the envelope is less than this share of the original's (-12
+dB)."""
 MOST_NAMED = 12
 """Listeners, or onsets of a listener, that a sentence names."""
 
@@ -72,8 +75,9 @@ class Measures:
 class ListenerFidelity:
     """The measured losses of one listener.
 
-    lost: share of its power that is not reproduced, None unless waves are kept. level: change of its level (dB). missing, invented: times
-    (seconds) of onsets that are not played, and of onsets that are played without having been there.
+    lost: share of its power that is not reproduced, None unless waves are kept. level: change of
+    its level (dB). missing, invented: times (seconds) of onsets that are not played, and of onsets
+    that are played without having been there.
     """
 
     name: str
@@ -87,12 +91,13 @@ class ListenerFidelity:
 class Fidelity:
     """The measured losses of a format over all listeners, and of each listener.
 
-    low, high: the frequencies (hertz) that it addresses. beyond: share of the power outside of them. lost: share of all power that is not
-    reproduced, None unless waves are kept; ``lost_within``: of the power between ``low`` and ``high``. band_levels: (low, high, change of
-    level in dB) of the bands between ``low`` and ``high`` with at least 1 % of the power. level: change of the level (dB), between ``low``
-    and ``high`` if waves are kept.
-    onset: 95th percentile of the shifts of onsets (milliseconds), None without onsets. listeners: the losses of each, those who lose most
-    first.
+    low, high: the frequencies (hertz) that it addresses. beyond: share of the power outside of
+    them. lost: share of all power that is not reproduced, None unless waves are kept;
+    ``lost_within``: of the power between ``low`` and ``high``. band_levels: (low, high, change of
+    level in dB) of the bands between ``low`` and ``high`` with at least 1 % of the power. level:
+    change of the level (dB), between ``low`` and ``high`` if waves are kept. onset: 95th percentile
+    of the shifts of onsets (milliseconds), None without onsets. listeners: the losses of each,
+    those who lose most first.
     """
 
     kind: Kind
@@ -108,10 +113,15 @@ class Fidelity:
 
     @property
     def is_poor(self) -> bool:
-        """Whether the losses are so large, in all or at one listener, that overwriting a file needs consent."""
+        """Whether the losses are so large, in all or at one listener, that overwriting a file needs
+        consent."""
         lost = self.beyond if self.lost is None else self.lost
         levels = (self.level, *(listener.level for listener in self.listeners))
-        return lost > LOST_LIMIT or max(map(abs, levels)) > LEVEL_LIMIT or (self.onset or 0.0) > ONSET_LIMIT
+        return (
+            lost > LOST_LIMIT
+            or max(map(abs, levels)) > LEVEL_LIMIT
+            or (self.onset or 0.0) > ONSET_LIMIT
+        )
 
 
 def sentences(fidelity: Fidelity | None) -> Iterator[str]:
@@ -137,7 +147,9 @@ def sentences(fidelity: Fidelity | None) -> Iterator[str]:
     for listener in fidelity.listeners:
         for word, times in (("missing", listener.missing), ("invented", listener.invented)):
             if times:
-                yield f"onsets {word} at {listener.name}: {_first(f'{time:.3f} s' for time in times)}"
+                yield (
+                    f"onsets {word} at {listener.name}: {_first(f'{time:.3f} s' for time in times)}"
+                )
 
 
 def _of_listener(listener: ListenerFidelity) -> str:
@@ -148,7 +160,9 @@ def _of_listener(listener: ListenerFidelity) -> str:
 def _first(items: Iterable[str]) -> str:
     """The first items, and the number of the others."""
     every = list(items)
-    return ", ".join(every[:MOST_NAMED]) + (f" and {len(every) - MOST_NAMED} more" if len(every) > MOST_NAMED else "")
+    return ", ".join(every[:MOST_NAMED]) + (
+        f" and {len(every) - MOST_NAMED} more" if len(every) > MOST_NAMED else ""
+    )
 
 
 def _percent(share: float) -> str:
@@ -158,20 +172,31 @@ def _percent(share: float) -> str:
 class Comparison:
     """Collects the measures while a format is written.
 
-    ``add`` is called for each listener with consecutive pieces of the samples and of the decoded signal: samples, or amplitudes for
-    `Kind.LEVEL`. ``thinning``: decimation factor of the decoded signal, because only formats that keep samples have frequencies above 1000
-    Hz. ``progress``: called after each piece with the share that is written; its exceptions end the writing.
+    ``add`` is called for each listener with consecutive pieces of the samples and of the decoded
+    signal: samples, or amplitudes for `Kind.LEVEL`. ``thinning``: decimation factor of the decoded
+    signal, because only formats that keep samples have frequencies above 1000 Hz. ``progress``:
+    called after each piece with the share that is written; its exceptions end the writing.
     """
 
-    def __init__(self, tracks: Tracks, measures: Measures, progress: Callable[[float], None] | None = None) -> None:
+    def __init__(
+        self, tracks: Tracks, measures: Measures, progress: Callable[[float], None] | None = None
+    ) -> None:
         self.kind, self.low, self.high = measures.kind, measures.low, measures.high
-        self._progress, self._count, self._total = progress, 0, max(len(tracks.listeners) * tracks.count, 1)
+        self._progress, self._count, self._total = (
+            progress,
+            0,
+            max(len(tracks.listeners) * tracks.count, 1),
+        )
         self._rate = tracks.sample_rate
         self.thinning = 1 if self.kind is Kind.SAMPLES else max(self._rate // LOWEST_RATE, 1)
-        self._listeners = [_Listener(track.name, track.impacts[:, 0], self._rate, self.thinning, self.kind) for track in tracks.listeners]
+        self._listeners = [
+            _Listener(track.name, track.impacts[:, 0], self._rate, self.thinning, self.kind)
+            for track in tracks.listeners
+        ]
 
     def add(self, listener: int, original: FloatArray, decoded: FloatArray) -> None:
-        """Add the next samples of a listener, shape (n,), and the decoded signal, shape (ceil(n / thinning),)."""
+        """Add the next samples of a listener, shape (n,), and the decoded signal, shape (ceil(n /
+        thinning),)."""
         self._listeners[listener].add(original, decoded)
         self._count += len(original)
         if self._progress is not None:
@@ -200,8 +225,12 @@ class Comparison:
             high=min(self.high, self._rate / 2),
             beyond=float(original[~within].sum()) / total,
             lost=float(error.sum()) / total if is_wave else None,
-            lost_within=float(error[within].sum()) / max(float(original[within].sum()), _SILENT) if is_wave else None,
-            band_levels=() if self.kind is Kind.LEVEL else tuple(_band_levels(hertz, original, decoded, within)),
+            lost_within=float(error[within].sum()) / max(float(original[within].sum()), _SILENT)
+            if is_wave
+            else None,
+            band_levels=()
+            if self.kind is Kind.LEVEL
+            else tuple(_band_levels(hertz, original, decoded, within)),
             level=_decibels(float(decoded[compared].sum()), float(original[compared].sum())),
             onset=float(np.percentile(np.abs(lags), 95)) if lags else None,
             listeners=self._by_listener(powers, has_error=is_wave),
@@ -213,17 +242,36 @@ class Comparison:
         if total <= _SILENT:
             return None
         listeners = self._by_listener(powers, has_error=True)
-        return Fidelity(self.kind, 0.0, self._rate / 2, 0.0, lost / total, lost / total, (), _decibels(kept, total), None, listeners)
+        return Fidelity(
+            self.kind,
+            0.0,
+            self._rate / 2,
+            0.0,
+            lost / total,
+            lost / total,
+            (),
+            _decibels(kept, total),
+            None,
+            listeners,
+        )
 
     def _by_listener(self, powers: FloatArray, *, has_error: bool) -> tuple[ListenerFidelity, ...]:
-        """powers (n_listeners, 3): of the original, of the decoded signal, and of the error. Silent listeners have no losses."""
+        """powers (n_listeners, 3): of the original, of the decoded signal, and of the error. Silent
+        listeners have no losses."""
         least = _SILENT * float(powers[:, 0].sum())
         found = [
-            ListenerFidelity(part.name, lost / max(own, least) if has_error else None, _decibels(played, own), *part.changed_onsets())
+            ListenerFidelity(
+                part.name,
+                lost / max(own, least) if has_error else None,
+                _decibels(played, own),
+                *part.changed_onsets(),
+            )
             for part, (own, played, lost) in zip(self._listeners, powers.tolist(), strict=True)
             if own > least
         ]
-        return tuple(sorted(found, key=lambda item: (item.lost or 0.0, abs(item.level)), reverse=True))
+        return tuple(
+            sorted(found, key=lambda item: (item.lost or 0.0, abs(item.level)), reverse=True)
+        )
 
     @property
     def _bins(self) -> int:
@@ -239,7 +287,9 @@ def _decibels(power: float, reference: float) -> float:
     return 10 * math.log10(max(power, _SILENT * reference, 1e-300) / max(reference, 1e-300))
 
 
-def _band_levels(hertz: FloatArray, original: FloatArray, decoded: FloatArray, within: BoolArray) -> Iterator[tuple[float, float, float]]:
+def _band_levels(
+    hertz: FloatArray, original: FloatArray, decoded: FloatArray, within: BoolArray
+) -> Iterator[tuple[float, float, float]]:
     edges = [*EDGES, math.inf]
     for low, high in pairwise(edges):
         band = (hertz >= low) & (hertz < high) & within
@@ -249,10 +299,13 @@ def _band_levels(hertz: FloatArray, original: FloatArray, decoded: FloatArray, w
 
 
 class _Listener:
-    def __init__(self, name: str, impacts: FloatArray, rate: int, thinning: int, kind: Kind) -> None:
+    def __init__(
+        self, name: str, impacts: FloatArray, rate: int, thinning: int, kind: Kind
+    ) -> None:
         self.name, self._impacts, self._thinning, self._kind = name, impacts, thinning, kind
         size = _size(rate, thinning)
-        # Sine windows with half an overlap: their squares add up to 1, so that powers add up to the signal's.
+        # Sine windows with half an overlap: their squares add up to 1, so that powers add up to the
+        # signal's.
         self._shape = np.sin(math.pi * (np.arange(size) + 0.5) / size)
         self._pending = [np.zeros(size // 2), np.zeros(size // 2 // thinning)]
         self._sums = np.zeros((3, size // 2 + 1))
@@ -262,20 +315,33 @@ class _Listener:
     def add(self, original: FloatArray, decoded: FloatArray) -> None:
         if self._kind is Kind.SAMPLES:
             error = original - decoded
-            self.powers += [np.dot(original, original), np.dot(decoded, decoded), np.dot(error, error)]
+            self.powers += [
+                np.dot(original, original),
+                np.dot(decoded, decoded),
+                np.dot(error, error),
+            ]
             return
         step = PIECE // self._thinning
         for k in range(0, len(decoded), step):
-            pieces = original[k * self._thinning : (k + step) * self._thinning], decoded[k : k + step]
+            pieces = (
+                original[k * self._thinning : (k + step) * self._thinning],
+                decoded[k : k + step],
+            )
             for envelope, samples in zip(self._envelopes, pieces, strict=True):
                 envelope.add(samples)
-            self._pending = [np.concatenate(pair) for pair in zip(self._pending, pieces, strict=True)]
+            self._pending = [
+                np.concatenate(pair) for pair in zip(self._pending, pieces, strict=True)
+            ]
             self._transform()
 
     def finished(self) -> FloatArray:
-        """Power of the original, of the decoded signal, and of the error, by frequency, shape (3, bins)."""
+        """Power of the original, of the decoded signal, and of the error, by frequency, shape (3,
+        bins)."""
         size = len(self._shape)
-        self._pending = [np.pad(part, (0, size // step)) for part, step in zip(self._pending, (1, self._thinning), strict=True)]
+        self._pending = [
+            np.pad(part, (0, size // step))
+            for part, step in zip(self._pending, (1, self._thinning), strict=True)
+        ]
         self._transform()
         return self._sums
 
@@ -286,17 +352,23 @@ class _Listener:
         if count < 1:
             return
         wholes, thins = (
-            np.lib.stride_tricks.sliding_window_view(part, size // every)[:: hop // every][:count] * self._shape[::every]
+            np.lib.stride_tricks.sliding_window_view(part, size // every)[:: hop // every][:count]
+            * self._shape[::every]
             for part, every in zip(self._pending, (1, step), strict=True)
         )
         self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
         if self._kind is Kind.LEVEL:
             # All power in one bin that counts.
-            played = [np.array([0, 0, step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))]) for thin in thins]
+            played = [
+                np.array([0, 0, step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))])
+                for thin in thins
+            ]
         else:
-            # The spectrum of the decimated signal equals that of the full one up to half of its rate.
+            # The spectrum of the decimated signal equals that of the full one up to half of its
+            # rate.
             played = list(step * np.fft.rfft(thins)[:, :-1])
-        # The windows are transformed at once, because each call computes the factors of the transform anew.
+        # The windows are transformed at once, because each call computes the factors of the
+        # transform anew.
         for original, decoded in zip(np.fft.rfft(wholes), played, strict=True):
             carried = len(decoded)  # the decoded signal has no power in the bins above
             power = original.real**2 + original.imag**2
@@ -312,7 +384,8 @@ class _Listener:
         return [int(onset) for onset in np.unique(np.rint(onsets))[:MOST_ONSETS]]
 
     def changed_onsets(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Times (seconds) of the onsets that the decoded signal lacks, and of those that only it has."""
+        """Times (seconds) of the onsets that the decoded signal lacks, and of those that only it
+        has."""
         original, decoded = (envelope.values() for envelope in self._envelopes)
 
         def only(events: list[int], here: FloatArray, there: FloatArray) -> tuple[float, ...]:
@@ -323,7 +396,9 @@ class _Listener:
                     found.append(event / ENVELOPE_RATE)
             return tuple(found)
 
-        return only(self._events(original), original, decoded), only(_onsets(decoded)[:MOST_ONSETS].astype(int).tolist(), decoded, original)
+        return only(self._events(original), original, decoded), only(
+            _onsets(decoded)[:MOST_ONSETS].astype(int).tolist(), decoded, original
+        )
 
     def lags(self) -> list[float]:
         """Shifts of onsets (milliseconds), positive for late ones."""
@@ -345,12 +420,18 @@ class _Envelope:
         self._pieces: list[NDArray[np.float32]] = []
 
     def add(self, samples: FloatArray) -> None:
-        first = math.floor(self._count / self._rate * ENVELOPE_RATE + 1e-9)  # the millisecond that the leftover begins
+        # The millisecond that the leftover begins.
+        first = math.floor(self._count / self._rate * ENVELOPE_RATE + 1e-9)
         if self._rate < ENVELOPE_RATE or first > LONGEST_ENVELOPE * ENVELOPE_RATE:
             return
         both = np.concatenate([self._leftover, samples])
         last = math.floor((self._count + len(both)) / self._rate * ENVELOPE_RATE + 1e-9)
-        borders = np.ceil(np.arange(first, last + 1) * (self._rate / ENVELOPE_RATE) - 1e-9).astype(np.int64) - self._count
+        borders = (
+            np.ceil(np.arange(first, last + 1) * (self._rate / ENVELOPE_RATE) - 1e-9).astype(
+                np.int64
+            )
+            - self._count
+        )
         if last <= first:
             self._leftover = both
             return
@@ -375,9 +456,13 @@ def _lag(window: FloatArray, around: FloatArray) -> float:
 
 
 def _rise_at(envelope: FloatArray, onset: int) -> tuple[float, float]:
-    """The mean of an envelope before an onset (milliseconds), and by how much the envelope exceeds it from shortly before the onset on."""
+    """The mean of an envelope before an onset (milliseconds), and by how much the envelope exceeds
+    it from shortly before the onset on."""
     begin = onset - FARTHEST_LAG // 2
-    before, after = envelope[max(begin - _BEFORE, 0) : max(begin, 0)], envelope[max(begin, 0) : onset + FARTHEST_LAG]
+    before, after = (
+        envelope[max(begin - _BEFORE, 0) : max(begin, 0)],
+        envelope[max(begin, 0) : onset + FARTHEST_LAG],
+    )
     level = float(before.mean()) if len(before) else 0.0
     return level, float(after.max(initial=0.0)) - level
 

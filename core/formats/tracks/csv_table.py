@@ -34,12 +34,16 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
 keeps = wav.keeps
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.csv``: seconds with six decimals, values with five."""
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, "csv")
     head = io.StringIO()
-    csv.writer(head, lineterminator="\n").writerow(["time", *(listener.name for listener in tracks.listeners)])
+    csv.writer(head, lineterminator="\n").writerow(
+        ["time", *(listener.name for listener in tracks.listeners)]
+    )
     with atomic_file(path) as file:
         file.write(head.getvalue().encode())
         first = 0
@@ -60,7 +64,9 @@ def _lines(tracks: Tracks, first: int, block: NDArray[np.int16]) -> Iterator[mem
     for begin in range(0, lines, _AT_ONCE):
         values = block[:, begin : begin + _AT_ONCE].T
         count = len(values)
-        microseconds = np.rint(np.arange(first + begin, first + begin + count) * step).astype(np.int64)
+        microseconds = np.rint(np.arange(first + begin, first + begin + count) * step).astype(
+            np.int64
+        )
         times = microseconds[:, None] // places % 10 + ord("0")
         text = np.empty((count, digits + 1 + listeners * (1 + _WIDTH) + 1), dtype=np.uint8)
         text[:, : digits - 6] = times[:, :-6]
@@ -68,7 +74,11 @@ def _lines(tracks: Tracks, first: int, block: NDArray[np.int16]) -> Iterator[mem
         text[:, digits - 5 : digits + 1] = times[:, -6:]
         cells = text[:, digits + 1 : -1].reshape(count, listeners, 1 + _WIDTH)
         cells[:, :, 0] = ord(",")
-        cells[:, :, 1:] = _texts()[values.astype(np.int64, order="C") + 32768].view(np.uint8).reshape(count, listeners, _WIDTH)
+        cells[:, :, 1:] = (
+            _texts()[values.astype(np.int64, order="C") + 32768]
+            .view(np.uint8)
+            .reshape(count, listeners, _WIDTH)
+        )
         text[:, -1] = ord("\n")
         yield text.data
 

@@ -21,7 +21,8 @@ WHOLE = Band(5, 700, 2.5, 90, 1600)
 SETTLING = 0.05
 """Time (seconds) in which a carrier that directly follows another one gets into phase."""
 SHORTEST_STEP = 0.0125
-"""Minimum time between the keys of a thinned carrier (seconds): published files have at most 81 a second."""
+"""Minimum time between the keys of a thinned carrier (seconds): published files have at most 81 a
+second."""
 STEADY_SECONDS = 0.5
 """Time over which the steady part of a vibration is the mean of its samples."""
 FINEST = 0.005
@@ -33,7 +34,8 @@ IN_PHASE = 0.02
 
 
 class Burst(NamedTuple):
-    """A short vibration that stands for an impact: of constant ``amplitude``, ``seconds`` long, with ``power`` in the mean.
+    """A short vibration that stands for an impact: of constant ``amplitude``, ``seconds`` long,
+    with ``power`` in the mean.
 
     time: seconds. frequency: hertz.
     """
@@ -45,9 +47,11 @@ class Burst(NamedTuple):
     power: float
 
 
-def bursts_of(row: Row, impacts: FloatArray, form: Callable[[float], tuple[float, float]]) -> list[Burst]:
-    """A burst per impact, at most as strong as that, with at most the power of the samples while it sounds; of bursts that would overlap
-    the strongest.
+def bursts_of(
+    row: Row, impacts: FloatArray, form: Callable[[float], tuple[float, float]]
+) -> list[Burst]:
+    """A burst per impact, at most as strong as that, with at most the power of the samples while it
+    sounds; of bursts that would overlap the strongest.
 
     form: seconds of a burst of a frequency, and the power of one of amplitude 1.
     """
@@ -57,7 +61,9 @@ def bursts_of(row: Row, impacts: FloatArray, form: Callable[[float], tuple[float
 
         def over(seconds: float, first: int = first) -> tuple[FloatArray, FloatArray]:
             samples = row.read(first, first + math.ceil(seconds * row.sample_rate))
-            return np.mean(samples**2, keepdims=True), np.mean(np.diff(samples, append=0.0) ** 2, keepdims=True)
+            return np.mean(samples**2, keepdims=True), np.mean(
+                np.diff(samples, append=0.0) ** 2, keepdims=True
+            )
 
         frequency = float(mean_frequency(*over(seconds), row.sample_rate)[0])
         seconds, unit = form(frequency)
@@ -73,14 +79,23 @@ def bursts_of(row: Row, impacts: FloatArray, form: Callable[[float], tuple[float
 
 
 def single_carrier(row: Row, fit: Fit) -> Carrier:
-    """The samples, at least one, as one oscillation of phase 0 at time 0, with amplitude 0 in silence."""
-    return joined((carrier for _, (carriers,) in fit_bands(row, [WHOLE], fit) for carrier in carriers), row.duration, fit)
+    """The samples, at least one, as one oscillation of phase 0 at time 0, with amplitude 0 in
+    silence."""
+    return joined(
+        (carrier for _, (carriers,) in fit_bands(row, [WHOLE], fit) for carrier in carriers),
+        row.duration,
+        fit,
+    )
 
 
-def thinned_carrier(row: Row, low: float, high: float, most: float, bursts: Sequence[Burst] = ()) -> Carrier:
-    """The samples as amplitude and frequency between ``low`` and ``high`` hertz, with at most ``most`` keys of either a second.
+def thinned_carrier(
+    row: Row, low: float, high: float, most: float, bursts: Sequence[Burst] = ()
+) -> Carrier:
+    """The samples as amplitude and frequency between ``low`` and ``high`` hertz, with at most
+    ``most`` keys of either a second.
 
-    The power is that which ``bursts`` leave of the samples'; the tolerance within which keys are redundant is as small as that allows.
+    The power is that which ``bursts`` leave of the samples'; the tolerance within which keys are
+    redundant is as small as that allows.
     """
     step = max(SHORTEST_STEP, 1 / most)
     amplitude, frequency = vibration_envelope(row, step, bursts)
@@ -91,13 +106,24 @@ def thinned_carrier(row: Row, low: float, high: float, most: float, bursts: Sequ
     budget = max(math.floor(most * row.duration), 2)
     kept = _within_budget(times, amplitude, FINEST * float(np.max(amplitude)), budget)
     # Frequencies matter where there is an amplitude: the others take that of the last audible one.
-    audible = np.maximum.accumulate(np.where(amplitude > SILENCE * np.max(amplitude), np.arange(len(amplitude)), 0))
+    audible = np.maximum.accumulate(
+        np.where(amplitude > SILENCE * np.max(amplitude), np.arange(len(amplitude)), 0)
+    )
     keyed = _within_budget(times, frequency[audible], FINEST * (high - low), budget // 2)
-    return Carrier(0.0, row.duration, 0.0, times[kept], amplitude[kept], times[keyed], frequency[audible][keyed])
+    return Carrier(
+        0.0,
+        row.duration,
+        0.0,
+        times[kept],
+        amplitude[kept],
+        times[keyed],
+        frequency[audible][keyed],
+    )
 
 
 def _within_budget(times: FloatArray, values: FloatArray, tolerance: float, most: int) -> IntArray:
-    """The keys that remain at the smallest tolerance, doubled as often as necessary, with which they are at most ``most``."""
+    """The keys that remain at the smallest tolerance, doubled as often as necessary, with which
+    they are at most ``most``."""
     kept = needed_keys(times, values, np.full(len(times), tolerance))
     while len(kept) > max(most, 2) and tolerance < np.ptp(values):
         tolerance *= 2
@@ -106,7 +132,8 @@ def _within_budget(times: FloatArray, values: FloatArray, tolerance: float, most
 
 
 def joined(carriers: Iterable[Carrier], duration: float, fit: Fit) -> Carrier:
-    """One carrier in place of consecutive ones; the frequency in the gaps is such that the next one starts in phase."""
+    """One carrier in place of consecutive ones; the frequency in the gaps is such that the next one
+    starts in phase."""
     amplitude_keys = [np.array([[0.0], [0.0]])]
     frequency_keys: list[FloatArray] = []
     cycles = end = 0.0
@@ -118,27 +145,43 @@ def joined(carriers: Iterable[Carrier], duration: float, fit: Fit) -> Carrier:
         begin = end + min(SETTLING, (carrier.end - end) / 2) if follows else max(carrier.start, end)
         local = begin - carrier.start
         passed, total = carrier.cycles(np.array([local, carrier.end - carrier.start]))
-        before, after = float(frequency_keys[-1][1, -1]), float(np.interp(local, carrier.frequency_times, carrier.frequencies))
-        middle = _between(before, after, begin - end, carrier.phase / (2 * math.pi) + float(passed) - cycles, fit)
+        before, after = (
+            float(frequency_keys[-1][1, -1]),
+            float(np.interp(local, carrier.frequency_times, carrier.frequencies)),
+        )
+        middle = _between(
+            before, after, begin - end, carrier.phase / (2 * math.pi) + float(passed) - cycles, fit
+        )
         cycles += (begin - end) / 4 * (before + 2 * middle + after) + float(total - passed)
-        later = (carrier.frequency_times > local) & (carrier.frequency_times < carrier.end - carrier.start)
+        later = (carrier.frequency_times > local) & (
+            carrier.frequency_times < carrier.end - carrier.start
+        )
         frequency_keys.append(np.array([[end, (end + begin) / 2, begin], [before, middle, after]]))
-        frequency_keys.append(np.array([carrier.frequency_times[later] + carrier.start, carrier.frequencies[later]]))
-        last = float(np.interp(carrier.end - carrier.start, carrier.frequency_times, carrier.frequencies))
+        frequency_keys.append(
+            np.array([carrier.frequency_times[later] + carrier.start, carrier.frequencies[later]])
+        )
+        last = float(
+            np.interp(carrier.end - carrier.start, carrier.frequency_times, carrier.frequencies)
+        )
         frequency_keys.append(np.array([[carrier.end], [last]]))
         inside = carrier.amplitude_times < carrier.end - carrier.start
         levels = carrier.amplitudes[inside].copy()
         levels[0] *= carrier.start <= end
         amplitude_keys.append(np.array([carrier.amplitude_times[inside] + carrier.start, levels]))
-        amplitude_keys.append(np.array([[carrier.end], [carrier.amplitudes[-1] if carrier.end >= duration else 0.0]]))
+        amplitude_keys.append(
+            np.array([[carrier.end], [carrier.amplitudes[-1] if carrier.end >= duration else 0.0]])
+        )
         end = carrier.end
     amplitude_keys.append(np.array([[duration], [float(amplitude_keys[-1][1, -1])]]))
     frequency_keys = frequency_keys or [np.array([[0.0], [fit.lowest]])]
-    return Carrier(0.0, duration, 0.0, *_cleaned(amplitude_keys, 1e-6), *_cleaned(frequency_keys, 1e-9))
+    return Carrier(
+        0.0, duration, 0.0, *_cleaned(amplitude_keys, 1e-6), *_cleaned(frequency_keys, 1e-9)
+    )
 
 
 def _between(before: float, after: float, gap: float, cycles: float, fit: Fit) -> float:
-    """The frequency in the middle of a gap of ``gap`` seconds that makes it last ``cycles``, up to whole cycles."""
+    """The frequency in the middle of a gap of ``gap`` seconds that makes it last ``cycles``, up to
+    whole cycles."""
     if gap <= 0:
         return after
     near = gap / 2 * (before + after)
@@ -160,16 +203,21 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
 
 
 def coarse_envelope(row: Row, step: float) -> tuple[FloatArray, FloatArray]:
-    """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and the same power of first differences.
+    """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and
+    the same power of first differences.
 
-    Each value covers its step and the step before, so that impacts in quick succession merge; none covers the step after, so that nothing
-    is early. The first difference of a sine of frequency f has 4 sin²(π f / rate) times its power.
+    Each value covers its step and the step before, so that impacts in quick succession merge; none
+    covers the step after, so that nothing is early. The first difference of a sine of frequency f
+    has 4 sin²(π f / rate) times its power.
     """
     return _smoothed(*powers(row, step)[:3], row.sample_rate)
 
 
-def vibration_envelope(row: Row, step: float, bursts: Sequence[Burst] = ()) -> tuple[FloatArray, FloatArray]:
-    """The same of the vibration alone, without the steady part of the samples, and less the power of ``bursts``."""
+def vibration_envelope(
+    row: Row, step: float, bursts: Sequence[Burst] = ()
+) -> tuple[FloatArray, FloatArray]:
+    """The same of the vibration alone, without the steady part of the samples, and less the power
+    of ``bursts``."""
     power, change, width, total = powers(row, step)
     reach = np.ones(2 * math.ceil(STEADY_SECONDS / 2 / step) + 1)
     steady = (_spread(total, reach) / _spread(width, reach)) ** 2
@@ -180,7 +228,8 @@ def vibration_envelope(row: Row, step: float, bursts: Sequence[Burst] = ()) -> t
             overlap = min(end, (number + 1) * step) - max(burst.time, number * step)
             rest[number] -= max(overlap, 0.0) * row.sample_rate * burst.power
     rest = np.maximum(rest, 0.0)
-    # Differences have no steady part: only what bursts take of the vibration, they take of its change.
+    # Differences have no steady part: only what bursts take of the vibration, they take of its
+    # change.
     vibration = np.maximum(power - width * steady, 0.0)
     change *= np.divide(rest, vibration, out=np.zeros_like(power), where=vibration > 0)
     return _smoothed(rest, change, width, row.sample_rate)
@@ -191,20 +240,31 @@ def _spread(values: FloatArray, reach: FloatArray) -> FloatArray:
     return np.convolve(np.pad(values, len(reach) // 2), reach, "valid")
 
 
-def _smoothed(power: FloatArray, change: FloatArray, width: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
-    both = [np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (power, change, width)]
+def _smoothed(
+    power: FloatArray, change: FloatArray, width: FloatArray, sample_rate: float
+) -> tuple[FloatArray, FloatArray]:
+    both = [
+        np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (power, change, width)
+    ]
     return np.sqrt(2 * both[0] / both[2]), mean_frequency(both[0], both[1], sample_rate)
 
 
-def compare_steps(row: Row, listener: int, amplitudes: FloatArray, step: float, measured: Comparison) -> None:
+def compare_steps(
+    row: Row, listener: int, amplitudes: FloatArray, step: float, measured: Comparison
+) -> None:
     """Measure a listener's samples against ``amplitudes`` that hold for ``step`` seconds each."""
     for first, samples in row.chunks(CHUNK // measured.thinning * measured.thinning):
         times = np.arange(first, first + len(samples), measured.thinning) / row.sample_rate
-        measured.add(listener, samples, amplitudes[np.minimum((times / step).astype(np.int64), len(amplitudes) - 1)])
+        measured.add(
+            listener,
+            samples,
+            amplitudes[np.minimum((times / step).astype(np.int64), len(amplitudes) - 1)],
+        )
 
 
 def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """In every ``step`` seconds the sums of the squared samples and of the squared first differences, the number of samples, their sum."""
+    """In every ``step`` seconds the sums of the squared samples and of the squared first
+    differences, the number of samples, their sum."""
     rate = row.sample_rate
     count = max(math.ceil(row.count / rate / step - 1e-9), 1)
     borders = np.minimum(np.round(np.arange(count + 1) * step * rate).astype(np.int64), row.count)
@@ -223,7 +283,8 @@ def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray, F
 
 
 def mean_frequency(power: FloatArray, change: FloatArray, sample_rate: float) -> FloatArray:
-    """Frequency (hertz) of the sine with this power and this power of first differences; 0 for silence."""
+    """Frequency (hertz) of the sine with this power and this power of first differences; 0 for
+    silence."""
     ratio = np.divide(change, 4 * power, out=np.zeros_like(power), where=power > 0)
     return np.asarray(sample_rate / math.pi * np.arcsin(np.sqrt(np.minimum(ratio, 1.0))))
 

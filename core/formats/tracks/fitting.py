@@ -1,8 +1,9 @@
 """Fitting keyframed oscillations to samples with a bounded error.
 
-The spectrum is divided into overlapping bands whose weights add up to 1. The analytic signal of a band has one amplitude and one phase. A
-segment of it is replaced by a linear amplitude and a frequency of two linear pieces, such that the phase is right at both ends. Segments
-are halved until the power of the error in each is within its share of the signal's power there.
+The spectrum is divided into overlapping bands whose weights add up to 1. The analytic signal of a
+band has one amplitude and one phase. A segment of it is replaced by a linear amplitude and a
+frequency of two linear pieces, such that the phase is right at both ends. Segments are halved until
+the power of the error in each is within its share of the signal's power there.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ LONGEST_SEGMENT = 0.5
 LONGEST_STEPS = 256
 """Maximum number of grid points between keys."""
 EVEN = 0.002
-"""Distance (hertz) from the line between its neighbours within which a frequency key is redundant."""
+"""Distance (hertz) from the line between its neighbours within which a frequency key is
+redundant."""
 ROUNDING = 0.1
 """Maximum phase error (cycles) within a segment due to rounded frequencies."""
 SAMPLED = 8
@@ -43,9 +45,11 @@ SEAM = 0.1
 class Fit:
     """Requirements of a fit.
 
-    error: allowed power of the error relative to the signal's power at each time. floor: amplitude that counts as silence. lowest,
-    highest: range of frequency keys (hertz). frequency_step (hertz), amplitude_step and time_step (seconds): keys are multiples of these;
-    0: any value. shortest: minimum time between keys (seconds), which takes precedence over ``error``. signed: allow negative amplitudes.
+    error: allowed power of the error relative to the signal's power at each time. floor: amplitude
+    that counts as silence. lowest, highest: range of frequency keys (hertz). frequency_step
+    (hertz), amplitude_step and time_step (seconds): keys are multiples of these; 0: any value.
+    shortest: minimum time between keys (seconds), which takes precedence over ``error``. signed:
+    allow negative amplitudes.
     """
 
     error: float = 0.03
@@ -59,11 +63,14 @@ class Fit:
     signed: bool = False
 
 
-def fit_bands(row: Row, bands: Sequence[Band], fit: Fit) -> Iterator[tuple[float, list[list[Carrier]]]]:
+def fit_bands(
+    row: Row, bands: Sequence[Band], fit: Fit
+) -> Iterator[tuple[float, list[list[Carrier]]]]:
     """Fit the bands of a signal window by window.
 
-    Yields, in the order of time, a time (seconds) and for each band the carriers that end up to then, or a little later, in the order of
-    time. A carrier that lasts longer than a window is divided where its wave crosses zero, so that both parts may be played there.
+    Yields, in the order of time, a time (seconds) and for each band the carriers that end up to
+    then, or a little later, in the order of time. A carrier that lasts longer than a window is
+    divided where its wave crosses zero, so that both parts may be played there.
     """
     done = [0] * len(bands)
     for window in analytic_windows(row, bands):
@@ -72,8 +79,20 @@ def fit_bands(row: Row, bands: Sequence[Band], fit: Fit) -> Iterator[tuple[float
         complete = math.inf
         for k, (band, z) in enumerate(zip(bands, window.parts, strict=True)):
             origin = round(window.origin * band.grid_rate)
-            last = len(z) - 1 if window.is_last else _quiet_point(z, band, window.origin, window.end)
-            fitted.append(_fit_band(z, band, allowed[k], window.origin, (done[k] - origin, last), row.count / row.sample_rate, fit))
+            last = (
+                len(z) - 1 if window.is_last else _quiet_point(z, band, window.origin, window.end)
+            )
+            fitted.append(
+                _fit_band(
+                    z,
+                    band,
+                    allowed[k],
+                    window.origin,
+                    (done[k] - origin, last),
+                    row.count / row.sample_rate,
+                    fit,
+                )
+            )
             done[k] = origin + last
             complete = min(complete, done[k] / band.grid_rate)
         yield (math.inf if window.is_last else complete), fitted
@@ -83,14 +102,17 @@ def _quiet_point(z: ComplexArray, band: Band, origin: int, end: int) -> int:
     """The point of the grid shortly before ``end`` (seconds) where the wave is nearest to zero."""
     last = round((end - origin) * band.grid_rate)
     points = np.arange(last - max(round(SEAM * band.grid_rate), 1), last + 1)
-    wave = z[points] * np.exp(2j * math.pi * (band.centre * (points / band.grid_rate + origin) % 1.0))
+    wave = z[points] * np.exp(
+        2j * math.pi * (band.centre * (points / band.grid_rate + origin) % 1.0)
+    )
     return int(points[np.argmin(np.abs(wave.real))])
 
 
 def _allowed(row: Row, window: Window, bands: Sequence[Band], fit: Fit) -> list[FloatArray]:
     """The error (squared magnitude) allowed to each band at each point of its grid.
 
-    At each time up to half of the total is spent by leaving out the weakest bands; the others share the rest equally.
+    At each time up to half of the total is spent by leaving out the weakest bands; the others share
+    the rest equally.
     """
     parts, rate = window.parts, row.sample_rate
     longest = max((len(z) - 1) / band.grid_rate for z, band in zip(parts, bands, strict=True))
@@ -98,18 +120,28 @@ def _allowed(row: Row, window: Window, bands: Sequence[Band], fit: Fit) -> list[
     samples = row.read(window.origin * rate, min((window.end + CONTEXT) * rate, row.count))
     total = 2 * _moving_mean(samples**2, rate, times)
     budget = np.maximum(fit.error * total, fit.floor**2)
-    powers = np.array([_moving_mean(np.abs(z) ** 2, band.grid_rate, times) for z, band in zip(parts, bands, strict=True)])
+    powers = np.array(
+        [
+            _moving_mean(np.abs(z) ** 2, band.grid_rate, times)
+            for z, band in zip(parts, bands, strict=True)
+        ]
+    )
     order = np.argsort(powers, axis=0, kind="stable")
     weakest = np.cumsum(np.take_along_axis(powers, order, axis=0), axis=0)
     left_out = weakest <= budget / 2
     number = np.count_nonzero(left_out, axis=0)
-    spent = np.where(number > 0, np.take_along_axis(weakest, np.maximum(number - 1, 0)[None], axis=0)[0], 0.0)
+    spent = np.where(
+        number > 0, np.take_along_axis(weakest, np.maximum(number - 1, 0)[None], axis=0)[0], 0.0
+    )
     share = (budget - spent) / np.maximum(len(bands) - number, 1)
     allowed = np.empty_like(powers)
     np.put_along_axis(allowed, order, np.where(left_out, np.inf, share), axis=0)
     # A band that is left out may have any error; a finite limit can be interpolated.
     allowed = np.minimum(allowed, 4 * np.maximum(total, budget))
-    return [np.interp(np.arange(len(z)) / band.grid_rate, times, row) for z, band, row in zip(parts, bands, allowed, strict=True)]
+    return [
+        np.interp(np.arange(len(z)) / band.grid_rate, times, row)
+        for z, band, row in zip(parts, bands, allowed, strict=True)
+    ]
 
 
 def _moving_mean(values: FloatArray, rate: float, times: FloatArray) -> FloatArray:
@@ -133,25 +165,41 @@ def _runs(active: BoolArray, rest: int) -> Iterator[tuple[int, int]]:
 
 
 def _fit_band(
-    z: ComplexArray, band: Band, allowed: FloatArray, origin: int, span: tuple[int, int], duration: float, fit: Fit
+    z: ComplexArray,
+    band: Band,
+    allowed: FloatArray,
+    origin: int,
+    span: tuple[int, int],
+    duration: float,
+    fit: Fit,
 ) -> list[Carrier]:
     """The carriers of one band between the grid points ``span``; z begins at ``origin`` seconds."""
     rate, centre = band.grid_rate, band.centre
     strength = _moving_mean(np.abs(z) ** 2, rate, np.arange(len(z)) / rate)
     # One more point on either side, so that the amplitude begins and ends near 0.
-    runs = [(max(first - 1, span[0]), min(last + 1, span[1])) for first, last in _runs(strength > allowed, round(LONGEST_REST * rate))]
+    runs = [
+        (max(first - 1, span[0]), min(last + 1, span[1]))
+        for first, last in _runs(strength > allowed, round(LONGEST_REST * rate))
+    ]
     runs = [(first, last) for first, last in runs if first < last]
     if not runs:
         return []
     phase = np.unwrap(np.angle(z * z)) / 2 if fit.signed else np.unwrap(np.angle(z))
     amplitude = (z * np.exp(-1j * phase)).real
-    offset = _stepped(np.clip(_slope(z, rate, fit.signed) + centre, fit.lowest, fit.highest), fit.frequency_step) - centre
+    offset = (
+        _stepped(
+            np.clip(_slope(z, rate, fit.signed) + centre, fit.lowest, fit.highest),
+            fit.frequency_step,
+        )
+        - centre
+    )
     grid = _Grid(rate, phase, amplitude, offset, allowed, fit, centre, origin)
     return grid.carriers(grid.keys(runs), duration)
 
 
 def _slope(z: ComplexArray, rate: float, signed: bool) -> FloatArray:
-    """Frequency (hertz) at each point from the phase differences to its neighbours, weighted by magnitude."""
+    """Frequency (hertz) at each point from the phase differences to its neighbours, weighted by
+    magnitude."""
     turns = z[1:] * z[:-1].conj()
     if signed:
         turns = turns * turns
@@ -167,7 +215,8 @@ def _stepped(values: FloatArray, step: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class _Grid:
-    """A band on its grid from ``origin`` seconds; ``phase`` and frequency ``offset`` are relative to ``centre``."""
+    """A band on its grid from ``origin`` seconds; ``phase`` and frequency ``offset`` are relative
+    to ``centre``."""
 
     rate: float
     phase: FloatArray
@@ -191,7 +240,8 @@ class _Grid:
         while len(start):
             good = end - start < 2 * shortest
             hopeful = ~good
-            # Beyond half of the allowed error at a few points, a segment is divided without evaluating all of them.
+            # Beyond half of the allowed error at a few points, a segment is divided without
+            # evaluating all of them.
             allowance = SAMPLED * (self.allowed[start[hopeful]] + self.allowed[end[hopeful]]) / 2
             hopeful[hopeful] = self._error(start[hopeful], end[hopeful], SAMPLED) <= allowance
             good[hopeful] = self._error(start[hopeful], end[hopeful]) <= 0
@@ -202,7 +252,9 @@ class _Grid:
         points = np.unique(np.concatenate(accepted))
         lasts = np.searchsorted(points, [last for _, last in runs], side="right")
         firsts = np.searchsorted(points, [first for first, _ in runs])
-        return [points[first:last] for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)]
+        return [
+            points[first:last] for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)
+        ]
 
     def _error(self, start: IntArray, end: IntArray, most: int | None = None) -> FloatArray:
         """Excess of the error over the allowed one for each segment without a key inside.
@@ -221,34 +273,61 @@ class _Grid:
         slow = self._middle_offset(start, end, self.phase[start], before, middle)
         time = step / self.rate
         half, whole = before.repeat(count), (before + middle).repeat(count)
-        first, centre, last = (values.repeat(count) for values in (self.offset[start], slow, self.offset[end]))
+        first, centre, last = (
+            values.repeat(count) for values in (self.offset[start], slow, self.offset[end])
+        )
         late = np.maximum(time - half, 0.0)
         early = np.minimum(time, half)
         rise = np.divide(centre - first, half, out=np.zeros_like(half), where=half > 0)
-        cycles = early * (first + rise * early / 2) + late * (centre + (last - centre) / (whole - half) * late / 2)
+        cycles = early * (first + rise * early / 2) + late * (
+            centre + (last - centre) / (whole - half) * late / 2
+        )
         off = self.phase[start].repeat(count) + 2 * math.pi * cycles - self.phase[point]
         share = step / length.repeat(count)
-        level = self.amplitude[start].repeat(count) * (1 - share) + self.amplitude[end].repeat(count) * share
+        level = (
+            self.amplitude[start].repeat(count) * (1 - share)
+            + self.amplitude[end].repeat(count) * share
+        )
         actual = self.amplitude[point]
-        error = level * level + actual * actual - 2 * level * actual * np.cos(off) - self.allowed[point]
+        error = (
+            level * level + actual * actual - 2 * level * actual * np.cos(off) - self.allowed[point]
+        )
         return np.asarray(np.add.reduceat(error, np.cumsum(count) - count))
 
     def _halves(self, length: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Time (seconds) before and after the frequency key in the middle of a segment of ``length`` grid steps."""
+        """Time (seconds) before and after the frequency key in the middle of a segment of
+        ``length`` grid steps."""
         whole = length / self.rate
         before = whole / 2
         if self.fit.time_step:
             before = np.floor(before / self.fit.time_step + 1e-9) * self.fit.time_step
         return before, whole - before
 
-    def _middle_offset(self, start: IntArray, end: IntArray, phase: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
-        """The frequency in the middle with which ``phase`` at the start becomes the signal's phase at the end."""
+    def _middle_offset(
+        self,
+        start: IntArray,
+        end: IntArray,
+        phase: FloatArray,
+        before: FloatArray,
+        after: FloatArray,
+    ) -> FloatArray:
+        """The frequency in the middle with which ``phase`` at the start becomes the signal's phase
+        at the end."""
         cycles = (self.phase[end] - phase) / (2 * math.pi)
-        middle = (2 * cycles - self.offset[start] * before - self.offset[end] * after) / (before + after)
-        return _stepped(np.clip(middle + self.centre, self.fit.lowest, self.fit.highest), self.fit.frequency_step) - self.centre
+        middle = (2 * cycles - self.offset[start] * before - self.offset[end] * after) / (
+            before + after
+        )
+        return (
+            _stepped(
+                np.clip(middle + self.centre, self.fit.lowest, self.fit.highest),
+                self.fit.frequency_step,
+            )
+            - self.centre
+        )
 
     def carriers(self, runs: Sequence[IntArray], duration: float) -> list[Carrier]:
-        """The carriers with keys at the given grid points, without redundant keys, for all runs at once."""
+        """The carriers with keys at the given grid points, without redundant keys, for all runs at
+        once."""
         fit = self.fit
         lengths = np.array([len(keys) for keys in runs])
         keys = np.concatenate(runs)
@@ -256,12 +335,21 @@ class _Grid:
         first = np.cumsum(lengths) - lengths
         times = (keys - keys[first][run]) / self.rate
         key_run, key_times, frequencies = self._frequencies(keys, times, run)
-        amplitudes = np.clip(_stepped(self.amplitude[keys], fit.amplitude_step), -1.0 if fit.signed else 0.0, 1.0)
+        amplitudes = np.clip(
+            _stepped(self.amplitude[keys], fit.amplitude_step), -1.0 if fit.signed else 0.0, 1.0
+        )
         kept = needed_keys(times, amplitudes, 0.25 * np.sqrt(self.allowed[keys]), run)
-        needed = needed_keys(key_times, frequencies, np.full(len(frequencies), 1e-9 if fit.frequency_step else EVEN), key_run)
+        needed = needed_keys(
+            key_times,
+            frequencies,
+            np.full(len(frequencies), 1e-9 if fit.frequency_step else EVEN),
+            key_run,
+        )
         start = keys[first] / self.rate + self.origin
         end = np.minimum(start + times[first + lengths - 1], duration)
-        phase = (self.phase[keys[first]] + 2 * math.pi * self.centre * start + math.pi / 2) % (2 * math.pi)
+        phase = (self.phase[keys[first]] + 2 * math.pi * self.centre * start + math.pi / 2) % (
+            2 * math.pi
+        )
         bounds = np.arange(len(runs) + 1)
         parts = np.searchsorted(run[kept], bounds).tolist()
         key_parts = np.searchsorted(key_run[needed], bounds).tolist()
@@ -270,11 +358,23 @@ class _Grid:
             own, keyed = kept[parts[k] : parts[k + 1]], needed[key_parts[k] : key_parts[k + 1]]
             if end[k] > start[k] and amplitudes[own].any():
                 ends = float(start[k]), float(end[k])
-                result.append(Carrier(*ends, float(phase[k]), times[own], amplitudes[own], key_times[keyed], frequencies[keyed]))
+                result.append(
+                    Carrier(
+                        *ends,
+                        float(phase[k]),
+                        times[own],
+                        amplitudes[own],
+                        key_times[keyed],
+                        frequencies[keyed],
+                    )
+                )
         return result
 
-    def _frequencies(self, keys: IntArray, times: FloatArray, run: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Runs, times and values of the frequency keys, one in each segment, such that the phase is right at every border.
+    def _frequencies(
+        self, keys: IntArray, times: FloatArray, run: IntArray
+    ) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Runs, times and values of the frequency keys, one in each segment, such that the phase is
+        right at every border.
 
         Linear interpolation between keys gives a tridiagonal, strictly diagonally dominant system.
         """
@@ -295,14 +395,17 @@ class _Grid:
         return key_run, times[segment] + before, self._rounded(frequencies, weights, key_run)
 
     def _rounded(self, frequencies: FloatArray, weights: FloatArray, run: IntArray) -> FloatArray:
-        """The frequencies rounded and limited; the phase error of each is compensated by the following keys of its run."""
+        """The frequencies rounded and limited; the phase error of each is compensated by the
+        following keys of its run."""
         fit = self.fit
         within = np.clip(frequencies, fit.lowest, fit.highest)
         if not fit.frequency_step and (within == frequencies).all():
             return within
         missing, last = 0.0, -1
         values = []
-        for wanted, weight, number in zip(frequencies.tolist(), weights.tolist(), run.tolist(), strict=True):
+        for wanted, weight, number in zip(
+            frequencies.tolist(), weights.tolist(), run.tolist(), strict=True
+        ):
             if number != last:
                 missing, last = 0.0, number
             value = min(max(wanted + missing / weight, fit.lowest), fit.highest)
@@ -314,11 +417,14 @@ class _Grid:
         return np.array(values)
 
 
-def _tridiagonal(lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray, longest: int) -> FloatArray:
-    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` by parallel cyclic reduction.
+def _tridiagonal(
+    lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray, longest: int
+) -> FloatArray:
+    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` by parallel cyclic
+    reduction.
 
-    ``longest``: maximum number of consecutive coupled equations. Each round eliminates the neighbours of every equation, which then depends
-    on those twice as far away.
+    ``longest``: maximum number of consecutive coupled equations. Each round eliminates the
+    neighbours of every equation, which then depends on those twice as far away.
     """
     step = 1
     while step < longest:

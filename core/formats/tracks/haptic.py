@@ -1,8 +1,10 @@
-"""``.haptic`` 1.0 (Meta Haptics Studio): one file per listener, with the actuator configuration (ACF) that its numbers refer to.
+"""``.haptic`` 1.0 (Meta Haptics Studio): one file per listener, with the actuator configuration
+(ACF) that its numbers refer to.
 
-Players synthesise the oscillation from an amplitude and a frequency, so breakpoints follow these, not the wave; their density is that of
-published files. An impact is an emphasis that has the power of its beginning, which the envelope leaves out. With ``points`` 0 the envelope
-follows the wave, with the impacts in it, and there is no emphasis.
+Players synthesise the oscillation from an amplitude and a frequency, so breakpoints follow these,
+not the wave; their density is that of published files. An impact is an emphasis that has the power
+of its beginning, which the envelope leaves out. With ``points`` 0 the envelope follows the wave,
+with the impacts in it, and there is no emphasis.
 """
 
 from __future__ import annotations
@@ -48,7 +50,9 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.SPECTRUM if options["points"] else Kind.WAVE, *_range(options))
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.<listener>.haptic`` and ``.acf`` for each listener."""
     low, high = _range(options)
     files = []
@@ -64,7 +68,9 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
         played = _carriers(document["signals"]["continuous"]["envelopes"], low, high, str(path))
         compare_carriers(row, number, played, measured)
         files.append(write_text(path, [compact(document), "\n"]))
-        files.append(write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high)))
+        files.append(
+            write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high))
+        )
     return files
 
 
@@ -76,12 +82,19 @@ def _range(options: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def _document(
-    export: TrackExport, listener: ListenerTrack, carrier: Carrier, low: float, high: float, bursts: Sequence[Burst]
+    export: TrackExport,
+    listener: ListenerTrack,
+    carrier: Carrier,
+    low: float,
+    high: float,
+    bursts: Sequence[Burst],
 ) -> dict[str, Any]:
     shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
     envelopes = {
         "amplitude": _amplitude_points(carrier, bursts),
-        "frequency": json_points("time", "frequency", carrier.frequency_times.round(6), shares.round(6)),
+        "frequency": json_points(
+            "time", "frequency", carrier.frequency_times.round(6), shares.round(6)
+        ),
     }
     metadata = {
         "editor": EDITOR,
@@ -91,29 +104,42 @@ def _document(
         "description": listener.name,
     }
     version = {"major": 1, "minor": 0, "patch": 0}
-    return {"version": version, "metadata": metadata, "signals": {"continuous": {"envelopes": envelopes}}}
+    return {
+        "version": version,
+        "metadata": metadata,
+        "signals": {"continuous": {"envelopes": envelopes}},
+    }
 
 
 def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[dict[str, Any]]:
-    """The breakpoints of the amplitude, and one with an emphasis for each burst: players add what it exceeds the envelope by."""
+    """The breakpoints of the amplitude, and one with an emphasis for each burst: players add what
+    it exceeds the envelope by."""
     times, levels = carrier.amplitude_times, carrier.amplitudes
     if len(times) < 2:
         times, levels = np.array([0.0, max(carrier.end, 1e-3)]), np.zeros(2)
     every = np.unique(np.concatenate([times, [burst.time for burst in bursts]]))
-    points = json_points("time", "amplitude", every.round(6), np.interp(every, times, levels).round(6))
+    points = json_points(
+        "time", "amplitude", every.round(6), np.interp(every, times, levels).round(6)
+    )
     for burst in bursts:
         point = points[int(np.searchsorted(every, burst.time))]
         strength = min(round(point["amplitude"] + burst.amplitude, 6), 1.0)
-        point["emphasis"] = {"amplitude": strength, "frequency": round(_sharpness(burst.frequency), 4)}
+        point["emphasis"] = {
+            "amplitude": strength,
+            "frequency": round(_sharpness(burst.frequency), 4),
+        }
     return points
 
 
 def _fitted(row: Row, carrier: Carrier, bursts: Iterable[Burst]) -> Iterator[Burst]:
-    """The bursts that, with the envelope, have the energy of the samples while they sound: the positive root of
-    ``<(a burst + envelope)²> = <samples²>``."""
+    """The bursts that, with the envelope, have the energy of the samples while they sound: the
+    positive root of ``<(a burst + envelope)²> = <samples²>``."""
     rate = row.sample_rate
     for burst in bursts:
-        first, last = math.ceil(burst.time * rate), min(math.ceil((burst.time + burst.seconds) * rate), row.count)
+        first, last = (
+            math.ceil(burst.time * rate),
+            min(math.ceil((burst.time + burst.seconds) * rate), row.count),
+        )
         times = np.arange(first, last) / rate
         wave = _emphasis(burst.time, 1.0, _sharpness(burst.frequency)).sampled(times, rate)
         under = carrier.sampled(times, rate)
@@ -135,20 +161,33 @@ def _burst_form(frequency: float) -> tuple[float, float]:
     return burst.end, 0.5 if burst.wave == "sine" else 1.0
 
 
-def _configuration(export: TrackExport, listener: ListenerTrack, low: float, high: float) -> dict[str, Any]:
+def _configuration(
+    export: TrackExport, listener: ListenerTrack, low: float, high: float
+) -> dict[str, Any]:
     emphasis = {
         key: {"output_frequency": frequency, "duration_ms": milliseconds, "shape": shape}
         for key, (frequency, milliseconds, shape) in _EMPHASIS.items()
     }
     return {
-        "metadata": {"version": "1.0.0", "device": f"{export.name}, {listener.name}", "date": export.date, "author": EDITOR},
-        "continuous": {"gain": 1.0, "emphasis_ducking": 0.5, "frequency_min": low, "frequency_max": high},
+        "metadata": {
+            "version": "1.0.0",
+            "device": f"{export.name}, {listener.name}",
+            "date": export.date,
+            "author": EDITOR,
+        },
+        "continuous": {
+            "gain": 1.0,
+            "emphasis_ducking": 0.5,
+            "frequency_min": low,
+            "frequency_max": high,
+        },
         "emphasis": {"gain": 1.0, "fade_out_percent": 0.0, **emphasis},
     }
 
 
 def read(path: Path) -> VibrationFile:
-    """The vibration, with the frequency range of the ``.acf`` beside the file, or of Quest controllers if there is none.
+    """The vibration, with the frequency range of the ``.acf`` beside the file, or of Quest
+    controllers if there is none.
 
     Raises FormatError or OSError.
     """
@@ -162,12 +201,20 @@ def read(path: Path) -> VibrationFile:
     carriers = _carriers(envelopes, *_range_beside(path, losses), path)
     name = metadata.get("description") if isinstance(metadata, dict) else None
     return VibrationFile(
-        (Channel(name if name and isinstance(name, str) else path.stem, max(carrier.end for carrier in carriers), carriers),), tuple(losses)
+        (
+            Channel(
+                name if name and isinstance(name, str) else path.stem,
+                max(carrier.end for carrier in carriers),
+                carriers,
+            ),
+        ),
+        tuple(losses),
     )
 
 
 def _without_unplayed_parts(document: Any) -> Any:
-    """Remove the metadata and complete the version number, so that their faults do not matter; returns the metadata."""
+    """Remove the metadata and complete the version number, so that their faults do not matter;
+    returns the metadata."""
     if not isinstance(document, dict):
         return None
     if isinstance(version := document.get("version"), dict):
@@ -176,7 +223,8 @@ def _without_unplayed_parts(document: Any) -> Any:
 
 
 def _clip_slight_excess(document: Any) -> bool:
-    """Limit amplitudes that exceed [0, 1] by at most ``SLIGHT``, as some tools write them; whether there are any."""
+    """Limit amplitudes that exceed [0, 1] by at most ``SLIGHT``, as some tools write them; whether
+    there are any."""
     clipped = False
     try:
         points = document["signals"]["continuous"]["envelopes"]["amplitude"]
@@ -190,8 +238,11 @@ def _clip_slight_excess(document: Any) -> bool:
     return clipped
 
 
-def _carriers(envelopes: Mapping[str, Any], low: float, high: float, path: str | Path) -> tuple[Carrier, ...]:
-    """The oscillation of the envelopes, and the carriers of emphases. Raises FormatError for times that decrease."""
+def _carriers(
+    envelopes: Mapping[str, Any], low: float, high: float, path: str | Path
+) -> tuple[Carrier, ...]:
+    """The oscillation of the envelopes, and the carriers of emphases. Raises FormatError for times
+    that decrease."""
     place = "/signals/continuous/envelopes"
     times, amplitudes = _points(path, envelopes["amplitude"], f"{place}/amplitude", "amplitude")
     if times[-1] <= 0:
@@ -200,7 +251,11 @@ def _carriers(envelopes: Mapping[str, Any], low: float, high: float, path: str |
         key_times, shares = _points(path, envelopes["frequency"], f"{place}/frequency", "frequency")
     else:
         key_times, shares = np.zeros(1), np.full(1, 0.5)
-    carriers = [Carrier(0.0, float(times[-1]), 0.0, times, amplitudes, key_times, low + shares * (high - low))]
+    carriers = [
+        Carrier(
+            0.0, float(times[-1]), 0.0, times, amplitudes, key_times, low + shares * (high - low)
+        )
+    ]
     for point in envelopes["amplitude"]:
         excess = point.get("emphasis", {}).get("amplitude", 0.0) - point["amplitude"]
         if excess > 0:
@@ -208,7 +263,9 @@ def _carriers(envelopes: Mapping[str, Any], low: float, high: float, path: str |
     return tuple(carriers)
 
 
-def _points(path: str | Path, points: list[Mapping[str, Any]], place: str, key: str) -> tuple[FloatArray, FloatArray]:
+def _points(
+    path: str | Path, points: list[Mapping[str, Any]], place: str, key: str
+) -> tuple[FloatArray, FloatArray]:
     times = np.array([point["time"] for point in points], dtype=np.float64)
     backwards = np.flatnonzero(np.diff(times) < 0)
     if len(backwards):
@@ -219,7 +276,9 @@ def _points(path: str | Path, points: list[Mapping[str, Any]], place: str, key: 
 def _range_beside(path: Path, losses: list[str]) -> tuple[float, float]:
     beside = path.with_suffix(".acf")
     if not beside.is_file():
-        losses.append("there is no .acf beside the file: frequencies are those of Quest controllers")
+        losses.append(
+            "there is no .acf beside the file: frequencies are those of Quest controllers"
+        )
         return _QUEST
     try:
         configuration = read_json(beside)
@@ -229,16 +288,32 @@ def _range_beside(path: Path, losses: list[str]) -> tuple[float, float]:
     continuous = configuration.get("continuous") if isinstance(configuration, dict) else None
     if isinstance(continuous, dict):
         low, high = continuous.get("frequency_min"), continuous.get("frequency_max")
-        if isinstance(low, int | float) and isinstance(high, int | float) and 0 < low < high <= 20_000:
+        if (
+            isinstance(low, int | float)
+            and isinstance(high, int | float)
+            and 0 < low < high <= 20_000
+        ):
             return float(low), float(high)
-    losses.append(f"{beside.name} gives no range of frequencies: they are those of Quest controllers")
+    losses.append(
+        f"{beside.name} gives no range of frequencies: they are those of Quest controllers"
+    )
     return _QUEST
 
 
 def _emphasis(time: float, strength: float, sharpness: float) -> Carrier:
-    """The burst that an emphasis adds to the envelope, between the two extremes of the configuration."""
+    """The burst that an emphasis adds to the envelope, between the two extremes of the
+    configuration."""
     (low, long, _), (high, short, _) = _EMPHASIS.values()
     seconds = (long + (short - long) * sharpness) / 1000
     zero = np.zeros(1)
     wave = "sine" if sharpness < 0.5 else "square"
-    return Carrier(time, time + seconds, 0.0, zero, np.full(1, strength), zero, np.full(1, low + (high - low) * sharpness), wave)
+    return Carrier(
+        time,
+        time + seconds,
+        0.0,
+        zero,
+        np.full(1, strength),
+        zero,
+        np.full(1, low + (high - low) * sharpness),
+        wave,
+    )

@@ -1,4 +1,5 @@
-"""HJIF, the interchange form of MPEG haptics (ISO/IEC 23090-31): a channel per listener, vectorial waves and transients.
+"""HJIF, the interchange form of MPEG haptics (ISO/IEC 23090-31): a channel per listener, vectorial
+waves and transients.
 
 Times are in milliseconds: the reference renderer counts phases in them whatever the timescale says.
 """
@@ -33,7 +34,8 @@ CHANNELS_OF_LEVEL_1 = 127
 HIGHEST = 1000
 """Highest frequency key (hertz)."""
 EDGES = (5, 40, 80, 160, 320, 640, 860)
-"""Edges of the bands (hertz). With the transient band, they are the number that level 1 allows per channel."""
+"""Edges of the bands (hertz). With the transient band, they are the number that level 1 allows per
+channel."""
 _PIECE = 2**20
 
 _DEVICES = {
@@ -49,7 +51,8 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     """What the file does not carry, one sentence each."""
     return (
         *common_losses(export.need_tracks(), body=True),
-        f"frequencies below {EDGES[0]} and above {EDGES[-1]} Hz, and the order of events within a millisecond",
+        f"frequencies below {EDGES[0]} and above {EDGES[-1]} Hz, and the order of events within "
+        "a millisecond",
     )
 
 
@@ -58,14 +61,18 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.WAVE, EDGES[0], EDGES[-1])
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.hjif``."""
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, "hjif")
     return [write_text(path, _document(export, tracks, options, measured))]
 
 
-def _document(export: TrackExport, tracks: Tracks, options: Mapping[str, Any], measured: Comparison) -> Iterator[str]:
+def _document(
+    export: TrackExport, tracks: Tracks, options: Mapping[str, Any], measured: Comparison
+) -> Iterator[str]:
     devices = _reference_devices(tracks)
     head = {
         "version": "2023",
@@ -94,9 +101,19 @@ def _document(export: TrackExport, tracks: Tracks, options: Mapping[str, Any], m
 
 
 def _reference_devices(tracks: Tracks) -> list[dict[str, Any]]:
-    names = dict.fromkeys(_DEVICES[part.wyvrn_target] for listener in tracks.listeners if (part := body_part_of(listener)) is not None)
+    names = dict.fromkeys(
+        _DEVICES[part.wyvrn_target]
+        for listener in tracks.listeners
+        if (part := body_part_of(listener)) is not None
+    )
     return [
-        {"id": number, "name": name, "type": "VCA", "minimum_frequency": 20, "maximum_frequency": 300}
+        {
+            "id": number,
+            "name": name,
+            "type": "VCA",
+            "minimum_frequency": 20,
+            "maximum_frequency": 300,
+        }
         for number, name in enumerate(names, start=1)
     ]
 
@@ -119,8 +136,15 @@ def _channel(
     }
     if part is not None:
         channel["body_part_target"] = list(part.mpeg_target)
-        channel["reference_device_id"] = next(device["id"] for device in devices if device["name"] == _DEVICES[part.wyvrn_target])
-    yield compact({**channel, "frequency_sampling": tracks.sample_rate, "sample_count": tracks.count})[:-1] + ',"bands":['
+        channel["reference_device_id"] = next(
+            device["id"] for device in devices if device["name"] == _DEVICES[part.wyvrn_target]
+        )
+    yield (
+        compact(
+            {**channel, "frequency_sampling": tracks.sample_rate, "sample_count": tracks.count}
+        )[:-1]
+        + ',"bands":['
+    )
     row = original = tracks.row(number)
     transients = np.zeros((0, 2))
     if options["transients"]:
@@ -139,14 +163,24 @@ def _channel(
 
 
 class _Bands:
-    """The vectorial bands of a channel, whose effects are written to temporary ``files`` while the signal is fitted."""
+    """The vectorial bands of a channel, whose effects are written to temporary ``files`` while the
+    signal is fitted."""
 
     def __init__(self, row: Row, error: float, files: ExitStack) -> None:
         self._row, self._files = row, files
-        self._fit = Fit(error=error, lowest=1, highest=HIGHEST, frequency_step=1, time_step=1 / TIMESCALE, signed=True)
+        self._fit = Fit(
+            error=error,
+            lowest=1,
+            highest=HIGHEST,
+            frequency_step=1,
+            time_step=1 / TIMESCALE,
+            signed=True,
+        )
         self._bands: dict[int, _BandFile] = {}
 
-    def fit(self, original: Row, listener: int, transients: FloatArray, measured: Comparison) -> None:
+    def fit(
+        self, original: Row, listener: int, transients: FloatArray, measured: Comparison
+    ) -> None:
         """Fit the signal; the written carriers are compared with the ``original``."""
         narrow = bands_for(self._row, EDGES)
         player = Player(original, listener, measured)
@@ -172,11 +206,14 @@ class _Bands:
 
 
 class _BandFile:
-    """The effects of a band. Carriers that sound at the same time are effects that overlap: players add them up."""
+    """The effects of a band. Carriers that sound at the same time are effects that overlap: players
+    add them up."""
 
     def __init__(self, low: float, high: float, files: ExitStack) -> None:
         self._low, self._high = low, high
-        self._file = files.enter_context(tempfile.TemporaryFile("w+", encoding="utf-8", prefix="haptic-bands-"))  # noqa: SIM115
+        self._file = files.enter_context(
+            tempfile.TemporaryFile("w+", encoding="utf-8", prefix="haptic-bands-")  # noqa: SIM115
+        )
         self._waiting: list[dict[str, Any]] = []
         self._separator = ""
 
@@ -198,7 +235,10 @@ class _BandFile:
 
     def text(self) -> Iterator[str]:
         """The JSON text of the band in pieces."""
-        limits = {"lower_frequency_limit": math.floor(self._low), "upper_frequency_limit": math.ceil(self._high)}
+        limits = {
+            "lower_frequency_limit": math.floor(self._low),
+            "upper_frequency_limit": math.ceil(self._high),
+        }
         yield compact({"band_type": "VectorialWave", **limits})[:-1] + ',"effects":['
         self._file.seek(0)
         while piece := self._file.read(_PIECE):
@@ -207,7 +247,8 @@ class _BandFile:
 
 
 def _effect(carrier: Carrier) -> dict[str, Any]:
-    """The effect of a carrier. Frequency keys reach from its start to its end, since players differ beyond the last key.
+    """The effect of a carrier. Frequency keys reach from its start to its end, since players differ
+    beyond the last key.
 
     It lasts less than 65.535 s, so that positions of keyframes have 16 bits in the binary form.
     """
@@ -218,7 +259,11 @@ def _effect(carrier: Carrier) -> dict[str, Any]:
         positions = np.rint(times * TIMESCALE).astype(np.int64)
         inside = positions < length
         ends = np.interp([0.0, length / TIMESCALE], times, values)
-        for position, value in ((0, ends[0]), *zip(positions[inside].tolist(), values[inside].tolist(), strict=True), (length, ends[1])):
+        for position, value in (
+            (0, ends[0]),
+            *zip(positions[inside].tolist(), values[inside].tolist(), strict=True),
+            (length, ends[1]),
+        ):
             number = round(value) if name == "frequency_modulation" else round(float(value), 5)
             keyframes.setdefault(position, {"relative_position": position})[name] = number
 
@@ -243,7 +288,13 @@ def _transient_band(transients: FloatArray) -> dict[str, Any]:
             {
                 "effect_type": "Basis",
                 "position": round(time * TIMESCALE),
-                "keyframes": [{"relative_position": 0, "amplitude_modulation": round(strength, 4), "frequency_modulation": frequency}],
+                "keyframes": [
+                    {
+                        "relative_position": 0,
+                        "amplitude_modulation": round(strength, 4),
+                        "frequency_modulation": frequency,
+                    }
+                ],
             }
             for time, strength in transients.tolist()
         ],

@@ -28,7 +28,9 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.LEVEL)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.<listener>.hla``."""
     step = options["step"] / 1000
     files = []

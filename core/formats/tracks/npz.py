@@ -25,11 +25,13 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
 keeps = wav.keeps
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.npz``.
 
-    Arrays: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``, ``body_parts`` and ``impacts`` (k, 3) of
-    listener index, time and strength.
+    Arrays: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``,
+    ``body_parts`` and ``impacts`` (k, 3) of listener index, time and strength.
     """
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, "npz")
@@ -44,7 +46,10 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
 
 
 def _small_arrays(tracks: Tracks) -> dict[str, NDArray[Any]]:
-    impacts = [np.insert(listener.impacts, 0, number, axis=1) for number, listener in enumerate(tracks.listeners)]
+    impacts = [
+        np.insert(listener.impacts, 0, number, axis=1)
+        for number, listener in enumerate(tracks.listeners)
+    ]
     return {
         "sample_rate": np.array(tracks.sample_rate),
         "start": np.array(tracks.start),
@@ -57,7 +62,11 @@ def _small_arrays(tracks: Tracks) -> dict[str, NDArray[Any]]:
 def _write_samples(archive: zipfile.ZipFile, tracks: Tracks) -> None:
     shape = (len(tracks.listeners), tracks.count)
     with archive.open("samples.npy", "w", force_zip64=True) as entry:
-        np.lib.format.write_array_header_1_0(entry, {"descr": "<f4", "fortran_order": False, "shape": shape})
+        np.lib.format.write_array_header_1_0(
+            entry, {"descr": "<f4", "fortran_order": False, "shape": shape}
+        )
         for number in range(len(tracks.listeners)):
             for first in range(0, tracks.count, CHUNK):
-                entry.write(np.asarray(tracks.samples[number, first : first + CHUNK], dtype="<f4").tobytes())
+                entry.write(
+                    np.asarray(tracks.samples[number, first : first + CHUNK], dtype="<f4").tobytes()
+                )

@@ -1,4 +1,5 @@
-"""OHM: the description of a WAV file's channels for the reference encoder of MPEG haptics, written with the WAV file."""
+"""OHM: the description of a WAV file's channels for the reference encoder of MPEG haptics, written
+with the WAV file."""
 
 from __future__ import annotations
 
@@ -18,7 +19,11 @@ _ENCODING = "pcm16"
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
-    long = [listener.name for listener in export.need_tracks().listeners if len(listener.name.encode()) > 32]
+    long = [
+        listener.name
+        for listener in export.need_tracks().listeners
+        if len(listener.name.encode()) > 32
+    ]
     yield from wav.loss(export, {"encoding": _ENCODING, "sample_rate": 0})
     if long:
         yield f"names beyond 32 bytes: {', '.join(long)}"
@@ -27,7 +32,9 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
 keeps = wav.keeps
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.ohm`` and ``<scene>.wav``."""
     tracks = export.need_tracks()
     path, recording = scene_file(export.name, folder, "ohm"), scene_file(export.name, folder, "wav")
@@ -36,7 +43,11 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     wav.write_wav(tracks, recording, _ENCODING)
     wav.compare_encoded(tracks, _ENCODING, measured)
     head = b"OHM " + struct.pack(">hh", 1, 1) + _text(export.name, 32)
-    element = _text(recording.name, 64) + _text(export.name, 32) + struct.pack(">h", len(tracks.listeners))
+    element = (
+        _text(recording.name, 64)
+        + _text(export.name, 32)
+        + struct.pack(">h", len(tracks.listeners))
+    )
     write_bytes(path, head + element + b"".join(_channels(tracks.listeners)))
     return [recording, path]
 
@@ -44,8 +55,13 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
 def _channels(listeners: tuple[ListenerTrack, ...]) -> Iterator[bytes]:
     for listener in listeners:
         part = body_part_of(listener)
-        # The gain is little-endian, unlike everything else, because the reference software reads it so.
-        yield _text(listener.name, 32) + struct.pack("<f", 1.0) + struct.pack(">I", 0 if part is None else part.mpeg_mask)
+        # The gain is little-endian, unlike everything else, because the reference software reads it
+        # so.
+        yield (
+            _text(listener.name, 32)
+            + struct.pack("<f", 1.0)
+            + struct.pack(">I", 0 if part is None else part.mpeg_mask)
+        )
 
 
 def _text(text: str, size: int) -> bytes:

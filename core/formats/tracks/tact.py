@@ -1,5 +1,5 @@
-"""``.tact`` (bHaptics): one file per device, with the strength of each of its motors in steps of 20 ms. Read as one vibration per body
-part, the strongest of its motors."""
+"""``.tact`` (bHaptics): one file per device, with the strength of each of its motors in steps of 20
+ms. Read as one vibration per body part, the strongest of its motors."""
 
 from __future__ import annotations
 
@@ -55,7 +55,13 @@ _FADES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
 }
 """Amplitude by the part of an interval that has passed, both 0 to 1, for each fade."""
 _LISTS = ("dotMode", "pathMode")
-_NUMBERS: Mapping[str, Callable[[str], float]] = {"index": int, "intensity": float, "x": float, "y": float, "time": float}
+_NUMBERS: Mapping[str, Callable[[str], float]] = {
+    "index": int,
+    "intensity": float,
+    "x": float,
+    "y": float,
+    "time": float,
+}
 _LAYOUTS = {position: places for layout in DEVICES.values() for position, places in layout.items()}
 
 
@@ -71,14 +77,23 @@ def motors(tracks: Tracks) -> dict[str, dict[int, list[int]]]:
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
-    """What the files do not carry, one sentence each. Raises ValueError if no listener is at a part of the body where a device is worn."""
+    """What the files do not carry, one sentence each. Raises ValueError if no listener is at a part
+    of the body where a device is worn."""
     tracks = export.need_tracks()
-    driven = {number for indices in motors(tracks).values() for numbers in indices.values() for number in numbers}
+    driven = {
+        number
+        for indices in motors(tracks).values()
+        for numbers in indices.values()
+        for number in numbers
+    }
     if not driven:
         raise ValueError(
-            "tracks: no listener is where a bHaptics device is worn: give one such a body part (hand.L, chest.L, upper_back.L, ...)"
+            "tracks: no listener is where a bHaptics device is worn: give one such a body part "
+            "(hand.L, chest.L, upper_back.L, ...)"
         )
-    absent = [listener.name for number, listener in enumerate(tracks.listeners) if number not in driven]
+    absent = [
+        listener.name for number, listener in enumerate(tracks.listeners) if number not in driven
+    ]
     yield from common_losses(tracks, body=True)
     yield f"frequencies: the strength every {INTERVAL} ms remains, in {options['levels']} steps"
     if absent:
@@ -90,24 +105,41 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.LEVEL)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.<device>.tact`` for each device that a listener wears."""
     tracks = export.need_tracks()
     driven = motors(tracks)
-    devices = [device for device, layout in DEVICES.items() if any(position in driven for position in layout)]
+    devices = [
+        device
+        for device, layout in DEVICES.items()
+        if any(position in driven for position in layout)
+    ]
     stems = file_stems(f"{export.name}.{device}" for device in devices)
     rows = [tracks.row(number) for number in range(len(tracks.listeners))]
     levels = np.array([coarse_envelope(row, INTERVAL / 1000)[0] for row in rows])
     steps = np.rint(np.clip(levels, 0.0, 1.0) * options["levels"]).astype(np.int64)
-    shared = {number: numbers for indices in driven.values() for numbers in indices.values() for number in numbers}
+    shared = {
+        number: numbers
+        for indices in driven.values()
+        for numbers in indices.values()
+        for number in numbers
+    }
     for number, row in enumerate(rows):
         played = steps[shared[number]].max(axis=0) if number in shared else np.zeros(steps.shape[1])
         compare_steps(row, number, played / options["levels"], INTERVAL / 1000, measured)
     files = []
     for device, stem in zip(devices, stems, strict=True):
-        modes = {position: _mode(driven.get(position, {}), steps, options["levels"]) for position in DEVICES[device]}
+        modes = {
+            position: _mode(driven.get(position, {}), steps, options["levels"])
+            for position in DEVICES[device]
+        }
         files.append(
-            write_text(folder / f"{stem}{FORMATS['tact'].suffix}", [compact(_document(export, tracks, device, stem, modes)), "\n"])
+            write_text(
+                folder / f"{stem}{FORMATS['tact'].suffix}",
+                [compact(_document(export, tracks, device, stem, modes)), "\n"],
+            )
         )
     return files
 
@@ -116,30 +148,53 @@ def _mode(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> dic
     return {
         "mode": "DOT_MODE",
         "dotMode": {"dotConnected": False, "feedback": list(_feedback(indices, steps, levels))},
-        "pathMode": {"feedback": [{"movingPattern": "CONST_TDM", "playbackType": "NONE", "visible": True, "pointList": []}]},
+        "pathMode": {
+            "feedback": [
+                {
+                    "movingPattern": "CONST_TDM",
+                    "playbackType": "NONE",
+                    "visible": True,
+                    "pointList": [],
+                }
+            ]
+        },
     }
 
 
-def _feedback(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> Iterator[dict[str, Any]]:
+def _feedback(
+    indices: Mapping[int, list[int]], steps: IntArray, levels: int
+) -> Iterator[dict[str, Any]]:
     """Intervals in which no motor changes, except silent ones."""
     if not indices or not steps.shape[1]:
         return
     strengths = np.array([steps[numbers].max(axis=0) for numbers in indices.values()])
     changes = np.flatnonzero(np.append(True, np.any(np.diff(strengths, axis=1), axis=0)))
-    for first, last in zip(changes.tolist(), np.append(changes[1:], strengths.shape[1]).tolist(), strict=True):
+    for first, last in zip(
+        changes.tolist(), np.append(changes[1:], strengths.shape[1]).tolist(), strict=True
+    ):
         points = [
             {"index": index, "intensity": round(strength / levels, 3)}
             for index, strength in zip(indices, strengths[:, first].tolist(), strict=True)
             if strength
         ]
         if points:
-            yield {"startTime": first * INTERVAL, "endTime": last * INTERVAL, "playbackType": "NONE", "pointList": points}
+            yield {
+                "startTime": first * INTERVAL,
+                "endTime": last * INTERVAL,
+                "playbackType": "NONE",
+                "pointList": points,
+            }
 
 
-def _document(export: TrackExport, tracks: Tracks, device: str, name: str, modes: dict[str, Any]) -> dict[str, Any]:
+def _document(
+    export: TrackExport, tracks: Tracks, device: str, name: str, modes: dict[str, Any]
+) -> dict[str, Any]:
     length = math.ceil(tracks.duration * 1000 / INTERVAL) * INTERVAL
     layouts = {
-        position: [{"index": index, "x": round(x, 3), "y": round(y, 3)} for index, (x, y) in enumerate(places)]
+        position: [
+            {"index": index, "x": round(x, 3), "y": round(y, 3)}
+            for index, (x, y) in enumerate(places)
+        ]
         for position, places in DEVICES[device].items()
     }
     return {
@@ -150,7 +205,14 @@ def _document(export: TrackExport, tracks: Tracks, device: str, name: str, modes
             "description": f"{export.name}, by Haptic Tracing",
             "layout": {"name": device, "type": device, "layouts": layouts},
             "mediaFileDuration": math.ceil(tracks.duration),
-            "tracks": [{"enable": True, "effects": [{"name": export.name, "startTime": 0, "offsetTime": length, "modes": modes}]}],
+            "tracks": [
+                {
+                    "enable": True,
+                    "effects": [
+                        {"name": export.name, "startTime": 0, "offsetTime": length, "modes": modes}
+                    ],
+                }
+            ],
         },
         "durationMillis": length,
         "intervalMillis": INTERVAL,
@@ -165,7 +227,12 @@ def read(path: Path) -> VibrationFile:
     validate(document, "tact", path)
     project = document["project"]
     losses = {f"the format has no frequencies: motors are played at {FREQUENCY:g} Hz": None}
-    effects = [effect for track in project["tracks"] if track.get("enable", True) for effect in track["effects"]]
+    effects = [
+        effect
+        for track in project["tracks"]
+        if track.get("enable", True)
+        for effect in track["effects"]
+    ]
     length = max((effect["startTime"] + effect["offsetTime"] for effect in effects), default=0)
     if length > LONGEST:
         raise FormatError(path, "/project/tracks", f"longer than {LONGEST // 1000} seconds")
@@ -178,7 +245,9 @@ def read(path: Path) -> VibrationFile:
         strengths = np.zeros((len(_LAYOUTS[position]), max(math.floor(length / INTERVAL) + 1, 0)))
         for effect in effects:
             if position in effect["modes"]:
-                player = _Player(strengths, _LAYOUTS[position], effect["startTime"], effect["offsetTime"])
+                player = _Player(
+                    strengths, _LAYOUTS[position], effect["startTime"], effect["offsetTime"]
+                )
                 player.play(effect["modes"][position])
                 steps += player.steps
                 if steps > MOST_STEPS:
@@ -187,14 +256,27 @@ def read(path: Path) -> VibrationFile:
             budget.take(sum(carrier.size for carrier in channel.carriers), "/project/tracks")
             channels.append(channel)
     order = {part.name: number for number, part in enumerate(BODY_PARTS)}
-    return VibrationFile(tuple(sorted(channels, key=lambda channel: order[channel.name])), tuple(losses))
+    return VibrationFile(
+        tuple(sorted(channels, key=lambda channel: order[channel.name])), tuple(losses)
+    )
 
 
 def _convert_numbers(document: Any) -> None:
     """Convert the texts in the points of older files to numbers."""
     try:
-        modes = [mode for track in document["project"]["tracks"] for effect in track["effects"] for mode in effect["modes"].values()]
-        for point in (point for mode in modes for key in _LISTS for feedback in mode[key]["feedback"] for point in feedback["pointList"]):
+        modes = [
+            mode
+            for track in document["project"]["tracks"]
+            for effect in track["effects"]
+            for mode in effect["modes"].values()
+        ]
+        for point in (
+            point
+            for mode in modes
+            for key in _LISTS
+            for feedback in mode[key]["feedback"]
+            for point in feedback["pointList"]
+        ):
             for key, value in point.items():
                 if isinstance(value, str) and key in _NUMBERS and len(value) <= LONGEST_NUMBER:
                     number = _NUMBERS[key](value)
@@ -204,12 +286,15 @@ def _convert_numbers(document: Any) -> None:
 
 
 class _Player:
-    """Adds effects to a table of strengths (motors, steps), each of which is that at the beginning of its step, as the player samples them.
+    """Adds effects to a table of strengths (motors, steps), each of which is that at the beginning
+    of its step, as the player samples them.
 
     start and length of the effect in milliseconds. ``steps``: number of steps played.
     """
 
-    def __init__(self, table: FloatArray, places: Sequence[tuple[float, float]], start: float, length: float) -> None:
+    def __init__(
+        self, table: FloatArray, places: Sequence[tuple[float, float]], start: float, length: float
+    ) -> None:
         self._places, self._length = places, length
         bounds = math.ceil(start / INTERVAL), math.floor((start + length) / INTERVAL) + 1
         first, last = (min(max(step, 0), table.shape[1]) for step in bounds)
@@ -227,11 +312,14 @@ class _Player:
         else:
             for feedback in mode["dotMode"]["feedback"]:
                 dots, fade = self._dots(feedback), _FADES[feedback["playbackType"]]
-                for here, share in self._between(feedback["startTime"], feedback["endTime"], side="left"):
+                for here, share in self._between(
+                    feedback["startTime"], feedback["endTime"], side="left"
+                ):
                     self._add(here, np.outer(dots, fade(share)))
 
     def _dots(self, feedback: Mapping[str, Any]) -> FloatArray:
-        """The strength of each motor in an interval; a motor that is named several times has the sum."""
+        """The strength of each motor in an interval; a motor that is named several times has the
+        sum."""
         strengths = np.zeros(len(self._places))
         for point in feedback["pointList"]:
             if point["index"] < len(strengths):
@@ -239,7 +327,8 @@ class _Player:
         return strengths
 
     def _play_connected(self, feedback: Sequence[Mapping[str, Any]]) -> None:
-        """Dots that blend: the strength of a motor is linear between the beginnings of the intervals, whose fades do not count."""
+        """Dots that blend: the strength of a motor is linear between the beginnings of the
+        intervals, whose fades do not count."""
         intervals = sorted(feedback, key=lambda interval: interval["startTime"])
         for one, other in pairwise(intervals):
             before, after = self._dots(one), self._dots(other)
@@ -247,19 +336,28 @@ class _Player:
                 self._add(here, np.outer(before, 1 - share) + np.outer(after, share))
 
     def _play_path(self, feedback: Mapping[str, Any]) -> None:
-        """A point that moves between motors. A fade applies between every two points of the path; a single point stays for the whole
-        effect."""
+        """A point that moves between motors. A fade applies between every two points of the path; a
+        single point stays for the whole effect."""
         points = sorted(feedback["pointList"], key=lambda point: point["time"])
         if len(points) == 1:
             points = [points[0] | {"time": 0.0}, points[0] | {"time": self._length}]
         for one, other in pairwise(points):
             for here, share in self._between(one["time"], other["time"]):
-                x, y, strength = (one[key] + share * (other[key] - one[key]) for key in ("x", "y", "intensity"))
-                self._add(here, _weights(self._places, x, y) * strength * _FADES[feedback["playbackType"]](share))
+                x, y, strength = (
+                    one[key] + share * (other[key] - one[key]) for key in ("x", "y", "intensity")
+                )
+                self._add(
+                    here,
+                    _weights(self._places, x, y)
+                    * strength
+                    * _FADES[feedback["playbackType"]](share),
+                )
 
-    def _between(self, start: float, end: float, side: Literal["left", "right"] = "right") -> Iterator[tuple[slice, FloatArray]]:
-        """The steps that begin from ``start`` to ``end``, included where ``side`` is right, and the part of that time that has passed in
-        them; a few thousand at a time."""
+    def _between(
+        self, start: float, end: float, side: Literal["left", "right"] = "right"
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        """The steps that begin from ``start`` to ``end``, included where ``side`` is right, and the
+        part of that time that has passed in them; a few thousand at a time."""
         first, last = np.searchsorted(self._times, start), np.searchsorted(self._times, end, side)
         for begin in range(first, last, _AT_ONCE):
             here = slice(begin, min(begin + _AT_ONCE, last))
@@ -271,15 +369,18 @@ class _Player:
 
 
 def _weights(places: Sequence[tuple[float, float]], x: FloatArray, y: FloatArray) -> FloatArray:
-    """The weights (motors, n) with which the motors at ``places`` play a point at ``x``, ``y`` (n,).
+    """The weights (motors, n) with which the motors at ``places`` play a point at ``x``, ``y``
+    (n,).
 
-    The rectangles between neighbouring motors are cut into two triangles, from lower left to upper right. The corners of a point's triangle
-    play it, each with a power of its barycentric coordinate. The power and the shift of the point were fitted to frames that the maker's
-    program has written into files: it rounds positions down.
+    The rectangles between neighbouring motors are cut into two triangles, from lower left to upper
+    right. The corners of a point's triangle play it, each with a power of its barycentric
+    coordinate. The power and the shift of the point were fitted to frames that the maker's program
+    has written into files: it rounds positions down.
     """
     columns, rows = (np.unique([place[k] for place in places]) for k in (0, 1))
     across, down = (
-        np.maximum(np.interp(values, knots, np.arange(len(knots))) - ROUNDED_DOWN, 0.0) for values, knots in ((x, columns), (y, rows))
+        np.maximum(np.interp(values, knots, np.arange(len(knots))) - ROUNDED_DOWN, 0.0)
+        for values, knots in ((x, columns), (y, rows))
     )
     # A motor's triangles form a hexagon, in which its coordinate falls linearly from 1 to 0.
     right = across - np.searchsorted(columns, [[place[0]] for place in places])
@@ -289,9 +390,12 @@ def _weights(places: Sequence[tuple[float, float]], x: FloatArray, y: FloatArray
 
 
 def _channels(position: str, table: FloatArray, duration: float) -> Iterator[Channel]:
-    """The vibrations of the body parts at a position, from the strengths of its motors (motors, steps)."""
+    """The vibrations of the body parts at a position, from the strengths of its motors (motors,
+    steps)."""
     for part in BODY_PARTS:
-        if part.bhaptics != position or part.name == "head":  # the ears cover the motors of the head
+        if (
+            part.bhaptics != position or part.name == "head"
+        ):  # the ears cover the motors of the head
             continue
         levels = np.clip(table[region(part, _LAYOUTS[position])].max(axis=0, initial=0.0), 0.0, 1.0)
         if levels.any():

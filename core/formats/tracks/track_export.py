@@ -31,12 +31,20 @@ def body_part_of(listener: ListenerTrack) -> BodyPart | None:
     return BODY_PART.get(listener.body_part)
 
 
-def listener_files(export: TrackExport, folder: Path, form: str) -> Iterator[tuple[int, ListenerTrack, Row, Path]]:
-    """Number, name and samples of each listener, and the path of its file in the format ``form``: ``<scene>.<listener><suffix>``, or
-    ``<scene><suffix>`` for the only one."""
+def listener_files(
+    export: TrackExport, folder: Path, form: str
+) -> Iterator[tuple[int, ListenerTrack, Row, Path]]:
+    """Number, name and samples of each listener, and the path of its file in the format ``form``:
+    ``<scene>.<listener><suffix>``, or ``<scene><suffix>`` for the only one."""
     tracks = export.need_tracks()
-    names = [export.name] if len(tracks.listeners) == 1 else [f"{export.name}.{listener.name}" for listener in tracks.listeners]
-    for number, (listener, stem) in enumerate(zip(tracks.listeners, file_stems(names), strict=True)):
+    names = (
+        [export.name]
+        if len(tracks.listeners) == 1
+        else [f"{export.name}.{listener.name}" for listener in tracks.listeners]
+    )
+    for number, (listener, stem) in enumerate(
+        zip(tracks.listeners, file_stems(names), strict=True)
+    ):
         yield number, listener, tracks.row(number), folder / f"{stem}{FORMATS[form].suffix}"
 
 
@@ -46,7 +54,8 @@ def scene_file(name: str, folder: Path, form: str) -> Path:
 
 
 def common_losses(tracks: Tracks, *, body: bool) -> Iterator[str]:
-    """The losses common to all formats of tracks. ``body``: the format addresses parts of the body."""
+    """The losses common to all formats of tracks. ``body``: the format addresses parts of the
+    body."""
     yield "the scene itself: objects, contacts, sources and functions"
     clipped = tracks.clipped()
     if clipped:

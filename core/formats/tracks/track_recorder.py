@@ -28,7 +28,8 @@ class Heard:
 
 
 class TrackRecorder:
-    """Records traced frames. Samples are written to a temporary file, which is removed with the tracks, to save memory."""
+    """Records traced frames. Samples are written to a temporary file, which is removed with the
+    tracks, to save memory."""
 
     def __init__(self) -> None:
         self._file: IO[bytes] = tempfile.TemporaryFile(prefix="haptic-tracks-")  # noqa: SIM115
@@ -39,14 +40,18 @@ class TrackRecorder:
         self._impacts: dict[str, tuple[float, list[float]]] = {}
 
     def add(self, result: FrameResult | Heard) -> None:
-        """Add a frame. Raises ValueError unless it follows the frame before and has the same listeners."""
+        """Add a frame. Raises ValueError unless it follows the frame before and has the same
+        listeners."""
         if not self._sample_rate:
             self._listeners, self._sample_rate = result.listeners, round(result.sample_rate)
         if [item.name for item in result.listeners] != [item.name for item in self._listeners]:
             raise ValueError(f"listeners: they change in frame {result.number}")
         for row, source in enumerate(result.sources):
             if source.kind is SourceKind.TEMPORARY and source.name not in self._impacts:
-                self._impacts[source.name] = (source.onset, strengths(source, result.amplitudes[row]))
+                self._impacts[source.name] = (
+                    source.onset,
+                    strengths(source, result.amplitudes[row]),
+                )
         if result.block is None or not result.block.shape[1]:
             return
         if not self._count:
@@ -62,10 +67,18 @@ class TrackRecorder:
         felt = tuple(self._impacts.values())
         shape = (self._count, len(self._listeners))
         self._file.flush()
-        samples = np.memmap(self._file, dtype="<f4", mode="r", shape=shape) if self._count and shape[1] else np.zeros(shape, dtype="<f4")
+        samples = (
+            np.memmap(self._file, dtype="<f4", mode="r", shape=shape)
+            if self._count and shape[1]
+            else np.zeros(shape, dtype="<f4")
+        )
         return Tracks(
             listeners=tuple(
-                ListenerTrack(item.name, item.body_part, sorted_impacts((time - start, row[number]) for time, row in felt))
+                ListenerTrack(
+                    item.name,
+                    item.body_part,
+                    sorted_impacts((time - start, row[number]) for time, row in felt),
+                )
                 for number, item in enumerate(self._listeners)
             ),
             sample_rate=self._sample_rate or 1,

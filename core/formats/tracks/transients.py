@@ -12,17 +12,21 @@ from .listener_tracks import Row
 
 TRANSIENT_SECONDS = 0.022
 TRANSIENT_CYCLES = 2
-"""Two sine cycles over 22 ms, as the reference renderer of MPEG haptics plays; published `.haps` clips have the same length."""
+"""Two sine cycles over 22 ms, as the reference renderer of MPEG haptics plays; published `.haps`
+clips have the same length."""
 LEAST_STRENGTH = 0.01
 """Minimum strength; weaker impacts stay in the continuous vibration."""
 LEAST_SHARE = 0.3
-"""Minimum strength of a transient relative to its impact's, however similar they are, because devices render it as a click."""
+"""Minimum strength of a transient relative to its impact's, however similar they are, because
+devices render it as a click."""
 
 
 def without_transients(row: Row, impacts: FloatArray, time_step: float) -> tuple[Row, FloatArray]:
-    """The samples minus one transient per impact, and the transients (k, 2): time, a multiple of ``time_step`` seconds, and strength.
+    """The samples minus one transient per impact, and the transients (k, 2): time, a multiple of
+    ``time_step`` seconds, and strength.
 
-    The strength is the least-squares fit to the samples, within limits. Samples and transients add up to the input.
+    The strength is the least-squares fit to the samples, within limits. Samples and transients add
+    up to the input.
     """
     if not len(impacts):
         return row, np.zeros((0, 2))
@@ -35,7 +39,12 @@ def without_transients(row: Row, impacts: FloatArray, time_step: float) -> tuple
     within = (first + length <= row.count) & (felt >= LEAST_STRENGTH)
     times, first, felt = times[within], first[within], felt[within]
     bursts = burst((first[:, None] + np.arange(length)) / row.sample_rate - times[:, None])
-    shares = np.array([np.dot(row.read(start, start + length), wave) for start, wave in zip(first.tolist(), bursts, strict=True)])
+    shares = np.array(
+        [
+            np.dot(row.read(start, start + length), wave)
+            for start, wave in zip(first.tolist(), bursts, strict=True)
+        ]
+    )
     strengths = shares / np.maximum(np.sum(bursts * bursts, axis=1), 1e-12)
     strengths = np.round(np.clip(strengths, LEAST_SHARE * felt, felt), 4)
     return _Remainder(row, first, strengths[:, None] * bursts), np.column_stack([times, strengths])
@@ -55,7 +64,9 @@ class _Remainder(Row):
         if low == high:
             return samples
         padded = np.concatenate([np.zeros(length), samples, np.zeros(length)])
-        for begin, values in zip((self._first[low:high] - first + length).tolist(), self._bursts[low:high], strict=True):
+        for begin, values in zip(
+            (self._first[low:high] - first + length).tolist(), self._bursts[low:high], strict=True
+        ):
             padded[begin : begin + length] -= values
         return padded[length : length + len(samples)]
 

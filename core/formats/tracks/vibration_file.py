@@ -24,10 +24,12 @@ MOST_LAYERS = 64
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Channel:
-    """One vibration of a file: the sum of ``carriers`` and of ``samples`` (n,) at ``sample_rate`` (hertz), from time 0.
+    """One vibration of a file: the sum of ``carriers`` and of ``samples`` (n,) at ``sample_rate``
+    (hertz), from time 0.
 
-    ``duration`` in seconds. ``samples`` may be any sequence whose slices are arrays. ``body_part`` is empty if the file does not give it.
-    Raises ValueError for values beyond the limits of signals.
+    ``duration`` in seconds. ``samples`` may be any sequence whose slices are arrays. ``body_part``
+    is empty if the file does not give it. Raises ValueError for values beyond the limits of
+    signals.
     """
 
     name: str
@@ -40,7 +42,16 @@ class Channel:
     def __post_init__(self) -> None:
         for carrier in self.carriers:
             for name, values, limit in (
-                ("time", (carrier.start, carrier.end, *carrier.amplitude_times[[0, -1]], *carrier.frequency_times[[0, -1]]), MAX_SECONDS),
+                (
+                    "time",
+                    (
+                        carrier.start,
+                        carrier.end,
+                        *carrier.amplitude_times[[0, -1]],
+                        *carrier.frequency_times[[0, -1]],
+                    ),
+                    MAX_SECONDS,
+                ),
                 ("amplitude", carrier.amplitudes, MAX_PEAK),
                 ("frequency", carrier.frequencies, MAX_FREQUENCY),
             ):
@@ -48,22 +59,33 @@ class Channel:
                     raise ValueError(f"{self.name}: has a {name} beyond {limit:g}")
 
     def at_rate(self, sample_rate: float) -> FloatArray:
-        """The vibration as samples, shape (ceil(duration * sample_rate),). Raises ValueError for more than ``MOST_SAMPLES``."""
+        """The vibration as samples, shape (ceil(duration * sample_rate),). Raises ValueError for
+        more than ``MOST_SAMPLES``."""
         if self.duration * sample_rate > MOST_SAMPLES:
             raise ValueError(f"{self.name}: {self.duration:.6g} seconds are too long")
-        if sum(carrier.end - carrier.start for carrier in self.carriers) * sample_rate > MOST_LAYERS * MOST_SAMPLES:
+        if (
+            sum(carrier.end - carrier.start for carrier in self.carriers) * sample_rate
+            > MOST_LAYERS * MOST_SAMPLES
+        ):
             raise ValueError(f"{self.name}: {len(self.carriers)} oscillations are too many at once")
         if self.samples is None:
             return rendered(self.carriers, 0, math.ceil(self.duration * sample_rate), sample_rate)
         samples = np.asarray(self.samples[:], dtype=np.float64)
-        samples = samples if self.sample_rate == sample_rate else resample(samples, self.sample_rate, sample_rate)
+        samples = (
+            samples
+            if self.sample_rate == sample_rate
+            else resample(samples, self.sample_rate, sample_rate)
+        )
         if self.carriers:
             count = max(math.ceil(self.duration * sample_rate), len(samples))
-            samples = np.pad(samples, (0, count - len(samples))) + rendered(self.carriers, 0, count, sample_rate)
+            samples = np.pad(samples, (0, count - len(samples))) + rendered(
+                self.carriers, 0, count, sample_rate
+            )
         return samples
 
     def to_signal(self) -> Signal:
-        """The vibration as a template: oscillators with envelopes, or samples if they are more than ``MOST_CARRIERS``.
+        """The vibration as a template: oscillators with envelopes, or samples if they are more than
+        ``MOST_CARRIERS``.
 
         Raises ValueError for a silent or too long vibration.
         """
@@ -82,7 +104,8 @@ class Channel:
 class VibrationFile:
     """The vibrations of a file; ``losses``: ignored content, one sentence each.
 
-    ``stored``: the samples of all channels (n_channels, n) if the file has such a table; it may be read in pieces.
+    ``stored``: the samples of all channels (n_channels, n) if the file has such a table; it may be
+    read in pieces.
     """
 
     channels: tuple[Channel, ...]

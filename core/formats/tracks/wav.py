@@ -1,4 +1,5 @@
-"""WAV: one channel per listener (WAVE_FORMAT_EXTENSIBLE), with a side-car that names the listeners."""
+"""WAV: one channel per listener (WAVE_FORMAT_EXTENSIBLE), with a side-car that names the
+listeners."""
 
 from __future__ import annotations
 
@@ -40,7 +41,9 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     tracks = export.need_tracks()
     is_rounded = options["encoding"] == "pcm16"
-    yield from (text for text in common_losses(tracks, body=False) if is_rounded or "full scale" not in text)
+    yield from (
+        text for text in common_losses(tracks, body=False) if is_rounded or "full scale" not in text
+    )
     if is_rounded:
         yield ROUNDING
     if options["sample_rate"] and options["sample_rate"] < tracks.sample_rate:
@@ -52,7 +55,9 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.SAMPLES)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
     original = export.need_tracks()
     tracks = at_rate(original, options["sample_rate"])
@@ -63,9 +68,19 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     else:
         again = at_rate(tracks, original.sample_rate)
         for number in range(len(original.listeners)):
-            measured.add(number, original.row(number).read(0, original.count), again.row(number).read(0, original.count))
+            measured.add(
+                number,
+                original.row(number).read(0, original.count),
+                again.row(number).read(0, original.count),
+            )
     sidecar = path.with_suffix(SIDECAR_SUFFIX)
-    return [path, write_json(sidecar, {"format": "haptic-tracks", "version": "1.0", "file": path.name, **described(tracks)})]
+    return [
+        path,
+        write_json(
+            sidecar,
+            {"format": "haptic-tracks", "version": "1.0", "file": path.name, **described(tracks)},
+        ),
+    ]
 
 
 def described(tracks: Tracks) -> dict[str, Any]:
@@ -88,35 +103,66 @@ def described(tracks: Tracks) -> dict[str, Any]:
 
 def _mpeg(listener: ListenerTrack) -> dict[str, Any]:
     part = body_part_of(listener)
-    return {} if part is None else {"mpeg_mask": part.mpeg_mask, "mpeg_target": list(part.mpeg_target)}
+    return (
+        {} if part is None else {"mpeg_mask": part.mpeg_mask, "mpeg_target": list(part.mpeg_target)}
+    )
 
 
 def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
     """The tracks at another sample rate; 0: unchanged."""
     if sample_rate in (0, tracks.sample_rate):
         return tracks
-    rows = (np.asarray(tracks.samples[number], dtype=np.float64) for number in range(len(tracks.listeners)))
-    samples = np.array([resample(row, tracks.sample_rate, sample_rate) for row in rows], dtype=np.float32)
+    rows = (
+        np.asarray(tracks.samples[number], dtype=np.float64)
+        for number in range(len(tracks.listeners))
+    )
+    samples = np.array(
+        [resample(row, tracks.sample_rate, sample_rate) for row in rows], dtype=np.float32
+    )
     return Tracks(tracks.listeners, sample_rate, samples, tracks.start)
 
 
 def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16") -> None:
-    """Write the samples as ``pcm16`` or ``float32``, in pieces. Raises ValueError for more than a WAV file can hold."""
+    """Write the samples as ``pcm16`` or ``float32``, in pieces. Raises ValueError for more than a
+    WAV file can hold."""
     channels, width = len(tracks.listeners), np.dtype(TYPES[encoding]).itemsize
     size = channels * tracks.count * width
     header = _header(channels, tracks.sample_rate, width, _CODES[encoding], tracks.count, size)
     if channels > 65535 // width or len(header) + size - 8 > MAX_RIFF:
-        raise ValueError(f"{path}: {channels} listeners and {tracks.duration:g} s are more than a WAV file can hold")
+        raise ValueError(
+            f"{path}: {channels} listeners and {tracks.duration:g} s are more than a WAV file "
+            "can hold"
+        )
     with atomic_file(path) as file:
         file.write(header)
         _write_samples(file, tracks, encoding)
 
 
 def _header(channels: int, rate: int, width: int, code: int, count: int, size: int) -> bytes:
-    form = struct.pack("<HHIIHHHHIH", 0xFFFE, channels, rate, rate * channels * width, channels * width, 8 * width, 22, 8 * width, 0, code)
+    form = struct.pack(
+        "<HHIIHHHHIH",
+        0xFFFE,
+        channels,
+        rate,
+        rate * channels * width,
+        channels * width,
+        8 * width,
+        22,
+        8 * width,
+        0,
+        code,
+    )
     form += _REST_OF_GUID
     fact = b"fact" + struct.pack("<II", 4, count) if code == 3 else b""
-    chunks = b"WAVE" + b"fmt " + struct.pack("<I", len(form)) + form + fact + b"data" + struct.pack("<I", size & MAX_RIFF)
+    chunks = (
+        b"WAVE"
+        + b"fmt "
+        + struct.pack("<I", len(form))
+        + form
+        + fact
+        + b"data"
+        + struct.pack("<I", size & MAX_RIFF)
+    )
     return b"RIFF" + struct.pack("<I", (len(chunks) + size) & MAX_RIFF) + chunks
 
 
@@ -126,7 +172,8 @@ def _write_samples(file: BinaryIO, tracks: Tracks, encoding: str) -> None:
 
 
 def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
-    """The samples in pieces, as 16 bit integers with full scale 32,768, or as 32 bit floats; little-endian."""
+    """The samples in pieces, as 16 bit integers with full scale 32,768, or as 32 bit floats;
+    little-endian."""
     for block in tracks.blocks():
         if encoding == "pcm16":
             yield np.clip(np.rint(block * 32768.0), -32768, 32767).astype("<i2")
@@ -137,12 +184,15 @@ def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
 def compare_encoded(tracks: Tracks, encoding: str, measured: Comparison) -> None:
     """Measure the losses of encoding the samples."""
     for block, coded in zip(tracks.blocks(), encoded(tracks, encoding), strict=True):
-        for number, (row, values) in enumerate(zip(block, coded / np.float64(FULL_SCALE[encoding]), strict=True)):
+        for number, (row, values) in enumerate(
+            zip(block, coded / np.float64(FULL_SCALE[encoding]), strict=True)
+        ):
             measured.add(number, np.asarray(row, dtype=np.float64), values)
 
 
 class StoredSamples:
-    """The samples (channels, n) of a WAV file, read on demand: ``[channel]``, ``[channel, first:last]``, ``[:, first:last]``.
+    """The samples (channels, n) of a WAV file, read on demand: ``[channel]``, ``[channel,
+    first:last]``, ``[:, first:last]``.
 
     Raises ValueError if the file is broken or has samples beyond ``MAX_SAMPLE``, and OSError.
     """
@@ -199,7 +249,8 @@ class _StoredChannel:
 
 
 def read(path: Path) -> VibrationFile:
-    """The channels, named by the side-car if there is one; their samples are read from the file in pieces, when they are needed.
+    """The channels, named by the side-car if there is one; their samples are read from the file in
+    pieces, when they are needed.
 
     Raises FormatError or OSError.
     """
@@ -210,7 +261,13 @@ def read(path: Path) -> VibrationFile:
     channels, count = stored.shape
     return VibrationFile(
         tuple(
-            Channel(name, count / stored.rate, samples=stored[number], sample_rate=stored.rate, body_part=body_part)
+            Channel(
+                name,
+                count / stored.rate,
+                samples=stored[number],
+                sample_rate=stored.rate,
+                body_part=body_part,
+            )
             for number, (name, body_part) in enumerate(_named(path, channels))
         ),
         stored=stored,
@@ -227,4 +284,6 @@ def _named(path: Path, count: int) -> list[tuple[str, str]]:
         named = []
     if len(named) == count:
         return named
-    return [(path.stem if count == 1 else f"{path.stem} {number}", "") for number in range(1, count + 1)]
+    return [
+        (path.stem if count == 1 else f"{path.stem} {number}", "") for number in range(1, count + 1)
+    ]

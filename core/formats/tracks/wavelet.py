@@ -1,8 +1,10 @@
-"""Decoding wavelet bands of MPEG haptics: arithmetic decoding, SPIHT and the inverse wavelet transform.
+"""Decoding wavelet bands of MPEG haptics: arithmetic decoding, SPIHT and the inverse wavelet
+transform.
 
-The bits of a block are coded by an adaptive binary arithmetic code with seven contexts. They describe integer wavelet coefficients by set
-partitioning in hierarchical trees (Said and Pearlman, 1996) in one dimension, bit plane by bit plane. The transform is that of the
-biorthogonal 9/7 filters (Cohen, Daubechies and Feauveau, 1992) with symmetric extension.
+The bits of a block are coded by an adaptive binary arithmetic code with seven contexts. They
+describe integer wavelet coefficients by set partitioning in hierarchical trees (Said and Pearlman,
+1996) in one dimension, bit plane by bit plane. The transform is that of the biorthogonal 9/7
+filters (Cohen, Daubechies and Feauveau, 1992) with symmetric extension.
 """
 
 from __future__ import annotations
@@ -22,16 +24,28 @@ SMALLEST, LARGEST = 8, 2**14
 
 _SYNTHESIS_LOW = np.array(
     [
-        -0.064538882628938, -0.040689417609559, 0.418092273222212, 0.788485616405665,
-        0.418092273222212, -0.040689417609559, -0.064538882628938,
+        -0.064538882628938,
+        -0.040689417609559,
+        0.418092273222212,
+        0.788485616405665,
+        0.418092273222212,
+        -0.040689417609559,
+        -0.064538882628938,
     ]
-)  # fmt: skip
+)
 _SYNTHESIS_HIGH = np.array(
     [
-        -0.037828455506995, -0.02384946501938, 0.110624404418423, 0.377402855612654, -0.852698679009404,
-        0.377402855612654, 0.110624404418423, -0.02384946501938, -0.037828455506995,
+        -0.037828455506995,
+        -0.02384946501938,
+        0.110624404418423,
+        0.377402855612654,
+        -0.852698679009404,
+        0.377402855612654,
+        0.110624404418423,
+        -0.02384946501938,
+        -0.037828455506995,
     ]
-)  # fmt: skip
+)
 
 _CONTEXTS = 7
 _HEAD, _SIGN, _SINGLE, _CHILDREN, _CHILD, _GRANDCHILDREN, _REFINEMENT = range(_CONTEXTS)
@@ -51,15 +65,24 @@ class WaveletBand:
 
     @classmethod
     def decoded(
-        cls, blocks: Sequence[tuple[float, str]], seconds: float, rate: int, gain: float, take: Callable[[float], None]
+        cls,
+        blocks: Sequence[tuple[float, str]],
+        seconds: float,
+        rate: int,
+        gain: float,
+        take: Callable[[float], None],
     ) -> WaveletBand:
-        """Decode a band of blocks (time in seconds, bits in base64) of ``seconds`` each at ``rate`` hertz. Raises ValueError.
+        """Decode a band of blocks (time in seconds, bits in base64) of ``seconds`` each at ``rate``
+        hertz. Raises ValueError.
 
         take: is told the bytes of the samples before they are there.
         """
         size = round(seconds * rate)
         if not SMALLEST <= size <= LARGEST or size & (size - 1):
-            raise ValueError(f"a wavelet block must have a power of 2 from {SMALLEST} to {LARGEST} samples, not {seconds * rate:g}")
+            raise ValueError(
+                f"a wavelet block must have a power of 2 from {SMALLEST} to {LARGEST} samples, "
+                f"not {seconds * rate:g}"
+            )
         streams = [(round(time * rate), _bits(text)) for time, text in blocks]
         count = max((first for first, _ in streams), default=-size) + size
         take(8 * count)
@@ -70,8 +93,11 @@ class WaveletBand:
         return cls(samples, float(rate))
 
     @staticmethod
-    def summed(bands: Sequence[WaveletBand], take: Callable[[float], None]) -> tuple[FloatArray, float]:
-        """The sum of bands and its sample rate, the highest of theirs. take: is told the bytes of it before it is there."""
+    def summed(
+        bands: Sequence[WaveletBand], take: Callable[[float], None]
+    ) -> tuple[FloatArray, float]:
+        """The sum of bands and its sample rate, the highest of theirs. take: is told the bytes of
+        it before it is there."""
         rate = max(band.rate for band in bands)
         for band in bands:
             take(16 * band.end * rate)
@@ -85,7 +111,11 @@ class WaveletBand:
 def _bits(text: str) -> bytes:
     """The bits of a base64 text without padding, one per byte. Raises ValueError."""
     try:
-        data = base64.b64decode(text + "=" * (-len(text) % 4), validate=True) if len(text) % 4 != 1 else base64.b64decode(text + "A==")
+        data = (
+            base64.b64decode(text + "=" * (-len(text) % 4), validate=True)
+            if len(text) % 4 != 1
+            else base64.b64decode(text + "A==")
+        )
     except ValueError:
         raise ValueError("wavelet_stream is not base64") from None
     return np.unpackbits(np.frombuffer(data, dtype=np.uint8)).tobytes()
@@ -102,10 +132,16 @@ def decoded_block(bits: bytes, size: int) -> FloatArray:
 
 
 def _arithmetic_decoder(bits: bytes) -> Callable[[int], int]:
-    """A function that returns the next symbol, 0 or 1, in a context. Beyond the end the coded bits are 0."""
+    """A function that returns the next symbol, 0 or 1, in a context. Beyond the end the coded bits
+    are 0."""
     zeros, total = [8] * _CONTEXTS, [16] * _CONTEXTS
     low, high, position = 0, 1024, 10
-    code = int.from_bytes(np.packbits(np.frombuffer(bits[:10].ljust(16, b"\0"), dtype=np.uint8)).tobytes(), "big") >> 6
+    code = (
+        int.from_bytes(
+            np.packbits(np.frombuffer(bits[:10].ljust(16, b"\0"), dtype=np.uint8)).tobytes(), "big"
+        )
+        >> 6
+    )
     count = len(bits)
 
     def read(context: int) -> int:
@@ -162,7 +198,9 @@ def _coefficients(read: Callable[[int], int], planes: int, size: int) -> IntArra
             if beyond_children:
                 sets += [(2 * root, False), (2 * root + 1, False)]
                 continue
-            single += [index for index in (2 * root, 2 * root + 1) if not begins(index, _CHILD, step)]
+            single += [
+                index for index in (2 * root, 2 * root + 1) if not begins(index, _CHILD, step)
+            ]
             if 4 * root + 3 < size:
                 sets.append((root, True))
         sets = waiting

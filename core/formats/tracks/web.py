@@ -1,4 +1,5 @@
-"""A self-contained web page that plays the tracks: body map, waveforms, sound, and a gamepad by the Gamepad API."""
+"""A self-contained web page that plays the tracks: body map, waveforms, sound, and a gamepad by the
+Gamepad API."""
 
 from __future__ import annotations
 
@@ -33,7 +34,10 @@ _LAW = 255.0
 def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the page does not carry, one sentence each."""
     yield from common_losses(export.need_tracks(), body=True)
-    yield f"frequencies above {HIGHEST:g} Hz, and all but 8 bit of each sample, on a logarithmic scale"
+    yield (
+        f"frequencies above {HIGHEST:g} Hz, and all but 8 bit of each sample, on a logarithmic "
+        "scale"
+    )
 
 
 def keeps(options: Mapping[str, Any]) -> Measures:
@@ -41,7 +45,9 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.WAVE, 0.0, HIGHEST)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
     """Write ``<scene>.html``."""
     tracks = export.need_tracks()
     rate = min(RATE, tracks.sample_rate)
@@ -49,14 +55,19 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
     document = {
         "rate": rate,
         "count": -(-tracks.count * rate // tracks.sample_rate),
-        "figures": [[[limb.part, *limb.start, *limb.end, limb.width] for limb in figure(view)] for view in ("front", "back")],
+        "figures": [
+            [[limb.part, *limb.start, *limb.end, limb.width] for limb in figure(view)]
+            for view in ("front", "back")
+        ],
         "listeners": [
             {"name": listener.name, "body_part": listener.body_part, "samples": samples}
             for listener, samples in zip(tracks.listeners, packed, strict=True)
         ],
     }
     # Names are untrusted: without "<" they cannot end the element that contains them.
-    text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":")).replace(
+        "<", "\\u003c"
+    )
     parts = {"@TITLE@": html.escape(export.name), "@DATA@": text}
     page = Path(__file__).with_name("player.html").read_text("utf-8")
     path = scene_file(export.name, folder, "web")
@@ -67,15 +78,22 @@ def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison) -> str
     """A listener's samples at ``rate``, a byte each, compressed, as text."""
     row = tracks.row(number).read(0, tracks.count)
     coded = encoded(resample(row, tracks.sample_rate, rate))
-    measured.add(number, row, resample(decoded(coded), rate, tracks.sample_rate)[: len(row) : measured.thinning])
+    measured.add(
+        number,
+        row,
+        resample(decoded(coded), rate, tracks.sample_rate)[: len(row) : measured.thinning],
+    )
     return base64.b64encode(zlib.compress(coded.tobytes(), 9)).decode("ascii")
 
 
 def encoded(samples: FloatArray) -> NDArray[np.uint8]:
-    """Samples within ±1 as bytes: 128 is 0, steps grow with the logarithm of 1 + 255 |x| (the µ-law of ITU-T G.711, without its
-    segments)."""
+    """Samples within ±1 as bytes: 128 is 0, steps grow with the logarithm of 1 + 255 |x| (the µ-law
+    of ITU-T G.711, without its segments)."""
     cut = np.clip(samples, -1.0, 1.0)
-    return np.asarray(np.rint(128 + _STEPS * np.sign(cut) * np.log1p(_LAW * np.abs(cut)) / np.log1p(_LAW)), dtype=np.uint8)
+    return np.asarray(
+        np.rint(128 + _STEPS * np.sign(cut) * np.log1p(_LAW * np.abs(cut)) / np.log1p(_LAW)),
+        dtype=np.uint8,
+    )
 
 
 def decoded(codes: NDArray[np.uint8]) -> FloatArray:

@@ -1,4 +1,5 @@
-"""WYVRN: a folder for its players with a configuration and a ``.haps`` clip (version 5) per listener, all played by one event."""
+"""WYVRN: a folder for its players with a configuration and a ``.haps`` clip (version 5) per
+listener, all played by one event."""
 
 from __future__ import annotations
 
@@ -31,7 +32,8 @@ BANDS = wide_bands((5, 90, 430))
 SHORTEST = 0.01
 """Minimum time between keys (seconds): the densest published clip has 169 keys a second."""
 CONFIGURATIONS = ("haptic.config", "Wyvrn.config")
-"""Names of the configuration that players look for: the second one is that of newer development kits. Both have the same content."""
+"""Names of the configuration that players look for: the second one is that of newer development
+kits. Both have the same content."""
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
@@ -41,7 +43,10 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     for listener in tracks.listeners:
         shared.setdefault(_target(listener), []).append(listener.name)
     yield from common_losses(tracks, body=True)
-    yield f"frequencies below {BANDS[0].low:.0f} and above {BANDS[-1].high:.0f} Hz, and more than two oscillations at a time"
+    yield (
+        f"frequencies below {BANDS[0].low:.0f} and above {BANDS[-1].high:.0f} Hz, and more "
+        "than two oscillations at a time"
+    )
     yield f"changes within {SHORTEST * 1000:g} ms"
     for (target, side), names in shared.items():
         if len(names) > 1:
@@ -53,8 +58,11 @@ def keeps(options: Mapping[str, Any]) -> Measures:
     return Measures(Kind.WAVE, BANDS[0].low, BANDS[-1].high)
 
 
-def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison) -> list[Path]:
-    """Write ``<scene>/haptic.config``, ``<scene>/Wyvrn.config`` and ``<scene>/<scene>.<listener>.haps``."""
+def write(
+    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
+) -> list[Path]:
+    """Write ``<scene>/haptic.config``, ``<scene>/Wyvrn.config`` and
+    ``<scene>/<scene>.<listener>.haps``."""
     tracks = export.need_tracks()
     inside = folder / file_stem(export.name)
     inside.mkdir(parents=True, exist_ok=True)
@@ -69,11 +77,21 @@ def write(export: TrackExport, folder: Path, options: Mapping[str, Any], measure
             "Haptic_Effect": stem,
             "Loop": 1,
             "Mixing": "Merge",
-            "Targeting": [dict(zip(("Target", "Spatialization", "Gain"), (*_target(listener), 1.0), strict=True))],
+            "Targeting": [
+                dict(
+                    zip(
+                        ("Target", "Spatialization", "Gain"), (*_target(listener), 1.0), strict=True
+                    )
+                )
+            ],
         }
         for listener, stem in zip(tracks.listeners, stems, strict=True)
     ]
-    configuration = {"ExternalCommands": [{"External_Command_ID": file_stem(export.name), "Haptic_Events": events}]}
+    configuration = {
+        "ExternalCommands": [
+            {"External_Command_ID": file_stem(export.name), "Haptic_Events": events}
+        ]
+    }
     return [*files, *(write_json(inside / name, configuration) for name in CONFIGURATIONS)]
 
 
@@ -87,8 +105,13 @@ def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> dict
     transients = np.zeros((0, 2))
     if options["transients"]:
         row, transients = without_transients(row, listener.impacts, 1e-6)
-    fit = Fit(error=options["error"], lowest=BANDS[0].low, highest=BANDS[-1].high, shortest=SHORTEST)
-    melodies = [[_burst(time, strength) for time, strength in transients.tolist()], *([] for _ in BANDS)]
+    fit = Fit(
+        error=options["error"], lowest=BANDS[0].low, highest=BANDS[-1].high, shortest=SHORTEST
+    )
+    melodies = [
+        [_burst(time, strength) for time, strength in transients.tolist()],
+        *([] for _ in BANDS),
+    ]
     for _, fitted in fit_bands(row, BANDS, fit):
         for notes, carriers in zip(melodies[1:], fitted, strict=True):
             notes += [_note(note) for carrier in carriers if (note := from_zero_phase(carrier))]
@@ -101,7 +124,10 @@ def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> dict
         "m_gain": 1.0,
         "m_stiffness": {**_MELODIES, "m_melodies": []},
         "m_texture": {**_MELODIES, "m_melodies": []},
-        "m_vibration": {**_MELODIES, "m_melodies": [{"m_mute": 0, "m_gain": 1.0, "m_notes": notes} for notes in melodies]},
+        "m_vibration": {
+            **_MELODIES,
+            "m_melodies": [{"m_mute": 0, "m_gain": 1.0, "m_notes": notes} for notes in melodies],
+        },
     }
 
 
@@ -109,16 +135,24 @@ _MELODIES = {"m_loop": 0, "m_maximum": 1.0, "m_gain": 1.0, "m_signalEvaluationMe
 
 
 def _burst(time: float, strength: float) -> dict[str, Any]:
-    note = {"m_startingPoint": round(time, 6), "m_length": TRANSIENT_SECONDS, "m_priority": 0, "m_gain": strength}
+    note = {
+        "m_startingPoint": round(time, 6),
+        "m_length": TRANSIENT_SECONDS,
+        "m_priority": 0,
+        "m_gain": strength,
+    }
     return {**note, "m_hapticEffect": {"m_type": 0}}
 
 
 def from_zero_phase(carrier: Carrier) -> Carrier | None:
-    """The carrier from the beginning of its first whole cycle on, because notes have no phase; None if there is none."""
+    """The carrier from the beginning of its first whole cycle on, because notes have no phase; None
+    if there is none."""
     missing = (-carrier.phase / (2 * math.pi)) % 1.0
     if missing < 1e-6:
         return carrier
-    times = np.linspace(0.0, carrier.end - carrier.start, 4001)[: 2 + int(4000 * min(1.0, 1.0 / (carrier.end - carrier.start)))]
+    times = np.linspace(0.0, carrier.end - carrier.start, 4001)[
+        : 2 + int(4000 * min(1.0, 1.0 / (carrier.end - carrier.start)))
+    ]
     cycles = carrier.cycles(times)
     begin = float(np.interp(missing, cycles, times))
     return carrier.part(begin, carrier.end - carrier.start) if cycles[-1] > missing else None
@@ -131,18 +165,27 @@ def _note(carrier: Carrier) -> dict[str, Any]:
         inside = times < length
         first = times[:1] > 0
         every = np.concatenate([np.zeros(1)[first], times[inside], [length]])
-        levels = np.concatenate([values[:1][first], values[inside], [np.interp(length, times, values)]])
+        levels = np.concatenate(
+            [values[:1][first], values[inside], [np.interp(length, times, values)]]
+        )
         keys = json_points("m_time", "m_value", every.round(6), levels.round(digits))
         return {"m_extrapolationStrategy": 0, "m_keyframes": keys}
 
     amplitude = modulation(carrier.amplitude_times, carrier.amplitudes, 5)
     frequency = modulation(carrier.frequency_times, carrier.frequencies, 3)
     effect = {"m_amplitudeModulation": amplitude, "m_frequencyModulation": frequency}
-    return {"m_startingPoint": round(carrier.start, 6), "m_length": length, "m_priority": 1, "m_gain": 1.0, "m_hapticEffect": effect}
+    return {
+        "m_startingPoint": round(carrier.start, 6),
+        "m_length": length,
+        "m_priority": 1,
+        "m_gain": 1.0,
+        "m_hapticEffect": effect,
+    }
 
 
 def read(path: Path) -> VibrationFile:
-    """The vibration of a ``.haps`` clip of version 5 or 6; texture and stiffness are ignored. Raises FormatError or OSError."""
+    """The vibration of a ``.haps`` clip of version 5 or 6; texture and stiffness are ignored.
+    Raises FormatError or OSError."""
     document = read_json(path)
     losses: dict[str, None] = {}
     version = str(document.get("version", "5")) if isinstance(document, dict) else "5"
@@ -160,11 +203,14 @@ def read(path: Path) -> VibrationFile:
         validate(document, "haps_v5", path)
     carriers = tuple(_carriers_of(document, losses))
     end = max((carrier.end for carrier in carriers), default=0.0)
-    return VibrationFile((Channel(document.get("m_description") or path.stem, end, carriers),), tuple(losses))
+    return VibrationFile(
+        (Channel(document.get("m_description") or path.stem, end, carriers),), tuple(losses)
+    )
 
 
 def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[str, Any]:
-    """A clip of version 6, whose pitch is a share of a range of frequencies, in the form of version 5."""
+    """A clip of version 6, whose pitch is a share of a range of frequencies, in the form of version
+    5."""
     vibration = document["vibration"]
     low, high = vibration["frequency_range"]["min"], vibration["frequency_range"]["max"]
     if vibration.get("transients"):
@@ -172,8 +218,13 @@ def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[
 
     def modulation(curve: Mapping[str, Any], least: float, scale: float) -> dict[str, Any]:
         if curve["interpolation_function"] != "Linear":
-            losses[f"{curve['interpolation_function'][:20]} curves are read as straight lines"] = None
-        keys = [{"m_time": key["position"], "m_value": least + scale * curve["gain"] * key["value"]} for key in curve["keyframes"]]
+            losses[f"{curve['interpolation_function'][:20]} curves are read as straight lines"] = (
+                None
+            )
+        keys = [
+            {"m_time": key["position"], "m_value": least + scale * curve["gain"] * key["value"]}
+            for key in curve["keyframes"]
+        ]
         return {"m_keyframes": keys}
 
     def note(form: Mapping[str, Any]) -> dict[str, Any]:
@@ -181,14 +232,27 @@ def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[
             "m_amplitudeModulation": modulation(form["amplitude"], 0.0, 1.0),
             "m_frequencyModulation": modulation(form["pitch"], low, high - low),
         }
-        return {"m_startingPoint": form["position"], "m_length": form["length"], "m_gain": form["m_gain"], "m_hapticEffect": effect}
+        return {
+            "m_startingPoint": form["position"],
+            "m_length": form["length"],
+            "m_gain": form["m_gain"],
+            "m_hapticEffect": effect,
+        }
 
     melodies = [
-        {"m_mute": melody["mute"], "m_gain": melody["gain"], "m_notes": [note(form) for form in melody["notes"]]}
+        {
+            "m_mute": melody["mute"],
+            "m_gain": melody["gain"],
+            "m_notes": [note(form) for form in melody["notes"]],
+        }
         for melody in vibration["melodies"]
     ]
     vibrations = {"m_gain": vibration["gain"], "m_melodies": melodies}
-    return {"m_description": document.get("description"), "m_gain": document["gain"], "m_vibration": vibrations}
+    return {
+        "m_description": document.get("description"),
+        "m_gain": document["gain"],
+        "m_vibration": vibrations,
+    }
 
 
 def _carriers_of(document: Mapping[str, Any], losses: dict[str, None]) -> Iterator[Carrier]:
@@ -210,7 +274,10 @@ def _carriers(note: Mapping[str, Any], gain: float, losses: dict[str, None]) -> 
         keyframes: Sequence[Mapping[str, float]] = effect[name]["m_keyframes"]
         if not keyframes:
             return
-        times, values = (np.array([key[name] for key in keyframes], dtype=np.float64) for name in ("m_time", "m_value"))
+        times, values = (
+            np.array([key[name] for key in keyframes], dtype=np.float64)
+            for name in ("m_time", "m_value")
+        )
         if (times[1:] < times[:-1]).any():
             losses["keyframes that are not in the order of time are sorted"] = None
             order = np.argsort(times, kind="stable")

@@ -1,4 +1,5 @@
-"""Sums over all paths with certified bounds: exact, to a tolerance, or within limits. The entry point is `bounded_sums`."""
+"""Sums over all paths with certified bounds: exact, to a tolerance, or within limits. The entry
+point is `bounded_sums`."""
 
 from .path_search import PathLimits as PathLimits
 from .sums import ThresholdCosts as ThresholdCosts

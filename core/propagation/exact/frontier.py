@@ -1,13 +1,17 @@
-"""The exact sum over all paths, by a dynamic programme over the contacts (Simpath) whose time grows with the width of the scene.
+"""The exact sum over all paths, by a dynamic programme over the contacts (Simpath) whose time grows
+with the width of the scene.
 
-The contacts are taken one after the other, each crossed or not. What is crossed so far is a set of path fragments; only their open ends
-matter for what can still follow, so sets of fragments with the same open ends are one *state*, and its value is the sum of the products of
-all of them. An open end waits at a contact node of an object until a later contact of that object, or a listener, is joined to it by their
-intra-connection. A state says which ends wait and which of them belong together; one of them is the fragment that begins at the source,
-and one may be the fragment that ends at a listener. A path is complete when these two meet and nothing else is open.
+The contacts are taken one after the other, each crossed or not. What is crossed so far is a set of
+path fragments; only their open ends matter for what can still follow, so sets of fragments with the
+same open ends are one *state*, and its value is the sum of the products of all of them. An open end
+waits at a contact node of an object until a later contact of that object, or a listener, is joined
+to it by their intra-connection. A state says which ends wait and which of them belong together; one
+of them is the fragment that begins at the source, and one may be the fragment that ends at a
+listener. A path is complete when these two meet and nothing else is open.
 
-Source: D. E. Knuth, *The Art of Computer Programming*, volume 4A, section 7.1.4, algorithm Simpath, here with weights instead of counts,
-and with the open ends of an object (which a path may pass several times) instead of vertices (which it may not).
+Source: D. E. Knuth, *The Art of Computer Programming*, volume 4A, section 7.1.4, algorithm Simpath,
+here with weights instead of counts, and with the open ends of an object (which a path may pass
+several times) instead of vertices (which it may not).
 """
 
 from __future__ import annotations
@@ -26,8 +30,9 @@ from .contact_order import contact_order
 BITS = 7
 FIELD = (1 << BITS) - 1
 SOURCE, LISTENER, FIRST = 1, 2, 3
-"""A state is an integer: bit 0 says whether it has the fragment that ends at a listener; above, each slot has a field: 0 if no end waits
-there, `SOURCE` or `LISTENER` for the end of that fragment, else the slot of the fragment's other end, counted from `FIRST`."""
+"""A state is an integer: bit 0 says whether it has the fragment that ends at a listener; above,
+each slot has a field: 0 if no end waits there, `SOURCE` or `LISTENER` for the end of that fragment,
+else the slot of the fragment's other end, counted from `FIRST`."""
 
 SLOTS = FIELD - FIRST + 1
 
@@ -45,16 +50,18 @@ Waiting = list[tuple[int, int]]
 """Nodes of an object at which an end may wait, with their slots."""
 
 Join = tuple[int, int, int, int, int]
-"""What one side of a contact can be joined to: shift of the slot, mask without it, the other end where the state does not say (else 0), the
-bit that marks a fragment that ends at a listener, and the number of the factor."""
+"""What one side of a contact can be joined to: shift of the slot, mask without it, the other end
+where the state does not say (else 0), the bit that marks a fragment that ends at a listener, and
+the number of the factor."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Crossing:
     """A contact, in the order in which they are taken.
 
-    ``nodes`` on either side; ``waiting`` nodes on either side; ``slots`` of its own, -1 on a side where no contact is left to come. Of the
-    slots in each of ``most`` only so many may still hold an end after it, because no more contacts are to come for them.
+    ``nodes`` on either side; ``waiting`` nodes on either side; ``slots`` of its own, -1 on a side
+    where no contact is left to come. Of the slots in each of ``most`` only so many may still hold
+    an end after it, because no more contacts are to come for them.
     """
 
     nodes: tuple[int, int]
@@ -64,13 +71,22 @@ class _Crossing:
 
 
 class Frontier:
-    """The programme for the paths from ``roots`` over ``contacts`` (c, 2), given by their nodes, to ``listeners``.
+    """The programme for the paths from ``roots`` over ``contacts`` (c, 2), given by their nodes, to
+    ``listeners``.
 
-    ``crossings``: most contacts on a path; infinite where they need not be counted. ``width``: an estimate of the states in all, infinite
-    if more ends may wait at once than a state has room for. ``work``: transitions so far, counted by their cost.
+    ``crossings``: most contacts on a path; infinite where they need not be counted. ``width``: an
+    estimate of the states in all, infinite if more ends may wait at once than a state has room for.
+    ``work``: transitions so far, counted by their cost.
     """
 
-    def __init__(self, graph: HapticGraph, contacts: IntArray, roots: Sequence[int], listeners: Sequence[int], crossings: float) -> None:
+    def __init__(
+        self,
+        graph: HapticGraph,
+        contacts: IntArray,
+        roots: Sequence[int],
+        listeners: Sequence[int],
+        crossings: float,
+    ) -> None:
         self._graph = graph
         self._listeners = np.array(listeners, dtype=np.int64)
         self._lanes = lanes_of(graph)
@@ -89,8 +105,8 @@ class Frontier:
         self._factors: list[tuple[FloatArray, FloatArray]] = []
 
     def sum(self, allowed: float) -> FloatArray | None:
-        """The sums (listeners, lanes), or None where they take more than ``allowed`` work altogether, or overflow. A later call goes on
-        from where this one was."""
+        """The sums (listeners, lanes), or None where they take more than ``allowed`` work
+        altogether, or overflow. A later call goes on from where this one was."""
         if self.width > allowed or self._crossings is None:
             return None
         with np.errstate(over="ignore", invalid="ignore"):
@@ -103,10 +119,12 @@ class Frontier:
         return self._total.reshape(-1, self._lanes) if np.all(self._total <= LARGEST) else None
 
     def _planned(self, contacts: IntArray, roots: Sequence[int]) -> list[_Crossing] | None:
-        """The crossings of contacts in this order; the roots wait at the first slots. None where more ends could wait than there are
-        slots."""
+        """The crossings of contacts in this order; the roots wait at the first slots. None where
+        more ends could wait than there are slots."""
         objects = self._graph.node_object
-        left = np.bincount(objects[contacts].reshape(-1), minlength=len(self._graph.table.names)).tolist()
+        left = np.bincount(
+            objects[contacts].reshape(-1), minlength=len(self._graph.table.names)
+        ).tolist()
         waiting: dict[int, Waiting] = {}
         for slot, root in enumerate(roots):
             waiting.setdefault(int(objects[root]), []).append((root, slot))
@@ -122,13 +140,20 @@ class Frontier:
                         return None
                     slots[side] = free.pop()
                     waiting[end].append((nodes[side], slots[side]))
-            most = [([slot for _, slot in waiting[end]], left[end]) for end in ends if len(waiting[end]) > left[end]]
+            most = [
+                ([slot for _, slot in waiting[end]], left[end])
+                for end in ends
+                if len(waiting[end]) > left[end]
+            ]
             free += [slot for end in ends if not left[end] for _, slot in waiting[end]]
-            crossings.append(_Crossing((nodes[0], nodes[1]), (before[0], before[1]), (slots[0], slots[1]), most))
+            crossings.append(
+                _Crossing((nodes[0], nodes[1]), (before[0], before[1]), (slots[0], slots[1]), most)
+            )
         return crossings
 
     def _ends(self, nodes: IntArray) -> FloatArray:
-        """Factors (n, listeners * lanes) of ending at the listeners from each node, 0 where they are in another object."""
+        """Factors (n, listeners * lanes) of ending at the listeners from each node, 0 where they
+        are in another object."""
         objects = self._graph.node_object
         which, number = np.nonzero(objects[nodes][:, None] == objects[self._listeners])
         table = np.zeros((len(nodes), len(self._listeners), self._lanes))
@@ -138,16 +163,27 @@ class Frontier:
         return table.reshape(len(nodes), len(self._listeners) * self._lanes)
 
     def _weighed(self, crossings: Sequence[_Crossing]) -> list[tuple[FloatArray, FloatArray]]:
-        """Of each crossing the factors (joins, listeners * lanes) of either side: of joining each waiting node, of waiting itself, and of
-        ending at the listeners; those of the first side with the gain of the contact."""
+        """Of each crossing the factors (joins, listeners * lanes) of either side: of joining each
+        waiting node, of waiting itself, and of ending at the listeners; those of the first side
+        with the gain of the contact."""
         graph = self._graph
-        sides = [(node, waiting) for crossing in crossings for node, waiting in zip(crossing.nodes, crossing.waiting, strict=True)]
-        nodes, sizes = np.array([node for node, _ in sides], dtype=np.int64), [len(waiting) for _, waiting in sides]
+        sides = [
+            (node, waiting)
+            for crossing in crossings
+            for node, waiting in zip(crossing.nodes, crossing.waiting, strict=True)
+        ]
+        nodes, sizes = (
+            np.array([node for node, _ in sides], dtype=np.int64),
+            [len(waiting) for _, waiting in sides],
+        )
         others = np.array([node for _, waiting in sides for node, _ in waiting], dtype=np.int64)
         joins = np.tile(intra_lanes(graph, nodes.repeat(sizes), others), len(self._listeners))
         ends, alone = self._ends(nodes), np.ones((1, joins.shape[1]))
         first = np.cumsum([0, *sizes])
-        factors = [np.concatenate([joins[first[k] : first[k + 1]], alone, ends[k : k + 1]]) for k in range(len(sides))]
+        factors = [
+            np.concatenate([joins[first[k] : first[k + 1]], alone, ends[k : k + 1]])
+            for k in range(len(sides))
+        ]
         contact = graph.contact[nodes[::2]]
         through = graph.transmission[contact][:, None].repeat(self._lanes, axis=1)
         if graph.contact_band_gains is not None:
@@ -156,9 +192,13 @@ class Frontier:
         return [(factors[2 * k] * through[k], factors[2 * k + 1]) for k in range(len(crossings))]
 
     def _cross(self, crossing: _Crossing, first: FloatArray, second: FloatArray) -> None:
-        """Add all ways in which the states cross a contact: either side is joined to an end that waits in its object, or to the listeners,
-        or waits itself. ``first`` and ``second`` are the factors of the sides."""
-        sides = [_joins(*side) for side in zip(crossing.waiting, crossing.slots, (first, second), strict=True)]
+        """Add all ways in which the states cross a contact: either side is joined to an end that
+        waits in its object, or to the listeners, or waits itself. ``first`` and ``second`` are the
+        factors of the sides."""
+        sides = [
+            _joins(*side)
+            for side in zip(crossing.waiting, crossing.slots, (first, second), strict=True)
+        ]
         states, width = self._states, len(second)
         source: list[int] = []
         target: list[int] = []
@@ -166,7 +206,8 @@ class Frontier:
         ended: list[int] = []
         ended_factor: list[int] = []
         for state, row in list(states.items()):
-            # Side 2 is not joined to the other end of what side 1 is joined to: the fragment would be a cycle.
+            # Side 2 is not joined to the other end of what side 1 is joined to: the fragment would
+            # be a cycle.
             begun = [
                 (state & without & WITHOUT[mate] | mark, mate, code * width)
                 for shift, without, alone, mark, code in sides[0]
@@ -194,7 +235,9 @@ class Frontier:
         table = (first[:, None] * second).reshape(-1, first.shape[1])
         crossed = self._one_more(self._values)
         if ended:
-            self._total = self._total + (crossed[ended].sum(axis=1) * table[ended_factor]).sum(axis=0)
+            self._total = self._total + (crossed[ended].sum(axis=1) * table[ended_factor]).sum(
+                axis=0
+            )
         rows = np.zeros((len(states) - len(self._values), *self._values.shape[1:]))
         self._values = np.concatenate([self._values, rows])
         if source:
@@ -220,7 +263,8 @@ class Frontier:
             if most:
                 bits |= bits >> 1
                 bits |= bits >> 2
-                bits |= bits >> 3  # the lowest bit of each field now says whether any of its seven is set
+                # The lowest bit of each field now says whether any of its seven is set.
+                bits |= bits >> 3
                 bits &= lowest
             if bits.bit_count() <= most:
                 kept.append((state, row))
@@ -242,7 +286,9 @@ def _joins(waiting: Waiting, slot: int, factors: FloatArray) -> list[Join]:
 def _add(values: FloatArray, target: Sequence[int], terms: FloatArray) -> None:
     """Add each term to the row of ``values`` that is its ``target``."""
     if values[0].size == 1:
-        values.reshape(-1)[:] += np.bincount(target, weights=terms.reshape(-1), minlength=len(values))
+        values.reshape(-1)[:] += np.bincount(
+            target, weights=terms.reshape(-1), minlength=len(values)
+        )
         return
     rows = np.array(target)
     order = np.argsort(rows, kind="stable")

@@ -1,7 +1,9 @@
-"""The part of a haptic graph that a search over paths uses, as arrays, and bounds on what lies ahead in it.
+"""The part of a haptic graph that a search over paths uses, as arrays, and bounds on what lies
+ahead in it.
 
-A partial path stands at an *entry*: a contact node through which an object has just been entered, or a root. From an entry it steps, over
-one intra-connection and one inter-connection, to other entries, or it ends, over one intra-connection, at a listener.
+A partial path stands at an *entry*: a contact node through which an object has just been entered,
+or a root. From an entry it steps, over one intra-connection and one inter-connection, to other
+entries, or it ends, over one intra-connection, at a listener.
 """
 
 from __future__ import annotations
@@ -19,8 +21,8 @@ CHUNK = 1 << 18
 """Pairs of nodes examined in one vectorised step, a bound on memory."""
 
 TERMS, SETTLED, GROWING = 400, 8, 20
-"""Most terms of the series of walks, terms before the ratio of consecutive ones is used, and how many times in a row terms may grow: a
-series with more of them is taken to diverge."""
+"""Most terms of the series of walks, terms before the ratio of consecutive ones is used, and how
+many times in a row terms may grow: a series with more of them is taken to diverge."""
 
 FEW = 8
 """Contacts of the walks among which the strongest is searched."""
@@ -33,8 +35,9 @@ MEANINGLESS = 1e4
 class Steps:
     """Steps in compressed rows: those of entry e are the ``size[e]`` from ``start[e]`` on.
 
-    ``to`` (n,): the entry, or the number of the listener, that a step leads to. ``inside`` (n,): gain of its intra-connection. ``gain`` (n,
-    lanes): that times the gain of its inter-connection; lane 0 the plain gain, the others those of the bands.
+    ``to`` (n,): the entry, or the number of the listener, that a step leads to. ``inside`` (n,):
+    gain of its intra-connection. ``gain`` (n, lanes): that times the gain of its inter-connection;
+    lane 0 the plain gain, the others those of the bands.
     """
 
     start: IntArray
@@ -44,23 +47,28 @@ class Steps:
     gain: FloatArray
 
     def expand(self, entry: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:
-        """For states at ``entry``: which state and which step, for the first ``count`` steps of each."""
+        """For states at ``entry``: which state and which step, for the first ``count`` steps of
+        each."""
         return np.arange(len(entry)).repeat(count), ranges(self.start[entry], count)
 
     def backwards(self, values: FloatArray, together: np.ufunc) -> FloatArray:
-        """Values (e, l) one step earlier, combined over the steps of each entry by ``together`` (sum or maximum)."""
+        """Values (e, l) one step earlier, combined over the steps of each entry by ``together``
+        (sum or maximum)."""
         result = np.zeros((len(self.size), values.shape[1]))
         filled = self.size.nonzero()[0]
         if len(filled):
             with np.errstate(over="ignore"):
-                result[filled] = together.reduceat(self.gain[:, :1] * values[self.to], self.start[filled], axis=0)
+                result[filled] = together.reduceat(
+                    self.gain[:, :1] * values[self.to], self.start[filled], axis=0
+                )
         return np.minimum(result, LARGEST)
 
 
 @dataclass(frozen=True, slots=True)
 class StepGraph:
-    """``nodes`` (e,) of the haptic graph that are entries, the roots last; the ``contact`` (e,) that leads into each, numbered from 0, -1
-    for a root; ``steps`` to other entries and ``ends`` at listeners; number of ``listeners``."""
+    """``nodes`` (e,) of the haptic graph that are entries, the roots last; the ``contact`` (e,)
+    that leads into each, numbered from 0, -1 for a root; ``steps`` to other entries and ``ends`` at
+    listeners; number of ``listeners``."""
 
     nodes: IntArray
     contact: IntArray
@@ -78,15 +86,20 @@ def build_step_graph(
 ) -> StepGraph:
     """The steps from ``roots`` over ``entries`` (contact nodes) to ``listeners``.
 
-    ``within``: (n,) least cost from a root to each node as an entry, (n,) least cost from it to a listener, and a limit: steps on no path
-    within the limit are left out.
+    ``within``: (n,) least cost from a root to each node as an entry, (n,) least cost from it to a
+    listener, and a limit: steps on no path within the limit are left out.
     """
     entries = np.sort(entries)
     nodes = np.concatenate([entries, np.array(roots, dtype=np.int64)])
-    before, behind, limit = within or (np.zeros(graph.node_count), np.zeros(graph.node_count), np.inf)
+    before, behind, limit = within or (
+        np.zeros(graph.node_count),
+        np.zeros(graph.node_count),
+        np.inf,
+    )
 
     def steps(targets: IntArray, numbered: Sequence[int] | IntArray, crossing: bool) -> Steps:
-        """Steps through the contact nodes ``targets`` to the entries ``numbered``, or to the listeners that these are."""
+        """Steps through the contact nodes ``targets`` to the entries ``numbered``, or to the
+        listeners that these are."""
         number = np.full(graph.node_count, -1, dtype=np.int64)
         number[numbered] = np.arange(len(numbered))
         index, there = graph.node_object[nodes], graph.node_object[targets]
@@ -97,7 +110,11 @@ def build_step_graph(
             which = chosen.repeat(size[chosen])
             a, b = nodes[which], targets[ranges(first[chosen], size[chosen])]
             inside, distance = intra_gains(graph, a, b)
-            to, gain = (graph.partner[b], inside * graph.transmission[graph.contact[b]]) if crossing else (b, inside)
+            to, gain = (
+                (graph.partner[b], inside * graph.transmission[graph.contact[b]])
+                if crossing
+                else (b, inside)
+            )
             with np.errstate(divide="ignore"):
                 cost = before[a] - np.log(gain) + (behind[to] if crossing else 0.0)
             useful = ((a != b) & (gain > 0) & (cost <= limit)).nonzero()[0]
@@ -108,11 +125,17 @@ def build_step_graph(
                     bands *= graph.contact_band_gains[graph.contact[b[useful]]]
                 lanes = np.concatenate([lanes, lanes * bands], axis=1)
             parts.append((which[useful], number[to[useful]], inside[useful], lanes))
-        which, arrived, inside, lanes = parts[0] if len(parts) == 1 else (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        which, arrived, inside, lanes = (
+            parts[0]
+            if len(parts) == 1
+            else (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        )
         size = np.bincount(which, minlength=len(nodes))
         return Steps(size.cumsum() - size, size, arrived, inside, lanes)
 
-    contact = np.concatenate([np.unique(graph.contact[entries], return_inverse=True)[1], np.full(len(roots), -1)])
+    contact = np.concatenate(
+        [np.unique(graph.contact[entries], return_inverse=True)[1], np.full(len(roots), -1)]
+    )
     over, ends = (
         steps(np.sort(graph.partner[entries]), nodes, True),
         steps(np.sort(np.array(listeners, dtype=np.int64)), list(listeners), False),
@@ -121,8 +144,9 @@ def build_step_graph(
 
 
 def walk_bounds(paths: StepGraph, crossings: int) -> tuple[FloatArray, FloatArray]:
-    """Upper bounds (e, l) on the sum over all continuations of a path from each entry to each listener, see `walk_sums`, and how important
-    each is (e, l): these bounds, or where they are no use what ends at once and the strongest walk over a few contacts."""
+    """Upper bounds (e, l) on the sum over all continuations of a path from each entry to each
+    listener, see `walk_sums`, and how important each is (e, l): these bounds, or where they are no
+    use what ends at once and the strongest walk over a few contacts."""
     sums, ends = walk_sums(paths, crossings), _ending_at_once(paths)
     strongest = ends
     for _ in range(min(crossings, FEW)):
@@ -131,11 +155,13 @@ def walk_bounds(paths: StepGraph, crossings: int) -> tuple[FloatArray, FloatArra
 
 
 def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
-    """The sum (e, l) over all walks over at most ``crossings`` contacts from each entry to each listener, or an upper bound on it;
-    `LARGEST` where nothing bounds it. A walk takes steps like a path but may cross a contact again (though not turn round at once).
+    """The sum (e, l) over all walks over at most ``crossings`` contacts from each entry to each
+    listener, or an upper bound on it; `LARGEST` where nothing bounds it. A walk takes steps like a
+    path but may cross a contact again (though not turn round at once).
 
-    Where the next term of the series is at most q times the last one element by element with q < 1, the terms after it sum to at most
-    ``q / (1 - q)`` times it (Collatz and Wielandt; R. S. Varga, *Matrix Iterative Analysis*, Springer 2000, theorem 2.2).
+    Where the next term of the series is at most q times the last one element by element with q < 1,
+    the terms after it sum to at most ``q / (1 - q)`` times it (Collatz and Wielandt; R. S. Varga,
+    *Matrix Iterative Analysis*, Springer 2000, theorem 2.2).
     """
     total = term = _ending_at_once(paths)
     growing = 0
@@ -157,5 +183,7 @@ def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
 def _ending_at_once(paths: StepGraph) -> FloatArray:
     """(e, l) gain of ending at each listener from each entry."""
     ends = np.zeros((len(paths.nodes), paths.listeners))
-    ends[np.arange(len(ends)).repeat(paths.ends.size), paths.ends.to] = np.minimum(paths.ends.gain[:, 0], LARGEST)
+    ends[np.arange(len(ends)).repeat(paths.ends.size), paths.ends.to] = np.minimum(
+        paths.ends.gain[:, 0], LARGEST
+    )
     return ends

@@ -1,12 +1,23 @@
 """Modulation functions, which give the gain of each haptic connection.
 
-Intra-connections use the propagation function of their object, inter-connections the transmission function of their contact. A function
-returns the gain of a signal over a distance, between 0 and 1 unless an expression exceeds 1.
+Intra-connections use the propagation function of their object, inter-connections the transmission
+function of their contact. A function returns the gain of a signal over a distance, between 0 and 1
+unless an expression exceeds 1.
 """
 
 from .checking import Finding, check_expression, excerpt
 from .contacts import Impedance, NormalForce, Resilient
 from .expression import MIXING_VARIABLES, compile_expression
-from .modulation import Conduction, Constant, Exponential, Expression, HapticTracing, Identity, Linear, ModulationFunction, Spectrum
+from .modulation import (
+    Conduction,
+    Constant,
+    Exponential,
+    Expression,
+    HapticTracing,
+    Identity,
+    Linear,
+    ModulationFunction,
+    Spectrum,
+)
 from .physical import Physical, Wave
 from .registry import ALL_FUNCTIONS, FUNCTIONS, TRANSMISSIONS, function_from_dict

@@ -15,18 +15,22 @@ FARTHEST = 100.0
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A fault of a formula: its ``message``, the 0-based ``column`` (None if unknown), and whether the formula is ``usable``
-    nevertheless."""
+    """A fault of a formula: its ``message``, the 0-based ``column`` (None if unknown), and whether
+    the formula is ``usable`` nevertheless."""
 
     message: Message
     column: int | None = None
     usable: bool = False
 
 
-def check_expression(source: str, kappa: float, rho: float, epsilon: float, on_contact: bool = False) -> Finding | None:
-    """The first fault of a formula with these properties, or None. It is evaluated from 0 to `FARTHEST` metres.
+def check_expression(
+    source: str, kappa: float, rho: float, epsilon: float, on_contact: bool = False
+) -> Finding | None:
+    """The first fault of a formula with these properties, or None. It is evaluated from 0 to
+    `FARTHEST` metres.
 
-    ``on_contact``: the formula is that of a contact, so that area, depth, angle and force are available.
+    ``on_contact``: the formula is that of a contact, so that area, depth, angle and force are
+    available.
     """
     try:
         compiled = compile_expression(source)
@@ -34,22 +38,41 @@ def check_expression(source: str, kappa: float, rho: float, epsilon: float, on_c
         return Finding(error.message, error.column)
     if compiled.uses(*CONTACT_VARIABLES) and not on_contact:
         name = next(name for name in CONTACT_VARIABLES if compiled.uses(name))
-        return Finding(Message.of(Cause.FORMULA_CONTACT_VARIABLE, name=name), source.index(name), usable=True)
+        return Finding(
+            Message.of(Cause.FORMULA_CONTACT_VARIABLE, name=name), source.index(name), usable=True
+        )
     distance = np.concatenate([[0.0], np.geomspace(1e-3, FARTHEST, 200)])
     gains = compiled.evaluate(
-        distance, {"kappa": kappa, "rho": rho, "epsilon": epsilon, "area": 0.01, "depth": 0.0, "angle": 0.0, "force": 1.0}
+        distance,
+        {
+            "kappa": kappa,
+            "rho": rho,
+            "epsilon": epsilon,
+            "area": 0.01,
+            "depth": 0.0,
+            "angle": 0.0,
+            "force": 1.0,
+        },
     )
-    for bad, cause in ((~np.isfinite(gains), Cause.FORMULA_NOT_FINITE), (gains < 0, Cause.FORMULA_NEGATIVE)):
+    for bad, cause in (
+        (~np.isfinite(gains), Cause.FORMULA_NOT_FINITE),
+        (gains < 0, Cause.FORMULA_NEGATIVE),
+    ):
         if bad.any():
             return Finding(Message.of(cause, distance=f"{distance[bad][0]:.3g}"))
     if gains.max() > 1 + 1e-9:
-        loudest = Message.of(Cause.FORMULA_AMPLIFIES, gain=f"{gains.max():.3g}", distance=f"{distance[gains.argmax()]:.3g}")
+        loudest = Message.of(
+            Cause.FORMULA_AMPLIFIES,
+            gain=f"{gains.max():.3g}",
+            distance=f"{distance[gains.argmax()]:.3g}",
+        )
         return Finding(loudest, usable=True)
     return None
 
 
 def excerpt(source: str, column: int, width: int = 36) -> tuple[str, int]:
-    """At most ``width`` characters of a formula around a column, and the column's place in the excerpt; ``…`` replaces omitted text."""
+    """At most ``width`` characters of a formula around a column, and the column's place in the
+    excerpt; ``…`` replaces omitted text."""
     if len(source) <= width:
         return source, min(column, len(source))
     first = min(max(0, column - width // 2), len(source) - width)

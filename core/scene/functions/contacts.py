@@ -15,29 +15,46 @@ from .modulation import ModulationFunction, OnContact, Value
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Impedance(ModulationFunction):
-    """``2 sqrt(Z1 Z2) / (Z1 + Z2)``: the square root of the transmitted power at the interface of two materials with impedance ``Z =
-    density speed``. 1 if either is unknown (`ModulationFunction.impedance`)."""
+    """``2 sqrt(Z1 Z2) / (Z1 + Z2)``: the square root of the transmitted power at the interface of
+    two materials with impedance ``Z = density speed``. 1 if either is unknown
+    (`ModulationFunction.impedance`)."""
 
     name, label = "impedance", "Impedance"
-    about = "2 √(Z1 Z2) / (Z1 + Z2), Z density times speed, of two physical materials; else everything"
+    about = (
+        "2 √(Z1 Z2) / (Z1 + Z2), Z density times speed, of two physical materials; else everything"
+    )
 
-    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
+    def gain(
+        self,
+        distance: FloatArray,
+        kappa: Value,
+        rho: Value,
+        epsilon: float,
+        contact: OnContact = None,
+    ) -> FloatArray:
         return np.ones(np.shape(distance)) * (contact or {}).get("match", 1.0)
 
-    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def bounds(
+        self, max_distance: float, kappa: float, rho: float, epsilon: float
+    ) -> tuple[float, float]:
         return 0.0, 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resilient(ModulationFunction):
-    """A resilient layer under a load: the transmissibility of a mass on a damped spring,
-    ``sqrt((1 + n^2) / ((1 - (f / f0)^2)^2 + n^2))`` with ``f0 = sqrt(stiffness / load) / (2 pi)`` and loss factor n, at most 1.
+    """A resilient layer under a load: the transmissibility of a mass on a damped spring, ``sqrt((1
+    + n^2) / ((1 - (f / f0)^2)^2 + n^2))`` with ``f0 = sqrt(stiffness / load) / (2 pi)`` and loss
+    factor n, at most 1.
 
-    stiffness: N/m. load: kg. fall_off: decibels per octave far above the resonance; 12 is the spring's own.
+    stiffness: N/m. load: kg. fall_off: decibels per octave far above the resonance; 12 is the
+    spring's own.
     """
 
     name, label = "resilient", "Resilient Layer"
-    about = "Transmissibility of a mass on a spring: everything up to its resonance, less and less above it"
+    about = (
+        "Transmissibility of a mass on a spring: everything up to its resonance, less and "
+        "less above it"
+    )
     stiffness: float = field(
         default=1e5,
         metadata=number(
@@ -51,13 +68,23 @@ class Resilient(ModulationFunction):
         ),
     )
     load: float = field(
-        default=10.0, metadata=number("Load", "Mass that the layer carries", 0.0, 1e15, soft=(1e-6, 1e4), unit="kg", above=True)
+        default=10.0,
+        metadata=number(
+            "Load",
+            "Mass that the layer carries",
+            0.0,
+            1e15,
+            soft=(1e-6, 1e4),
+            unit="kg",
+            above=True,
+        ),
     )
     loss_factor: float = field(
         default=0.2,
         metadata=number(
             "Loss Factor",
-            "Damping of the layer: rubber 0.1, foam 0.2; a greater one softens the resonance and passes more far above it",
+            "Damping of the layer: rubber 0.1, foam 0.2; a greater one softens the resonance and "
+            "passes more far above it",
             0.0,
             soft=(0.0, 1.0),
         ),
@@ -65,7 +92,12 @@ class Resilient(ModulationFunction):
     fall_off: float = field(
         default=12.0,
         metadata=number(
-            "Fall-Off", "Loss per octave far above the resonance, in decibels; 12 for a spring", 0.0, 1e3, soft=(0.0, 48.0), unit="dB"
+            "Fall-Off",
+            "Loss per octave far above the resonance, in decibels; 12 for a spring",
+            0.0,
+            1e3,
+            soft=(0.0, 48.0),
+            unit="dB",
         ),
     )
 
@@ -86,32 +118,63 @@ class Resilient(ModulationFunction):
     def band_gains(self) -> tuple[float, ...]:
         """The gain of each band relative to the highest one."""
         bands = np.array([self.transmissibility(centre) for centre in BAND_CENTRES])
-        return tuple((bands / (bands.max() or 1.0) * np.array(self.spectrum.band_gains or 1.0)).tolist())
+        return tuple(
+            (bands / (bands.max() or 1.0) * np.array(self.spectrum.band_gains or 1.0)).tolist()
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NormalForce(ModulationFunction):
-    """``(force / reference) ** exponent``, at most 1: an exponent of 1/3 follows the stiffness of smooth round bodies (Hertz), 1 that of
-    rough ones (Greenwood and Williamson). reference: newtons. The gain is 1 if the force is unknown."""
+    """``(force / reference) ** exponent``, at most 1: an exponent of 1/3 follows the stiffness of
+    smooth round bodies (Hertz), 1 that of rough ones (Greenwood and Williamson). reference:
+    newtons. The gain is 1 if the force is unknown."""
 
     name, label = "normal_force", "Pressing Force"
-    about = "(F / reference)^exponent, at most 1, with the force that presses resting objects together"
+    about = (
+        "(F / reference)^exponent, at most 1, with the force that presses resting objects together"
+    )
     reference: float = field(
         default=10.0,
-        metadata=number("Reference", "Force in newtons from which on everything passes", 0.0, 1e15, soft=(1e-6, 1e4), unit="N", above=True),
+        metadata=number(
+            "Reference",
+            "Force in newtons from which on everything passes",
+            0.0,
+            1e15,
+            soft=(1e-6, 1e4),
+            unit="N",
+            above=True,
+        ),
     )
     exponent: float = field(
         default=1 / 3,
-        metadata=number("Exponent", "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones", 0.0, 1e3, soft=(0.0, 4.0), digits=3),
+        metadata=number(
+            "Exponent",
+            "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones",
+            0.0,
+            1e3,
+            soft=(0.0, 4.0),
+            digits=3,
+        ),
     )
 
     @property
     def uses_force(self) -> bool:
         return True
 
-    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
+    def gain(
+        self,
+        distance: FloatArray,
+        kappa: Value,
+        rho: Value,
+        epsilon: float,
+        contact: OnContact = None,
+    ) -> FloatArray:
         force = np.nan_to_num((contact or {}).get("force", math.nan), nan=self.reference)
-        return np.ones(np.shape(distance)) * np.minimum(force / self.reference, 1.0) ** self.exponent
+        return (
+            np.ones(np.shape(distance)) * np.minimum(force / self.reference, 1.0) ** self.exponent
+        )
 
-    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def bounds(
+        self, max_distance: float, kappa: float, rho: float, epsilon: float
+    ) -> tuple[float, float]:
         return 0.0, 1.0

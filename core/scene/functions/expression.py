@@ -1,7 +1,9 @@
-"""Designers' expressions, compiled from a whitelist of operations, so that an untrusted file cannot run code.
+"""Designers' expressions, compiled from a whitelist of operations, so that an untrusted file cannot
+run code.
 
-Grammar: numbers, the variables below, ``+ - * / **``, comparisons inside ``where(condition, a, b)``, and the functions below. No
-attributes, no indexing, no other names, at most `MAX_LENGTH` characters and `MAX_NODES` parts: evaluation is bounded and loop-free.
+Grammar: numbers, the variables below, ``+ - * / **``, comparisons inside ``where(condition, a,
+b)``, and the functions below. No attributes, no indexing, no other names, at most `MAX_LENGTH`
+characters and `MAX_NODES` parts: evaluation is bounded and loop-free.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ CONTACT_VARIABLES = ("area", "depth", "angle", "force")
 VARIABLES = ("x", "d", "kappa", "rho", "epsilon", *CONTACT_VARIABLES)
 """Variables of a modulation function."""
 MIXING_VARIABLES = ("sum", "weighted", "strongest", "power", "s_max")
-"""Variables of a mixing formula: for each sample the results of the other mixing methods, not limited, and the listener's ceiling."""
+"""Variables of a mixing formula: for each sample the results of the other mixing methods, not
+limited, and the listener's ceiling."""
 CONSTANTS = {"pi": math.pi, "e": math.e}
 MAX_LENGTH = 500
 MAX_NODES = 200
@@ -41,7 +44,9 @@ class _Function:
 _FUNCTIONS: dict[str, _Function] = {
     "exp": _Function((1, 1), np.exp, interval.monotone(math.exp)),
     "log": _Function((1, 1), np.log, interval.monotone(interval.logarithm)),
-    "sqrt": _Function((1, 1), np.sqrt, interval.monotone(lambda x: math.sqrt(x) if x >= 0 else 0.0)),
+    "sqrt": _Function(
+        (1, 1), np.sqrt, interval.monotone(lambda x: math.sqrt(x) if x >= 0 else 0.0)
+    ),
     "tanh": _Function((1, 1), np.tanh, interval.monotone(math.tanh)),
     "atan": _Function((1, 1), np.arctan, interval.monotone(math.atan)),
     "sin": _Function((1, 1), np.sin, interval.within_unit),
@@ -52,7 +57,9 @@ _FUNCTIONS: dict[str, _Function] = {
 }
 FUNCTION_NAMES = (*_FUNCTIONS, "where")
 
-_BINARY: dict[type[ast.operator], tuple[Callable[..., Any], Callable[[Interval, Interval], Interval]]] = {
+_BINARY: dict[
+    type[ast.operator], tuple[Callable[..., Any], Callable[[Interval, Interval], Interval]]
+] = {
     ast.Add: (np.add, interval.add),
     ast.Sub: (np.subtract, interval.subtract),
     ast.Mult: (np.multiply, interval.multiply),
@@ -88,9 +95,17 @@ class CompiledExpression:
     source: str
     tree: ast.expr
 
-    def evaluate(self, distance: FloatArray, values: Mapping[str, float | FloatArray]) -> FloatArray:
-        """The gain (the formula at x = 1) at each distance (metres). May contain NaN or infinity, which the caller must handle."""
-        variables: dict[str, Any] = {"x": 1.0, "d": np.asarray(distance, dtype=np.float64), **values, **CONSTANTS}
+    def evaluate(
+        self, distance: FloatArray, values: Mapping[str, float | FloatArray]
+    ) -> FloatArray:
+        """The gain (the formula at x = 1) at each distance (metres). May contain NaN or infinity,
+        which the caller must handle."""
+        variables: dict[str, Any] = {
+            "x": 1.0,
+            "d": np.asarray(distance, dtype=np.float64),
+            **values,
+            **CONSTANTS,
+        }
         with np.errstate(all="ignore"):
             result = _evaluate(self.tree, variables)
         return np.array(np.broadcast_to(np.asarray(result, dtype=np.float64), np.shape(distance)))
@@ -101,14 +116,16 @@ class CompiledExpression:
 
     def uses(self, *variables: str) -> bool:
         """Whether the formula uses any of the ``variables``."""
-        return any(isinstance(node, ast.Name) and node.id in variables for node in ast.walk(self.tree))
+        return any(
+            isinstance(node, ast.Name) and node.id in variables for node in ast.walk(self.tree)
+        )
 
 
 def compile_expression(source: str, variables: Collection[str] = VARIABLES) -> CompiledExpression:
     """Check a formula against the whitelist, with these ``variables``.
 
-    Raises ExpressionError, which gives the column, for anything that is not allowed, or if ``x`` is used but the formula is not
-    proportional to it.
+    Raises ExpressionError, which gives the column, for anything that is not allowed, or if ``x`` is
+    used but the formula is not proportional to it.
     """
     if not isinstance(source, str):
         raise ExpressionError.of(Cause.FORMULA_NOT_TEXT, type=type(source).__name__)
@@ -121,7 +138,9 @@ def compile_expression(source: str, variables: Collection[str] = VARIABLES) -> C
     except SyntaxError as error:
         if not error.offset:  # the parser ran out of text
             raise ExpressionError.of(Cause.FORMULA_INCOMPLETE, indent + len(formula)) from None
-        raise ExpressionError.of(Cause.FORMULA_SYNTAX, indent + error.offset - 1, parser=error.msg) from None
+        raise ExpressionError.of(
+            Cause.FORMULA_SYNTAX, indent + error.offset - 1, parser=error.msg
+        ) from None
     except (ValueError, MemoryError, RecursionError):
         raise ExpressionError.of(Cause.FORMULA_INVALID) from None
     if sum(1 for _ in ast.walk(tree)) > 3 * MAX_NODES:
@@ -137,14 +156,17 @@ def compile_expression(source: str, variables: Collection[str] = VARIABLES) -> C
 
 
 def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
-    """Check one node and return its degree in x: f(c x) = c^degree f(x) for c >= 0. None for a literal 0, which has any degree."""
+    """Check one node and return its degree in x: f(c x) = c^degree f(x) for c >= 0. None for a
+    literal 0, which has any degree."""
     match node:
         case ast.Constant():
             return _degree_of_constant(node)
         case ast.Name(id=name):
             if name not in variables and name not in CONSTANTS:
                 known = Names((*variables, *CONSTANTS, *FUNCTION_NAMES))
-                raise ExpressionError.of(Cause.FORMULA_UNKNOWN_NAME, node.col_offset, name=name, known=known)
+                raise ExpressionError.of(
+                    Cause.FORMULA_UNKNOWN_NAME, node.col_offset, name=name, known=known
+                )
             return 1 if name == "x" else 0
         case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
             return _degree(operand, variables)
@@ -160,7 +182,11 @@ def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
             if _degree(left, variables) or _degree(right, variables):
                 raise ExpressionError.of(Cause.FORMULA_X_IN_POWER, node.col_offset)
             return 0
-        case ast.Call(func=ast.Name(id="where"), args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b], keywords=[]):
+        case ast.Call(
+            func=ast.Name(id="where"),
+            args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b],
+            keywords=[],
+        ):
             if type(operator) not in _COMPARE:
                 raise ExpressionError.of(Cause.FORMULA_COMPARISON, node.col_offset)
             if _degree(left, variables) or _degree(right, variables):
@@ -169,14 +195,20 @@ def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in _FUNCTIONS:
             return _degree_of_call(node, name, arguments, variables)
         case ast.Call(func=ast.Name(id=name)):
-            raise ExpressionError.of(Cause.FORMULA_CALL, node.col_offset, name=name, known=Names(FUNCTION_NAMES))
+            raise ExpressionError.of(
+                Cause.FORMULA_CALL, node.col_offset, name=name, known=Names(FUNCTION_NAMES)
+            )
         case _:
-            raise ExpressionError.of(Cause.FORMULA_NOT_ALLOWED, getattr(node, "col_offset", 0), part=type(node).__name__)
+            raise ExpressionError.of(
+                Cause.FORMULA_NOT_ALLOWED, getattr(node, "col_offset", 0), part=type(node).__name__
+            )
 
 
 def _degree_of_constant(node: ast.Constant) -> int | None:
     if isinstance(node.value, bool) or not isinstance(node.value, int | float):
-        raise ExpressionError.of(Cause.FORMULA_NOT_A_NUMBER, node.col_offset, value=repr(node.value))
+        raise ExpressionError.of(
+            Cause.FORMULA_NOT_A_NUMBER, node.col_offset, value=repr(node.value)
+        )
     try:
         finite = math.isfinite(float(node.value))
     except OverflowError:
@@ -186,11 +218,19 @@ def _degree_of_constant(node: ast.Constant) -> int | None:
     return None if node.value == 0 else 0
 
 
-def _degree_of_call(node: ast.expr, name: str, arguments: list[ast.expr], variables: Collection[str]) -> int | None:
+def _degree_of_call(
+    node: ast.expr, name: str, arguments: list[ast.expr], variables: Collection[str]
+) -> int | None:
     function = _FUNCTIONS[name]
     fewest, most = function.arguments
     if not fewest <= len(arguments) <= most:
-        raise ExpressionError.of(Cause.FORMULA_ARGUMENTS, node.col_offset, name=name, expected=fewest, count=len(arguments))
+        raise ExpressionError.of(
+            Cause.FORMULA_ARGUMENTS,
+            node.col_offset,
+            name=name,
+            expected=fewest,
+            count=len(arguments),
+        )
     if function.keeps_scale:
         return _same_degree(node, arguments, variables)
     if any(_degree(argument, variables) for argument in arguments):
@@ -215,12 +255,21 @@ def _evaluate(node: ast.expr, variables: Mapping[str, Any]) -> Any:
             value = _evaluate(operand, variables)
             return np.negative(value) if isinstance(operator, ast.USub) else value
         case ast.BinOp(op=operator, left=left, right=right):
-            return _BINARY[type(operator)][0](_evaluate(left, variables), _evaluate(right, variables))
-        case ast.Call(func=ast.Name(id="where"), args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b]):
-            condition = _COMPARE[type(operator)](_evaluate(left, variables), _evaluate(right, variables))
+            return _BINARY[type(operator)][0](
+                _evaluate(left, variables), _evaluate(right, variables)
+            )
+        case ast.Call(
+            func=ast.Name(id="where"),
+            args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b],
+        ):
+            condition = _COMPARE[type(operator)](
+                _evaluate(left, variables), _evaluate(right, variables)
+            )
             return np.where(condition, _evaluate(a, variables), _evaluate(b, variables))
         case ast.Call(func=ast.Name(id=name), args=arguments):
-            return _FUNCTIONS[name].array(*(_evaluate(argument, variables) for argument in arguments))
+            return _FUNCTIONS[name].array(
+                *(_evaluate(argument, variables) for argument in arguments)
+            )
     raise AssertionError("unreachable: the tree was checked")
 
 
@@ -229,7 +278,9 @@ def _bounds(node: ast.expr, variables: Mapping[str, Interval]) -> Interval:
         case ast.Constant(value=value):
             return Interval(float(value), float(value))  # type: ignore[arg-type]
         case ast.Name(id=name):
-            return variables[name] if name in variables else Interval(CONSTANTS[name], CONSTANTS[name])
+            return (
+                variables[name] if name in variables else Interval(CONSTANTS[name], CONSTANTS[name])
+            )
         case ast.UnaryOp(op=operator, operand=operand):
             inner = _bounds(operand, variables)
             return Interval(-inner.high, -inner.low) if isinstance(operator, ast.USub) else inner
@@ -239,5 +290,7 @@ def _bounds(node: ast.expr, variables: Mapping[str, Interval]) -> Interval:
             first, second = _bounds(a, variables), _bounds(b, variables)
             return Interval(min(first.low, second.low), max(first.high, second.high))
         case ast.Call(func=ast.Name(id=name), args=arguments):
-            return _FUNCTIONS[name].bounds(*(_bounds(argument, variables) for argument in arguments))
+            return _FUNCTIONS[name].bounds(
+                *(_bounds(argument, variables) for argument in arguments)
+            )
     raise AssertionError("unreachable: the tree was checked")

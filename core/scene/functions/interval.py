@@ -1,7 +1,8 @@
 """Interval arithmetic: guaranteed bounds of a formula over ranges of its variables.
 
-Ends are widened by one unit in the last place per operation, so that the true range always lies inside.
-Source: R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM 2009, doi 10.1137/1.9780898717716.
+Ends are widened by one unit in the last place per operation, so that the true range always lies
+inside. Source: R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM
+2009, doi 10.1137/1.9780898717716.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ ENTIRE = Interval(-math.inf, math.inf)
 def outward(low: float, high: float) -> Interval:
     """The interval widened for rounding; an end that is NaN becomes infinite."""
     return Interval(
-        -math.inf if math.isnan(low) else math.nextafter(low, -math.inf), math.inf if math.isnan(high) else math.nextafter(high, math.inf)
+        -math.inf if math.isnan(low) else math.nextafter(low, -math.inf),
+        math.inf if math.isnan(high) else math.nextafter(high, math.inf),
     )
 
 
@@ -43,7 +45,8 @@ def multiply(a: Interval, b: Interval) -> Interval:
 
 
 def _product(x: float, y: float) -> float:
-    return 0.0 if x == 0 or y == 0 else x * y  # 0 * inf is 0 here: the end is approached, never reached
+    # 0 * inf is 0 here: the end is approached, never reached.
+    return 0.0 if x == 0 or y == 0 else x * y
 
 
 def divide(a: Interval, b: Interval) -> Interval:
@@ -95,7 +98,8 @@ def monotone(function: Callable[[float], float]) -> Callable[[Interval], Interva
 
     def apply(a: Interval) -> Interval:
         result = outward(end(a.low, -math.inf), end(a.high, math.inf))
-        return outward(result.low, result.high)  # the mathematical functions are accurate to one unit in the last place, not half
+        # The mathematical functions are accurate to one unit in the last place, not half.
+        return outward(result.low, result.high)
 
     return apply
 

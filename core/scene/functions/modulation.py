@@ -1,7 +1,8 @@
 """The predefined modulation functions and the designers' expression.
 
-Five of them have the form ``gain(d) = factor * exp(-decay * d)``: a metric plus a constant in the log domain. They report the two
-numbers (`log_linear`), so that whole graphs are evaluated as arrays; `linear` and `expression` are called with arrays of distances.
+Five of them have the form ``gain(d) = factor * exp(-decay * d)``: a metric plus a constant in the
+log domain. They report the two numbers (`log_linear`), so that whole graphs are evaluated as
+arrays; `linear` and `expression` are called with arrays of distances.
 """
 
 from __future__ import annotations
@@ -37,23 +38,41 @@ BAND_DECAYS = numbers(
     optional=True,
 )
 WAVE_SPEED = number(
-    "Wave Speed", "Speed of vibration in this material; 0 passes signals on without delay", 0.0, soft=(0.0, 5000.0), unit="m/s"
+    "Wave Speed",
+    "Speed of vibration in this material; 0 passes signals on without delay",
+    0.0,
+    soft=(0.0, 5000.0),
+    unit="m/s",
 )
-CONDUCTIVITY = number("Conductivity", "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15", 0.01, 500.0, unit="W/(m·K)")
+CONDUCTIVITY = number(
+    "Conductivity",
+    "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
+    0.01,
+    500.0,
+    unit="W/(m·K)",
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Spectrum:
     """Frequency bands and delay of a connection, in addition to its plain gain.
 
-    ``band_gains``: one factor per frequency band, each in [0, 1] (see `core.scene.bands`), applied once per connection.
-    ``band_decays``: extra attenuation per band in 1/m (>= 0): factor ``exp(-band_decay * d)``.
-    ``wave_speed``: metres per second; the connection delays by ``d / wave_speed``. 0 means no delay.
+    ``band_gains``: one factor per frequency band, each in [0, 1] (see `core.scene.bands`), applied
+    once per connection. ``band_decays``: extra attenuation per band in 1/m (>= 0): factor
+    ``exp(-band_decay * d)``. ``wave_speed``: metres per second; the connection delays by ``d /
+    wave_speed``. 0 means no delay.
     """
 
     band_gains: tuple[float, ...] = field(
         default=(),
-        metadata=numbers("", "Factor per frequency band, applied once per connection; default 1 each", BAND_COUNT, 0.0, 1.0, optional=True),
+        metadata=numbers(
+            "",
+            "Factor per frequency band, applied once per connection; default 1 each",
+            BAND_COUNT,
+            0.0,
+            1.0,
+            optional=True,
+        ),
     )
     band_decays: tuple[float, ...] = field(default=(), metadata=BAND_DECAYS)
     wave_speed: float = field(default=0.0, metadata=WAVE_SPEED)
@@ -69,11 +88,16 @@ class Spectrum:
     def to_dict(self) -> dict[str, Any]:
         """The non-default values by the keys of the scene file."""
         values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        return {key: list(value) if isinstance(value, tuple) else value for key, value in values.items() if value}
+        return {
+            key: list(value) if isinstance(value, tuple) else value
+            for key, value in values.items()
+            if value
+        }
 
 
 def require(key: str, value: float) -> None:
-    """Check the parameter ``key``. Raises ValueError unless its value is finite and not negative."""
+    """Check the parameter ``key``. Raises ValueError unless its value is finite and not
+    negative."""
     if not (math.isfinite(value) and value >= 0):
         raise ValueError(f"{key}: must be finite and >= 0, got {value!r}")
 
@@ -99,7 +123,8 @@ class ModulationFunction:
         check(self)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
-        """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of `spreading_law`; None for another form."""
+        """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of
+        `spreading_law`; None for another form."""
         return None
 
     def spreading_law(self) -> Law:
@@ -107,21 +132,32 @@ class ModulationFunction:
         return NO_SPREADING
 
     def loss(self, kappa: float, rho: float, epsilon: float) -> float:
-        """``-log(factor)`` of `log_linear`, infinite for factor 0; accurate also for factors close to 1."""
+        """``-log(factor)`` of `log_linear`, infinite for factor 0; accurate also for factors close
+        to 1."""
         pair = self.log_linear(kappa, rho, epsilon)
         assert pair is not None
         return -math.log(pair[0]) if pair[0] > 0 else math.inf
 
-    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
-        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth (m), angle (rad) and, if it is used, force
-        (N, NaN: unknown) of a contact, and match, the gain due to the impedances of its two bodies. ``kappa``, ``rho`` and these values are
+    def gain(
+        self,
+        distance: FloatArray,
+        kappa: Value,
+        rho: Value,
+        epsilon: float,
+        contact: OnContact = None,
+    ) -> FloatArray:
+        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth
+        (m), angle (rad) and, if it is used, force (N, NaN: unknown) of a contact, and match, the
+        gain due to the impedances of its two bodies. ``kappa``, ``rho`` and these values are
         numbers or arrays of the shape of ``distance``."""
         pair = self.log_linear(0.0, 0.0, epsilon)
         assert pair is not None
         factor, decay = pair
         return np.asarray(factor * np.exp(-decay * np.asarray(distance, dtype=np.float64)))
 
-    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def bounds(
+        self, max_distance: float, kappa: float, rho: float, epsilon: float
+    ) -> tuple[float, float]:
         """Guaranteed (lowest, highest) gain for any distance in [0, max_distance]."""
         pair = self.log_linear(kappa, rho, epsilon)
         assert pair is not None
@@ -135,7 +171,8 @@ class ModulationFunction:
 
     @property
     def impedance(self) -> float:
-        """Density times wave speed of the body [kg/(m^2 s)], 0 if the function does not define it."""
+        """Density times wave speed of the body [kg/(m^2 s)], 0 if the function does not define
+        it."""
         return 0.0
 
     @property
@@ -144,12 +181,13 @@ class ModulationFunction:
         return False
 
     def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
-        """Attenuation of each frequency band in addition to that of the gain [1/m]; () if it is 0 in all bands."""
+        """Attenuation of each frequency band in addition to that of the gain [1/m]; () if it is 0
+        in all bands."""
         return self.spectrum.band_decays
 
     def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
-        """Derivative (bands,) of the logarithm of the gain over ``distance`` [m] with respect to ``ln K``, K = (1 - kappa) rho; 0 if the
-        formula does not depend on K."""
+        """Derivative (bands,) of the logarithm of the gain over ``distance`` [m] with respect to
+        ``ln K``, K = (1 - kappa) rho; 0 if the formula does not depend on K."""
         return np.zeros(BAND_COUNT)
 
     def to_dict(self) -> dict[str, Any]:
@@ -173,7 +211,10 @@ class Constant(ModulationFunction):
     """The same gain over any distance."""
 
     name, label, about = "constant", "Constant", "The same gain over any distance"
-    gain_value: float = field(default=0.5, metadata=number("Gain", "The gain over any distance", 0.0, soft=(0.0, 1.0), key="gain"))
+    gain_value: float = field(
+        default=0.5,
+        metadata=number("Gain", "The gain over any distance", 0.0, soft=(0.0, 1.0), key="gain"),
+    )
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
         return self.gain_value, 0.0
@@ -187,7 +228,12 @@ class Exponential(ModulationFunction):
     alpha: float = field(
         default=0.2,
         metadata=number(
-            "Alpha", "Attenuation per metre; 0.2 is the paper's distance-only function", 0.0, soft=(0.0, 5.0), unit="1/m", digits=3
+            "Alpha",
+            "Attenuation per metre; 0.2 is the paper's distance-only function",
+            0.0,
+            soft=(0.0, 5.0),
+            unit="1/m",
+            digits=3,
         ),
     )
 
@@ -197,7 +243,8 @@ class Exponential(ModulationFunction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HapticTracing(ModulationFunction):
-    """``K exp(-max(K, epsilon) d)`` with ``K = (1 - kappa) rho``: the paper's propagation function (equation 2). The default of objects."""
+    """``K exp(-max(K, epsilon) d)`` with ``K = (1 - kappa) rho``: the paper's propagation function
+    (equation 2). The default of objects."""
 
     name, label = "haptic_tracing", "Haptic Tracing"
     about = "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"
@@ -209,9 +256,18 @@ class HapticTracing(ModulationFunction):
     def loss(self, kappa: float, rho: float, epsilon: float) -> float:
         return -(math.log1p(-kappa) + math.log(rho)) if kappa < 1 and rho > 0 else math.inf
 
-    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
+    def gain(
+        self,
+        distance: FloatArray,
+        kappa: Value,
+        rho: Value,
+        epsilon: float,
+        contact: OnContact = None,
+    ) -> FloatArray:
         k = transfer_coefficient(np.asarray(kappa), np.asarray(rho))
-        return np.asarray(k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64)))
+        return np.asarray(
+            k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64))
+        )
 
     def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
         k = transfer_coefficient(kappa, rho)
@@ -224,23 +280,43 @@ class Linear(ModulationFunction):
 
     name, label, about = "linear", "Linear", "1 - d / range: silent from the range on"
     range: float = field(
-        default=10.0, metadata=number("Range", "Distance from which on nothing is felt", 0.0, soft=(0.001, 100.0), unit="m", above=True)
+        default=10.0,
+        metadata=number(
+            "Range",
+            "Distance from which on nothing is felt",
+            0.0,
+            soft=(0.001, 100.0),
+            unit="m",
+            above=True,
+        ),
     )
 
-    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
+    def gain(
+        self,
+        distance: FloatArray,
+        kappa: Value,
+        rho: Value,
+        epsilon: float,
+        contact: OnContact = None,
+    ) -> FloatArray:
         with np.errstate(over="ignore"):  # of a range near 0
-            return np.asarray(np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range))
+            return np.asarray(
+                np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range)
+            )
 
-    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def bounds(
+        self, max_distance: float, kappa: float, rho: float, epsilon: float
+    ) -> tuple[float, float]:
         return max(0.0, 1.0 - max_distance / self.range), 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expression(ModulationFunction):
-    """A designer's formula over ``x, d, kappa, rho, epsilon`` and, on a contact, ``area, depth, angle, force`` (1 N if it is unknown).
+    """A designer's formula over ``x, d, kappa, rho, epsilon`` and, on a contact, ``area, depth,
+    angle, force`` (1 N if it is unknown).
 
-    With ``x`` (a sample of the signal) the formula must be proportional to it, as in ``x * exp(-d)``; without, it is the gain itself, as in
-    ``exp(-d)``.
+    With ``x`` (a sample of the signal) the formula must be proportional to it, as in ``x *
+    exp(-d)``; without, it is the gain itself, as in ``exp(-d)``.
     """
 
     name, label, about = "expression", "Expression", "Your own formula of x, d, kappa, rho, epsilon"
@@ -263,44 +339,79 @@ class Expression(ModulationFunction):
     def uses_force(self) -> bool:
         return self.compiled.uses("force")
 
-    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
+    def gain(
+        self,
+        distance: FloatArray,
+        kappa: Value,
+        rho: Value,
+        epsilon: float,
+        contact: OnContact = None,
+    ) -> FloatArray:
         """Raises ValueError if the formula gives a negative or non-finite gain."""
         values = {"kappa": kappa, "rho": rho, "epsilon": epsilon, **_NO_CONTACT, **(contact or {})}
         values["force"] = np.nan_to_num(values["force"], nan=1.0)
         gains = self.compiled.evaluate(np.asarray(distance, dtype=np.float64), values)
         if not np.all(np.isfinite(gains)):
-            raise ValueError(f"expression: {self.expression!r} has no finite value at d = {_first(distance, ~np.isfinite(gains)):g} m")
+            raise ValueError(
+                f"expression: {self.expression!r} has no finite value at d = "
+                f"{_first(distance, ~np.isfinite(gains)):g} m"
+            )
         if np.any(gains < 0):
-            raise ValueError(f"expression: {self.expression!r} is negative at d = {_first(distance, gains < 0):g} m; a gain is 0 or more")
+            raise ValueError(
+                f"expression: {self.expression!r} is negative at d = "
+                f"{_first(distance, gains < 0):g} m; a gain is 0 or more"
+            )
         return gains
 
-    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
-        """Bounds by interval arithmetic: guaranteed, but not always tight, so that the upper one may exceed 1 although the formula does
-        not."""
+    def bounds(
+        self, max_distance: float, kappa: float, rho: float, epsilon: float
+    ) -> tuple[float, float]:
+        """Bounds by interval arithmetic: guaranteed, but not always tight, so that the upper one
+        may exceed 1 although the formula does not."""
         known = {"x": 1.0, "kappa": kappa, "rho": rho, "epsilon": epsilon}
-        most = {"d": max_distance, "angle": math.pi, "area": math.inf, "depth": math.inf, "force": math.inf}
+        most = {
+            "d": max_distance,
+            "angle": math.pi,
+            "area": math.inf,
+            "depth": math.inf,
+            "force": math.inf,
+        }
         exact = {name: Interval(value, value) for name, value in known.items()}
-        result = self.compiled.bounds({**exact, **{name: Interval(0.0, value) for name, value in most.items()}})
+        result = self.compiled.bounds(
+            {**exact, **{name: Interval(0.0, value) for name, value in most.items()}}
+        )
         return max(0.0, result.low), result.high
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Conduction(ModulationFunction):
-    """``exp(-m d)`` with ``m = sqrt(2 h / (k t))``: the excess temperature along a long plate that is warm at one end.
+    """``exp(-m d)`` with ``m = sqrt(2 h / (k t))``: the excess temperature along a long plate that
+    is warm at one end.
 
-    It is the solution of the fin equation ``k t T'' = 2 h T`` (Incropera et al., "Fundamentals of Heat and Mass Transfer", section 3.6).
-    conductivity: k, W/(m K). thickness: t, metres. exchange: h, W/(m^2 K), the heat transfer coefficient of either face; about 10 in still
-    air.
+    It is the solution of the fin equation ``k t T'' = 2 h T`` (Incropera et al., "Fundamentals of
+    Heat and Mass Transfer", section 3.6). conductivity: k, W/(m K). thickness: t, metres. exchange:
+    h, W/(m^2 K), the heat transfer coefficient of either face; about 10 in still air.
     """
 
     name, label = "conduction", "Conduction"
-    about = "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"
+    about = (
+        "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"
+    )
     conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)
-    thickness: float = field(default=0.1, metadata=number("Thickness", "Extent perpendicular to the heat flow", 0.001, 10.0, unit="m"))
+    thickness: float = field(
+        default=0.1,
+        metadata=number(
+            "Thickness", "Extent perpendicular to the heat flow", 0.001, 10.0, unit="m"
+        ),
+    )
     exchange: float = field(
         default=10.0,
         metadata=number(
-            "Heat Loss", "What a face gives off to air: 5 still, 10 a calm room, 25 wind, in W/(m²·K)", 0.1, 200.0, unit="W/(m²·K)"
+            "Heat Loss",
+            "What a face gives off to air: 5 still, 10 a calm room, 25 wind, in W/(m²·K)",
+            0.1,
+            200.0,
+            unit="W/(m²·K)",
         ),
     )
 

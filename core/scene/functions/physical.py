@@ -17,7 +17,8 @@ from .modulation import ModulationFunction, OnContact, Value
 from .spreading import NO_SPREADING, Law, Spreading
 
 _FELT = 0.06
-"""Nepers (0.5 dB) by which the loss of any band must differ from the lowest one's over `_FAR` metres; below this, bands are left out."""
+"""Nepers (0.5 dB) by which the loss of any band must differ from the lowest one's over `_FAR`
+metres; below this, bands are left out."""
 
 _FAR = 10.0
 
@@ -36,46 +37,63 @@ class Wave(enum.StrEnum):
 WAVES = {
     Wave.ROD: ("Rod", "Along a rod, a string or a small body: no spreading"),
     Wave.PLATE: ("Plate", "Bending waves in a plate of a thickness, which spread over its surface"),
-    Wave.SURFACE: ("Half-Space", "Waves along the surface of something without end, as of the ground, whatever its thickness"),
+    Wave.SURFACE: (
+        "Half-Space",
+        "Waves along the surface of something without end, as of the ground, whatever its "
+        "thickness",
+    ),
     Wave.SOLID: ("Solid", "Through a volume, in all directions"),
     Wave.LIMB: ("Limb", "Along a part of a body, which moves as a whole up to its resonance"),
-    Wave.BOUNDED: ("Bounded Body", "Spreads from the source until it fills the body's thickness and width, and no further"),
+    Wave.BOUNDED: (
+        "Bounded Body",
+        "Spreads from the source until it fills the body's thickness and width, and no further",
+    ),
 }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Physical(ModulationFunction):
-    """``(1 + min(d, extent) / r0)^-g exp(-alpha(f) d)``: geometric spreading up to the extent of the body, and damping.
+    """``(1 + min(d, extent) / r0)^-g exp(-alpha(f) d)``: geometric spreading up to the extent of
+    the body, and damping.
 
-    The exponent g follows from the wave type. In a bounded body, whose least size is ``thickness`` and next one ``extent``, a wave spreads
-    through the volume from r0 until it fills the thickness, then over the surface until it fills the width, and no further:
-    ``(1 + min(d, A) / r0)^-1 (1 + (min(d, A + B) - min(d, A)) / q)^-1/2`` with ``A = max(thickness - r0, 0)``, ``q = max(r0, thickness)``
-    and ``B = max(extent - q, 0)``. In every case ``-log`` is 0 at 0, concave and non-decreasing in d.
+    The exponent g follows from the wave type. In a bounded body, whose least size is ``thickness``
+    and next one ``extent``, a wave spreads through the volume from r0 until it fills the thickness,
+    then over the surface until it fills the width, and no further: ``(1 + min(d, A) / r0)^-1 (1 +
+    (min(d, A + B) - min(d, A)) / q)^-1/2`` with ``A = max(thickness - r0, 0)``, ``q = max(r0,
+    thickness)`` and ``B = max(extent - q, 0)``. In every case ``-log`` is 0 at 0, concave and
+    non-decreasing in d.
 
-    For non-dispersive waves ``alpha = pi f loss_factor / phase_speed``; for bending waves ``alpha = pi f loss_factor / (2 c_B)`` with
-    ``c_B = sqrt(1.8 phase_speed thickness f)`` (Cremer, Heckl and Petersson, *Structure-Borne Sound*, for a Poisson ratio of 0.3). Bounded
-    bodies bend too, and their waves are at most as fast as ``phase_speed``. Along a limb
-    ``alpha = pi (f - resonance) loss_factor / phase_speed``, 0 below its ``resonance`` [Hz], up to which the limb moves as a whole.
-    ``absorption`` [1/m] is added at every frequency; it represents edges and joints of a building.
+    For non-dispersive waves ``alpha = pi f loss_factor / phase_speed``; for bending waves ``alpha =
+    pi f loss_factor / (2 c_B)`` with ``c_B = sqrt(1.8 phase_speed thickness f)`` (Cremer, Heckl and
+    Petersson, *Structure-Borne Sound*, for a Poisson ratio of 0.3). Bounded bodies bend too, and
+    their waves are at most as fast as ``phase_speed``. Along a limb ``alpha = pi (f - resonance)
+    loss_factor / phase_speed``, 0 below its ``resonance`` [Hz], up to which the limb moves as a
+    whole. ``absorption`` [1/m] is added at every frequency; it represents edges and joints of a
+    building.
 
-    kappa and rho scale all damping by ``ln K / ln K0`` with ``K = (1 - kappa) rho``: at the material's own ``K0 = material_k`` the factor
-    is 1, at K = 1 there is no damping, at K = 0 the gain is 0. The plain gain is that of the lowest frequency band, which is the highest;
-    the other bands follow the formula, unless none of them differs by half a decibel over ten metres.
+    kappa and rho scale all damping by ``ln K / ln K0`` with ``K = (1 - kappa) rho``: at the
+    material's own ``K0 = material_k`` the factor is 1, at K = 1 there is no damping, at K = 0 the
+    gain is 0. The plain gain is that of the lowest frequency band, which is the highest; the other
+    bands follow the formula, unless none of them differs by half a decibel over ten metres.
 
-    Lengths in metres: ``thickness`` of a plate or bounded body, ``reference_distance`` r0 (the radius of the driven area), ``extent``: the
-    width of a bounded body, else the length of the body (0: infinite). ``phase_speed`` in m/s, of extensional, surface or shear waves; it
-    causes no delay (`Spectrum.wave_speed` does). ``density`` in kg/m^3 and phase speed determine the impedance for transmission functions
-    of contacts.
+    Lengths in metres: ``thickness`` of a plate or bounded body, ``reference_distance`` r0 (the
+    radius of the driven area), ``extent``: the width of a bounded body, else the length of the body
+    (0: infinite). ``phase_speed`` in m/s, of extensional, surface or shear waves; it causes no
+    delay (`Spectrum.wave_speed` does). ``density`` in kg/m^3 and phase speed determine the
+    impedance for transmission functions of contacts.
     """
 
     name, label = "physical", "Physical"
     about = "Spreading and damping of measured materials, by loss factor, wave speed and wave type"
-    wave: Wave = field(default=Wave.SOLID, metadata=choice("Wave", "How vibration travels in the body", WAVES))
+    wave: Wave = field(
+        default=Wave.SOLID, metadata=choice("Wave", "How vibration travels in the body", WAVES)
+    )
     loss_factor: float = field(
         default=0.01,
         metadata=number(
             "Loss Factor",
-            "Part of the energy that a cycle turns into heat, over 2π: steel 0.0002, wood 0.01, rubber 0.15",
+            "Part of the energy that a cycle turns into heat, over 2π: steel 0.0002, wood 0.01, "
+            "rubber 0.15",
             0.0,
             soft=(0.0, 1.0),
             digits=5,
@@ -85,7 +103,8 @@ class Physical(ModulationFunction):
         default=1000.0,
         metadata=number(
             "Speed (m/s)",
-            "Speed of the waves in metres per second, for plates that of extensional waves: steel 5100, soil 200",
+            "Speed of the waves in metres per second, for plates that of extensional waves: "
+            "steel 5100, soil 200",
             0.0,
             soft=(0.1, 6000.0),
             above=True,
@@ -95,7 +114,8 @@ class Physical(ModulationFunction):
         default=1000.0,
         metadata=number(
             "Density",
-            "With the speed it gives the impedance that contacts may depend on: steel 7850, water 1000, foam 40",
+            "With the speed it gives the impedance that contacts may depend on: steel 7850, "
+            "water 1000, foam 40",
             0.0,
             soft=(0.1, 20000.0),
             unit="kg/m³",
@@ -105,14 +125,21 @@ class Physical(ModulationFunction):
     thickness: float = field(
         default=0.1,
         metadata=number(
-            "Thickness", "Thickness of the plate, or of the wall of a hollow body", 0.0, soft=(1e-4, 100.0), unit="m", digits=4, above=True
+            "Thickness",
+            "Thickness of the plate, or of the wall of a hollow body",
+            0.0,
+            soft=(1e-4, 100.0),
+            unit="m",
+            digits=4,
+            above=True,
         ),
     )
     absorption: float = field(
         default=0.0,
         metadata=number(
             "Joints",
-            "Attenuation per metre that edges and joints add at every frequency; walls and floors of a building 0.12 to 0.35",
+            "Attenuation per metre that edges and joints add at every frequency; walls and "
+            "floors of a building 0.12 to 0.35",
             0.0,
             soft=(0.0, 1.0),
             unit="1/m",
@@ -145,7 +172,8 @@ class Physical(ModulationFunction):
         default=0.0,
         metadata=number(
             "Extent",
-            "Distance over which vibration spreads in the body: the width of a bounded one, else its length; 0: without end",
+            "Distance over which vibration spreads in the body: the width of a bounded one, else "
+            "its length; 0: without end",
             0.0,
             soft=(0.0, 100.0),
             unit="m",
@@ -155,7 +183,8 @@ class Physical(ModulationFunction):
         default=20.0,
         metadata=number(
             "Resonance",
-            "A limb moves as a whole up to this frequency: trunk 5, elbow 8, knee 25, wrist 30, fingertip 200",
+            "A limb moves as a whole up to this frequency: trunk 5, elbow 8, knee 25, wrist 30, "
+            "fingertip 200",
             0.0,
             soft=(0.0, 300.0),
             unit="Hz",
@@ -163,7 +192,8 @@ class Physical(ModulationFunction):
     )
 
     def material_damping(self, frequency: float) -> float:
-        """Attenuation alpha [1/m] at ``frequency`` [Hz] of the material itself, at ``K = material_k``."""
+        """Attenuation alpha [1/m] at ``frequency`` [Hz] of the material itself, at ``K =
+        material_k``."""
         speed = self.phase_speed
         if self.wave in (Wave.PLATE, Wave.BOUNDED):
             bending = 2 * math.sqrt(1.8 * self.phase_speed * self.thickness * frequency)
@@ -176,7 +206,11 @@ class Physical(ModulationFunction):
         alpha = self.material_damping(frequency)
         k = np.asarray(transfer_coefficient(np.asarray(kappa), np.asarray(rho)), dtype=np.float64)
         blocked = k <= 0
-        return np.where(blocked, math.inf, alpha * (np.log(np.where(blocked, 1.0, k)) / math.log(self.material_k)))
+        return np.where(
+            blocked,
+            math.inf,
+            alpha * (np.log(np.where(blocked, 1.0, k)) / math.log(self.material_k)),
+        )
 
     @property
     def impedance(self) -> float:
@@ -187,7 +221,14 @@ class Physical(ModulationFunction):
         law = Spreading.of([self.spreading_law()])
         return np.ones(np.shape(distance)) if law is None else np.exp(-law.at(0).cost(distance))
 
-    def gain(self, distance: FloatArray, kappa: Value, rho: Value, epsilon: float, contact: OnContact = None) -> FloatArray:
+    def gain(
+        self,
+        distance: FloatArray,
+        kappa: Value,
+        rho: Value,
+        epsilon: float,
+        contact: OnContact = None,
+    ) -> FloatArray:
         away = np.asarray(distance, dtype=np.float64)
         damped = np.where(away > 0, self.damping(BAND_CENTRES[0], kappa, rho), 0.0) * away
         return np.asarray(self.spreading(away) * np.exp(-damped))
@@ -203,7 +244,9 @@ class Physical(ModulationFunction):
                 width = max(start, self.thickness)
                 over = max(end - start, 0.0)  # where it fills thickness and width
                 if self.thickness > start:
-                    return Law(1.0, start, self.thickness - start, width, max(over, self.thickness - start))
+                    return Law(
+                        1.0, start, self.thickness - start, width, max(over, self.thickness - start)
+                    )
                 return Law(0.5, start, over, width, over)
             case Wave.SOLID:
                 return Law(1.0, start, end, start, end)
@@ -211,21 +254,29 @@ class Physical(ModulationFunction):
                 return Law(0.5, start, end, start, end)
         return NO_SPREADING
 
-    def bounds(self, max_distance: float, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def bounds(
+        self, max_distance: float, kappa: float, rho: float, epsilon: float
+    ) -> tuple[float, float]:
         return float(self.gain(np.array(max_distance), kappa, rho, epsilon)), 1.0
 
     def _relative_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
-        """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the bands; () if the difference is negligible
-        (`_FELT`)."""
+        """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the
+        bands; () if the difference is negligible (`_FELT`)."""
         base = float(self.damping(BAND_CENTRES[0], kappa, rho))
-        relative = () if base == math.inf else tuple(float(self.damping(centre, kappa, rho)) - base for centre in BAND_CENTRES)
+        relative = (
+            ()
+            if base == math.inf
+            else tuple(float(self.damping(centre, kappa, rho)) - base for centre in BAND_CENTRES)
+        )
         return () if all(decay * _FAR < _FELT for decay in relative) else relative
 
     def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
         relative, authored = self._relative_decays(kappa, rho), self.spectrum.band_decays
         if not relative:
             return authored
-        return tuple(a + b for a, b in zip(relative, authored, strict=True)) if authored else relative
+        return (
+            tuple(a + b for a, b in zip(relative, authored, strict=True)) if authored else relative
+        )
 
     def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
         lowest = self.material_damping(BAND_CENTRES[0])

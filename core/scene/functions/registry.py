@@ -21,20 +21,28 @@ from .modulation import (
 from .physical import Physical
 
 FUNCTIONS: dict[str, type[ModulationFunction]] = {
-    cls.name: cls for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Expression, Physical)
+    cls.name: cls
+    for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Expression, Physical)
 }
 """Those of objects."""
-TRANSMISSIONS: dict[str, type[ModulationFunction]] = {**FUNCTIONS, **{cls.name: cls for cls in (Impedance, Resilient, NormalForce)}}
+TRANSMISSIONS: dict[str, type[ModulationFunction]] = {
+    **FUNCTIONS,
+    **{cls.name: cls for cls in (Impedance, Resilient, NormalForce)},
+}
 """Those of contacts."""
 ALL_FUNCTIONS: dict[str, type[ModulationFunction]] = {**TRANSMISSIONS, Conduction.name: Conduction}
 """Those of all modalities."""
 _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 
 
-def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS) -> ModulationFunction:
-    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those of its modality.
+def function_from_dict(
+    form: Mapping[str, Any], functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS
+) -> ModulationFunction:
+    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those of
+    its modality.
 
-    Raises ValueError that names the key for an unknown name, an unknown parameter or a value out of range.
+    Raises ValueError that names the key for an unknown name, an unknown parameter or a value out of
+    range.
     """
     name = form.get("function")
     cls = functions.get(name) if isinstance(name, str) else None
@@ -48,6 +56,8 @@ def function_from_dict(form: Mapping[str, Any], functions: Mapping[str, type[Mod
         elif key not in ("function", *_SPECTRUM_KEYS):
             raise ValueError(f"{key}: unknown parameter of function {name!r}")
     spectrum = Spectrum(
-        band_gains=tuple(form.get("band_gains", ())), band_decays=tuple(form.get("band_decays", ())), wave_speed=form.get("wave_speed", 0.0)
+        band_gains=tuple(form.get("band_gains", ())),
+        band_decays=tuple(form.get("band_decays", ())),
+        wave_speed=form.get("wave_speed", 0.0),
     )
     return cls(spectrum=spectrum, **arguments)

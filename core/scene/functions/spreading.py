@@ -1,5 +1,5 @@
-"""Geometric spreading of waves: through a volume or over a surface up to a first distance, over a surface up to a second one, and no
-further."""
+"""Geometric spreading of waves: through a volume or over a surface up to a first distance, over a
+surface up to a second one, and no further."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ from ...arrays import FloatArray, IntArray
 
 
 class Law(NamedTuple):
-    """The gain ``(1 + min(d, extent) / reference)^-exponent``, and from the distance ``extent`` to ``over`` times
-    ``(1 + (d - extent) / width)^-1/2``.
+    """The gain ``(1 + min(d, extent) / reference)^-exponent``, and from the distance ``extent`` to
+    ``over`` times ``(1 + (d - extent) / width)^-1/2``.
 
-    Lengths in metres. Where ``over`` exceeds the extent, the exponent is 1 and the width is at least ``reference + extent``: so the cost
-    ``-log(gain)`` is 0 at distance 0, concave and non-decreasing, a metric.
+    Lengths in metres. Where ``over`` exceeds the extent, the exponent is 1 and the width is at
+    least ``reference + extent``: so the cost ``-log(gain)`` is 0 at distance 0, concave and
+    non-decreasing, a metric.
     """
 
     exponent: float
@@ -29,7 +30,11 @@ class Law(NamedTuple):
     def cost(self, distance: float) -> float:
         """The cost over one distance."""
         cost = self.exponent * math.log1p(min(distance, self.extent) / self.reference)
-        return cost + 0.5 * math.log1p((min(distance, self.over) - self.extent) / self.width) if distance > self.extent else cost
+        return (
+            cost + 0.5 * math.log1p((min(distance, self.over) - self.extent) / self.width)
+            if distance > self.extent
+            else cost
+        )
 
 
 NO_SPREADING = Law(0.0, 1.0, math.inf, 1.0, math.inf)

@@ -22,15 +22,39 @@ def select(*names: str) -> None:
 
 
 def add_objects() -> None:
-    """A table, a nail on it, a hammer whose head rests on the nail, the hand around the other end of its handle, and an empty in the hand
-    that both turn about."""
+    """A table, a nail on it, a hammer whose head rests on the nail, the hand around the other end
+    of its handle, and an empty in the hand that both turn about."""
     for obj in list(bpy.context.scene.objects):
         if obj.type == "MESH":
             bpy.data.objects.remove(obj)
-    _add("Table", bpy.ops.mesh.primitive_cube_add, size=1, location=(0, 0, 0.77), scale=(1.2, 0.6, 0.06))
-    _add("Nail", bpy.ops.mesh.primitive_cylinder_add, radius=0.012, depth=0.06, location=(0.30, 0, 0.83))
-    _add("Handle", bpy.ops.mesh.primitive_cube_add, size=1, location=(0.10, 0, 0.92), scale=(0.44, 0.03, 0.03))
-    _add("Hammer", bpy.ops.mesh.primitive_cube_add, size=1, location=(0.30, 0, 0.92), scale=(0.05, 0.05, 0.12))
+    _add(
+        "Table",
+        bpy.ops.mesh.primitive_cube_add,
+        size=1,
+        location=(0, 0, 0.77),
+        scale=(1.2, 0.6, 0.06),
+    )
+    _add(
+        "Nail",
+        bpy.ops.mesh.primitive_cylinder_add,
+        radius=0.012,
+        depth=0.06,
+        location=(0.30, 0, 0.83),
+    )
+    _add(
+        "Handle",
+        bpy.ops.mesh.primitive_cube_add,
+        size=1,
+        location=(0.10, 0, 0.92),
+        scale=(0.44, 0.03, 0.03),
+    )
+    _add(
+        "Hammer",
+        bpy.ops.mesh.primitive_cube_add,
+        size=1,
+        location=(0.30, 0, 0.92),
+        scale=(0.05, 0.05, 0.12),
+    )
     select("Hammer", "Handle")
     bpy.ops.object.join()
     _add("Hand", bpy.ops.mesh.primitive_uv_sphere_add, radius=0.05, location=WRIST)
@@ -51,9 +75,16 @@ def make_haptic() -> None:
 
 
 def swing_the_hammer() -> None:
-    """The hammer is raised, strikes the nail at frame 20 and is lifted again; at full speed until it strikes."""
+    """The hammer is raised, strikes the nail at frame 20 and is lifted again; at full speed until
+    it strikes."""
     wrist = bpy.data.objects["Wrist"]
-    for frame, angle in ((RAISED[0], SWING), (RAISED[1], SWING), (STRIKES[0], 0.0), (STRIKES[1], 0.0), (LIFTED, SWING)):
+    for frame, angle in (
+        (RAISED[0], SWING),
+        (RAISED[1], SWING),
+        (STRIKES[0], 0.0),
+        (STRIKES[1], 0.0),
+        (LIFTED, SWING),
+    ):
         wrist.rotation_euler.y = angle
         wrist.keyframe_insert("rotation_euler", index=1, frame=frame)
     curve = _fcurve(wrist)
@@ -70,7 +101,8 @@ def _fcurve(obj: Any) -> Any:
 
 
 def add_physics() -> None:
-    """Impacts are between rigid bodies: table and nail stand still, the hammer follows its animation."""
+    """Impacts are between rigid bodies: table and nail stand still, the hammer follows its
+    animation."""
     for name, kind in (("Table", "PASSIVE"), ("Nail", "PASSIVE"), ("Hammer", "ACTIVE")):
         select(name)
         bpy.ops.rigidbody.object_add(type=kind)

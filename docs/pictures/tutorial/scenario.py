@@ -8,7 +8,12 @@ LISTENER, RESULT = 13, 6  # notches down to these panels
 
 def steps(window):
     area = window.view
-    window.seen["viewport"] = (area.x, window.window.height - area.y - area.height, area.x + area.width, window.window.height - area.y)
+    window.seen["viewport"] = (
+        area.x,
+        window.window.height - area.y - area.height,
+        area.x + area.width,
+        window.window.height - area.y,
+    )
     bpy.context.preferences.view.show_developer_ui = False
     with window.context():
         tutorial.add_objects()

@@ -1,4 +1,5 @@
-"""Every text that the add-on shows: those of its classes and properties as Blender knows them, and those in its sources."""
+"""Every text that the add-on shows: those of its classes and properties as Blender knows them, and
+those in its sources."""
 
 from __future__ import annotations
 
@@ -15,7 +16,14 @@ from haptic_tracing.core.modalities import MODALITIES
 from haptic_tracing.core.scene import body_map
 
 ADDON = Path(haptic_tracing.__file__).parent / "addon"
-_BASES = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.PropertyGroup, bpy.types.AddonPreferences, bpy.types.UIList)
+_BASES = (
+    bpy.types.Operator,
+    bpy.types.Panel,
+    bpy.types.Menu,
+    bpy.types.PropertyGroup,
+    bpy.types.AddonPreferences,
+    bpy.types.UIList,
+)
 _CALLS = {
     "poll_message_set",
     "permitted",
@@ -45,7 +53,11 @@ def written_texts() -> set[str]:
     found: set[str] = set()
     for path in ADDON.rglob("*.py"):
         if "translations" not in path.parts:
-            found |= {text for text in _in_source(ast.parse(path.read_text(encoding="utf-8"))) if _has_words(text)}
+            found |= {
+                text
+                for text in _in_source(ast.parse(path.read_text(encoding="utf-8")))
+                if _has_words(text)
+            }
     return found
 
 
@@ -84,7 +96,11 @@ def _of_class(cls: Any) -> Iterator[str]:
 def _in_source(tree: ast.Module) -> Iterator[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
-            name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            name = (
+                node.func.attr
+                if isinstance(node.func, ast.Attribute)
+                else getattr(node.func, "id", "")
+            )
             for keyword in node.keywords:
                 if keyword.arg in _KEYWORDS:
                     yield from _constants(keyword.value)
@@ -93,10 +109,16 @@ def _in_source(tree: ast.Module) -> Iterator[str]:
                     yield from _constants(argument)
             elif name in ("report", "refuse") and len(node.args) >= 2:
                 yield from _constants(node.args[1])
-        elif isinstance(node, ast.FunctionDef) and node.name in ("next_step", "advice", "linked_message"):
+        elif isinstance(node, ast.FunctionDef) and node.name in (
+            "next_step",
+            "advice",
+            "linked_message",
+        ):
             for inner in ast.walk(node):
                 if isinstance(inner, ast.Return | ast.Yield) and inner.value is not None:
-                    values = inner.value.elts if isinstance(inner.value, ast.Tuple) else [inner.value]
+                    values = (
+                        inner.value.elts if isinstance(inner.value, ast.Tuple) else [inner.value]
+                    )
                     for value in values:
                         yield from _constants(value)
 

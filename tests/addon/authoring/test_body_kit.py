@@ -1,4 +1,5 @@
-"""Listeners on bodies: on the bones of an armature, in a mesh, mirrored; what is missing is said."""
+"""Listeners on bodies: on the bones of an armature, in a mesh, mirrored; what is missing is
+said."""
 
 import bpy
 import pytest
@@ -26,7 +27,8 @@ def _select(*objects):
 
 @pytest.fixture
 def armature(scene):
-    """A Mixamo skeleton as it is imported: a hundredth of its size, lying on its back and stood up by its object."""
+    """A Mixamo skeleton as it is imported: a hundredth of its size, lying on its back and stood up
+    by its object."""
     data = bpy.data.armatures.new("Armature")
     obj = bpy.data.objects.new("Armature", data)
     scene.collection.objects.link(obj)
@@ -61,7 +63,11 @@ def skinned(armature, add_box):
 
 def _listeners(parent):
     bpy.context.view_layer.update()
-    return {child.haptics.listener.body_part: child for child in parent.children if child.haptics.listener.enabled}
+    return {
+        child.haptics.listener.body_part: child
+        for child in parent.children
+        if child.haptics.listener.enabled
+    }
 
 
 @pytest.mark.parametrize(("parts", "count"), [("DEFAULT", 12), ("PAPER", 10), ("ALL", 25)])
@@ -77,7 +83,9 @@ def test_an_armature_gets_listeners_on_its_bones(armature, skinned, parts, count
         assert tuple(listener.matrix_world.to_scale()) == pytest.approx((1, 1, 1), rel=1e-3)
         assert listener.empty_display_size == pytest.approx(BODY_PART[name].radius)
     assert listeners["hand.L"].parent_bone == "mixamorig:LeftHand"
-    assert tuple(listeners["hand.L"].matrix_world.translation) == pytest.approx((0.22, 0, 0.85), abs=1e-3)
+    assert tuple(listeners["hand.L"].matrix_world.translation) == pytest.approx(
+        (0.22, 0, 0.85), abs=1e-3
+    )
 
 
 def test_they_follow_their_bones_and_feel_through_the_body(armature, skinned, traced):
@@ -99,7 +107,9 @@ def test_a_posed_body_gets_them_where_its_parts_are_now(armature, skinned):
     bpy.context.view_layer.update()
     _select(skinned)
     bpy.ops.haptic.add_default_listeners()
-    assert tuple(_listeners(armature)["hand.L"].matrix_world.translation) == pytest.approx((0.22, 0, 0.55), abs=1e-3)
+    assert tuple(_listeners(armature)["hand.L"].matrix_world.translation) == pytest.approx(
+        (0.22, 0, 0.55), abs=1e-3
+    )
 
 
 def test_pressing_again_adds_only_what_is_missing(armature, skinned):
@@ -144,7 +154,9 @@ def test_a_mesh_gets_them_where_a_standing_body_has_its_parts(add_box, parts):
     _select(body)
     bpy.ops.haptic.add_default_listeners(parts=parts)
     listeners = _listeners(body)
-    assert set(listeners) == ({part.name for part in BODY_PARTS} if parts == "ALL" else set(DEFAULT_LISTENERS))
+    assert set(listeners) == (
+        {part.name for part in BODY_PARTS} if parts == "ALL" else set(DEFAULT_LISTENERS)
+    )
     for name, listener in listeners.items():
         x, y, z = body.matrix_world.inverted() @ listener.matrix_world.translation
         assert max(abs(x), abs(y), abs(z)) <= 0.5
@@ -153,8 +165,13 @@ def test_a_mesh_gets_them_where_a_standing_body_has_its_parts(add_box, parts):
 
 
 def test_feet_stand_below_a_body_whose_arms_reach_out(scene):
-    """A trunk on two legs, and arms as wide as it is high: without an armature, feet lie within the legs."""
-    parts = (((0, 0, 1.2), (0.3, 0.3, 0.8)), ((0, -0.2, 1.4), (1.8, 0.1, 0.1)), *(((x, 0, 0.4), (0.15, 0.25, 0.8)) for x in (0.12, -0.12)))
+    """A trunk on two legs, and arms as wide as it is high: without an armature, feet lie within the
+    legs."""
+    parts = (
+        ((0, 0, 1.2), (0.3, 0.3, 0.8)),
+        ((0, -0.2, 1.4), (1.8, 0.1, 0.1)),
+        *(((x, 0, 0.4), (0.15, 0.25, 0.8)) for x in (0.12, -0.12)),
+    )
     for place, size in parts:
         bpy.ops.mesh.primitive_cube_add(size=1, location=place)
         bpy.context.object.scale = size
@@ -199,7 +216,9 @@ def test_mirroring_copies_settings_and_makes_what_is_missing(armature, skinned):
     assert after["hand.R"].haptics.listener.gain == pytest.approx(1.7)
     assert after["ear.R"].haptics.listener.mixing == "power"
     assert after["hand.R"].parent_bone == "mixamorig:RightHand"
-    assert tuple(after["hand.R"].matrix_world.translation) == pytest.approx(tuple(expected), abs=1e-4)
+    assert tuple(after["hand.R"].matrix_world.translation) == pytest.approx(
+        tuple(expected), abs=1e-4
+    )
 
 
 def test_mirroring_needs_a_side(add_empty):

@@ -1,4 +1,5 @@
-"""The body kit on the armatures that Blender itself ships, Rigify's, before and after their control rig is generated."""
+"""The body kit on the armatures that Blender itself ships, Rigify's, before and after their control
+rig is generated."""
 
 import subprocess
 import sys
@@ -27,15 +28,25 @@ for path in sys.argv[1:]:
     bpy.ops.wm.save_as_mainfile(filepath=path)
 os._exit(0)
 """
-RIGS = ("armature_human_metarig_add", "armature_basic_human_metarig_add", "armature_basic_human_metarig_add generated")
+RIGS = (
+    "armature_human_metarig_add",
+    "armature_basic_human_metarig_add",
+    "armature_basic_human_metarig_add generated",
+)
 """The operator that adds each armature, and whether its control rig is generated."""
 
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
-    """The armatures' files, drawn in a process of its own: Rigify leaves Blender 4.2 with a broken heap."""
+    """The armatures' files, drawn in a process of its own: Rigify leaves Blender 4.2 with a broken
+    heap."""
     files = {name: tmp_path_factory.mktemp("rigs") / f"{name}.blend" for name in RIGS}
-    subprocess.run([sys.executable, "-c", DRAW, *files.values()], check=True, stdout=subprocess.DEVNULL, timeout=300)
+    subprocess.run(
+        [sys.executable, "-c", DRAW, *files.values()],
+        check=True,
+        stdout=subprocess.DEVNULL,
+        timeout=300,
+    )
     return files
 
 
@@ -59,13 +70,20 @@ def test_every_part_has_its_bone(rig, missing, generated):
     bpy.context.view_layer.objects.active = rig
     bpy.ops.haptic.add_default_listeners(parts="ALL")
     bpy.context.view_layer.update()
-    listeners = {child.haptics.listener.body_part: child for child in rig.children if child.haptics.listener.enabled}
+    listeners = {
+        child.haptics.listener.body_part: child
+        for child in rig.children
+        if child.haptics.listener.enabled
+    }
     assert set(listeners) == {part.name for part in BODY_PARTS} - missing
     place = {part: listener.matrix_world.translation for part, listener in listeners.items()}
     for part, position in place.items():
         side = BODY_PART[part].side
         assert (position.x > 0.02, position.x < -0.02) == (side == "L", side == "R")
-    heights = [place[part].z for part in ("head", "chest.L", "belly", "hips", "upper_leg.L", "lower_leg.L", "foot.L")]
+    heights = [
+        place[part].z
+        for part in ("head", "chest.L", "belly", "hips", "upper_leg.L", "lower_leg.L", "foot.L")
+    ]
     assert heights == sorted(heights, reverse=True)
     assert place["chest.L"].y < place["head"].y < place["upper_back.L"].y  # it faces -y
     assert all(child.parent_bone.startswith("DEF-") for child in listeners.values()) == generated

@@ -14,7 +14,9 @@ from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.addon.session import session
 from haptic_tracing.core.scene.functions import check_expression
 
-_spec = importlib.util.spec_from_file_location("recording_layout_of_authoring", Path(__file__).parents[1] / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout_of_authoring", Path(__file__).parents[1] / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -38,7 +40,9 @@ def test_a_valid_formula_takes_no_room():
     assert _said("x * exp(-d)") == (None, [])
 
 
-@pytest.mark.parametrize("source", ["x * exp(-q * d)", "iiii * x", "WWWW + WW", "x" + " + x" * 40 + " + q" + " + x" * 10])
+@pytest.mark.parametrize(
+    "source", ["x * exp(-q * d)", "iiii * x", "WWWW + WW", "x" + " + x" * 40 + " + q" + " + x" * 10]
+)
 def test_the_mark_stands_below_the_place(source):
     _, (shown, mark, *_) = _said(source)
     place = shown.index(next(letter for letter in "qiW" if letter in shown))
@@ -101,7 +105,17 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
     bpy.context.scene.collection.objects.link(armature)
     box.select_set(True)
     bpy.context.scene.haptics.modalities.thermal.enabled = True
-    from haptic_tracing.addon.panels import export, listener, materials, modalities, object, object_menus, result, scene, source
+    from haptic_tracing.addon.panels import (
+        export,
+        listener,
+        materials,
+        modalities,
+        object,
+        object_menus,
+        result,
+        scene,
+        source,
+    )
 
     drawn = (scene, object, source, listener, result, export, materials, modalities, object_menus)
 
@@ -116,7 +130,9 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
             for cls in (*classes_of(*drawn), *modalities.PANELS):
                 if hasattr(cls, "draw") and (not hasattr(cls, "poll") or cls.poll(bpy.context)):
                     layout = _draw(cls)
-                    assert layout.labels or layout.properties or layout.operators or layout.menus, cls
+                    assert layout.labels or layout.properties or layout.operators or layout.menus, (
+                        cls
+                    )
 
 
 def test_panels_draw_with_an_object_of_another_library(add_box):
@@ -150,7 +166,9 @@ def enabled():
 def test_preferences_draw_and_count(enabled):
     layout = recording_layout.RecordingLayout()
     type(enabled).draw(_Drawn(enabled, layout), bpy.context)
-    assert {"gain_unit", "curve_colour", "overlay_size", "default_device", "keep_awake"} <= set(layout.properties)
+    assert {"gain_unit", "curve_colour", "overlay_size", "default_device", "keep_awake"} <= set(
+        layout.properties
+    )
     assert preferences.gain_text(0.5) == "0.50  -6 dB"
     enabled.gain_unit = "FACTOR"
     assert preferences.gain_text(0.5) == "0.50"

@@ -1,4 +1,5 @@
-"""The library of haptic materials: shared by objects, copied, renamed, removed; applied to what is chosen."""
+"""The library of haptic materials: shared by objects, copied, renamed, removed; applied to what is
+chosen."""
 
 import bpy
 import numpy as np
@@ -107,7 +108,9 @@ def test_a_removed_material_leaves_its_values(boxes, materials):
     bpy.ops.haptic.apply_material(preset="cork")
     bpy.ops.haptic.remove_material()
     assert len(materials.items) == 0
-    assert all(not box.haptics.material.name and box.haptics.rho == pytest.approx(0.4) for box in boxes)
+    assert all(
+        not box.haptics.material.name and box.haptics.rho == pytest.approx(0.4) for box in boxes
+    )
     with pytest.raises(RuntimeError, match="Choose a material"):
         bpy.ops.haptic.remove_material()
 
@@ -155,7 +158,10 @@ def test_a_change_of_a_material_is_traced(boxes, materials, traced):
     bpy.ops.haptic.apply_material(preset="steel")
     before = traced().amplitudes[0, 0]
     materials.items["Steel"].rho = 0.3
-    assert session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get()).amplitudes[0, 0] < before
+    assert (
+        session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get()).amplitudes[0, 0]
+        < before
+    )
 
 
 def test_the_curve_shows_what_is_traced():
@@ -164,13 +170,18 @@ def test_the_curve_shows_what_is_traced():
     assert curve.gains == pytest.approx(k * np.exp(-k * curve.distances))
     assert curve.length == 10.0
     assert curve.bands is None
-    banded = gain_curve(HapticTracing(spectrum=Spectrum(band_decays=(0, 0, 0, 0, 0, 3.0))), 0.2, 0.9, 0.1)
+    banded = gain_curve(
+        HapticTracing(spectrum=Spectrum(band_decays=(0, 0, 0, 0, 0, 3.0))), 0.2, 0.9, 0.1
+    )
     assert banded.bands[0] == pytest.approx(banded.gains)
     rubber = Physical(wave=Wave.SURFACE, loss_factor=0.15, phase_speed=60.0, material_k=0.12)
     drawn = gain_curve(rubber, 0.8, 0.6, 0.1)
-    for gains, low, high in zip(drawn.bands, (20, 80, 160), (40, 160, 320), strict=True):  # those with 30, 100 and 300 Hz
+    # Those with 30, 100 and 300 Hz.
+    for gains, low, high in zip(drawn.bands, (20, 80, 160), (40, 160, 320), strict=True):
         alpha = np.pi * np.sqrt(low * high) * 0.15 / 60.0
-        assert gains == pytest.approx((1 + drawn.distances / 0.5) ** -0.5 * np.exp(-alpha * drawn.distances), rel=1e-6)
+        assert gains == pytest.approx(
+            (1 + drawn.distances / 0.5) ** -0.5 * np.exp(-alpha * drawn.distances), rel=1e-6
+        )
 
 
 def test_the_panel_says_where_the_papers_curves_cross(add_box):
@@ -179,13 +190,20 @@ def test_the_panel_says_where_the_papers_curves_cross(add_box):
     for preset in ("steel", "rubber", "steel"):
         _select(box)
         bpy.ops.haptic.apply_material(preset=preset)
-    assert _crossing(bpy.context, box.haptics) == ("Rubber", pytest.approx(np.log(0.81 / 0.12) / (0.81 - 0.12), rel=1e-5))
+    assert _crossing(bpy.context, box.haptics) == (
+        "Rubber",
+        pytest.approx(np.log(0.81 / 0.12) / (0.81 - 0.12), rel=1e-5),
+    )
 
 
 def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch, settle):
     drawn = []
     monkeypatch.setattr(
-        gain_plot, "picture", lambda *arguments: drawn.append(1) or np.zeros((gain_plot.SIZE, gain_plot.SIZE, 4), np.float32)
+        gain_plot,
+        "picture",
+        lambda *arguments: (
+            drawn.append(1) or np.zeros((gain_plot.SIZE, gain_plot.SIZE, 4), np.float32)
+        ),
     )
     first, second = (gain_curve(HapticTracing(), kappa, 0.9, 0.1) for kappa in (0.2, 0.3))
     for curve in (first, first, second, second):
@@ -227,7 +245,8 @@ def test_every_part_of_a_material_is_shared(boxes, materials):
 
 
 def test_physical_materials_follow_from_preset_and_size(add_box, traced):
-    """A beam of steel and one of rubber, source and listener 4 m apart on each: gains by the closed form of a bending rod."""
+    """A beam of steel and one of rubber, source and listener 4 m apart on each: gains by the closed
+    form of a bending rod."""
     for name, preset, y in (("Beam", "steel", 0), ("Hose", "rubber", 5)):
         box = add_box(name, (0, y, 0), (6, 0.1, 0.1))
         _select(box)
@@ -240,16 +259,27 @@ def test_physical_materials_follow_from_preset_and_size(add_box, traced):
             empty.haptics.listener.extent = "none"
     assert bpy.ops.haptic.set_model() == {"FINISHED"}
     result = traced()
-    names = [source.name for source in result.sources], [listener.name for listener in result.listeners]
-    # A new source emits 60 Hz. Steel loses less than half a decibel over ten metres, and therefore passes all bands like the lowest one.
-    for name, preset, centres in (("Beam", "steel", BAND_CENTRES[:1] * 6), ("Hose", "rubber", BAND_CENTRES)):
+    names = (
+        [source.name for source in result.sources],
+        [listener.name for listener in result.listeners],
+    )
+    # A new source emits 60 Hz. Steel loses less than half a decibel over ten metres, and therefore
+    # passes all bands like the lowest one.
+    for name, preset, centres in (
+        ("Beam", "steel", BAND_CENTRES[:1] * 6),
+        ("Hose", "rubber", BAND_CENTRES),
+    ):
         damping, haptics = DAMPING[preset], bpy.data.objects[name].haptics
         assert haptics.wave == "bounded"
         assert (haptics.extent, haptics.plate_thickness) == pytest.approx((0.1, 0.1))
         bending = 2 * np.sqrt(1.8 * damping.speed * 0.1 * np.array(centres))
         alpha = np.pi * np.array(centres) * damping.loss_factor / np.minimum(bending, damping.speed)
-        gain = result.amplitudes[names[0].index(f"{name} source"), names[1].index(f"{name} listener")]
-        assert gain == pytest.approx(bank_response(60.0, SAMPLE_RATE) @ np.exp(-4 * alpha), rel=1e-5)
+        gain = result.amplitudes[
+            names[0].index(f"{name} source"), names[1].index(f"{name} listener")
+        ]
+        assert gain == pytest.approx(
+            bank_response(60.0, SAMPLE_RATE) @ np.exp(-4 * alpha), rel=1e-5
+        )
 
 
 def test_physical_flesh_has_the_resonance_of_the_part_that_it_is_named_after(add_box):
@@ -267,12 +297,20 @@ def test_physical_flesh_has_the_resonance_of_the_part_that_it_is_named_after(add
         assert (box.haptics.wave, box.haptics.resonance) == (wave, resonance)
 
 
-SIZES = {"Oak Beam": (4.0, 0.2, 0.2), "Concrete Floor": (6.0, 5.0, 0.2), "Soil": (9.0, 9.0, 1.0), "Thing": (0.3, 0.2, 0.1)}
+SIZES = {
+    "Oak Beam": (4.0, 0.2, 0.2),
+    "Concrete Floor": (6.0, 5.0, 0.2),
+    "Soil": (9.0, 9.0, 1.0),
+    "Thing": (0.3, 0.2, 0.1),
+}
 PRESETS = {"Oak Beam": "hardwood", "Concrete Floor": "concrete", "Soil": "soil", "Thing": "plastic"}
 
 
 def _selected_boxes(add_box, sizes):
-    boxes = {name: add_box(name, (10 * k, 0, 0), size, haptic=False) for k, (name, size) in enumerate(sizes.items())}
+    boxes = {
+        name: add_box(name, (10 * k, 0, 0), size, haptic=False)
+        for k, (name, size) in enumerate(sizes.items())
+    }
     bpy.context.view_layer.update()
     for box in boxes.values():
         box.select_set(True)
@@ -290,7 +328,9 @@ def test_what_is_made_haptic_is_physical(add_box, guess):
         haptics, expected = box.haptics, physical(material.name, SIZES[name])
         assert (haptics.function, haptics.wave) == ("physical", expected.wave)
         assert haptics.material.name == (material.title if is_known else "")
-        assert (haptics.loss_factor, haptics.extent) == pytest.approx((expected.loss_factor, expected.extent), rel=1e-6)
+        assert (haptics.loss_factor, haptics.extent) == pytest.approx(
+            (expected.loss_factor, expected.extent), rel=1e-6
+        )
         assert haptics.material_k == pytest.approx((1 - haptics.kappa) * haptics.rho)
     assert not bpy.context.scene.haptics.transmission_table.items
 
@@ -300,24 +340,35 @@ def test_a_scene_as_in_the_paper_makes_what_the_paper_has(add_box, scene):
     boxes = _selected_boxes(add_box, {**SIZES, "Human": (0.5, 0.3, 1.8)})
     bpy.ops.haptic.make_objects()
     assert {box.haptics.function for box in boxes.values()} == {"haptic_tracing"}
-    assert scene.haptics.strategy == "as_in_the_paper" and not scene.haptics.transmission_table.items
+    assert (
+        scene.haptics.strategy == "as_in_the_paper" and not scene.haptics.transmission_table.items
+    )
 
 
 def test_another_material_brings_its_damping(add_box):
-    """Soil is a half-space, what is made of something else is not; a function that was chosen stays."""
+    """Soil is a half-space, what is made of something else is not; a function that was chosen
+    stays."""
     (box,) = _selected_boxes(add_box, {"Soil": (9.0, 9.0, 1.0)}).values()
     bpy.ops.haptic.make_objects()
     assert box.haptics.wave == "surface"
     bpy.ops.haptic.apply_material(preset="steel")
-    assert (box.haptics.wave, box.haptics.loss_factor) == ("bounded", pytest.approx(DAMPING["steel"].loss_factor))
+    assert (box.haptics.wave, box.haptics.loss_factor) == (
+        "bounded",
+        pytest.approx(DAMPING["steel"].loss_factor),
+    )
     box.haptics.function = "constant"
     bpy.ops.haptic.apply_material(preset="rubber")
     assert box.haptics.function == "constant"
 
 
 def test_flesh_on_steel_passes_on_half_and_flesh_on_flesh_everything(add_box, add_empty, traced):
-    """A thigh on a steel plate, and a hand on the thigh; limbs move as wholes, and a thin, small plate passes on all."""
-    for name, z, height in (("Steel Plate", 0, 0.1), ("Human Thigh", 0.15, 0.2), ("Human Hand", 0.3, 0.1)):
+    """A thigh on a steel plate, and a hand on the thigh; limbs move as wholes, and a thin, small
+    plate passes on all."""
+    for name, z, height in (
+        ("Steel Plate", 0, 0.1),
+        ("Human Thigh", 0.15, 0.2),
+        ("Human Hand", 0.3, 0.1),
+    ):
         add_box(name, (0, 0, z), (0.2, 0.2, height), haptic=False).select_set(True)
     bpy.context.view_layer.update()
     bpy.ops.haptic.make_objects()
@@ -331,11 +382,15 @@ def test_flesh_on_steel_passes_on_half_and_flesh_on_flesh_everything(add_box, ad
 
 
 def test_old_bodies_and_their_contacts_keep_their_levels(add_box, scene):
-    """A scene of an earlier version, with flesh in its library, gets no rule by what is made in it later."""
+    """A scene of an earlier version, with flesh in its library, gets no rule by what is made in it
+    later."""
     (old,) = _selected_boxes(add_box, {"Old Human": (0.5, 0.3, 1.8)}).values()
     old.haptics.enabled = True
     bpy.ops.haptic.apply_material(preset="flesh")
     _selected_boxes(add_box, {"New Human": (0.5, 0.3, 1.8)})
     bpy.ops.haptic.make_objects()
-    assert (old.haptics.function, bpy.data.objects["New Human"].haptics.function) == ("haptic_tracing", "physical")
+    assert (old.haptics.function, bpy.data.objects["New Human"].haptics.function) == (
+        "haptic_tracing",
+        "physical",
+    )
     assert not scene.haptics.transmission_table.items

@@ -1,4 +1,5 @@
-"""Bodies of flesh: measured by default, or felt all over; those of earlier files stay the paper's."""
+"""Bodies of flesh: measured by default, or felt all over; those of earlier files stay the
+paper's."""
 
 from __future__ import annotations
 
@@ -9,7 +10,13 @@ import numpy as np
 import pytest
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.scene.measured import LIMBS
-from haptic_tracing.study.physical_scenes import BODIES, PITCHES, WAYS_OF_BODIES, body_levels, body_rows
+from haptic_tracing.study.physical_scenes import (
+    BODIES,
+    PITCHES,
+    WAYS_OF_BODIES,
+    body_levels,
+    body_rows,
+)
 
 CLEARLY = 6.0
 """Decibels above the threshold of feeling that *Make It Felt* aims at."""
@@ -38,9 +45,19 @@ def test_bodies_change_there_and_back_and_nothing_else_does(add_box):
         bpy.ops.haptic.apply_material(preset=preset)
     for body, absorption in (("MEASURED", 0.0), ("FELT_ALL_OVER", loss), ("MEASURED", 0.0)):
         assert bpy.ops.haptic.set_bodies(body=body) == {"FINISHED"}
-        found = {name: (bpy.data.objects[name].haptics.function, bpy.data.objects[name].haptics.absorption) for name in names}
+        found = {
+            name: (
+                bpy.data.objects[name].haptics.function,
+                bpy.data.objects[name].haptics.absorption,
+            )
+            for name in names
+        }
         flesh = "physical", pytest.approx(absorption)
-        assert found == {"Avatar Hand.L": flesh, "Avatar Toes.L": flesh, "Floor": ("haptic_tracing", 0.0)}
+        assert found == {
+            "Avatar Hand.L": flesh,
+            "Avatar Toes.L": flesh,
+            "Floor": ("haptic_tracing", 0.0),
+        }
     for name, part in (("Avatar Hand.L", "hand"), ("Avatar Toes.L", "toes")):
         assert bpy.data.objects[name].haptics.resonance == pytest.approx(LIMBS[part][0])
 
@@ -61,7 +78,11 @@ def test_both_directions_are_one_step_of_undo(body):
 
 def _model():
     haptics = bpy.context.scene.haptics
-    return haptics.strategy, bpy.data.objects["Somebody"].haptics.function, len(haptics.transmission_table.items)
+    return (
+        haptics.strategy,
+        bpy.data.objects["Somebody"].haptics.function,
+        len(haptics.transmission_table.items),
+    )
 
 
 def test_a_new_body_is_measured(body):
@@ -81,7 +102,10 @@ def test_the_order_of_buttons_does_not_matter(body):
     assert (body.haptics.material.name, body.haptics.function) == ("Flesh", "physical")
     bpy.ops.haptic.add_default_listeners()
     assert (body.haptics.function, body.haptics.resonance) == ("physical", LIMBS["body"][0])
-    assert [row.function for row in bpy.context.scene.haptics.transmission_table.items] == ["constant", "identity"]
+    assert [row.function for row in bpy.context.scene.haptics.transmission_table.items] == [
+        "constant",
+        "identity",
+    ]
 
 
 def test_more_listeners_leave_a_body_as_it_is(body):
@@ -120,13 +144,20 @@ def test_the_documentation_has_what_is_felt():
 @pytest.mark.slow
 @pytest.mark.parametrize("case", BODIES)
 def test_a_measured_body_feels_what_shakes_it(case):
-    """Somewhere clearly, from 80 Hz on, after 6 dB in skin and cloth; who stands on a floor feels it with the feet alone. All over, no
-    way from a sole up the trunk and out an arm is longer than 4 m."""
+    """Somewhere clearly, from 80 Hz on, after 6 dB in skin and cloth; who stands on a floor feels
+    it with the feet alone. All over, no way from a sole up the trunk and out an arm is longer than
+    4 m."""
     measured, all_over = body_levels(case)
-    names = [obj.haptics.listener.body_part for obj in sorted(bpy.data.objects, key=lambda obj: obj.name) if obj.haptics.listener.enabled]
+    names = [
+        obj.haptics.listener.body_part
+        for obj in sorted(bpy.data.objects, key=lambda obj: obj.name)
+        if obj.haptics.listener.enabled
+    ]
     high = [pitch >= 80 for pitch in PITCHES]
     assert (measured[high].max(axis=1) > CLEARLY).all()
     assert (np.ptp(all_over, axis=1) < 4 * LOSS).all() and (all_over >= measured - 0.1)[high].all()
     if "floor" in case:
         feet = [name.startswith("foot") for name in names]
-        assert (measured[high][:, feet] > CLEARLY).all() and (measured[high][:, [not foot for foot in feet]] < 0).all()
+        assert (measured[high][:, feet] > CLEARLY).all() and (
+            measured[high][:, [not foot for foot in feet]] < 0
+        ).all()

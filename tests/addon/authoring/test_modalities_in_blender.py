@@ -1,4 +1,5 @@
-"""Warmth in Blender: the properties follow from the modality's data, and what is felt is what the core says."""
+"""Warmth in Blender: the properties follow from the modality's data, and what is felt is what the
+core says."""
 
 import math
 
@@ -30,7 +31,9 @@ def test_warmth_is_felt_through_stone(fireplace, traced, scene):
     (felt,) = sessions.felt_in(scene)
     m = math.sqrt(20 / (2.8 * 0.3))
     far = 0.9 + 0.9
-    assert felt.values[0] == pytest.approx(60 * math.exp(-m * far) * JOINT / (JOINT + 2.8 * m), rel=0.03)
+    assert felt.values[0] == pytest.approx(
+        60 * math.exp(-m * far) * JOINT / (JOINT + 2.8 * m), rel=0.03
+    )
     assert felt.paths[0, 0] == ("hearth", "bench")
 
 
@@ -57,7 +60,10 @@ def test_an_expression_that_gives_no_gain_is_a_problem_in_words(fireplace, trace
     hearth.haptics.modalities.thermal.expression = "x * foo"
     result = traced()
     assert result is not None
-    assert any("Warmth" in problem.message and "foo" in problem.message for problem in session.problems_of(scene))
+    assert any(
+        "Warmth" in problem.message and "foo" in problem.message
+        for problem in session.problems_of(scene)
+    )
 
 
 def test_contacts_that_only_warmth_needs_are_found_while_previewing(fireplace, scene):
@@ -65,14 +71,18 @@ def test_contacts_that_only_warmth_needs_are_found_while_previewing(fireplace, s
     assert sessions.felt_in(scene)[0].values[0] > 0
 
 
-@pytest.mark.parametrize("modality", [m for m in MODALITIES.values() if not m.sampled], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "modality", [m for m in MODALITIES.values() if not m.sampled], ids=lambda m: m.name
+)
 def test_properties_are_those_of_the_data(modality, add_box):
     group = getattr(add_box("box", (0, 0, 0), (1, 1, 1)).haptics.modalities, modality.name)
     for name, quantity in modality.quantities.items():
         found = group.bl_rna.properties[name]
         expected = (modality.defaults()[name], quantity.low, quantity.high)
         assert (found.default, found.hard_min, found.hard_max) == pytest.approx(expected)
-    assert [item.identifier for item in group.bl_rna.properties["function"].enum_items] == list(modality.functions)
+    assert [item.identifier for item in group.bl_rna.properties["function"].enum_items] == list(
+        modality.functions
+    )
     assert group.function == modality.default_function
     assert THERMAL in MODALITIES.values()
 
@@ -84,5 +94,9 @@ def test_the_sample_with_a_fire_warms_the_side_that_faces_it():
     assert session.problems_of(bpy.context.scene) == ()
     (felt,) = sessions.felt_in(bpy.context.scene)
     warmth = dict(zip(felt.listeners, felt.values, strict=True))
-    assert min(warmth["ear.L"], warmth["upper_leg.L"]) > 1.2 * max(warmth["upper_back.L"], warmth["middle_back.R"]) > 0
+    assert (
+        min(warmth["ear.L"], warmth["upper_leg.L"])
+        > 1.2 * max(warmth["upper_back.L"], warmth["middle_back.R"])
+        > 0
+    )
     assert all(path[:2] == ("Fire", "Air") for path in felt.paths.values())

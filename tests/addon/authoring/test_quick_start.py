@@ -1,4 +1,5 @@
-"""From an empty file to something that is felt, in few steps; names, shapes and masses choose what a designer would."""
+"""From an empty file to something that is felt, in few steps; names, shapes and masses choose what
+a designer would."""
 
 import bpy
 import numpy as np
@@ -48,7 +49,13 @@ def test_make_haptic_chooses_materials(add_box):
     bpy.ops.haptic.make_objects()
     assert [box.haptics.material.name for box in boxes] == ["Hardwood", "Steel", "Stone", "Rubber"]
     assert ground.haptics.material.name == "Soil"
-    assert {item.name for item in bpy.context.scene.haptics.materials.items} == {"Hardwood", "Steel", "Stone", "Rubber", "Soil"}
+    assert {item.name for item in bpy.context.scene.haptics.materials.items} == {
+        "Hardwood",
+        "Steel",
+        "Stone",
+        "Rubber",
+        "Soil",
+    }
     assert boxes[3].haptics.kappa == pytest.approx(0.8)
 
 
@@ -62,7 +69,10 @@ def test_make_haptic_leaves_what_is_haptic_as_it_is(add_box):
 
 
 def test_physics_is_added_where_it_is_asked_for(add_box):
-    ground, crate = add_box("Plane", (0, 0, 0), (20, 20, 0.1), haptic=False), add_box("Crate", (0, 0, 3), (1, 1, 1), haptic=False)
+    ground, crate = (
+        add_box("Plane", (0, 0, 0), (20, 20, 0.1), haptic=False),
+        add_box("Crate", (0, 0, 3), (1, 1, 1), haptic=False),
+    )
     bpy.context.view_layer.update()
     _select(ground, crate)
     bpy.ops.haptic.make_objects()
@@ -140,7 +150,13 @@ def test_linked_objects_are_told_apart(add_box, tmp_path):
     linked = wanted.objects[0]
     bpy.context.scene.collection.objects.link(linked)
     _select(linked)
-    for operator in ("make_objects", "add_source", "add_listener", "clear", "add_default_listeners"):
+    for operator in (
+        "make_objects",
+        "add_source",
+        "add_listener",
+        "clear",
+        "add_default_listeners",
+    ):
         with pytest.raises(RuntimeError, match="linked from a library"):
             getattr(bpy.ops.haptic, operator)()
 
@@ -167,7 +183,11 @@ def test_ten_thousand_objects(add_box):
     assert len(bpy.context.scene.haptics.materials.items) == 1
     assert bpy.ops.haptic.guess_material() == {"FINISHED"}
     assert bpy.ops.haptic.add_listener() == {"FINISHED"}
-    assert sum(obj.haptics.listener.enabled for obj in bpy.context.scene.objects) == len(bricks) == 10_001
+    assert (
+        sum(obj.haptics.listener.enabled for obj in bpy.context.scene.objects)
+        == len(bricks)
+        == 10_001
+    )
     for obj in bricks:
         obj.select_set(True)
     assert bpy.ops.haptic.clear() == {"FINISHED"}

@@ -1,5 +1,5 @@
-"""Sizes of bodies as waves meet them: walls of solid, hollow and open meshes against closed forms, and what *Model* makes of
-them."""
+"""Sizes of bodies as waves meet them: walls of solid, hollow and open meshes against closed forms,
+and what *Model* makes of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ def sizes(scene):
     """The sizes of the active object, of its evaluated mesh."""
 
     def of_active():
-        return sizes_of(bpy.context.view_layer.objects.active, bpy.context.evaluated_depsgraph_get())
+        return sizes_of(
+            bpy.context.view_layer.objects.active, bpy.context.evaluated_depsgraph_get()
+        )
 
     return of_active
 
@@ -90,8 +92,11 @@ def test_physical_materials_take_the_wall_of_a_hollow_body(scene, pipe):
     assert pipe.haptics.plate_thickness == pytest.approx(0.005, rel=0.1)
 
 
-def test_the_ground_and_half_spaces_are_the_same_whatever_their_thickness(scene, add_box, add_empty, traced):
-    """A slab of 40 m, from 0.1 to 20 m thick: of soil, and of concrete that is marked as a half-space."""
+def test_the_ground_and_half_spaces_are_the_same_whatever_their_thickness(
+    scene, add_box, add_empty, traced
+):
+    """A slab of 40 m, from 0.1 to 20 m thick: of soil, and of concrete that is marked as a
+    half-space."""
     slab = add_box("slab", (0, 0, -0.5), (40, 40, 1))
     for x, role in ((0.0, "source"), (7.0, "listener")):
         getattr(add_empty(role, (x / 40, 0, 0), slab).haptics, role).enabled = True
@@ -110,12 +115,15 @@ def test_the_ground_and_half_spaces_are_the_same_whatever_their_thickness(scene,
 
 @pytest.mark.parametrize(("name", "pieces"), [("Soil", 1), ("Steel Beam", 1), ("Steel Beam", 4)])
 def test_make_haptic_spreads_as_the_body_is(scene, add_box, add_empty, traced, name, pieces):
-    """The ground as a half-space, by its formula, from 0.1 to 20 m thick; and a beam of 4 m that is no thicker than what a source drives
-    without any spreading, whole and cut into four."""
+    """The ground as a half-space, by its formula, from 0.1 to 20 m thick; and a beam of 4 m that is
+    no thicker than what a source drives without any spreading, whole and cut into four."""
     for thickness in (0.1, 1.0, 20.0) if name == "Soil" else (0.1, 0.3):
         size = (60.0, 60.0, thickness) if name == "Soil" else (4.0 / pieces, thickness, thickness)
         places = [(size[0] * (k + 0.5 - pieces / 2), 0.0, -thickness / 2) for k in range(pieces)]
-        made = [add_box(f"{name} {thickness} {k}", place, size, haptic=False) for k, place in enumerate(places)]
+        made = [
+            add_box(f"{name} {thickness} {k}", place, size, haptic=False)
+            for k, place in enumerate(places)
+        ]
         ends = [add_empty(role, (x, 0, 0)) for x, role in ((-1.9, "source"), (1.9, "listener"))]
         bpy.context.view_layer.update()
         for end, carrier in zip(ends, (made[0], made[-1]), strict=True):

@@ -1,4 +1,5 @@
-"""German is complete: every text of the add-on's classes, properties and sources has its translation, with the same gaps to fill."""
+"""German is complete: every text of the add-on's classes, properties and sources has its
+translation, with the same gaps to fill."""
 
 import importlib.util
 import re
@@ -9,7 +10,9 @@ from haptic_tracing.addon import translations
 from haptic_tracing.addon.translations import sentences
 from haptic_tracing.core.message import Cause, Message, Metres
 
-_spec = importlib.util.spec_from_file_location("messages_of_the_add_on", Path(__file__).parent / "messages.py")
+_spec = importlib.util.spec_from_file_location(
+    "messages_of_the_add_on", Path(__file__).parent / "messages.py"
+)
 messages = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(messages)
 
@@ -32,19 +35,34 @@ def test_every_text_is_translated():
 def test_messages_of_the_core_are_translated_with_their_arguments():
     assert GERMAN["sentences"].keys() == {cause.name.lower() for cause in Cause}
     for cause, words in GERMAN["sentences"].items():
-        assert sorted(re.findall(r"\{[^}]*\}", words)) == sorted(re.findall(r"\{[^}]*\}", Cause[cause.upper()].value)), cause
+        assert sorted(re.findall(r"\{[^}]*\}", words)) == sorted(
+            re.findall(r"\{[^}]*\}", Cause[cause.upper()].value)
+        ), cause
 
 
 def test_a_message_is_said_in_the_language_of_the_interface(monkeypatch):
-    message = Message.of(Cause.GAP, source="drill", first="bench", second="seat", distance=Metres(0.04))
-    assert sentences.sentence(message) == "no contact leads from 'drill' to it: 'bench' and 'seat' are 4.0 cm apart"
-    monkeypatch.setattr(sentences, "iface_", lambda text: translations.dictionary()["de"]["*", text])
-    assert sentences.sentence(message) == "Kein Kontakt führt von „drill“ zu ihm: „bench“ und „seat“ sind 4.0 cm voneinander entfernt"
+    message = Message.of(
+        Cause.GAP, source="drill", first="bench", second="seat", distance=Metres(0.04)
+    )
+    assert (
+        sentences.sentence(message)
+        == "no contact leads from 'drill' to it: 'bench' and 'seat' are 4.0 cm apart"
+    )
+    monkeypatch.setattr(
+        sentences, "iface_", lambda text: translations.dictionary()["de"]["*", text]
+    )
+    assert (
+        sentences.sentence(message)
+        == "Kein Kontakt führt von „drill“ zu ihm: „bench“ und „seat“ sind 4.0 cm voneinander "
+        "entfernt"
+    )
 
 
 def test_translations_keep_the_gaps():
     for text, words in GERMAN["messages"].items():
-        assert sorted(re.findall(r"\{[^}]*\}", text)) == sorted(re.findall(r"\{[^}]*\}", words)), text
+        assert sorted(re.findall(r"\{[^}]*\}", text)) == sorted(re.findall(r"\{[^}]*\}", words)), (
+            text
+        )
         assert words.strip() == words
         assert words
 

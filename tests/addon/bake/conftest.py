@@ -12,7 +12,8 @@ from haptic_tracing.addon.registration import handlers
 
 @pytest.fixture
 def shaken(scene: Any, add_box: Callable[..., Any], add_empty: Callable[..., Any]) -> Any:
-    """A sine of 60 Hz at full strength on the ground, felt on the ground and on a crate that leaves it after frame 12; 24 frames."""
+    """A sine of 60 Hz at full strength on the ground, felt on the ground and on a crate that leaves
+    it after frame 12; 24 frames."""
     ground = add_box("ground", (0, 0, -0.1), (4, 4, 0.2))
     crate = add_box("crate", (1, 0, 0.25), (0.5, 0.5, 0.5))
     source = add_empty("shaker", (-0.25, 0, 0), ground)

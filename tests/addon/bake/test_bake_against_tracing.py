@@ -59,7 +59,9 @@ def test_frames_of_the_track_are_those_that_were_traced(shaken):
         if expected.block is not None:
             assert result.first_sample == expected.first_sample
             np.testing.assert_allclose(result.block, expected.block, rtol=0, atol=1 / FULL_SCALE)
-            assert np.abs(result.block[0]).max() == pytest.approx(np.abs(expected.block[0]).max(), abs=1 / FULL_SCALE)
+            assert np.abs(result.block[0]).max() == pytest.approx(
+                np.abs(expected.block[0]).max(), abs=1 / FULL_SCALE
+            )
 
 
 def test_playing_a_baked_scene_traces_nothing(shaken, monkeypatch, playing):
@@ -120,12 +122,16 @@ def test_intensity_and_frequency_of_a_sine_on_curves(shaken):
             frames, values = keys.reshape(-1, 2).T
             assert frames.tolist() == list(range(1, 25))
             assert values[4:11] == pytest.approx(expected, rel=tolerance)
-            assert {point.interpolation for point in _curve(obj, path).keyframe_points} == {"LINEAR"}
+            assert {point.interpolation for point in _curve(obj, path).keyframe_points} == {
+                "LINEAR"
+            }
     shaken.frame_set(8)
     assert bpy.data.objects["hand"].haptics.felt.intensity == pytest.approx(gain, rel=0.03)
     shaken.frame_set(20)
     assert bpy.data.objects["hand"].haptics.felt.intensity == 0
-    assert bpy.data.objects["hand"].haptics.felt.frequency == pytest.approx(60, rel=0.2)  # stays where it was
+    assert bpy.data.objects["hand"].haptics.felt.frequency == pytest.approx(
+        60, rel=0.2
+    )  # stays where it was
 
 
 def test_curves_of_the_designer_are_left_alone(shaken):
@@ -134,7 +140,11 @@ def test_curves_of_the_designer_are_left_alone(shaken):
     shaken.haptics.bake.write_curves = shaken.haptics.bake.write_sound = True
     for _ in range(2):
         bpy.ops.haptic.bake()
-        assert {c.data_path for c in compatibility.fcurves_of(foot)} == {"haptics.listener.gain", INTENSITY, FREQUENCY}
+        assert {c.data_path for c in compatibility.fcurves_of(foot)} == {
+            "haptics.listener.gain",
+            INTENSITY,
+            FREQUENCY,
+        }
     bpy.ops.haptic.delete_bake()
     assert {c.data_path for c in compatibility.fcurves_of(foot)} == {"haptics.listener.gain"}
     assert shaken.haptics.bake.track is None
@@ -161,8 +171,10 @@ def test_sound_strip_plays_with_the_frames_it_was_baked_from(shaken):
     channels, rate = channels_of(strip.sound.packed_file.data)
     track = storage.track_of(shaken)
     assert rate == track.sample_rate
-    np.testing.assert_allclose(channels[:, 0], track.listener_samples(0), rtol=0, atol=1e-4)  # left foot
-    np.testing.assert_allclose(channels[:, 1], track.listener_samples(1), rtol=0, atol=1e-4)  # right hand
+    # Left foot.
+    np.testing.assert_allclose(channels[:, 0], track.listener_samples(0), rtol=0, atol=1e-4)
+    # Right hand.
+    np.testing.assert_allclose(channels[:, 1], track.listener_samples(1), rtol=0, atol=1e-4)
 
 
 def test_the_middle_of_the_body_is_on_both_sides_and_nothing_clips(shaken, tmp_path):
@@ -251,7 +263,9 @@ def test_rigid_bodies_run_up_to_a_later_start(scene, add_box):
     ball.haptics.listener.enabled = True
     whole = play(scene, 1, 40)
     late = play(scene, 10, 40)
-    assert [impact.source.onset for impact in late.impacts] == pytest.approx([impact.source.onset for impact in whole.impacts], abs=1e-6)
+    assert [impact.source.onset for impact in late.impacts] == pytest.approx(
+        [impact.source.onset for impact in whole.impacts], abs=1e-6
+    )
     assert len(whole.impacts) >= 1
 
 
@@ -272,11 +286,17 @@ def test_meters_know_the_last_second_wherever_the_track_is_entered(shaken, playi
     foot = history.listeners.index("foot")
     assert history.all().shape[1] == track.sample_rate
     np.testing.assert_allclose(
-        history.all()[foot], track.listener_samples(0)[: track.offsets[50]][-track.sample_rate :], rtol=1e-6, atol=1e-12
+        history.all()[foot],
+        track.listener_samples(0)[: track.offsets[50]][-track.sample_rate :],
+        rtol=1e-6,
+        atol=1e-12,
     )
     shaken.frame_set(51)
     np.testing.assert_allclose(
-        history.all()[foot], track.listener_samples(0)[: track.offsets[51]][-track.sample_rate :], rtol=1e-6, atol=1e-12
+        history.all()[foot],
+        track.listener_samples(0)[: track.offsets[51]][-track.sample_rate :],
+        rtol=1e-6,
+        atol=1e-12,
     )
 
 
@@ -293,17 +313,23 @@ def traced_amplitudes(scene):
 def test_while_the_timeline_stands_the_scene_is_shown_as_it_is_now(shaken):
     bpy.ops.haptic.bake()
     shaken.frame_set(9)
-    np.testing.assert_allclose(traced_amplitudes(shaken), baked_amplitudes(shaken, 9), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(
+        traced_amplitudes(shaken), baked_amplitudes(shaken, 9), rtol=0, atol=1e-6
+    )
     source = bpy.data.objects["shaker"].haptics.source
     source.amplitude = 0.05
-    np.testing.assert_allclose(traced_amplitudes(shaken), 0.05 * baked_amplitudes(shaken, 9), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(
+        traced_amplitudes(shaken), 0.05 * baked_amplitudes(shaken, 9), rtol=0, atol=1e-6
+    )
     source.amplitude, source.muted = 1.0, True
     assert not traced_amplitudes(shaken).any()
     source.muted = False
     assert (traced_amplitudes(shaken) > 0).all()
     bpy.data.objects.remove(bpy.data.objects["crate"])
     assert traced_amplitudes(shaken)[0, 0] > 0
-    assert [item.name for item in session.result_of(shaken).listeners] == ["foot"]  # the hand was on the crate
+    assert [item.name for item in session.result_of(shaken).listeners] == [
+        "foot"
+    ]  # the hand was on the crate
 
 
 def test_a_stop_shows_the_frame_as_it_is_now(shaken, monkeypatch):
@@ -315,10 +341,14 @@ def test_a_stop_shows_the_frame_as_it_is_now(shaken, monkeypatch):
         bpy.data.objects["shaker"].haptics.source.amplitude = 0.25
         shaken.frame_set(9)
         assert playback.is_from_track(session.result_of(shaken))
-        np.testing.assert_allclose(session.result_of(shaken).amplitudes, baked_amplitudes(shaken, 9), rtol=0, atol=1e-6)
+        np.testing.assert_allclose(
+            session.result_of(shaken).amplitudes, baked_amplitudes(shaken, 9), rtol=0, atol=1e-6
+        )
     handlers.trace_opened()  # after the stop, from a timer, which only a window has
     assert not playback.is_from_track(session.result_of(shaken))
-    np.testing.assert_allclose(traced_amplitudes(shaken), 0.25 * baked_amplitudes(shaken, 9), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(
+        traced_amplitudes(shaken), 0.25 * baked_amplitudes(shaken, 9), rtol=0, atol=1e-6
+    )
 
 
 def test_the_first_frame_of_a_bake_is_felt_and_has_paths(shaken, settle):

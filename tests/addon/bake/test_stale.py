@@ -158,7 +158,8 @@ def write_wav(path, samples):
 
 @pytest.fixture
 def baked_from_much(shaken, add_box, add_empty, tmp_path):
-    """The same, with more that a bake depends on: a rule, a drawn signal, a recording, a driver, a constraint, a modifier, a collection."""
+    """The same, with more that a bake depends on: a rule, a drawn signal, a recording, a driver, a
+    constraint, a modifier, a collection."""
     add_empty("target", (0, 0, 5), None)
     driven = add_box("driven", (0, 0, 3), (0.2, 0.2, 0.2))
     driven.modifiers.new("Array", "ARRAY")
@@ -189,8 +190,14 @@ def baked_from_much(shaken, add_box, add_empty, tmp_path):
     [
         (_start, "the scene's first frame changed"),
         (_rule, "rules of contacts, impacts or textures, or the animation of settings changed"),
-        (_rule_changed, "rules of contacts, impacts or textures, or the animation of settings changed"),
-        (_settings_keyed, "rules of contacts, impacts or textures, or the animation of settings changed"),
+        (
+            _rule_changed,
+            "rules of contacts, impacts or textures, or the animation of settings changed",
+        ),
+        (
+            _settings_keyed,
+            "rules of contacts, impacts or textures, or the animation of settings changed",
+        ),
         (_easing, "'crate': its animation changed"),
         (_driver, "'driven': its animation changed"),
         (_delta, "'crate': it was moved, turned or scaled"),
@@ -239,7 +246,9 @@ def test_other_gains_are_noticed_whatever_their_cause(baked, settle):
     away.inputs["Translation"].default_value = (0, 0, 5)
     bpy.context.view_layer.update()
     assert playback.stale_reasons(baked) == ()  # nothing in the datablocks that are compared
-    assert settle(lambda: playback.known_stale_reasons(baked)) == ("in frame 9 other gains are traced than were baked",)
+    assert settle(lambda: playback.known_stale_reasons(baked)) == (
+        "in frame 9 other gains are traced than were baked",
+    )
     assert playback.fitting_track(baked, 1, 24) is None
 
 
@@ -299,13 +308,17 @@ def test_a_strange_digest_is_stale_not_an_error(baked):
 def test_a_draw_compares_nothing_but_has_it_done_after_the_redraw(baked, monkeypatch):
     bpy.context.view_layer.update()
     compare = playback.compare
-    monkeypatch.setattr(playback, "compare", lambda *_: pytest.fail("a draw compares the scene with its track"))
+    monkeypatch.setattr(
+        playback, "compare", lambda *_: pytest.fail("a draw compares the scene with its track")
+    )
     assert playback.known_stale_reasons(baked) is None
     assert bpy.app.timers.is_registered(playback._compare_shown)
     monkeypatch.setattr(playback, "compare", compare)
     playback._compare_shown()
     assert playback.known_stale_reasons(baked) == ()
     _kappa(baked)
-    assert playback.known_stale_reasons(baked) == (), "what was known, until the comparison is made again"
+    assert playback.known_stale_reasons(baked) == (), (
+        "what was known, until the comparison is made again"
+    )
     playback._compare_shown()
     assert playback.known_stale_reasons(baked) == ("'crate': its haptic settings changed",)

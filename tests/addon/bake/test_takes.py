@@ -1,4 +1,5 @@
-"""Takes: bakes under a name, played in turn from the same place; their difference is that of their levels."""
+"""Takes: bakes under a name, played in turn from the same place; their difference is that of their
+levels."""
 
 import bpy
 import numpy as np
@@ -26,7 +27,9 @@ def two_takes(scene, add_box, add_empty):
 def test_a_new_bake_leaves_the_take_alone(two_takes):
     tracks = [storage.track_in(take.track) for take in two_takes.haptics.bake.takes]
     assert [take.name for take in two_takes.haptics.bake.takes] == ["Take 1", "Take 2"]
-    assert np.abs(tracks[0].samples).max() == pytest.approx(2 * np.abs(tracks[1].samples).max(), rel=1e-3)
+    assert np.abs(tracks[0].samples).max() == pytest.approx(
+        2 * np.abs(tracks[1].samples).max(), rel=1e-3
+    )
     assert not bpy.ops.haptic.keep_take.poll()
 
 
@@ -54,7 +57,11 @@ def test_playing_a_take_keeps_the_bake_of_now_and_deleting_one_frees_it(two_take
     bake = two_takes.haptics.bake
     bpy.ops.haptic.bake()
     bpy.ops.haptic.play_take(index=0)
-    assert [take.name for take in bake.takes] == ["Take 1", "Take 2", "Take 3"] and bake.compared == bake.takes[2].track
+    assert [take.name for take in bake.takes] == [
+        "Take 1",
+        "Take 2",
+        "Take 3",
+    ] and bake.compared == bake.takes[2].track
     text = bake.takes[0].track.name
     bpy.ops.haptic.delete_bake()
     assert [take.name for take in bake.takes] == ["Take 2", "Take 3"] and text not in bpy.data.texts

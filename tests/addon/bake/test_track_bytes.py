@@ -6,11 +6,28 @@ import zlib
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.bake.track import MAGIC, HapticTrack, TrackError, TrackListener, TrackSource, check_size, track_from_bytes
+from haptic_tracing.addon.bake.track import (
+    MAGIC,
+    HapticTrack,
+    TrackError,
+    TrackListener,
+    TrackSource,
+    check_size,
+    track_from_bytes,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-ARRAYS = ("samples", "offsets", "places", "rows", "row_source", "row_amplitude", "row_place", "row_gain")
+ARRAYS = (
+    "samples",
+    "offsets",
+    "places",
+    "rows",
+    "row_source",
+    "row_amplitude",
+    "row_place",
+    "row_gain",
+)
 deterministic = settings(derandomize=True, deadline=None)
 
 
@@ -27,7 +44,9 @@ def random_track(seed):
         sample_rate=8000,
         first_sample=int(random.integers(-(10**6), 10**6)),
         listeners=tuple(TrackListener(f"ω {k}", "hand.L", 0.05, 0.9) for k in range(width)),
-        sources=tuple(TrackSource(f"s{k}", "o", "p" if k % 2 else None, 0.25 * k) for k in range(many)),
+        sources=tuple(
+            TrackSource(f"s{k}", "o", "p" if k % 2 else None, 0.25 * k) for k in range(many)
+        ),
         samples=random.integers(-32767, 32768, (width, int(counts.sum()))).astype(np.int16),
         offsets=np.cumsum([0, *counts]).astype(np.int64),
         places=random.normal(size=(frames, width, 3)).astype(np.float32),
@@ -48,7 +67,17 @@ def test_round_trip(seed):
     again = track_from_bytes(track.to_bytes())
     for name in ARRAYS:
         assert np.array_equal(getattr(again, name), getattr(track, name)), name
-    for name in ("frame_start", "frame_duration", "start", "sample_rate", "first_sample", "listeners", "sources", "digest", "impacts"):
+    for name in (
+        "frame_start",
+        "frame_duration",
+        "start",
+        "sample_rate",
+        "first_sample",
+        "listeners",
+        "sources",
+        "digest",
+        "impacts",
+    ):
         assert getattr(again, name) == getattr(track, name), name
     for frame in range(track.frame_start - 1, track.frame_end + 2):
         result = again.result(frame)

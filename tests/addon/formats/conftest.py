@@ -8,7 +8,9 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-_spec = importlib.util.spec_from_file_location("formats_recording_layout", Path(__file__).parents[1] / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "formats_recording_layout", Path(__file__).parents[1] / "recording_layout.py"
+)
 _module = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(_module)
 

@@ -27,7 +27,11 @@ def choice(name):
 def hands(add_box, add_empty):
     """A table with two hands and a back on it."""
     table = add_box("table", (0, 0, 0), (2, 1, 1))
-    for name, part, x in (("left", "hand.L", -0.4), ("right", "hand.R", 0.4), ("back", "upper_back.L", 0)):
+    for name, part, x in (
+        ("left", "hand.L", -0.4),
+        ("right", "hand.R", 0.4),
+        ("back", "upper_back.L", 0),
+    ):
         place = add_empty(name, (x, 0, 0.5), parent=table)
         place.haptics.listener.enabled, place.haptics.listener.body_part = True, part
     bpy.context.view_layer.update()
@@ -38,11 +42,21 @@ def test_automatic_choices_are_written_as_what_they_give(hands, tmp_path):
     device("dualsense AB:12")
     device("sound card Aura", gain=1.5, offset=-20.0)
     first = exported(tmp_path / "a.json")
-    aura, pad = sorted(read_export(tmp_path / "a.json").devices, key=lambda item: item.profile != "sound card Aura")
-    assert aura == DeviceMapping("sound card Aura", "sound card Aura", (), {"blender": {"gain": 1.5, "offset": -20.0}})
+    aura, pad = sorted(
+        read_export(tmp_path / "a.json").devices, key=lambda item: item.profile != "sound card Aura"
+    )
+    assert aura == DeviceMapping(
+        "sound card Aura", "sound card Aura", (), {"blender": {"gain": 1.5, "offset": -20.0}}
+    )
     known = profile("dualsense")
-    weights = map_listeners({"left": "hand.L", "right": "hand.R", "back": "upper_back.L"}, {"pad": known}).weights["pad"]
-    expected = {(known.actuators[a].name, name) for i, name in enumerate(("left", "right", "back")) for a in weights[:, i].nonzero()[0]}
+    weights = map_listeners(
+        {"left": "hand.L", "right": "hand.R", "back": "upper_back.L"}, {"pad": known}
+    ).weights["pad"]
+    expected = {
+        (known.actuators[a].name, name)
+        for i, name in enumerate(("left", "right", "back"))
+        for a in weights[:, i].nonzero()[0]
+    }
     assert pad.name == "dualsense AB:12" and pad.profile == "dualsense" and expected
     assert {(item.actuator, item.listener) for item in pad.actuators} == expected
     imported(tmp_path / "a.json")
@@ -58,10 +72,18 @@ def test_choices_of_the_user_come_back(hands, tmp_path):
     first = exported(tmp_path / "a.json")
     document = json.loads(first)
     bench, pad = document["devices"]
-    assert bench == {"name": "bench", "profile": "bench", "actuators": [{"actuator": "2", "listener": "left", "gain": 1.0}]}
+    assert bench == {
+        "name": "bench",
+        "profile": "bench",
+        "actuators": [{"actuator": "2", "listener": "left", "gain": 1.0}],
+    }
     assert pad["actuators"] == [{"actuator": "right", "listener": "left", "gain": 1.0}]
     imported(tmp_path / "a.json")
-    assert set(choice("left").split(";")) == {"dualsense/right", "bench/2"} and choice("right") == "-" and choice("back") == ""
+    assert (
+        set(choice("left").split(";")) == {"dualsense/right", "bench/2"}
+        and choice("right") == "-"
+        and choice("back") == ""
+    )
     assert exported(tmp_path / "b.json") == first
     exported(tmp_path / "c.json", frames="RANGE", frame_start=1, frame_end=2)
     assert json.loads((tmp_path / "c.json").read_text())["devices"] == document["devices"]
@@ -88,7 +110,9 @@ def test_what_blender_has_no_words_for_is_kept(hands, tmp_path, recwarn):
     assert choice("right") == "pad of the lab/left*0.25" and choice("left") == "-"
     first = exported(tmp_path / "b.json")
     (written,) = read_export(tmp_path / "b.json").devices
-    assert written == DeviceMapping("pad of the lab", "dualsense", (ActuatorMapping("left", "right", 0.25),), {"room": [3, "b"]})
+    assert written == DeviceMapping(
+        "pad of the lab", "dualsense", (ActuatorMapping("left", "right", 0.25),), {"room": [3, "b"]}
+    )
     imported(tmp_path / "b.json")
     assert exported(tmp_path / "c.json") == first
     bpy.context.scene.haptics.live_output.devices["pad of the lab"].imported = '{"extras": 3}'
@@ -101,15 +125,26 @@ def test_gains_are_felt():
     from haptic_tracing.addon.properties.actuators import choice_of, places_of
     from haptic_tracing.core.devices.mapping import Place
 
-    places = places_of("dualsense AB:12/left grip*0.25;dualsense AB:12/right grip;odd/a*b*1.0;odd/a*b")
+    places = places_of(
+        "dualsense AB:12/left grip*0.25;dualsense AB:12/right grip;odd/a*b*1.0;odd/a*b"
+    )
     assert [(p.device, p.actuator, p.gain) for p in places] == [
         ("dualsense AB:12", "left grip", 0.25), ("dualsense AB:12", "right grip", 1.0), ("odd", "a*b", 1.0), ("odd", "a*b", 1.0),
     ]  # fmt: skip
-    assert choice_of(places[:3]) == "dualsense AB:12/left grip*0.25;dualsense AB:12/right grip;odd/a*b*1.0"
+    assert (
+        choice_of(places[:3])
+        == "dualsense AB:12/left grip*0.25;dualsense AB:12/right grip;odd/a*b*1.0"
+    )
     pad = profile("dualsense")
     names = [actuator.name for actuator in pad.actuators]
-    mapping = map_listeners({"hand": "hand.L"}, {"pad": pad}, chosen={"hand": [Place("pad", names[0], 0.25), Place("pad", names[1], 2.0)]})
-    np.testing.assert_array_equal(mapping.blocks(np.array([[1.0, -0.5]]))["pad"][:2], [[0.25, -0.125], [2.0, -1.0]])
+    mapping = map_listeners(
+        {"hand": "hand.L"},
+        {"pad": pad},
+        chosen={"hand": [Place("pad", names[0], 0.25), Place("pad", names[1], 2.0)]},
+    )
+    np.testing.assert_array_equal(
+        mapping.blocks(np.array([[1.0, -0.5]]))["pad"][:2], [[0.25, -0.125], [2.0, -1.0]]
+    )
 
 
 def test_a_collection_has_the_devices_of_its_listeners(hands, tmp_path):

@@ -1,4 +1,5 @@
-"""Numbers of a file that have more digits than Blender's properties: they count while the properties hold them."""
+"""Numbers of a file that have more digits than Blender's properties: they count while the
+properties hold them."""
 
 import json
 
@@ -29,7 +30,9 @@ SCENE = {
             "propagation": {"function": "exponential", "alpha": ALPHA},
         }
     ],
-    "sources": [{"name": "shaker", "object": "bar", "position": [0.5, 0, 0], "amplitude": AMPLITUDE}],
+    "sources": [
+        {"name": "shaker", "object": "bar", "position": [0.5, 0, 0], "amplitude": AMPLITUDE}
+    ],
     "listeners": [{"name": "hand", "object": "bar", "position": [-0.5, 0, 0], "radius": RADIUS}],
 }
 
@@ -52,12 +55,32 @@ def written(tmp_path):
 
 
 PLACES = {
-    "kappa": (lambda: bpy.data.objects["bar"].haptics, lambda form: form["objects"][0]["kappa"], KAPPA),
+    "kappa": (
+        lambda: bpy.data.objects["bar"].haptics,
+        lambda form: form["objects"][0]["kappa"],
+        KAPPA,
+    ),
     "rho": (lambda: bpy.data.objects["bar"].haptics, lambda form: form["objects"][0]["rho"], RHO),
-    "alpha": (lambda: bpy.data.objects["bar"].haptics, lambda form: form["objects"][0]["propagation"]["alpha"], ALPHA),
-    "amplitude": (lambda: bpy.data.objects["shaker"].haptics.source, lambda form: form["sources"][0]["amplitude"], AMPLITUDE),
-    "radius": (lambda: bpy.data.objects["hand"].haptics.listener, lambda form: form["listeners"][0]["radius"], RADIUS),
-    "threshold": (lambda: bpy.context.scene.haptics, lambda form: form["settings"]["threshold"], THRESHOLD),
+    "alpha": (
+        lambda: bpy.data.objects["bar"].haptics,
+        lambda form: form["objects"][0]["propagation"]["alpha"],
+        ALPHA,
+    ),
+    "amplitude": (
+        lambda: bpy.data.objects["shaker"].haptics.source,
+        lambda form: form["sources"][0]["amplitude"],
+        AMPLITUDE,
+    ),
+    "radius": (
+        lambda: bpy.data.objects["hand"].haptics.listener,
+        lambda form: form["listeners"][0]["radius"],
+        RADIUS,
+    ),
+    "threshold": (
+        lambda: bpy.context.scene.haptics,
+        lambda form: form["settings"]["threshold"],
+        THRESHOLD,
+    ),
 }
 
 

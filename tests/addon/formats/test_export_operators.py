@@ -1,4 +1,5 @@
-"""File > Export, run as Blender runs it: what is written is what was traced, whole or not at all."""
+"""File > Export, run as Blender runs it: what is written is what was traced, whole or not at
+all."""
 
 import json
 import math
@@ -39,13 +40,23 @@ def shaken(add_box, add_empty):
 
 def test_a_range_traced_again_by_the_core_gives_the_same_samples(shaken, tmp_path):
     path = tmp_path / "range.json"
-    arguments = {"frames": "RANGE", "frame_start": 1, "frame_end": 13, "tracks": "wav", "encoding": "float32"}
+    arguments = {
+        "frames": "RANGE",
+        "frame_start": 1,
+        "frame_end": 13,
+        "tracks": "wav",
+        "encoding": "float32",
+    }
     assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **arguments) == {"FINISHED"}
     export = read_export(path)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["range.json", "range.tracks.wav"]
     assert [frame.number for frame in export.recording.frames] == list(range(1, 14))
     assert export.recording.frame_rate == pytest.approx(30 / 1.001)
-    blocks = [result.block for result in traced_again(export.scene, export.recording) if result.block is not None]
+    blocks = [
+        result.block
+        for result in traced_again(export.scene, export.recording)
+        if result.block is not None
+    ]
     samples = np.concatenate(blocks, axis=1)
     assert samples.shape[1] == math.ceil(12 * 1.001 / 30 * 8000)
     np.testing.assert_allclose(export.tracks.samples, samples, atol=1e-5)
@@ -55,10 +66,16 @@ def test_a_range_traced_again_by_the_core_gives_the_same_samples(shaken, tmp_pat
 
 def test_packed_and_inline(shaken, tmp_path):
     path = tmp_path / "packed.json.gz"
-    bpy.ops.export_scene.haptic_scene(filepath=str(path), frames="RANGE", frame_end=3, tracks="inline", compressed=True)
+    bpy.ops.export_scene.haptic_scene(
+        filepath=str(path), frames="RANGE", frame_end=3, tracks="inline", compressed=True
+    )
     export = read_export(path)
-    assert len(export.recording.frames) == 3 and export.tracks.count == math.ceil(2 * 1.001 / 30 * 8000)
-    bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "without"), frames="RANGE", frame_end=3)
+    assert len(export.recording.frames) == 3 and export.tracks.count == math.ceil(
+        2 * 1.001 / 30 * 8000
+    )
+    bpy.ops.export_scene.haptic_scene(
+        filepath=str(tmp_path / "without"), frames="RANGE", frame_end=3
+    )
     assert read_export(tmp_path / "without.json").tracks is None
 
 
@@ -67,18 +84,31 @@ def test_packed_and_inline(shaken, tmp_path):
 def test_every_format_is_written(shaken, tmp_path, name):
     suffix = named(name).suffix
     target = tmp_path / f"ride{suffix}"
-    assert bpy.ops.export_scene.haptic_tracks(filepath=str(target), format=name, frame_start=1, frame_end=13) == {"FINISHED"}
+    assert bpy.ops.export_scene.haptic_tracks(
+        filepath=str(target), format=name, frame_start=1, frame_end=13
+    ) == {"FINISHED"}
     files = [path for path in tmp_path.rglob("*") if path.is_file()]
-    assert any(path.name.endswith(suffix) for path in files) and not any(path.suffix == ".part" for path in files)
+    assert any(path.name.endswith(suffix) for path in files) and not any(
+        path.suffix == ".part" for path in files
+    )
     if suffix in registry.READERS:
-        channels = [c for path in files if path.suffix == suffix for c in registry.read(path).channels]
+        channels = [
+            c for path in files if path.suffix == suffix for c in registry.read(path).channels
+        ]
         assert any(channel.at_rate(8000).any() for channel in channels)
 
 
 def test_options_reach_the_format(shaken, tmp_path):
-    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.hjif"), format="hjif", frame_end=5, hjif_profile="Simple Parametric")
+    bpy.ops.export_scene.haptic_tracks(
+        filepath=str(tmp_path / "a.hjif"),
+        format="hjif",
+        frame_end=5,
+        hjif_profile="Simple Parametric",
+    )
     assert json.loads((tmp_path / "a.hjif").read_text())["profile"] == "Simple Parametric"
-    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.wav"), format="wav", frame_end=5, wav_sample_rate=4000)
+    bpy.ops.export_scene.haptic_tracks(
+        filepath=str(tmp_path / "a.wav"), format="wav", frame_end=5, wav_sample_rate=4000
+    )
     (channel, _) = registry.read(tmp_path / "a.wav").channels
     assert channel.sample_rate == 4000
 
@@ -90,21 +120,28 @@ def test_a_collection_exports_what_is_in_it(shaken, tmp_path):
     collection.objects.link(bpy.data.objects["floor"])
     bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "part.json"), collection="crates")
     scene = read_export(tmp_path / "part.json").scene
-    assert [item.name for item in scene.objects] == ["crate", "floor"] and [item.name for item in scene.listeners] == ["crate"]
+    assert [item.name for item in scene.objects] == ["crate", "floor"] and [
+        item.name for item in scene.listeners
+    ] == ["crate"]
     assert {contact.objects for contact in scene.contacts} == {("crate", "floor")}
-    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "part.wav"), collection="crates", frame_end=5)
+    bpy.ops.export_scene.haptic_tracks(
+        filepath=str(tmp_path / "part.wav"), collection="crates", frame_end=5
+    )
     assert [channel.name for channel in registry.read(tmp_path / "part.wav").channels] == ["crate"]
 
 
 def test_blenders_own_collection_exporter_takes_both(shaken, tmp_path):
-    """As the collection's panel does it: an exporter is added, its path chosen, and everything exported."""
+    """As the collection's panel does it: an exporter is added, its path chosen, and everything
+    exported."""
     collection = bpy.data.collections.new("all")
     bpy.context.scene.collection.children.link(collection)
     for obj in list(bpy.context.scene.collection.objects):
         collection.objects.link(obj)
     layer = bpy.context.view_layer.layer_collection.children["all"]
     bpy.context.view_layer.active_layer_collection = layer
-    for number, (handler, name) in enumerate((("HAPTIC_FH_scene", "all.json"), ("HAPTIC_FH_tracks", "all.wav"))):
+    for number, (handler, name) in enumerate(
+        (("HAPTIC_FH_scene", "all.json"), ("HAPTIC_FH_tracks", "all.wav"))
+    ):
         assert bpy.ops.collection.exporter_add(name=handler) == {"FINISHED"}
         collection.exporters[number].export_properties.filepath = str(tmp_path / name)
         assert bpy.ops.collection.exporter_export(index=number) == {"FINISHED"}
@@ -118,7 +155,9 @@ def test_what_can_not_be_traced_writes_nothing(shaken, tmp_path):
     with pytest.raises(RuntimeError, match="no listener"):
         bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.wav"))
     with pytest.raises(RuntimeError, match="is empty"):
-        bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "a.json"), frames="RANGE", frame_start=5, frame_end=1)
+        bpy.ops.export_scene.haptic_scene(
+            filepath=str(tmp_path / "a.json"), frames="RANGE", frame_start=5, frame_end=1
+        )
     with pytest.raises(RuntimeError, match="no collection 'gone'"):
         bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "a.json"), collection="gone")
     assert not list(tmp_path.iterdir())
@@ -137,14 +176,26 @@ def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path)
     shaken.frame_set(7)
     finished = []
     capture = Capture(shaken, 1, 13, True, True)
-    work = Job("Exporting", capture.frames, capture.steps(), lambda _: finished.append(capture.export("x")) or [])
+    work = Job(
+        "Exporting",
+        capture.frames,
+        capture.steps(),
+        lambda _: finished.append(capture.export("x")) or [],
+    )
     assert work.advance(0.0) is None and work.done == 1 and work.factor == pytest.approx(1 / 13)
     work.cancel()
     assert shaken.frame_current == 7 and not finished
     capture = Capture(shaken, 1, 13, True, True)
-    work = Job("Exporting", capture.frames, capture.steps(), lambda _: finished.append(capture.export("x")) or [])
+    work = Job(
+        "Exporting",
+        capture.frames,
+        capture.steps(),
+        lambda _: finished.append(capture.export("x")) or [],
+    )
     assert ended(work) == [] and work.done == 13
-    assert finished[0].tracks.count == math.ceil(12 * 1.001 / 30 * 8000) and shaken.frame_current == 7
+    assert (
+        finished[0].tracks.count == math.ceil(12 * 1.001 / 30 * 8000) and shaken.frame_current == 7
+    )
 
 
 @pytest.mark.parametrize("consent", [True, False])
@@ -155,10 +206,19 @@ def test_a_poor_file_replaces_another_only_with_consent(tmp_path, consent):
     def job(strength):
         noise = np.random.default_rng(1).uniform(-strength, strength, (1, 8000))
         export = Export("noise", tracks=Tracks((ListenerTrack("hand", "hand.L"),), 8000, noise))
-        return Job("Exporting", 1, iter(()), lambda running: track_writer("wyvrn", tmp_path, {})(export, running))
+        return Job(
+            "Exporting",
+            1,
+            iter(()),
+            lambda running: track_writer("wyvrn", tmp_path, {})(export, running),
+        )
 
     def contents():
-        return {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file() and ".part" not in str(path)}
+        return {
+            path: path.read_bytes()
+            for path in tmp_path.rglob("*")
+            if path.is_file() and ".part" not in str(path)
+        }
 
     ended(job(0.2))
     before = contents()
@@ -169,14 +229,18 @@ def test_a_poor_file_replaces_another_only_with_consent(tmp_path, consent):
     assert any("of the power" in line for line in second.question) and contents() == before
     second.answer(consent)
     reports = ended(second)
-    assert (contents() != before) == consent and (reports == [({"WARNING"}, "Nothing was replaced")]) != consent
+    assert (contents() != before) == consent and (
+        reports == [({"WARNING"}, "Nothing was replaced")]
+    ) != consent
 
 
 def test_cancelled_while_it_writes(tmp_path):
     from haptic_tracing.addon.blender.job import Cancelled, Job
     from haptic_tracing.addon.operators.exporting import track_writer
 
-    export = Export("noise", tracks=Tracks((ListenerTrack("hand", "hand.L"),), 8000, np.full((1, 8000), 0.5)))
+    export = Export(
+        "noise", tracks=Tracks((ListenerTrack("hand", "hand.L"),), 8000, np.full((1, 8000), 0.5))
+    )
     begin = threading.Event()
 
     def finish(running):
@@ -214,7 +278,9 @@ def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
 
     layout = recording_layout()
     draw_losses(layout, "tact", expected(shaken, True), {})
-    assert layout.labels[0] == "Not in these files" and any("crate" in text for text in layout.labels)
+    assert layout.labels[0] == "Not in these files" and any(
+        "crate" in text for text in layout.labels
+    )
     layout = recording_layout()
     draw_losses(layout, "scene", expected(shaken, True), {"tracks": "wav", "encoding": "float32"})
     assert layout.labels == ["Everything is carried"]
@@ -232,15 +298,29 @@ def test_endings_follow_the_format():
     assert with_ending("/a/b.JSON.GZ", (".json.gz", ".json"), ".json") == "/a/b.json"
     assert with_ending("/a/b.v2", (".wav", ".hjif"), ".hjif") == "/a/b.v2.hjif"
     assert with_ending("/a/", (".wav",), ".hjif") == "/a/"
-    assert [export_name(p) for p in ("/a/b.json.gz", "/a/b.v2.hjif", "/a/b.v2", "/a/.wav")] == ["b", "b.v2", "b.v2", ".wav"]
+    assert [export_name(p) for p in ("/a/b.json.gz", "/a/b.v2.hjif", "/a/b.v2", "/a/.wav")] == [
+        "b",
+        "b.v2",
+        "b.v2",
+        ".wav",
+    ]
 
 
 def test_tact_without_a_body_part_is_an_error_with_its_cure(shaken, tmp_path):
     for obj in shaken.objects:
         obj.haptics.listener.body_part = "NONE"
-    with pytest.raises(RuntimeError, match=r"no listener is where a bHaptics device is worn: give one such a body part"):
-        bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3)
+    with pytest.raises(
+        RuntimeError,
+        match=r"no listener is where a bHaptics device is worn: give one such a body part",
+    ):
+        bpy.ops.export_scene.haptic_tracks(
+            filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3
+        )
     assert list(tmp_path.iterdir()) == []
-    next(obj for obj in shaken.objects if obj.haptics.listener.enabled).haptics.listener.body_part = "foot.L"
-    bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3)
+    next(
+        obj for obj in shaken.objects if obj.haptics.listener.enabled
+    ).haptics.listener.body_part = "foot.L"
+    bpy.ops.export_scene.haptic_tracks(
+        filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3
+    )
     assert [path.suffix for path in tmp_path.iterdir()] == [".tact"]

@@ -1,4 +1,5 @@
-"""What the core computes from a file alone, Blender computes from what it imported of it: the same gains to the last digits."""
+"""What the core computes from a file alone, Blender computes from what it imported of it: the same
+gains to the last digits."""
 
 import json
 
@@ -11,19 +12,34 @@ from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import function_from_dict
-from haptic_tracing.core.scene.values import Contact, Extent, HapticObject, HapticScene, Listener, Pose, Settings, Source
+from haptic_tracing.core.scene.values import (
+    Contact,
+    Extent,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Pose,
+    Settings,
+    Source,
+)
 from haptic_tracing.core.signals import Adsr, Decay, Noise, Pulse, Sine
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scene_files import exported, imported
 
-FEW = settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+FEW = settings(
+    max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
+)
 
 
 def by_core(scene):
     """(gain, gains of bands) by the names of source and listener, from what the file says."""
     found = propagate(graph_of_scene(scene), scene.settings)
-    bands = np.ones((*found.gain.shape, 6)) * found.gain[..., None] if found.band_gain is None else found.band_gain
+    bands = (
+        np.ones((*found.gain.shape, 6)) * found.gain[..., None]
+        if found.band_gain is None
+        else found.band_gain
+    )
     return {
         (source.name, listener.name): (source.amplitude * found.gain[s, i], bands[s, i])
         for s, source in enumerate(scene.sources)
@@ -33,9 +49,16 @@ def by_core(scene):
 
 def in_blender(result):
     bands = result.propagation.band_gain
-    bands = np.ones((*result.amplitudes.shape, 6)) * result.propagation.gain[..., None] if bands is None else bands
+    bands = (
+        np.ones((*result.amplitudes.shape, 6)) * result.propagation.gain[..., None]
+        if bands is None
+        else bands
+    )
     return {
-        (source.name, listener.name): (source.amplitude * result.propagation.gain[s, i], bands[s, i])
+        (source.name, listener.name): (
+            source.amplitude * result.propagation.gain[s, i],
+            bands[s, i],
+        )
         for s, source in enumerate(result.sources)
         for i, listener in enumerate(result.listeners)
     }
@@ -45,16 +68,34 @@ def assert_alike(found, expected):
     assert found.keys() == expected.keys()
     for pair, (gain, bands) in expected.items():
         assert found[pair][0] == pytest.approx(gain, rel=1e-12, abs=1e-300), pair
-        np.testing.assert_allclose(found[pair][1], bands, rtol=1e-12, atol=1e-300, err_msg=str(pair))
+        np.testing.assert_allclose(
+            found[pair][1], bands, rtol=1e-12, atol=1e-300, err_msg=str(pair)
+        )
 
 
 shares = st.floats(0.01, 1)
 sixes = st.lists(st.floats(0, 1), min_size=6, max_size=6)
 functions = st.one_of(
     st.builds(lambda gain: {"function": "constant", "gain": gain}, shares),
-    st.builds(lambda alpha, speed: {"function": "exponential", "alpha": alpha, "wave_speed": speed}, shares, st.floats(100, 3000)),
-    st.builds(lambda length, gains: {"function": "linear", "range": length, "band_gains": gains}, st.floats(5, 50), sixes),
-    st.builds(lambda gains, decays: {"function": "haptic_tracing", "band_gains": gains, "band_decays": decays}, sixes, sixes),
+    st.builds(
+        lambda alpha, speed: {"function": "exponential", "alpha": alpha, "wave_speed": speed},
+        shares,
+        st.floats(100, 3000),
+    ),
+    st.builds(
+        lambda length, gains: {"function": "linear", "range": length, "band_gains": gains},
+        st.floats(5, 50),
+        sixes,
+    ),
+    st.builds(
+        lambda gains, decays: {
+            "function": "haptic_tracing",
+            "band_gains": gains,
+            "band_decays": decays,
+        },
+        sixes,
+        sixes,
+    ),
     st.just({"function": "identity"}),
     st.just({"function": "expression", "expression": "exp(-0.3 * d) * 0.9"}),
 ).map(function_from_dict)
@@ -63,10 +104,15 @@ places = st.tuples(*[st.floats(-3, 3)] * 3)
 
 @st.composite
 def scenes(draw):
-    """A chain of objects, some of whose contacts are double, numbers with all digits that they can have. Blender makes a box where there is
-    no shape, and an energy balance divides that about its middle: so there all have shapes."""
+    """A chain of objects, some of whose contacts are double, numbers with all digits that they can
+    have. Blender makes a box where there is no shape, and an energy balance divides that about its
+    middle: so there all have shapes."""
     strategy = draw(st.sampled_from(["all_paths", "best_path", "energy_balance"]))
-    shapes = st.sampled_from([Box((1.1, 1, 1)), None]) if strategy != "energy_balance" else st.just(Box((1.1, 1, 1)))
+    shapes = (
+        st.sampled_from([Box((1.1, 1, 1)), None])
+        if strategy != "energy_balance"
+        else st.just(Box((1.1, 1, 1)))
+    )
     count = draw(st.integers(2, 5))
     names = [f"part {k}" for k in range(count)]
     objects = tuple(
@@ -75,13 +121,31 @@ def scenes(draw):
         for k, name in enumerate(names)
     )  # fmt: skip
     contacts = tuple(
-        Contact((names[k], names[k + 1]), (draw(places), draw(places)), draw(functions), draw(shares), (0.6, 0.0, 0.8), draw(shares))
-        for k, n in enumerate(draw(st.lists(st.integers(1, 2), min_size=count - 1, max_size=count - 1)))
+        Contact(
+            (names[k], names[k + 1]),
+            (draw(places), draw(places)),
+            draw(functions),
+            draw(shares),
+            (0.6, 0.0, 0.8),
+            draw(shares),
+        )
+        for k, n in enumerate(
+            draw(st.lists(st.integers(1, 2), min_size=count - 1, max_size=count - 1))
+        )
         for _ in range(n)
     )
-    signals = st.sampled_from([Sine(60.0), Pulse(25.0) * Decay(0.7), Noise() * Decay(1 / 3), Sine(90.0) * Adsr()])
+    signals = st.sampled_from(
+        [Sine(60.0), Pulse(25.0) * Decay(0.7), Noise() * Decay(1 / 3), Sine(90.0) * Adsr()]
+    )
     sources = tuple(
-        Source(f"source {k}", draw(st.sampled_from(names)), draw(places), draw(shares), signal=draw(signals), priority=draw(shares))
+        Source(
+            f"source {k}",
+            draw(st.sampled_from(names)),
+            draw(places),
+            draw(shares),
+            signal=draw(signals),
+            priority=draw(shares),
+        )
         for k in range(2)
     )
     formulas = {"mixing": "custom", "mixing_expression": "s_max * tanh(sum / s_max)"}
@@ -113,8 +177,14 @@ def test_generated_scenes(tmp_path_factory, scene):
     assert_alike(in_blender(result), by_core(read_export(folder / "a.json").scene))
     first = exported(folder / "b.json")
     written = read_export(folder / "b.json").scene
-    assert (written.settings, written.sources, written.listeners) == (scene.settings, scene.sources, scene.listeners)
-    assert {item.name: item.propagation for item in written.objects} == {item.name: item.propagation for item in scene.objects}
+    assert (written.settings, written.sources, written.listeners) == (
+        scene.settings,
+        scene.sources,
+        scene.listeners,
+    )
+    assert {item.name: item.propagation for item in written.objects} == {
+        item.name: item.propagation for item in scene.objects
+    }
     assert sorted(map(repr, written.contacts)) == sorted(map(repr, scene.contacts))
     imported(folder / "b.json")
     assert exported(folder / "c.json") == first
@@ -150,13 +220,19 @@ def test_what_a_contact_passes_on_belongs_to_the_pair(stack, tmp_path, traced):
     assert traced().amplitudes.tolist() == [[0.5, 0.1]]
     exported(tmp_path / "b.json")
     written = json.loads((tmp_path / "b.json").read_text())["contacts"]
-    assert [item["transmission"]["gain"] for item in written] == [0.5, 0.1] and written[0]["extras"] == {"screws": 4}
+    assert [item["transmission"]["gain"] for item in written] == [0.5, 0.1] and written[0][
+        "extras"
+    ] == {"screws": 4}
     bpy.data.objects["left"].location.y += 1.0  # now contacts are found, and pass on what they did
     bpy.context.view_layer.update()
     result = traced()
     assert result.amplitudes.tolist() == [[0.5, 0.1]]
-    places = {item.objects: item.positions[0] for item in result.contacts.to_contacts(result.objects)}
-    assert places["floor", "right"] == (2, 0, 0) and places[min(k for k in places if "left" in k)][1] == pytest.approx(1.0, abs=0.01)
+    places = {
+        item.objects: item.positions[0] for item in result.contacts.to_contacts(result.objects)
+    }
+    assert places["floor", "right"] == (2, 0, 0) and places[min(k for k in places if "left" in k)][
+        1
+    ] == pytest.approx(1.0, abs=0.01)
     bpy.data.objects["left"].location.z += 1.0
     bpy.context.view_layer.update()
     assert traced().amplitudes.tolist() == [[0.0, 0.1]]
@@ -168,7 +244,9 @@ def test_what_an_author_changes_counts_more_than_the_file(stack, traced):
     places = {item.positions[0] for item in traced().contacts.to_contacts(traced().objects)}
     assert (-2, 0.1, 0) in places
     scene.haptics.contact_tolerance = 0.02
-    assert (-2, 0.1, 0) not in {item.positions[0] for item in traced().contacts.to_contacts(traced().objects)}
+    assert (-2, 0.1, 0) not in {
+        item.positions[0] for item in traced().contacts.to_contacts(traced().objects)
+    }
     scene.haptics.contact_tolerance = 0.01
     assert traced().amplitudes.tolist() == [[0.5, 0.1]]
     floor.haptics.function, floor.haptics.constant = "constant", 0.25
@@ -179,7 +257,8 @@ def test_what_an_author_changes_counts_more_than_the_file(stack, traced):
 
 
 def test_two_files_in_one_scene_keep_their_contacts(stack, traced):
-    """The second time all are renamed, and stand in the first ones' place: they are other objects."""
+    """The second time all are renamed, and stand in the first ones' place: they are other
+    objects."""
     imported(stack)
     for name in ("floor", "left", "right"):
         bpy.data.objects[name].name = f"old {name}"
@@ -204,7 +283,8 @@ def test_damaged_contacts_are_a_problem_in_words(stack, traced):
         '{"contacts": [{}]}',
         '{"contacts": [{"objects": ["left", "right"]}]}',
         '{"contacts": [{"positions": [[0, 0, 0], [0, 0, 0]]}], "later": [null]}',
-        f'{{"contacts": [{{"objects": ["left", "right"], "positions": [[0, 0, 0], [0, 0, {huge}]]}}]}}',
+        f'{{"contacts": [{{"objects": ["left", "right"], "positions": [[0, 0, 0], [0, 0, '
+        f"{huge}]]}}]}}",
         f'{{"tolerance": {huge}}}',
         "[" * 1000,
     ):
@@ -214,13 +294,19 @@ def test_damaged_contacts_are_a_problem_in_words(stack, traced):
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     assert bpy.ops.import_scene.haptic_scene(filepath=str(stack)) == {"FINISHED"}
-    assert traced().amplitudes.tolist() == [[0.5, 0.1]] and not session.problems_of(bpy.context.scene)
+    assert traced().amplitudes.tolist() == [[0.5, 0.1]] and not session.problems_of(
+        bpy.context.scene
+    )
 
 
 def test_functions_that_begin_in_a_later_frame_are_kept(stack, tmp_path, traced):
     document = json.loads(stack.read_text())
     document["contacts"].pop()
-    landed = {"objects": ["floor", "right"], "positions": [[2, 0, 0], [2, 0, 0]], "transmission": {"function": "constant", "gain": 0.3}}
+    landed = {
+        "objects": ["floor", "right"],
+        "positions": [[2, 0, 0], [2, 0, 0]],
+        "transmission": {"function": "constant", "gain": 0.3},
+    }
     document["objects"][2]["pose"]["position"][2] = 3
     later = {"frame": 2, "poses": {"right": [2, 0, 0.5, 1, 0, 0, 0]}, "contacts": [landed]}
     document |= {"frame_rate": 25, "frames": [{"frame": 1}, later]}

@@ -1,4 +1,5 @@
-"""A sample played in Blender, and by the core from its exported file alone: the same gains, impacts and rules."""
+"""A sample played in Blender, and by the core from its exported file alone: the same gains, impacts
+and rules."""
 
 import json
 
@@ -29,7 +30,8 @@ def hammer(scene):
     with suspended():
         built = build_sample("hammer_nail", None)
     built.frame_end = LAST
-    with bpy.context.temp_override(scene=built):  # measured materials agree to eleven digits instead of twelve
+    # Measured materials agree to eleven digits instead of twelve.
+    with bpy.context.temp_override(scene=built):
         bpy.ops.haptic.set_model(model="PAPER")
     built.haptics.strategy = "auto"
     return built
@@ -42,7 +44,9 @@ def written(hammer, tmp_path):
     def write(**properties):
         for name, value in properties.items():
             setattr(hammer.haptics, name, value)
-        exported(tmp_path / "hammer.json", frames="RANGE", frame_start=hammer.frame_start, frame_end=LAST)
+        exported(
+            tmp_path / "hammer.json", frames="RANGE", frame_start=hammer.frame_start, frame_end=LAST
+        )
         return tmp_path / "hammer.json"
 
     return write
@@ -56,10 +60,13 @@ def in_blender(scene):
 
 
 def without_contacts(path):
-    """The scene and recording of a file from which contacts and impacts are removed: shapes, poses and rules are left."""
+    """The scene and recording of a file from which contacts and impacts are removed: shapes, poses
+    and rules are left."""
     document = json.loads(path.read_text())
     document.pop("contacts")
-    document["sources"] = [source for source in document["sources"] if source.get("kind") != "temporary"]
+    document["sources"] = [
+        source for source in document["sources"] if source.get("kind") != "temporary"
+    ]
     for frame in document["frames"]:
         for key in ("contacts", "parted", "sources", "source_positions"):
             frame.pop(key, None)
@@ -77,7 +84,9 @@ def impacts_of(results):
 def test_the_core_plays_what_blender_plays(hammer, written, strategy):
     export = read_export(written(strategy=strategy))
     count = 0
-    for ours, theirs in zip(in_blender(hammer), traced(export.scene, export.recording), strict=True):
+    for ours, theirs in zip(
+        in_blender(hammer), traced(export.scene, export.recording), strict=True
+    ):
         assert ours.number == theirs.number
         expected = gains(ours)
         assert gains(theirs) == pytest.approx(expected, rel=1e-12, abs=1e-15)
@@ -99,7 +108,11 @@ def test_impacts_found_outside_blender_follow_the_rules_of_the_file(hammer, writ
     assert (scene.rules.least_energy, scene.rules.full_energy) == (1000.0, 2000.0)
     assert impacts_of(traced(scene, recording)) == []
     path = written(minimum_energy=5.0, impacts=False)
-    assert not any(source.kind is SourceKind.TEMPORARY for result in traced(*without_contacts(path)) for source in result.sources)
+    assert not any(
+        source.kind is SourceKind.TEMPORARY
+        for result in traced(*without_contacts(path))
+        for source in result.sources
+    )
 
 
 def test_rules_of_a_file_become_properties_and_stay_to_the_last_digit(scene, tmp_path):
@@ -116,7 +129,14 @@ def test_rules_of_a_file_become_properties_and_stay_to_the_last_digit(scene, tmp
         "impacts": False,
         "templates": "by_material",
     }
-    ball = {"name": "ball", "kappa": 0.2, "rho": 0.9, "motion": "dynamic", "impact_material": "rubber", "pose": {"position": [0, 0, 1]}}
+    ball = {
+        "name": "ball",
+        "kappa": 0.2,
+        "rho": 0.9,
+        "motion": "dynamic",
+        "impact_material": "rubber",
+        "pose": {"position": [0, 0, 1]},
+    }
     ball["shape"] = {"type": "sphere", "radius": 0.5}
     document = {"format": "haptic-scene", "version": "1.1", "objects": [ball], "rules": rules}
     (tmp_path / "moon.json").write_text(json.dumps(document))
@@ -125,11 +145,15 @@ def test_rules_of_a_file_become_properties_and_stay_to_the_last_digit(scene, tmp
     assert again["rules"] == rules
     (found,) = again["objects"]
     assert found["impact_material"] == "rubber" and found.get("motion", "dynamic") == "dynamic"
-    assert again["convention"]["axes"] == "right-handed, z up" and "minimum_energy" not in again["extras"]["blender"]
+    assert (
+        again["convention"]["axes"] == "right-handed, z up"
+        and "minimum_energy" not in again["extras"]["blender"]
+    )
 
 
 def test_what_is_switched_on_and_off_comes_and_goes(scene, add_box, add_empty, tmp_path):
-    """A crate with a drill and a hand on it, both objects of Blender, is haptic in some frames only: in the file, and back in Blender."""
+    """A crate with a drill and a hand on it, both objects of Blender, is haptic in some frames
+    only: in the file, and back in Blender."""
     scene.frame_start, scene.frame_end = 1, 12
     floor = add_box("floor", (0, 0, -0.5), (4, 4, 1))
     floor.haptics.source.enabled = True

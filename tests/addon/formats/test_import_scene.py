@@ -5,7 +5,16 @@ import json
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Sphere
+from haptic_tracing.core.contacts.shapes import (
+    Box,
+    Capsule,
+    Compound,
+    Cone,
+    ConvexHull,
+    Cylinder,
+    Mesh,
+    Sphere,
+)
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
@@ -13,13 +22,24 @@ from haptic_tracing.core.formats.scene.scene_json import read_scene
 from haptic_tracing.core.graph.haptic_graph import build_graph
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import function_from_dict
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, SourceKind
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Pose,
+    Settings,
+    Source,
+    SourceKind,
+)
 from haptic_tracing.core.signals import Adsr, Decay, Gain, Loop, Noise, Pulse, Sampled, Sine
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scene_files import exported
 
-FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+FEW = settings(
+    max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
+)
 
 
 def empty_file():
@@ -45,9 +65,13 @@ def gains_of(scene):
     table = ObjectTable.of(scene.objects, scene.settings.epsilon)
     contacts = ContactSet.from_contacts(scene.contacts, table.index())
     graph = build_graph(table, contacts, scene.sources, scene.listeners)
-    gains = propagate(graph, scene.settings).gain * np.array([source.amplitude for source in scene.sources]).reshape(-1, 1)
+    gains = propagate(graph, scene.settings).gain * np.array(
+        [source.amplitude for source in scene.sources]
+    ).reshape(-1, 1)
     return {
-        (source.name, listener.name): gains[s, i] for s, source in enumerate(scene.sources) for i, listener in enumerate(scene.listeners)
+        (source.name, listener.name): gains[s, i]
+        for s, source in enumerate(scene.sources)
+        for i, listener in enumerate(scene.listeners)
     }
 
 
@@ -69,7 +93,13 @@ def workshop(add_box, add_empty):
     floor.haptics.source.signal, floor.haptics.source.frequency = "PULSE", 23.4
     kinds = ("BOX", "SPHERE", "CAPSULE", "CYLINDER", "CONE", "CONVEX_HULL", "MESH")
     for number, kind in enumerate(kinds):
-        thing = add_box(kind.title(), (number - 3.3, 0.7, 0.3), (0.61, 0.61, 0.6), body="ACTIVE", mass=1.7 + number)
+        thing = add_box(
+            kind.title(),
+            (number - 3.3, 0.7, 0.3),
+            (0.61, 0.61, 0.6),
+            body="ACTIVE",
+            mass=1.7 + number,
+        )
         thing.rigid_body.collision_shape = kind
         thing.rotation_euler = (0, 0, 0.37 * number)
         thing.haptics.kappa = 0.05 * number
@@ -80,14 +110,21 @@ def workshop(add_box, add_empty):
     plank.haptics.listener.enabled = True
     plank.haptics.listener.mixing = "power"
     plank.haptics.material.name = "old oak"
-    plank.haptics.material.use_bands, plank.haptics.material.band_decays = True, (0, 0.01, 0.02, 0.05, 0.1, 0.2)
+    plank.haptics.material.use_bands, plank.haptics.material.band_decays = (
+        True,
+        (0, 0.01, 0.02, 0.05, 0.1, 0.2),
+    )
     hand = add_empty("hand", (0.11, 0.02, 0.49), parent=plank)
     hand.haptics.listener.enabled = True
     hand.haptics.listener.body_part, hand.haptics.listener.gain = "hand.R", 0.7
     drill = add_empty("drill", (0.3, 0.1, 0.5), parent=plank)
     drill.haptics.source.enabled = True
     drill.haptics.source.amplitude, drill.haptics.source.priority = 0.3, 2.5
-    scene.haptics.strategy, scene.haptics.epsilon, scene.haptics.contact_tolerance = "all_paths", 0.07, 0.02
+    scene.haptics.strategy, scene.haptics.epsilon, scene.haptics.contact_tolerance = (
+        "all_paths",
+        0.07,
+        0.02,
+    )
     bpy.context.view_layer.update()
     return scene
 
@@ -130,7 +167,9 @@ def test_what_is_moved_or_scaled_afterwards_counts(workshop, tmp_path):
     moved = json.loads(exported(tmp_path / "b.json"))
     was = {item["name"]: item for item in json.loads((tmp_path / "a.json").read_bytes())["objects"]}
     now = {item["name"]: item for item in moved["objects"]}
-    assert now["Box"]["pose"]["position"][0] == pytest.approx(was["Box"]["pose"]["position"][0] + 0.5, abs=1e-6)
+    assert now["Box"]["pose"]["position"][0] == pytest.approx(
+        was["Box"]["pose"]["position"][0] + 0.5, abs=1e-6
+    )
     assert now["Cone"]["shape"]["type"] == "convex_hull" and now["Capsule"] == was["Capsule"]
 
 
@@ -156,7 +195,9 @@ def test_a_frame_of_the_demo_with_its_impacts(tmp_path, traced):
     }
     first = exported(tmp_path / "a.json")
     written = read_scene(tmp_path / "a.json")
-    assert any(source.kind is SourceKind.TEMPORARY and source.second_object for source in written.sources)
+    assert any(
+        source.kind is SourceKind.TEMPORARY and source.second_object for source in written.sources
+    )
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     imported(tmp_path / "a.json")
     assert bpy.context.scene.frame_current == 1 != frame
@@ -166,7 +207,8 @@ def test_a_frame_of_the_demo_with_its_impacts(tmp_path, traced):
     assert before.keys() == by_core.keys() == after.keys()
     for pair, gain in before.items():
         assert by_core[pair] == pytest.approx(gain, rel=1e-12), pair
-        # Poses in single precision may move the centre of a patch that is hardly more than a point by a millimetre.
+        # Poses in single precision may move the centre of a patch that is hardly more than a point
+        # by a millimetre.
         assert after[pair] == pytest.approx(by_core[pair], rel=1e-3), pair
 
 
@@ -176,7 +218,13 @@ places = st.tuples(*[st.floats(-20, 20)] * 3)
 rotations = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: sum(v * v for v in q) > 0.01)
 poses = st.builds(Pose, places, rotations)
 shapes = st.one_of(
-    st.builds(lambda x, y, z, r: Box((x, y, z), rounding=r), lengths, lengths, lengths, st.sampled_from([0.0, 0.01])),
+    st.builds(
+        lambda x, y, z, r: Box((x, y, z), rounding=r),
+        lengths,
+        lengths,
+        lengths,
+        st.sampled_from([0.0, 0.01]),
+    ),
     st.builds(Sphere, lengths, st.sampled_from([0.0, 0.02])),
     st.builds(Capsule, lengths, lengths),
     st.builds(Cylinder, lengths, lengths),
@@ -201,14 +249,20 @@ signals = st.sampled_from(
         Loop(Sampled([0.1, -0.3, 0.2])), Gain(Sine(200.0) * Decay(0.3), 0.5), Sine(80.0) * Adsr(),
     ]
 )  # fmt: skip
-names = st.text(st.characters(exclude_categories=["C"]), min_size=1, max_size=12).map(str.strip).filter(bool)
+names = (
+    st.text(st.characters(exclude_categories=["C"]), min_size=1, max_size=12)
+    .map(str.strip)
+    .filter(bool)
+)
 
 
 @st.composite
 def scenes(draw):
     """Scenes as other tools may write them."""
     called = draw(st.lists(names, min_size=1, max_size=6, unique=True))
-    extras = st.dictionaries(names, st.sampled_from([1, "two", [3.5, None], {"four": True}]), max_size=2)
+    extras = st.dictionaries(
+        names, st.sampled_from([1, "two", [3.5, None], {"four": True}]), max_size=2
+    )
     objects = tuple(
         HapticObject(
             name, draw(numbers), draw(numbers), draw(functions), draw(st.one_of(shapes, st.none())), draw(st.one_of(poses, st.none())),
@@ -231,8 +285,14 @@ def scenes(draw):
         )
         for name in draw(st.lists(names, max_size=3, unique=True))
     )  # fmt: skip
-    contacts = tuple(Contact((called[k], called[k + 1]), ((k, 0, 0), (k, 0, 0))) for k in range(len(called) - 1))
-    wanted = Settings(mode=draw(st.sampled_from(["HT", "MD"])), threshold=draw(numbers), max_connections=draw(st.sampled_from([None, 7])))
+    contacts = tuple(
+        Contact((called[k], called[k + 1]), ((k, 0, 0), (k, 0, 0))) for k in range(len(called) - 1)
+    )
+    wanted = Settings(
+        mode=draw(st.sampled_from(["HT", "MD"])),
+        threshold=draw(numbers),
+        max_connections=draw(st.sampled_from([None, 7])),
+    )
     return HapticScene(objects, contacts, sources, listeners, wanted, draw(extras))
 
 
@@ -250,8 +310,15 @@ def test_generated_scenes_come_back_the_same(tmp_path_factory, scene):
     for item in scene.objects:
         if item.name in taken and item.shape is not None:
             other = taken[item.name]
-            assert (other.shape, other.mass, other.medium, other.extras) == (item.shape, item.mass, item.medium, item.extras)
-            assert other.pose == (item.pose or Pose()) and other.kappa == pytest.approx(item.kappa, abs=1e-7)
+            assert (other.shape, other.mass, other.medium, other.extras) == (
+                item.shape,
+                item.mass,
+                item.medium,
+                item.extras,
+            )
+            assert other.pose == (item.pose or Pose()) and other.kappa == pytest.approx(
+                item.kappa, abs=1e-7
+            )
 
 
 def test_signals_come_back_as_they_were(tmp_path, traced):
@@ -260,30 +327,46 @@ def test_signals_come_back_as_they_were(tmp_path, traced):
         "a": (Sine(60.0), "SINE"), "b": (Pulse(25.0), "PULSE"), "c": (Noise(), "NOISE"), "d": (Sine(123.456789), "KEPT"),
         "e": (Loop(Sampled([0.1, -0.3, 0.2])), "KEPT"), "f": (Gain(Sine(200.0) * Decay(0.3), 0.5), "KEPT"),
     }  # fmt: skip
-    sources = tuple(Source(name, "box", (0, 0, 0.4), signal=signal) for name, (signal, _) in kinds.items())
-    write_export(Export("s", HapticScene((HapticObject("box", 0.1, 0.9, shape=Box((1, 1, 1))),), (), sources)), tmp_path / "s.json")
+    sources = tuple(
+        Source(name, "box", (0, 0, 0.4), signal=signal) for name, (signal, _) in kinds.items()
+    )
+    write_export(
+        Export(
+            "s", HapticScene((HapticObject("box", 0.1, 0.9, shape=Box((1, 1, 1))),), (), sources)
+        ),
+        tmp_path / "s.json",
+    )
     imported(tmp_path / "s.json")
     for source in traced().sources:
         signal, kind = kinds[source.name]
-        assert source.signal == signal and bpy.data.objects[source.name].haptics.source.signal == kind
+        assert (
+            source.signal == signal and bpy.data.objects[source.name].haptics.source.signal == kind
+        )
 
 
 @pytest.mark.slow
 def test_frames_become_keyframes(workshop, tmp_path, traced):
-    """A range, imported, moves as it did: what is traced in Blender is what the core traces from the file."""
+    """A range, imported, moves as it did: what is traced in Blender is what the core traces from
+    the file."""
     plank, floor = bpy.data.objects["plank"], bpy.data.objects["floor"]
     for obj in workshop.objects:
         if obj.rigid_body is not None:
             obj.rigid_body.kinematic = True
     workshop.render.fps, workshop.render.fps_base = 30, 1.001
-    for frame, z, kappa, amplitude in ((1, 0.63, 0.1, 1.0), (6, 0.63, 0.1, 1.0), (9, 0.8, 0.4, 0.5)):
+    for frame, z, kappa, amplitude in (
+        (1, 0.63, 0.1, 1.0),
+        (6, 0.63, 0.1, 1.0),
+        (9, 0.8, 0.4, 0.5),
+    ):
         plank.location.z, plank.haptics.kappa, floor.haptics.source.amplitude = z, kappa, amplitude
         plank.haptics.listener.gain = amplitude
         plank.keyframe_insert("haptics.listener.gain", frame=frame)
         plank.keyframe_insert("location", frame=frame)
         plank.keyframe_insert("haptics.kappa", frame=frame)
         floor.keyframe_insert("haptics.source.amplitude", frame=frame)
-    bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "a.json"), frames="RANGE", frame_start=1, frame_end=12)
+    bpy.ops.export_scene.haptic_scene(
+        filepath=str(tmp_path / "a.json"), frames="RANGE", frame_start=1, frame_end=12
+    )
     export = read_export(tmp_path / "a.json")
     expected = list(traced_again(export.scene, export.recording))
     bpy.context.scene.frame_set(7)
@@ -297,8 +380,12 @@ def test_frames_become_keyframes(workshop, tmp_path, traced):
         assert [item.name for item in now.sources] == sorted(item.name for item in result.sources)
         louder = {item.name: item.gain for item in result.listeners}
         assert {item.name: item.gain for item in now.listeners} == pytest.approx(louder, rel=1e-5)
-        by_name = {item.name: row for item, row in zip(result.sources, result.amplitudes, strict=True)}
-        columns = [[item.name for item in result.listeners].index(item.name) for item in now.listeners]
+        by_name = {
+            item.name: row for item, row in zip(result.sources, result.amplitudes, strict=True)
+        }
+        columns = [
+            [item.name for item in result.listeners].index(item.name) for item in now.listeners
+        ]
         for source, gains in zip(now.sources, now.amplitudes, strict=True):
             np.testing.assert_allclose(gains, by_name[source.name][columns], rtol=2e-3, atol=1e-4)
     curves = bpy.data.objects["Box"].animation_data
@@ -317,14 +404,22 @@ def test_impacts_of_a_range_come_from_the_file(tmp_path, add_box):
         bpy.ops.rigidbody.object_add(type="ACTIVE")
     stone.rigid_body.kinematic, stone.rigid_body.mass = True, 40.0
     path = tmp_path / "a.json"
-    bpy.ops.export_scene.haptic_scene(filepath=str(path), frames="RANGE", frame_start=1, frame_end=20, tracks="inline")
+    bpy.ops.export_scene.haptic_scene(
+        filepath=str(path), frames="RANGE", frame_start=1, frame_end=20, tracks="inline"
+    )
     first = read_export(path)
     begun = [source for frame in first.recording.frames for source in frame.sources]
     assert len(begun) == 1 and begun[0].second_object
     bpy.ops.rigidbody.world_remove()
     imported(path)
     assert not bpy.context.scene.haptics.impacts
-    bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "b.json"), frames="RANGE", frame_start=1, frame_end=20, tracks="inline")
+    bpy.ops.export_scene.haptic_scene(
+        filepath=str(tmp_path / "b.json"),
+        frames="RANGE",
+        frame_start=1,
+        frame_end=20,
+        tracks="inline",
+    )
     again = read_export(tmp_path / "b.json")
     (source,) = [source for frame in again.recording.frames for source in frame.sources]
     assert source.name == begun[0].name and source.onset == begun[0].onset
@@ -338,7 +433,10 @@ def test_a_file_from_elsewhere_without_shapes(tmp_path, traced):
     document = {
         "format": "haptic-scene",
         "version": "1.0",
-        "objects": [{"name": "ground", "kappa": 0.2, "rho": 0.9}, {"name": "bench", "kappa": 0.1, "rho": 0.8}],
+        "objects": [
+            {"name": "ground", "kappa": 0.2, "rho": 0.9},
+            {"name": "bench", "kappa": 0.1, "rho": 0.8},
+        ],
         "contacts": [{"objects": ["ground", "bench"], "positions": [[1, 0, 0], [1, 0, 0]]}],
         "sources": [{"name": "jackhammer", "object": "ground", "position": [0, 0, 0]}],
         "listeners": [{"name": "seat", "object": "bench", "position": [1.2, 0, 0.4]}],
@@ -352,7 +450,11 @@ def test_a_file_from_elsewhere_without_shapes(tmp_path, traced):
     ("text", "reason"),
     [
         ("[]", "not a haptic scene"),
-        ('{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 2, "rho": 1}]}', "/objects/0/kappa: must be"),
+        (
+            '{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 2, '
+            '"rho": 1}]}',
+            "/objects/0/kappa: must be",
+        ),
         ('{"format": "haptic-scene", "version": "9.0", "objects": []}', "/version"),
         ("{", "not JSON"),
     ],
@@ -367,7 +469,10 @@ def test_what_is_wrong_is_said_and_makes_nothing(tmp_path, text, reason):
 def test_an_import_that_fails_on_the_way_leaves_nothing(tmp_path, monkeypatch):
     from haptic_tracing.addon.io import scene_builder
 
-    (tmp_path / "a.json").write_text('{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, "rho": 1}]}')
+    (tmp_path / "a.json").write_text(
+        '{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, '
+        '"rho": 1}]}'
+    )
 
     def fail(self):
         raise ValueError("no more")
@@ -382,14 +487,19 @@ def test_a_number_too_small_for_blender_counts_until_its_property_is_edited(tmp_
     tiny = {"function": "linear", "range": 1e-300}
     shape = {"type": "box", "size": [1, 1, 1]}
     form = {"name": "a", "kappa": 0, "rho": 1, "propagation": tiny, "shape": shape}
-    (tmp_path / "a.json").write_text(json.dumps({"format": "haptic-scene", "version": "1.0", "objects": [form]}))
+    (tmp_path / "a.json").write_text(
+        json.dumps({"format": "haptic-scene", "version": "1.0", "objects": [form]})
+    )
     assert bpy.ops.import_scene.haptic_scene(filepath=str(tmp_path / "a.json")) == {"FINISHED"}
     assert "as the file has it" not in capfd.readouterr().out
     haptics = bpy.data.objects["a"].haptics
     assert 0 < haptics.range < 1e-30
     assert json.loads(exported(tmp_path / "b.json"))["objects"][0]["propagation"] == tiny
     haptics.range = 2.5
-    assert json.loads(exported(tmp_path / "c.json"))["objects"][0]["propagation"] == {"function": "linear", "range": 2.5}
+    assert json.loads(exported(tmp_path / "c.json"))["objects"][0]["propagation"] == {
+        "function": "linear",
+        "range": 2.5,
+    }
 
 
 def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(add_box, traced):
@@ -414,17 +524,31 @@ def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(add_box, traced)
         "[" * 1000,
     ):
         box.haptics.imported = text
-        assert list(traced().objects) == [item.name for item in traced().sources] == ["other"], "the rest goes on"
+        assert list(traced().objects) == [item.name for item in traced().sources] == ["other"], (
+            "the rest goes on"
+        )
         (problem,) = session.problems_of(bpy.context.scene)
         assert problem.object == "box" and "import it again" in problem.message
-    for text in ("{", f'{{"numbers": {{"threshold": {huge}}}}}', '{"numbers": {"threshold": 2}}', f'{{"tolerance": {huge}}}'):
+    for text in (
+        "{",
+        f'{{"numbers": {{"threshold": {huge}}}}}',
+        '{"numbers": {"threshold": 2}}',
+        f'{{"tolerance": {huge}}}',
+    ):
         bpy.context.scene.haptics.imported = text
         assert list(traced().objects) == ["other"]
         assert "import it again" in session.problems_of(bpy.context.scene)[0].message
     bpy.context.scene.haptics.imported = ""
     bpy.data.objects.remove(other)
     box.haptics.imported = ""
-    for text in ("{", '{"signal": 3}', '{"onset": "x"}', f'{{"onset": {huge}}}', '{"kind": "odd"}', '{"second_position": [1]}'):
+    for text in (
+        "{",
+        '{"signal": 3}',
+        '{"onset": "x"}',
+        f'{{"onset": {huge}}}',
+        '{"kind": "odd"}',
+        '{"second_position": [1]}',
+    ):
         box.haptics.source.imported = text
         assert not traced().sources
         assert "import it again" in session.problems_of(bpy.context.scene)[0].message

@@ -1,4 +1,5 @@
-"""Vibrations of other tools as signals of sources: kept with the file, felt as they were written."""
+"""Vibrations of other tools as signals of sources: kept with the file, felt as they were
+written."""
 
 import bpy
 import numpy as np
@@ -17,8 +18,16 @@ SWELL = 0.6 * np.sin(2 * np.pi * 80 * TIME) * np.sin(np.pi * TIME) ** 2
 def files(tmp_path):
     """One vibration in every kind of file that can be read, by ending."""
     export = Export("swell", tracks=Tracks((ListenerTrack("hand", "hand.L"),), RATE, SWELL[None]))
-    written = [path for name in ("wav", "hjif", "haptic", "ahap", "wyvrn", "tact") for path in registry.write(name, export, tmp_path).files]
-    return {path.suffix: path for path in written if path.suffix in registry.READERS and ".transients" not in path.name}
+    written = [
+        path
+        for name in ("wav", "hjif", "haptic", "ahap", "wyvrn", "tact")
+        for path in registry.write(name, export, tmp_path).files
+    ]
+    return {
+        path.suffix: path
+        for path in written
+        if path.suffix in registry.READERS and ".transients" not in path.name
+    }
 
 
 @pytest.fixture
@@ -31,7 +40,11 @@ def active(add_box):
 @pytest.mark.parametrize("suffix", list(registry.READERS))
 def test_a_file_becomes_the_signal_of_the_active_object(files, active, traced, tmp_path, suffix):
     assert bpy.ops.haptic.import_signal(filepath=str(files[suffix])) == {"FINISHED"}
-    assert active.haptics.enabled and active.haptics.source.enabled and active.haptics.source.signal == "KEPT"
+    assert (
+        active.haptics.enabled
+        and active.haptics.source.enabled
+        and active.haptics.source.signal == "KEPT"
+    )
     files[suffix].unlink()
     (source,) = traced().sources
     assert isinstance(source.signal, Loop) and source.signal.duration == float("inf")
@@ -75,8 +88,17 @@ def test_an_empty_needs_something_to_shake(files, add_empty):
 
 
 def test_files_that_can_be_dropped():
-    """Blender asks file handlers what to do with a file; in the background it can be asked which there are."""
-    scene, tracks = (bpy.types.FileHandler.bl_rna_get_subclass_py(name) for name in ("HAPTIC_FH_scene", "HAPTIC_FH_tracks"))
-    assert scene.bl_import_operator == "import_scene.haptic_scene" and {".json", ".gz"} == set(scene.bl_file_extensions.split(";"))
-    assert tracks.bl_import_operator == "haptic.import_signal" and set(registry.READERS) == set(tracks.bl_file_extensions.split(";"))
-    assert not scene.poll_drop(bpy.context) and not tracks.poll_drop(bpy.context)  # there is no viewport here
+    """Blender asks file handlers what to do with a file; in the background it can be asked which
+    there are."""
+    scene, tracks = (
+        bpy.types.FileHandler.bl_rna_get_subclass_py(name)
+        for name in ("HAPTIC_FH_scene", "HAPTIC_FH_tracks")
+    )
+    assert scene.bl_import_operator == "import_scene.haptic_scene" and {".json", ".gz"} == set(
+        scene.bl_file_extensions.split(";")
+    )
+    assert tracks.bl_import_operator == "haptic.import_signal" and set(registry.READERS) == set(
+        tracks.bl_file_extensions.split(";")
+    )
+    # There is no viewport here.
+    assert not scene.poll_drop(bpy.context) and not tracks.poll_drop(bpy.context)

@@ -13,14 +13,25 @@ from scene_files import exported, imported
 
 @pytest.fixture
 def oak(add_box):
-    """Two boxes of oak, of which one has a kappa and a conductivity of its own, and a box of what no library knows."""
+    """Two boxes of oak, of which one has a kappa and a conductivity of its own, and a box of what
+    no library knows."""
     scene = bpy.context.scene
     decays = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2)
-    values = {"kappa": 0.3, "rho": 0.7, "use_delay": False, "wave_speed": 3800.0, "use_bands": True, "band_decays": decays}
+    values = {
+        "kappa": 0.3,
+        "rho": 0.7,
+        "use_delay": False,
+        "wave_speed": 3800.0,
+        "use_bands": True,
+        "band_decays": decays,
+    }
     values["conductivity"] = 0.2
     item = add_material(scene, "oak", values)
     add_material(scene, "nothing is made of it", {"kappa": 0.9})
-    boxes = [add_box(name, (x, 0, 0), (1, 1, 1)) for name, x in (("first", 0), ("second", 1), ("third", 5))]
+    boxes = [
+        add_box(name, (x, 0, 0), (1, 1, 1))
+        for name, x in (("first", 0), ("second", 1), ("third", 5))
+    ]
     materials.apply(boxes[:2], item)
     boxes[1].haptics.kappa, boxes[1].haptics.modalities.thermal.conductivity = 0.45, 1.0
     boxes[2].haptics.material.name = "ebony"
@@ -43,7 +54,9 @@ def test_the_library_comes_back_and_objects_keep_what_they_have(oak, tmp_path):
     found = {name: bpy.data.objects[name].haptics for name in ("first", "second", "third")}
     assert [found[name].material.name for name in found] == ["oak", "oak", "ebony"]
     assert [found[name].kappa for name in found] == pytest.approx([0.3, 0.45, 0.1])
-    assert [found[name].modalities.thermal.conductivity for name in found] == pytest.approx([0.2, 1.0, 1.0])
+    assert [found[name].modalities.thermal.conductivity for name in found] == pytest.approx(
+        [0.2, 1.0, 1.0]
+    )
     assert exported(tmp_path / "b.json") == first
     items["oak"].kappa = 0.5  # and all that is made of it follows
     assert found["first"].kappa == pytest.approx(0.5)

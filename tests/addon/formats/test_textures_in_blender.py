@@ -1,4 +1,5 @@
-"""The table of textures in Blender: what slides and rolls plays by it, a bake has the same bits whatever its range, files play alike."""
+"""The table of textures in Blender: what slides and rolls plays by it, a bake has the same bits
+whatever its range, files play alike."""
 
 import json
 
@@ -16,7 +17,8 @@ LAST = 80
 
 @pytest.fixture
 def crate(scene, add_box, add_empty):
-    """A wooden crate that is dragged over concrete along a curve, at 24 frames a second, and stands for the last ten; a hand on it."""
+    """A wooden crate that is dragged over concrete along a curve, at 24 frames a second, and stands
+    for the last ten; a hand on it."""
     bpy.ops.rigidbody.world_add()
     ground = add_box("ground", (0, 0, -0.5), (20, 20, 1), "PASSIVE")
     crate = add_box("crate", (0, 0, 0.25), (0.5, 0.5, 0.5), "PASSIVE", mass=20.0)
@@ -51,7 +53,11 @@ def problems(scene):
 
 
 def baked(scene, first, last):
-    scene.haptics.bake.use_range, scene.haptics.bake.frame_start, scene.haptics.bake.frame_end = True, first, last
+    scene.haptics.bake.use_range, scene.haptics.bake.frame_start, scene.haptics.bake.frame_end = (
+        True,
+        first,
+        last,
+    )
     assert bpy.ops.haptic.bake() == {"FINISHED"}
     return storage.track_of(scene)
 
@@ -63,7 +69,10 @@ def test_without_rules_nothing_slides(scene, crate):
 def test_what_is_dragged_plays_while_it_moves_and_then_not_at_all(scene, crate):
     add_texture(scene, period=0.01, noise=0.0)
     results = play(scene, LAST)
-    assert {source.name for source in results[10].sources} == {"crate sliding on ground", "ground sliding on crate"}
+    assert {source.name for source in results[10].sources} == {
+        "crate sliding on ground",
+        "ground sliding on crate",
+    }
     assert all(result.block.any() for result in results[3:60])
     assert not any(result.sources or result.block.any() for result in results[LAST - 7 :])
 
@@ -73,9 +82,14 @@ def test_a_range_baked_alone_has_the_bits_of_the_whole(scene, crate):
     add_texture(scene, noise=0.4)
     whole = baked(scene, 1, LAST)
     alone = baked(scene, 70, 76)
-    assert alone.samples.shape[1] == int(whole.offsets[76] - whole.offsets[70]) and alone.samples.any()
+    assert (
+        alone.samples.shape[1] == int(whole.offsets[76] - whole.offsets[70]) and alone.samples.any()
+    )
     assert np.array_equal(alone.samples, whole.samples[:, whole.offsets[70] : whole.offsets[76]])
-    assert {source.name for source in whole.sources} == {"crate sliding on ground", "ground sliding on crate"}
+    assert {source.name for source in whole.sources} == {
+        "crate sliding on ground",
+        "ground sliding on crate",
+    }
 
 
 def test_one_click_adds_the_textures_of_all_materials(scene, crate):
@@ -101,7 +115,9 @@ def test_one_click_adds_the_textures_of_all_materials(scene, crate):
      ({"imported": '{"numbers": {"period": -1}}'}, "damaged"), ({"imported": '{"numbers": {"noise": NaN}}'}, "damaged")],
 )  # fmt: skip
 def test_what_is_wrong_is_said_beside_the_row_and_the_rest_goes_on(scene, crate, row, words):
-    add_texture(scene, first_kind="OBJECT", first="crate", sliding=0.25, full_force=0.1, full_speed=0.01)
+    add_texture(
+        scene, first_kind="OBJECT", first="crate", sliding=0.25, full_force=0.1, full_speed=0.01
+    )
     add_texture(scene, **row)
     assert play(scene)[-1].sources[-1].amplitude == 0.25
     assert words in problems(scene)["textures", 1]
@@ -112,7 +128,9 @@ def test_a_frame_that_is_looked_at_follows_an_edit_of_its_texture(scene, crate):
     play(scene)
     row.sliding = 0.4
     scene.frame_set(scene.frame_current)
-    assert max(source.amplitude for source in session.result_of(scene).sources) == pytest.approx(0.4)
+    assert max(source.amplitude for source in session.result_of(scene).sources) == pytest.approx(
+        0.4
+    )
     row.period = 0.003
     results = [session.result_of(scene)]
     for frame in (9, 10):
@@ -122,7 +140,10 @@ def test_a_frame_that_is_looked_at_follows_an_edit_of_its_texture(scene, crate):
 
 
 def slides(scene):
-    return [(item.name, item.onset, item.amplitude, item.signal) for item in session.result_of(scene).sources]
+    return [
+        (item.name, item.onset, item.amplitude, item.signal)
+        for item in session.result_of(scene).sources
+    ]
 
 
 def test_a_jump_to_a_frame_that_was_played_brings_back_its_slide(scene, crate):
@@ -138,7 +159,9 @@ def test_a_jump_to_a_frame_that_was_played_brings_back_its_slide(scene, crate):
 
 
 def test_edits_of_a_paused_frame_compare_on_the_same_slide(scene, crate):
-    add_texture(scene, first_kind="MATERIAL", first="Softwood", sliding=0.2, full_force=0.1, full_speed=0.01)
+    add_texture(
+        scene, first_kind="MATERIAL", first="Softwood", sliding=0.2, full_force=0.1, full_speed=0.01
+    )
     play(scene, 30)
     scene.frame_set(12)
     slide = slides(scene)
@@ -178,11 +201,28 @@ def test_the_core_plays_the_exported_file_as_blender_plays_the_scene(scene, crat
 
 def test_textures_go_through_files_and_back(scene, crate, tmp_path):
     rows = [
-        {"between": [{"object": "crate"}, {"material": "Conc*"}], "period": 1 / 300, "noise": 0.1234567, "full_force": 3e5},
-        {"between": [{}, {}], "sliding": 0.7, "rolling": 0.0, "bandwidth": 2.0, "stick_speed": 0.05, "full_speed": 7.0},
+        {
+            "between": [{"object": "crate"}, {"material": "Conc*"}],
+            "period": 1 / 300,
+            "noise": 0.1234567,
+            "full_force": 3e5,
+        },
+        {
+            "between": [{}, {}],
+            "sliding": 0.7,
+            "rolling": 0.0,
+            "bandwidth": 2.0,
+            "stick_speed": 0.05,
+            "full_speed": 7.0,
+        },
     ]
     ball = {"name": "ball", "kappa": 0.2, "rho": 0.9, "shape": {"type": "sphere", "radius": 0.5}}
-    document = {"format": "haptic-scene", "version": "1.1", "objects": [ball], "rules": {"textures": rows}}
+    document = {
+        "format": "haptic-scene",
+        "version": "1.1",
+        "objects": [ball],
+        "rules": {"textures": rows},
+    }
     (tmp_path / "a.json").write_text(json.dumps(document))
     imported(tmp_path / "a.json")
     again = json.loads(exported(tmp_path / "b.json"))
@@ -193,7 +233,9 @@ def test_textures_go_through_files_and_back(scene, crate, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_recording_is_imported_without_the_sources_that_its_textures_make_again(scene, crate, tmp_path):
+def test_a_recording_is_imported_without_the_sources_that_its_textures_make_again(
+    scene, crate, tmp_path
+):
     add_texture(scene, period=0.007, noise=0.4)
     exported(tmp_path / "crate.json", frames="RANGE", frame_start=1, frame_end=30)
     bpy.ops.wm.read_homefile(use_empty=True)

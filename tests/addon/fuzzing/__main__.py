@@ -2,9 +2,11 @@
 
     python tests/addon/fuzzing [--inputs 1000000] [--seed 0] [--only TARGET ...]
 
-Inputs are numbered: the same seed and number give the same input. They are tried in processes of 20,000, one after the other. What raises
-an error that a reader should not raise, takes more than 12 s of the processor or more memory than 64 MB and 50 times its size, or ends the
-process, is printed with its number and written to ``out/crashers``, from where it is taken over into the corpus once it is mended.
+Inputs are numbered: the same seed and number give the same input. They are tried in processes of
+20,000, one after the other. What raises an error that a reader should not raise, takes more than 12
+s of the processor or more memory than 64 MB and 50 times its size, or ends the process, is printed
+with its number and written to ``out/crashers``, from where it is taken over into the corpus once it
+is mended.
 """
 
 from __future__ import annotations
@@ -49,7 +51,9 @@ class Glut(Exception):
 
 def memory(key: str) -> int:
     """Bytes of this process's memory: ``VmRSS`` now, ``VmHWM`` the most since `forget_peak`."""
-    (line,) = (line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(key))
+    (line,) = (
+        line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(key)
+    )
     return 1024 * int(line.split()[1])
 
 
@@ -58,14 +62,16 @@ def forget_peak() -> None:
 
 
 def batch(seed: int, first: int, count: int, only: list[str], place: Path) -> int:
-    """Try inputs; returns how many got through. ``place``: a file that says which one is being tried."""
+    """Try inputs; returns how many got through. ``place``: a file that says which one is being
+    tried."""
     known = {name: target for name, target in targets().items() if not only or name in only}
     names, crashes = sorted(known), 0
     warnings.simplefilter("error", RuntimeWarning)
     signal.signal(signal.SIGVTALRM, hang)
     resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
     with tempfile.TemporaryDirectory() as folder:
-        for target in known.values():  # what is loaded with the first input of a kind is not counted
+        # What is loaded with the first input of a kind is not counted.
+        for target in known.values():
             target.run(target.seeds[0], Path(folder))
     with tempfile.TemporaryDirectory() as folder, place.open("w") as now:
         for number in range(first, first + count):
@@ -87,7 +93,10 @@ def batch(seed: int, first: int, count: int, only: list[str], place: Path) -> in
                 crashes += 1
                 FOUND.mkdir(parents=True, exist_ok=True)
                 (FOUND / f"{name}.{number}").write_bytes(content)
-                print(f"input {number}, {name}: {content[:200]!r}\n{traceback.format_exc(limit=-4)}", flush=True)
+                print(
+                    f"input {number}, {name}: {content[:200]!r}\n{traceback.format_exc(limit=-4)}",
+                    flush=True,
+                )
             finally:
                 signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
     return crashes
@@ -102,19 +111,37 @@ def main() -> int:
     parser.add_argument("--place", type=Path, help=argparse.SUPPRESS)  # in a process of a batch
     options = parser.parse_args()
     if options.place is not None:
-        return min(batch(options.seed, options.first, options.inputs, options.only, options.place), 100)
+        return min(
+            batch(options.seed, options.first, options.inputs, options.only, options.place), 100
+        )
     crashes, begun, end = 0, time.monotonic(), options.first + options.inputs
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "now"
         for first in range(options.first, end, BATCH):
             numbers = ["--first", str(first), "--inputs", str(min(BATCH, end - first))]
-            command = [sys.executable, __file__, *numbers, "--seed", str(options.seed), "--place", str(place), "--only", *options.only]
+            command = [
+                sys.executable,
+                __file__,
+                *numbers,
+                "--seed",
+                str(options.seed),
+                "--place",
+                str(place),
+                "--only",
+                *options.only,
+            ]
             code = subprocess.run(command).returncode
             crashes += abs(code)
             if code < 0 or code > 100:
-                print(f"the process ended with {code} at input {place.read_text().strip()}", flush=True)
+                print(
+                    f"the process ended with {code} at input {place.read_text().strip()}",
+                    flush=True,
+                )
             done = min(first + BATCH, end) - options.first
-            print(f"{done} inputs, {crashes} got through, {time.monotonic() - begun:.0f} s", flush=True)
+            print(
+                f"{done} inputs, {crashes} got through, {time.monotonic() - begun:.0f} s",
+                flush=True,
+            )
     return 1 if crashes else 0
 
 

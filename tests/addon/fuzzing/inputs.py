@@ -1,6 +1,8 @@
-"""What strangers may feed the product with, and how such inputs are changed at random: files, formulas, texts stored in a .blend, messages.
+"""What strangers may feed the product with, and how such inputs are changed at random: files,
+formulas, texts stored in a .blend, messages.
 
-A target takes bytes, says whether they were accepted or refused in one clear message, and raises what it did not expect.
+A target takes bytes, says whether they were accepted or refused in one clear message, and raises
+what it did not expect.
 """
 
 from __future__ import annotations
@@ -38,12 +40,14 @@ from haptic_tracing.core.scene.values import Listener, Source
 
 CORPUS = Path(__file__).parents[2] / "core" / "formats" / "corpus"
 CRASHERS = Path(__file__).with_name("crashers")
-"""Inputs that once got through, as ``TARGET.NUMBER``; those for readers of files are in the corpus of the formats."""
+"""Inputs that once got through, as ``TARGET.NUMBER``; those for readers of files are in the corpus
+of the formats."""
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """seeds: good and bad inputs to begin with. run: takes an input and a folder to write to, and returns whether it is accepted."""
+    """seeds: good and bad inputs to begin with. run: takes an input and a folder to write to, and
+    returns whether it is accepted."""
 
     seeds: tuple[bytes, ...]
     run: Callable[[bytes, Path], bool]
@@ -53,7 +57,11 @@ def read_file(name: str, content: bytes, folder: Path) -> bool:
     path = folder / name
     path.write_bytes(content)
     try:
-        result: Any = haptic_scene.read_export(path) if name.endswith((".json", ".json.gz")) else registry.read(path)
+        result: Any = (
+            haptic_scene.read_export(path)
+            if name.endswith((".json", ".json.gz"))
+            else registry.read(path)
+        )
     except FormatError as error:
         text = str(error)
         assert text.startswith(f"{path}: ") and text.isprintable() and len(text) < 1000, text
@@ -73,13 +81,20 @@ def read_formula(content: bytes, folder: Path) -> bool:
         gains = function.gain(np.linspace(0.0, 10.0, 7), 0.1, 0.9, 0.1)
     except ValueError:
         return False
-    assert np.isfinite(gains).all() and not math.isnan(low) and gains.max() <= high * (1 + 1e-9) + 1e-12, (gains, high)
+    assert (
+        np.isfinite(gains).all()
+        and not math.isnan(low)
+        and gains.max() <= high * (1 + 1e-9) + 1e-12
+    ), (gains, high)
     return True
 
 
 def read_stored(reader: Callable[[str], Any], content: bytes, folder: Path) -> bool:
     try:
-        return reader(content.decode("utf-8", "surrogatepass" if b"\xed" in content else "replace")) is not None
+        return (
+            reader(content.decode("utf-8", "surrogatepass" if b"\xed" in content else "replace"))
+            is not None
+        )
     except UnicodeDecodeError:
         return False  # no text: Blender has no such property
     except ValueError as error:
@@ -141,12 +156,18 @@ def repacked_part(content: bytes, generator: random.Random) -> bytes:
         header = json.loads(arrays["header"].tobytes())
         for _ in range(generator.randint(1, 3)):
             _change_document(header, generator)
-        arrays["header"] = np.frombuffer(json.dumps(header).encode("utf-8", "replace"), dtype=np.uint8)
+        arrays["header"] = np.frombuffer(
+            json.dumps(header).encode("utf-8", "replace"), dtype=np.uint8
+        )
     else:
         name = generator.choice(sorted(arrays))
-        shape = tuple(max(0, side + generator.choice((-1, 0, 0, 1, 5))) for side in arrays[name].shape)
+        shape = tuple(
+            max(0, side + generator.choice((-1, 0, 0, 1, 5))) for side in arrays[name].shape
+        )
         value = generator.choice((0, 1, -1, 2**62, 1e300, math.nan))
-        kind = generator.choice((arrays[name].dtype, np.dtype("<f8"), np.dtype("<i8"), np.dtype("S3")))
+        kind = generator.choice(
+            (arrays[name].dtype, np.dtype("<f8"), np.dtype("<i8"), np.dtype("S3"))
+        )
         with np.errstate(all="ignore"):
             arrays[name] = np.full(shape, np.array(value).astype(kind))
     packed = io.BytesIO()
@@ -167,7 +188,8 @@ def read_sweep(content: bytes, folder: Path) -> bool:
 
 
 def run_command(content: bytes, folder: Path) -> bool:
-    """A command line, its words separated by zeros: run if the command needs neither Blender nor a device, else only parsed."""
+    """A command line, its words separated by zeros: run if the command needs neither Blender nor a
+    device, else only parsed."""
     words = content.decode("utf-8", "surrogateescape").split("\0")
     for name in ("scene.json", "track.hjif"):
         (folder / name).write_bytes(FILES[name])
@@ -182,14 +204,18 @@ def run_command(content: bytes, folder: Path) -> bool:
             except SystemExit as end:
                 code = end.code or 0
     assert code in (0, 2), (code, words)
-    assert code == 0 or len(said.getvalue().splitlines()) == 1 or "--help" in said.getvalue(), said.getvalue()[:500]
+    assert code == 0 or len(said.getvalue().splitlines()) == 1 or "--help" in said.getvalue(), (
+        said.getvalue()[:500]
+    )
     return code == 0
 
 
 def talk_to_server(content: bytes, folder: Path) -> bool:
     """What a client says to the run-time server, after a scene."""
     conversation = Conversation(None, None)
-    conversation.answer(json.dumps({"type": "hello", "version": 1, "scene": json.loads(FILES["scene.json"])}))
+    conversation.answer(
+        json.dumps({"type": "hello", "version": 1, "scene": json.loads(FILES["scene.json"])})
+    )
     answers = conversation.answer(content)
     texts = [answer for answer in answers if isinstance(answer, dict)]
     assert all(len(json.dumps(answer, allow_nan=False)) < 1_000_000 for answer in texts)
@@ -248,7 +274,12 @@ STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = 
         ),
     ),
 }  # fmt: skip
-FORMULAS = ("x * exp(-0.2 * d)", "exp(-(1 - kappa) * rho * d)", "min(1, area / (1 + d ** 2)) if d > 1 else 0.5", "abs(cos(angle)) * depth")
+FORMULAS = (
+    "x * exp(-0.2 * d)",
+    "exp(-(1 - kappa) * rho * d)",
+    "min(1, area / (1 + d ** 2)) if d > 1 else 0.5",
+    "abs(cos(angle)) * depth",
+)
 MESSAGES = (
     [{"ServerInfo": {"Id": 1, "MaxPingTime": 0}}],
     [{"DeviceList": {"Id": 2, "Devices": [{"DeviceIndex": 0, "DeviceName": "Cushion", "DeviceMessageTimingGap": 100,
@@ -258,7 +289,10 @@ MESSAGES = (
 
 
 COMMANDS = ("propagate", "contacts", "convert", "export", "sound")
-FILES = {"scene.json": (CORPUS / "good-scene.json").read_bytes(), "track.hjif": (CORPUS / "good.hjif").read_bytes()}
+FILES = {
+    "scene.json": (CORPUS / "good-scene.json").read_bytes(),
+    "track.hjif": (CORPUS / "good.hjif").read_bytes(),
+}
 LINES = (
     "propagate scene.json --strategy all_paths --tolerance 0.1",
     "propagate scene.json --max-connections 3 --threshold 0.01 --felt",
@@ -284,7 +318,12 @@ Floor = ["concrete", "softwood"]
 """
 SAID = (
     {"type": "step", "id": 7, "time": 0.1, "samples": True},
-    {"type": "step", "time": 0.2, "poses": {"crate": [0, 0, 1, 1, 0, 0, 0]}, "sources": {"drill": {"amplitude": 0.5}}},
+    {
+        "type": "step",
+        "time": 0.2,
+        "poses": {"crate": [0, 0, 1, 1, 0, 0, 0]},
+        "sources": {"drill": {"amplitude": 0.5}},
+    },
     {"type": "add", "object": {"name": "box", "kappa": 0.1, "rho": 0.5}},
     {"type": "remove", "listener": "hand"},
     {"type": "stop"},
@@ -295,10 +334,17 @@ def small_part() -> bytes:
     """A part of three frames."""
     sources = Source("saw", "box", (0.0, 0.0, 0.0), 0.3), Source("hit", "box", (0.0, 0.0, 0.0), 0.1)
     gains = Propagation.of_gains(np.full((2, 1), 0.5), None, np.full((2, 1), 0.01))
-    frames = tuple(part_file.HeardFrame(n, n / 24, sources, (Listener("hand", "box", (0.0, 0.0, 0.0)),), gains) for n in (1, 2, 3))
-    origin = part_file.Origin("any", "any.blend", "0" * 64, "HT", (), (1, 3), 1, part_file.programs())
+    frames = tuple(
+        part_file.HeardFrame(n, n / 24, sources, (Listener("hand", "box", (0.0, 0.0, 0.0)),), gains)
+        for n in (1, 2, 3)
+    )
+    origin = part_file.Origin(
+        "any", "any.blend", "0" * 64, "HT", (), (1, 3), 1, part_file.programs()
+    )
     with tempfile.TemporaryDirectory() as folder:
-        part_file.write_part(part_file.Part(origin, 1, 8000.0, "", "after", frames), Path(folder) / "part.npz")
+        part_file.write_part(
+            part_file.Part(origin, 1, 8000.0, "", "after", frames), Path(folder) / "part.npz"
+        )
         return (Path(folder) / "part.npz").read_bytes()
 
 
@@ -307,29 +353,66 @@ def _texts(*documents: Any) -> tuple[bytes, ...]:
 
 
 def _contents(files: list[Path], ending: str) -> tuple[bytes, ...]:
-    """What the corpus has in a format, good files as often as bad ones: few changes leave a file good."""
-    good, bad = ([path.read_bytes() for path in files if path.match(f"{kind}*{ending}")] for kind in ("good", "bad"))
+    """What the corpus has in a format, good files as often as bad ones: few changes leave a file
+    good."""
+    good, bad = (
+        [path.read_bytes() for path in files if path.match(f"{kind}*{ending}")]
+        for kind in ("good", "bad")
+    )
     return (*good * max(1, len(bad) // len(good)), *bad)
 
 
 def targets() -> dict[str, Target]:
     """All targets by name."""
     endings = (".json", ".json.gz", *registry.READERS)
-    files = [path for path in sorted(CORPUS.iterdir()) if path.name.endswith(endings) and ".wav." not in path.name]
-    found = {f"file{ending}": Target(_contents(files, ending), partial(read_file, f"x{ending}")) for ending in endings}
-    found |= {f"stored-{kind}": Target(_texts(*seeds), partial(read_stored, reader)) for kind, (reader, seeds) in STORED.items()}
+    files = [
+        path
+        for path in sorted(CORPUS.iterdir())
+        if path.name.endswith(endings) and ".wav." not in path.name
+    ]
+    found = {
+        f"file{ending}": Target(_contents(files, ending), partial(read_file, f"x{ending}"))
+        for ending in endings
+    }
+    found |= {
+        f"stored-{kind}": Target(_texts(*seeds), partial(read_stored, reader))
+        for kind, (reader, seeds) in STORED.items()
+    }
     found["formula"] = Target(tuple(text.encode() for text in FORMULAS), read_formula)
     found["choice"] = Target((b"dualsense/left*0.5;switch-pro/right", b"-", b""), read_choice)
-    found["profile"] = Target(tuple(path.read_bytes() for path in sorted(BUILT_IN.glob("*.json"))), read_profile)
+    found["profile"] = Target(
+        tuple(path.read_bytes() for path in sorted(BUILT_IN.glob("*.json"))), read_profile
+    )
     found["message"] = Target(_texts(*MESSAGES), read_message)
     found["part"] = Target((small_part(),), read_bake_part)
     found["sweep"] = Target((SWEEP.encode(),), read_sweep)
-    found["command"] = Target(tuple(line.replace(" ", "\0").encode() for line in LINES), run_command)
+    found["command"] = Target(
+        tuple(line.replace(" ", "\0").encode() for line in LINES), run_command
+    )
     found["server"] = Target(_texts(*SAID), talk_to_server)
     return found
 
 
-_STRANGE = (None, True, -1, 0, 1e308, -1e-308, 10**400, "", "a" * 3000, "\ud800", "\u202e\0", [], {}, [[]], math.nan, math.inf, 2**63, "x")
+_STRANGE = (
+    None,
+    True,
+    -1,
+    0,
+    1e308,
+    -1e-308,
+    10**400,
+    "",
+    "a" * 3000,
+    "\ud800",
+    "\u202e\0",
+    [],
+    {},
+    [[]],
+    math.nan,
+    math.inf,
+    2**63,
+    "x",
+)
 _TOKENS = (
     *(b"0", b"-", b"e9", b"1e999", b"[" * 50, b"{", b'"', b",", b"\xff", b"\0" * 4),
     *(b"**", b"(", b"9" * 40, b"NaN", b"\xed\xa0\x80", b"d", b"/"),
@@ -337,7 +420,8 @@ _TOKENS = (
 
 
 def changed(seeds: tuple[bytes, ...], generator: random.Random) -> bytes:
-    """One of the seeds, changed at one to four places: as a document where it is one, else as bytes."""
+    """One of the seeds, changed at one to four places: as a document where it is one, else as
+    bytes."""
     content = generator.choice(seeds)
     if content[:4] == b"PK\3\4" and generator.random() < 0.7:
         return repacked_part(content, generator)
@@ -410,4 +494,6 @@ def _change_bytes(content: bytes, seeds: tuple[bytes, ...], generator: random.Ra
             other = generator.choice(seeds)
             return before + other[generator.randint(0, len(other)) :]
         case _:
-            return before + bytes(generator.choice((0, 255, 0x7F, 0x80)) for _ in range(4)) + after[4:]
+            return (
+                before + bytes(generator.choice((0, 255, 0x7F, 0x80)) for _ in range(4)) + after[4:]
+            )

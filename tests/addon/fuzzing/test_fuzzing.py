@@ -1,4 +1,5 @@
-"""Random inputs for everything that reads; `make fuzz` tries a million. What once got through is tried again by name."""
+"""Random inputs for everything that reads; `make fuzz` tries a million. What once got through is
+tried again by name."""
 
 from __future__ import annotations
 
@@ -27,10 +28,15 @@ def test_inputs_good_and_changed_are_read_or_refused_in_one_message(tmp_path, na
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SyntaxWarning)
         outcomes = Counter(target.run(content, tmp_path) for content in inputs)
-    assert outcomes[True] + outcomes[False] == len(inputs) and min(outcomes[True], outcomes[False]) > 0, outcomes
+    assert (
+        outcomes[True] + outcomes[False] == len(inputs) and min(outcomes[True], outcomes[False]) > 0
+    ), outcomes
 
 
-@pytest.mark.parametrize(("kind", "text"), [(kind, seed.decode()) for kind in STORED for seed in TARGETS[f"stored-{kind}"].seeds])
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [(kind, seed.decode()) for kind in STORED for seed in TARGETS[f"stored-{kind}"].seeds],
+)
 def test_what_is_changed_is_good(kind, text):
     reader = STORED[kind][0]
     read = reader(text)

@@ -18,7 +18,9 @@ from haptic_tracing.core.devices import guard
 def hid(monkeypatch) -> FakeHid:
     """hidapi's module, with nothing plugged in."""
     module = FakeHid()
-    monkeypatch.setitem(sys.modules, "hidraw" if sys.platform.startswith("linux") else "hid", module)
+    monkeypatch.setitem(
+        sys.modules, "hidraw" if sys.platform.startswith("linux") else "hid", module
+    )
     monkeypatch.setattr(guard._state, "start", GuardInThread)
     return module
 

@@ -1,4 +1,5 @@
-"""Two actuators at one hand, by a profile of the user's own: they share what is felt there by where it arrives, and the body shows them."""
+"""Two actuators at one hand, by a profile of the user's own: they share what is felt there by where
+it arrives, and the body shows them."""
 
 import json
 
@@ -19,7 +20,9 @@ def one_hand(tmp_path, monkeypatch):
     for actuator, x in zip(document["actuators"], (0, 1), strict=True):
         actuator["position"], actuator["body_parts"] = [x, 0], ["hand.L"]
     (tmp_path / "dualsense.json").write_text(json.dumps(document))
-    monkeypatch.setattr(live_output, "profile_folders", lambda: (tmp_path,))  # as where the add-on is an extension
+    monkeypatch.setattr(
+        live_output, "profile_folders", lambda: (tmp_path,)
+    )  # as where the add-on is an extension
 
 
 def test_actuators_share_what_arrives_between_them(one_hand, felt, plug, connect, playing):
@@ -28,12 +31,16 @@ def test_actuators_share_what_arrives_between_them(one_hand, felt, plug, connect
     hand.haptics.listener.radius = 0.2
     plug()
     connect()
-    for place, left in ((-0.1, 0.75), (0.0, 0.5), (0.1, 0.25), (0.3, 0.0)):  # the source at the middle is so far to the wearer's left
+    # The source at the middle is so far to the wearer's left.
+    for place, left in ((-0.1, 0.75), (0.0, 0.5), (0.1, 0.25), (0.3, 0.0)):
         hand.location.x = place
         playing()
         playing()
         spots = player.spots()
-        assert [(spot.part, spot.across, spot.down) for spot in spots] == [("hand.L", 0.0, 0.0), ("hand.L", 1.0, 0.0)]
+        assert [(spot.part, spot.across, spot.down) for spot in spots] == [
+            ("hand.L", 0.0, 0.0),
+            ("hand.L", 1.0, 0.0),
+        ]
         assert [spot.amplitude**2 for spot in spots] == pytest.approx([left, 1 - left], abs=1e-5)
     player.stop()
     assert player.spots() == ()
@@ -44,7 +51,12 @@ def test_the_body_shows_them_as_bright_as_they_play(one_hand, felt, plug, connec
     connect()
     playing(2)
     level = Level("left", "hand.L", -3.0, -6.0, 30.0, -36.0)
-    plain, shown = (meter_hud([level], None, (1200, 600), 1.0, text_width, spots=spots).lines for spots in ((), player.spots()))
+    plain, shown = (
+        meter_hud([level], None, (1200, 600), 1.0, text_width, spots=spots).lines
+        for spots in ((), player.spots())
+    )
     assert len(shown.width) - len(plain.width) == 4, "two actuators, from the front and from behind"
-    points = np.isclose(shown.width, 2.5) & (shown.position[:, 0] == shown.position[:, 1]).all(axis=1)
+    points = np.isclose(shown.width, 2.5) & (shown.position[:, 0] == shown.position[:, 1]).all(
+        axis=1
+    )
     assert points.sum() == 4

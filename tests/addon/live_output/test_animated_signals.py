@@ -1,4 +1,5 @@
-"""Amplitude and frequency from F-curves: what is felt is the closed form, without a jump at any frame."""
+"""Amplitude and frequency from F-curves: what is felt is the closed form, without a jump at any
+frame."""
 
 import bpy
 import numpy as np
@@ -45,7 +46,9 @@ def test_a_keyed_frequency_is_a_sweep_whose_phase_is_the_integral(hum, scene):
     samples = rendered(scene)
     times = np.arange(len(samples)) / 8000
     sweep = np.sin(2 * np.pi * (40.0 * times + 0.5 * (100.0 / 2.0) * times**2))
-    np.testing.assert_allclose(samples, sweep, rtol=0, atol=1e-4, err_msg="keys are single precision")
+    np.testing.assert_allclose(
+        samples, sweep, rtol=0, atol=1e-4, err_msg="keys are single precision"
+    )
 
 
 def test_a_keyed_amplitude_goes_in_straight_lines_from_frame_to_frame(hum, scene):
@@ -56,8 +59,11 @@ def test_a_keyed_amplitude_goes_in_straight_lines_from_frame_to_frame(hum, scene
     # The corners are rounded over 8 ms, and the way to 0 ends that long before its frame does.
     lines = np.interp(times, (0.0, 1.0, 47 / 24, 2.0 - 0.008), (0.0, 1.0, 1 / 24, 0.0))
     window = scipy.signal.windows.hann(65)
-    expected = np.convolve(lines, window / window.sum())[: len(times)] * np.sin(2 * np.pi * 100.0 * times)
-    begun = round(8000 / 24) + 65  # in its first frame a source plays at the gain that the frame ends with
+    expected = np.convolve(lines, window / window.sum())[: len(times)] * np.sin(
+        2 * np.pi * 100.0 * times
+    )
+    # In its first frame a source plays at the gain that the frame ends with.
+    begun = round(8000 / 24) + 65
     np.testing.assert_allclose(samples[begun:], expected[begun:], rtol=0, atol=1e-5)
 
 
@@ -75,7 +81,9 @@ def test_moving_a_key_is_felt_and_muting_the_curve_too(hum, scene):
     np.testing.assert_allclose(rendered(scene), first, rtol=0, atol=1e-6)
 
 
-def test_a_file_that_is_no_wav_is_a_problem_in_words_and_the_rest_is_traced(hum, scene, add_box, tmp_path):
+def test_a_file_that_is_no_wav_is_a_problem_in_words_and_the_rest_is_traced(
+    hum, scene, add_box, tmp_path
+):
     other = add_box("other", (0, 0, 1), (1, 1, 1))
     other.haptics.source.enabled = True
     other.haptics.source.signal = "FILE"
@@ -84,5 +92,8 @@ def test_a_file_that_is_no_wav_is_a_problem_in_words_and_the_rest_is_traced(hum,
     other.haptics.source.filepath = str(file)
     scene.frame_set(2)
     assert [source.name for source in session.result_of(scene).sources] == ["box"]
-    assert any("not a WAV file" in problem.message and problem.object == "other" for problem in session.problems_of(scene))
+    assert any(
+        "not a WAV file" in problem.message and problem.object == "other"
+        for problem in session.problems_of(scene)
+    )
     assert bpy.context.scene == scene

@@ -1,4 +1,5 @@
-"""End to end without hardware: the demo scene through the whole add-on to the real ``hidraw`` module on made-up devices."""
+"""End to end without hardware: the demo scene through the whole add-on to the real ``hidraw``
+module on made-up devices."""
 
 import json
 import shutil
@@ -10,11 +11,18 @@ import pytest
 from made_up_devices import DECK, DUALSENSE_BT, DUALSENSE_USB, SWITCH_PRO_BT, describe
 
 HERE = Path(__file__).parent
-DEVICES = {"dualsense usb": DUALSENSE_USB, "dualsense bt": DUALSENSE_BT, "switch-pro bt": SWITCH_PRO_BT, "steam-deck usb": DECK}
+DEVICES = {
+    "dualsense usb": DUALSENSE_USB,
+    "dualsense bt": DUALSENSE_BT,
+    "switch-pro bt": SWITCH_PRO_BT,
+    "steam-deck usb": DECK,
+}
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"),
+    pytest.mark.skipif(
+        not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"
+    ),
 ]
 
 
@@ -25,7 +33,14 @@ def played(tmp_path_factory):
     folder = tmp_path_factory.mktemp("umockdev")
     nodes = json.dumps({name: f"hidraw{number}" for number, name in enumerate(DEVICES)})
     described = describe(folder, DEVICES.values())
-    command = ["umockdev-run", *described, "--", sys.executable, str(HERE / "umockdev_playback.py"), nodes]
+    command = [
+        "umockdev-run",
+        *described,
+        "--",
+        sys.executable,
+        str(HERE / "umockdev_playback.py"),
+        nodes,
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])

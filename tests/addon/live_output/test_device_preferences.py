@@ -1,4 +1,5 @@
-"""The default device is the one that Connect takes; devices that are kept awake are held at zero when playback ends."""
+"""The default device is the one that Connect takes; devices that are kept awake are held at zero
+when playback ends."""
 
 import bpy
 import haptic_tracing
@@ -17,7 +18,10 @@ def preferences(scene):
     haptic_tracing.register()
 
 
-@pytest.mark.parametrize(("wanted", "key"), [("", "dualsense"), ("shock", "dualshock4"), ("SHOCK", "dualshock4"), ("nothing", "dualsense")])
+@pytest.mark.parametrize(
+    ("wanted", "key"),
+    [("", "dualsense"), ("shock", "dualshock4"), ("SHOCK", "dualshock4"), ("nothing", "dualsense")],
+)
 def test_connect_takes_the_default_device(preferences, plug, wanted, key):
     plug()
     plug(vendor=0x054C, product=0x09CC)
@@ -30,7 +34,9 @@ def test_connect_takes_the_default_device(preferences, plug, wanted, key):
 
 
 @pytest.mark.parametrize("awake", [False, True])
-def test_devices_are_kept_awake_or_released_when_playback_ends(preferences, plug, connect, playing, awake):
+def test_devices_are_kept_awake_or_released_when_playback_ends(
+    preferences, plug, connect, playing, awake
+):
     preferences.keep_awake = awake
     pad = plug()
     connect()

@@ -1,4 +1,5 @@
-"""Signals drawn in Blender: what the curves show is what is emitted, in files, as F-curves, in libraries and on the command line."""
+"""Signals drawn in Blender: what the curves show is what is emitted, in files, as F-curves, in
+libraries and on the command line."""
 
 import json
 
@@ -34,24 +35,36 @@ def drawn(source):
     tree = source.drawing
     tree.haptics.duration, tree.haptics.lowest, tree.haptics.highest = 2.0, 50.0, 250.0
     drawings.write_points(mapping_of(tree, "Amplitude"), POINTS)
-    drawings.write_points(mapping_of(tree, "Frequency"), np.array([(0.0, 0.0), (0.5, 1.0), (1.0, 0.25)]))
+    drawings.write_points(
+        mapping_of(tree, "Frequency"), np.array([(0.0, 0.0), (0.5, 1.0), (1.0, 0.25)])
+    )
     assert bpy.ops.haptic.edit_emphasis() == {"FINISHED"}
     return source
 
 
 def emitted(obj=None):
     """Two seconds of what the box emits."""
-    return drawings.signal_of(obj or bpy.data.objects["box"], bpy.context.scene).sample(0, 2 * RATE, RATE)
+    return drawings.signal_of(obj or bpy.data.objects["box"], bpy.context.scene).sample(
+        0, 2 * RATE, RATE
+    )
 
 
 def test_what_is_drawn_is_what_is_emitted(drawn):
     times = np.arange(2 * RATE) / RATE
     envelope = np.interp(times, 2.0 * POINTS[:, 0], POINTS[:, 1])
     # The integral of straight lines between 50, 250 and 100 Hz at 0, 1 and 2 seconds.
-    cycles = np.where(times < 1.0, 50 * times + 100 * times**2, 150 + 250 * (times - 1) - 75 * (times - 1) ** 2)
-    burst = np.where((times >= 1.0) & (times < 1.02), np.sin(2 * np.pi * (65 + 235 * 0.25) * (times - 1.0)), 0.0)
+    cycles = np.where(
+        times < 1.0, 50 * times + 100 * times**2, 150 + 250 * (times - 1) - 75 * (times - 1) ** 2
+    )
+    burst = np.where(
+        (times >= 1.0) & (times < 1.02), np.sin(2 * np.pi * (65 + 235 * 0.25) * (times - 1.0)), 0.0
+    )
     np.testing.assert_allclose(
-        emitted(), envelope * np.sin(2 * np.pi * cycles) + burst, rtol=0, atol=2e-5, err_msg="points are single precision"
+        emitted(),
+        envelope * np.sin(2 * np.pi * cycles) + burst,
+        rtol=0,
+        atol=2e-5,
+        err_msg="points are single precision",
     )
 
 
@@ -63,7 +76,8 @@ def test_a_rounded_curve_is_as_blender_draws_it(drawn, kind):
     places = np.arange(1, 256) / 256
     mapping.initialize()
     shown = np.clip([mapping.evaluate(mapping.curves[0], place) for place in places], 0, 1)
-    corners = (np.abs(places[:, None] - POINTS[:, 0]) < 1 / 256).any(axis=1)  # which Blender cuts off
+    # Which Blender cuts off.
+    corners = (np.abs(places[:, None] - POINTS[:, 0]) < 1 / 256).any(axis=1)
     assert np.abs(drawing.amplitude.at(2.0 * places) - shown)[~corners].max() < 1e-6
     assert drawing.amplitude.at(2.0 * POINTS[:-1, 0]) == pytest.approx(POINTS[:-1, 1], abs=1e-6)
 
@@ -91,7 +105,9 @@ def test_curves_become_f_curves_and_curves_again(drawn, scene, kinds, fps_base):
 def test_f_curves_that_were_edited_become_the_lines_that_they_draw(drawn, scene):
     bpy.ops.haptic.switch_envelopes()
     curve = drawings.animated.animating(bpy.data.objects["box"], drawings.PATHS["Amplitude"])
-    for key, kind in zip(curve.keyframe_points, ("ELASTIC", "CONSTANT", "BEZIER", "LINEAR", "LINEAR"), strict=True):
+    for key, kind in zip(
+        curve.keyframe_points, ("ELASTIC", "CONSTANT", "BEZIER", "LINEAR", "LINEAR"), strict=True
+    ):
         key.interpolation = kind
     curve.keyframe_points[-1].co.x += 12.0
     curve.update()
@@ -104,21 +120,34 @@ def test_an_f_curve_between_frames_is_not_lost(drawn, scene):
     """A click of ten milliseconds, less than a frame."""
     bpy.ops.haptic.switch_envelopes()
     curve = drawings.animated.animating(bpy.data.objects["box"], drawings.PATHS["Amplitude"])
-    for key, (frame, level) in zip(curve.keyframe_points, ((1, 0), (13.3, 0), (13.4, 1), (13.54, 0), (49, 0)), strict=True):
+    for key, (frame, level) in zip(
+        curve.keyframe_points, ((1, 0), (13.3, 0), (13.4, 1), (13.54, 0), (49, 0)), strict=True
+    ):
         key.co = frame, level
     curve.update()
     envelope = drawings.signal_of(bpy.data.objects["box"], scene).of[0].of[1].automation
-    assert envelope.at(np.array([12.3, 12.35, 12.4, 12.54]) / 24) == pytest.approx([0.0, 0.5, 1.0, 0.0], abs=1e-4)
+    assert envelope.at(np.array([12.3, 12.35, 12.4, 12.54]) / 24) == pytest.approx(
+        [0.0, 0.5, 1.0, 0.0], abs=1e-4
+    )
 
 
-@pytest.mark.parametrize("shape", ((0.05, 0.15, 0.6, 0.3), (0.0, 0.2, 0.5, 0.1), (0.1, 0.0, 0.3, 0.0), (1.0, 0.5, 0.25, 0.5)))
+@pytest.mark.parametrize(
+    "shape",
+    ((0.05, 0.15, 0.6, 0.3), (0.0, 0.2, 0.5, 0.1), (0.1, 0.0, 0.3, 0.0), (1.0, 0.5, 0.25, 0.5)),
+)
 def test_attack_decay_sustain_release(drawn, shape):
     attack, decay, sustain, release = shape
-    assert bpy.ops.haptic.shape_envelope(attack=attack, decay=decay, sustain=sustain, release=release) == {"FINISHED"}
+    assert bpy.ops.haptic.shape_envelope(
+        attack=attack, decay=decay, sustain=sustain, release=release
+    ) == {"FINISHED"}
     times = np.arange(1, 2 * RATE) / RATE
     times = times[np.abs(times[:, None] - [attack, attack + decay]).min(axis=1) > 1e-6]
-    expected = Adsr(attack, decay, sustain, release, hold=max(2.0 - attack - decay - release, 0.0)).at(times, 1 / RATE)
-    np.testing.assert_allclose(read_drawing(drawn.drawing).amplitude.at(times), expected, rtol=0, atol=2e-6)
+    expected = Adsr(
+        attack, decay, sustain, release, hold=max(2.0 - attack - decay - release, 0.0)
+    ).at(times, 1 / RATE)
+    np.testing.assert_allclose(
+        read_drawing(drawn.drawing).amplitude.at(times), expected, rtol=0, atol=2e-6
+    )
 
 
 def test_an_envelope_that_takes_longer_makes_the_signal_longer(drawn):
@@ -145,7 +174,10 @@ def test_a_linked_signal_is_that_of_its_library(drawn, tmp_path, add_box):
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     box.haptics.source.enabled, box.haptics.source.signal = True, "DRAWN"
-    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True, assets_only=True) as (found, wanted):
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True, assets_only=True) as (
+        found,
+        wanted,
+    ):
         assert list(found.node_groups) == [name]
         wanted.node_groups = found.node_groups
     box.haptics.source.drawing = bpy.data.node_groups[name]
@@ -156,15 +188,29 @@ def test_a_linked_signal_is_that_of_its_library(drawn, tmp_path, add_box):
 
 
 def test_an_imported_clip_can_be_drawn_on(source, tmp_path):
-    points = [{"time": 0.0, "amplitude": 0.0}, {"time": 0.3, "amplitude": 1.0}, {"time": 1.0, "amplitude": 0.2}]
-    envelopes = {"amplitude": points, "frequency": [{"time": 0.0, "frequency": 0.1}, {"time": 1.0, "frequency": 0.9}]}
-    form = {"version": {"major": 1, "minor": 0, "patch": 0}, "signals": {"continuous": {"envelopes": envelopes}}}
+    points = [
+        {"time": 0.0, "amplitude": 0.0},
+        {"time": 0.3, "amplitude": 1.0},
+        {"time": 1.0, "amplitude": 0.2},
+    ]
+    envelopes = {
+        "amplitude": points,
+        "frequency": [{"time": 0.0, "frequency": 0.1}, {"time": 1.0, "frequency": 0.9}],
+    }
+    form = {
+        "version": {"major": 1, "minor": 0, "patch": 0},
+        "signals": {"continuous": {"envelopes": envelopes}},
+    }
     (tmp_path / "clip.haptic").write_text(json.dumps(form))
-    assert bpy.ops.haptic.import_signal(filepath=str(tmp_path / "clip.haptic"), loop=False) == {"FINISHED"}
+    assert bpy.ops.haptic.import_signal(filepath=str(tmp_path / "clip.haptic"), loop=False) == {
+        "FINISHED"
+    }
     before = emitted()
     assert bpy.ops.haptic.draw_signal() == {"FINISHED"}
     assert source.signal == "DRAWN"
-    assert points_of(mapping_of(source.drawing, "Amplitude"))[0] == pytest.approx(np.array([(0, 0), (0.3, 1), (1, 0.2)]), abs=1e-6)
+    assert points_of(mapping_of(source.drawing, "Amplitude"))[0] == pytest.approx(
+        np.array([(0, 0), (0.3, 1), (1, 0.2)]), abs=1e-6
+    )
     assert np.abs(emitted() - before).max() < 5e-5
 
 
@@ -199,8 +245,16 @@ def test_what_can_not_be_drawn_is_kept_as_it_is(source, own):
     (
         Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (4000.0,))),
         Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (60.0,)), 4000.0),
-        Drawing(Automation((0.0, 1.0), (1.0, 0.0)), Automation((0.0,), (60.0,)), 1.0, (Emphasis(0.5),) * 201),
-        Drawing(Automation(np.linspace(0, 1, 2_000), np.linspace(0, 1, 2_000)), Automation((0.0,), (60.0,))),
+        Drawing(
+            Automation((0.0, 1.0), (1.0, 0.0)),
+            Automation((0.0,), (60.0,)),
+            1.0,
+            (Emphasis(0.5),) * 201,
+        ),
+        Drawing(
+            Automation(np.linspace(0, 1, 2_000), np.linspace(0, 1, 2_000)),
+            Automation((0.0,), (60.0,)),
+        ),
     ),
     ids=("too high", "too long", "too many emphases", "too many points"),
 )
@@ -223,7 +277,17 @@ def test_the_add_ons_signals_can_be_drawn_heard_and_seen(source, path):
     assert 64 < np.count_nonzero(picture[..., 3]) <= 64 * 64
 
 
-@pytest.mark.parametrize("text", ("", "[]", '{"signal": "sine", "frequency": NaN}', '{"signal": "sum", "of": []}', '{"a": ' * 200, "\0"))
+@pytest.mark.parametrize(
+    "text",
+    (
+        "",
+        "[]",
+        '{"signal": "sine", "frequency": NaN}',
+        '{"signal": "sum", "of": []}',
+        '{"a": ' * 200,
+        "\0",
+    ),
+)
 def test_a_strangers_file_is_refused_with_its_fault(source, own, text):
     own.mkdir()
     path = own / "bad.json"
@@ -244,15 +308,26 @@ def test_a_strangers_drawing_is_refused_with_its_fault(drawn, scene, traced):
 
 @pytest.mark.slow
 def test_the_command_line_plays_the_same(drawn, scene, tmp_path):
-    """As it goes into a scene file, a drawn signal is made of known signals; the core alone plays it like the add-on."""
+    """As it goes into a scene file, a drawn signal is made of known signals; the core alone plays
+    it like the add-on."""
     scene.frame_start, scene.frame_end = 1, 24
     path = tmp_path / "drawn.json"
-    arguments = {"frames": "RANGE", "frame_start": 1, "frame_end": 24, "tracks": "wav", "encoding": "float32"}
+    arguments = {
+        "frames": "RANGE",
+        "frame_start": 1,
+        "frame_end": 24,
+        "tracks": "wav",
+        "encoding": "float32",
+    }
     assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **arguments) == {"FINISHED"}
     export = haptic_scene.read_export(path)
     (played,) = export.scene.sources
     assert np.abs(played.signal.sample(0, 2 * RATE, RATE) - emitted()).max() <= 1e-12
-    blocks = [result.block for result in traced_again(export.scene, export.recording) if result.block is not None]
+    blocks = [
+        result.block
+        for result in traced_again(export.scene, export.recording)
+        if result.block is not None
+    ]
     traced = np.concatenate(blocks, axis=1)
     assert np.abs(traced).max() > 0.5
     assert np.abs(export.tracks.samples - traced).max() < 1e-6
@@ -275,6 +350,9 @@ def test_a_signal_is_heard_as_it_is(drawn, monkeypatch):
     signal = drawings.signal_of(bpy.data.objects["box"], bpy.context.scene)
     heard = loudspeaker.sound.data()[:, 0]
     assert len(heard) == 2 * preview.RATE
-    assert np.abs(heard - np.tanh(signal.sample(0, 2 * preview.RATE, preview.RATE)))[:-100].max() < 1e-6
+    assert (
+        np.abs(heard - np.tanh(signal.sample(0, 2 * preview.RATE, preview.RATE)))[:-100].max()
+        < 1e-6
+    )
     preview.switch_off()
     assert loudspeaker.stopped

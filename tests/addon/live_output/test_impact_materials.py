@@ -1,4 +1,5 @@
-"""Impacts feel like the materials that meet: the source of an impact plays the template of the pair."""
+"""Impacts feel like the materials that meet: the source of an impact plays the template of the
+pair."""
 
 import bpy
 import pytest
@@ -28,7 +29,11 @@ def drop(add_box, add_empty, scene):
 
 
 @pytest.mark.parametrize(
-    ("materials", "pair"), [(("Stone", "Softwood"), ("stone", "wood")), (("Steel.001", "Concrete"), ("metal", "concrete"))]
+    ("materials", "pair"),
+    [
+        (("Stone", "Softwood"), ("stone", "wood")),
+        (("Steel.001", "Concrete"), ("metal", "concrete")),
+    ],
 )
 def test_an_impact_plays_the_template_of_its_pair(drop, materials, pair):
     assert drop(*materials) == impact_template(*pair)

@@ -1,4 +1,5 @@
-"""The whole add-on with made-up devices: what is felt, when everything stops, and faults that stay where they are."""
+"""The whole add-on with made-up devices: what is felt, when everything stops, and faults that stay
+where they are."""
 
 import threading
 import time
@@ -47,7 +48,9 @@ def test_undo_redo_and_rendering_are_silence(sounds, event):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("animation", [True, False])
-def test_the_frame_that_blender_returns_to_after_a_render_is_not_felt(plug, connect, felt, animation, tmp_path):
+def test_the_frame_that_blender_returns_to_after_a_render_is_not_felt(
+    plug, connect, felt, animation, tmp_path
+):
     """Unlike one that somebody moves to afterwards."""
     handlers.animation_playback_post()
     felt.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
@@ -57,7 +60,12 @@ def test_the_frame_that_blender_returns_to_after_a_render_is_not_felt(plug, conn
     connect()
     assert until(lambda: pad.written)
     render = felt.render
-    render.engine, render.resolution_x, render.resolution_y, render.filepath = "CYCLES", 8, 8, str(tmp_path / "x")
+    render.engine, render.resolution_x, render.resolution_y, render.filepath = (
+        "CYCLES",
+        8,
+        8,
+        str(tmp_path / "x"),
+    )
     felt.cycles.samples, felt.frame_start, felt.frame_end = 1, 1, 2
     felt.frame_set(40)
     assert until(lambda: sounding(pad) and pad.written[-1] in (ZERO, RELEASE))
@@ -175,7 +183,9 @@ def test_bakes_and_exports_are_not_felt(plug, connect, felt):
 
 
 @pytest.mark.slow
-def test_a_device_that_is_unplugged_while_playing_is_counted_and_felt_again_when_it_is_back(sounds, playing, hid):
+def test_a_device_that_is_unplugged_while_playing_is_counted_and_felt_again_when_it_is_back(
+    sounds, playing, hid
+):
     output = outputs.running()["dualsense"]
     hid.pads.remove(sounds)
     assert until(lambda: (playing(1), handlers.rest(), output.status.losses == 1)[-1])
@@ -257,9 +267,15 @@ def test_listeners_go_to_the_actuator_at_their_body_part_or_where_they_are_sent(
     mapping = player.mapping_of(result, handlers.choices(result))
     assert mapping.weights["dualsense"].tolist() == [[0, 0], [1, 0]]
     choose(listener="left", place="dualsense/left grip")  # both now
-    assert player.mapping_of(result, handlers.choices(result)).weights["dualsense"].tolist() == [[1, 0], [1, 0]]
+    assert player.mapping_of(result, handlers.choices(result)).weights["dualsense"].tolist() == [
+        [1, 0],
+        [1, 0],
+    ]
     choose(listener="left", place="dualsense/right grip")
-    assert player.mapping_of(result, handlers.choices(result)).weights["dualsense"].tolist() == [[1, 0], [0, 0]]
+    assert player.mapping_of(result, handlers.choices(result)).weights["dualsense"].tolist() == [
+        [1, 0],
+        [0, 0],
+    ]
     choose(listener="left", place="AUTOMATIC")
     choose(listener="right", place="AUTOMATIC")
     assert handlers.choices(result) == {}
@@ -278,7 +294,10 @@ def test_a_choice_of_a_device_that_is_not_there_is_said_and_nothing_fails(sounds
     playing(1)
     result = session.result_of(bpy.context.scene)
     mapping = player.mapping_of(result, handlers.choices(result))
-    assert Loss("left", "actuator", Message.of(Cause.ACTUATOR_GONE, actuators=("low motor of xbox",))) in mapping.losses
+    assert (
+        Loss("left", "actuator", Message.of(Cause.ACTUATOR_GONE, actuators=("low motor of xbox",)))
+        in mapping.losses
+    )
     assert mapping.weights["dualsense"].tolist() == [[0, 0], [0, 1]]
 
 

@@ -1,4 +1,5 @@
-"""What the panel shows of devices in every state, against a recorder that refuses what Blender would."""
+"""What the panel shows of devices in every state, against a recorder that refuses what Blender
+would."""
 
 import importlib.util
 import os
@@ -15,7 +16,9 @@ from haptic_tracing.addon.properties.preferences import preferences
 from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.core.devices.status import Status
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).parents[1] / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -48,10 +51,18 @@ def test_a_device_is_offered_connected_and_shown_with_its_budget(plug, connect, 
     assert "DualSense (USB)" in drawn().labels and "haptic.connect_device" in drawn().operators
     connect()
     handlers.animation_playback_pre(felt)
-    until(lambda: (felt.frame_set(felt.frame_current + 1), outputs.running()["dualsense"].status.delay)[-1])
+    until(
+        lambda: (
+            felt.frame_set(felt.frame_current + 1),
+            outputs.running()["dualsense"].status.delay,
+        )[-1]
+    )
     layout = drawn()
     assert {"gain", "floor", "curve", "ceiling", "offset"} <= set(layout.properties)
-    assert "haptic.disconnect_device" in layout.operators and "haptic.connect_device" not in layout.operators
+    assert (
+        "haptic.disconnect_device" in layout.operators
+        and "haptic.connect_device" not in layout.operators
+    )
     assert "Connected" in layout.labels and "-15 to 50 ms go unnoticed" in layout.labels
     assert "Auto: left grip" in layout.labels
     assert layout.operators.count("haptic.choose_actuator") == 2
@@ -129,11 +140,20 @@ def test_sound_cards_are_offered_when_wanted_and_what_is_missing_is_said(hid, sc
     scene.haptics.live_output.sound_cards = True
     find()
     assert "Sound cards need the Python package" in text()
-    card = {"name": "Cushion", "hostapi": 0, "max_output_channels": 2, "default_samplerate": 48000.0}
+    card = {
+        "name": "Cushion",
+        "hostapi": 0,
+        "max_output_channels": 2,
+        "default_samplerate": 48000.0,
+    }
     monkeypatch.setitem(
         sys.modules,
         "sounddevice",
-        SimpleNamespace(PortAudioError=OSError, query_hostapis=lambda: [{"name": "ALSA"}], query_devices=lambda: [card]),
+        SimpleNamespace(
+            PortAudioError=OSError,
+            query_hostapis=lambda: [{"name": "ALSA"}],
+            query_devices=lambda: [card],
+        ),
     )
     find()
     assert "Cushion (sound card, 2 channels)" in drawn().labels

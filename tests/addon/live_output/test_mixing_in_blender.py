@@ -1,4 +1,5 @@
-"""What a listener's and a source's panel says about mixing, felt live and from a baked track, against the formulas."""
+"""What a listener's and a source's panel says about mixing, felt live and from a baked track,
+against the formulas."""
 
 import importlib.util
 import json
@@ -19,7 +20,9 @@ from haptic_tracing.core.formats.scene.scene_json import scene_from_dict, scene_
 from haptic_tracing.core.render.limiter import LOOK_AHEAD
 from haptic_tracing.core.render.renderer import sample_index
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).parents[1] / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -39,7 +42,8 @@ def two_sources(felt, add_empty):
 
 
 def played(scene, plug, connect) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What the device gets in `FRAMES`, a row per listener, first live, then from the baked track; and `tones`."""
+    """What the device gets in `FRAMES`, a row per listener, first live, then from the baked track;
+    and `tones`."""
     plug()
     connect()
     sent: list[np.ndarray] = []
@@ -88,8 +92,14 @@ def first_frame(scene) -> int:
     [
         ("s_max * tanh(sum / s_max)", lambda s: 0.5 * np.tanh(s.sum(axis=0) / 0.5)),
         ("0.25 * weighted", lambda s: 0.25 * (s[0] + 2.0 * s[1])),
-        ("0.5 * strongest + 0.1 * sum", lambda s: 0.5 * np.where(abs(s[0]) >= abs(s[1]), s[0], s[1]) + 0.1 * s.sum(axis=0)),
-        ("max(min(power, 0.3), -0.3)", lambda s: np.clip(np.hypot(*s) * np.where(s.sum(axis=0) < 0, -1, 1), -0.3, 0.3)),
+        (
+            "0.5 * strongest + 0.1 * sum",
+            lambda s: 0.5 * np.where(abs(s[0]) >= abs(s[1]), s[0], s[1]) + 0.1 * s.sum(axis=0),
+        ),
+        (
+            "max(min(power, 0.3), -0.3)",
+            lambda s: np.clip(np.hypot(*s) * np.where(s.sum(axis=0) < 0, -1, 1), -0.3, 0.3),
+        ),
         ("0 * sum + log(-1)", lambda s: np.zeros(s.shape[1])),
     ],
 )
@@ -101,7 +111,9 @@ def test_a_designers_formula_is_felt_live_and_baked(two_sources, plug, connect, 
     sure = np.abs(each.sum(axis=0)) > 1e-9  # where the sum is 0 its sign is a matter of rounding
     expected = np.clip(mix(each), -0.5, 0.5)
     assert np.abs(live[0] - expected)[begin:][sure[begin:]].max() < 1e-9
-    assert np.abs(live[1, begin:] - np.clip(each.sum(axis=0), -1, 1)[begin:]).max() < 1e-9, "the other listener adds up as before"
+    assert np.abs(live[1, begin:] - np.clip(each.sum(axis=0), -1, 1)[begin:]).max() < 1e-9, (
+        "the other listener adds up as before"
+    )
     assert np.abs(live - baked)[:, begin:].max() < TRACK
 
 
@@ -113,7 +125,9 @@ def test_the_limiter_turns_down_what_would_be_cut(two_sources, plug, connect):
     begin, late = first_frame(two_sources), round(LOOK_AHEAD * RATE)
     total = each.sum(axis=0)
     assert np.abs(live).max() <= 0.4 and np.abs(total).max() > 0.4
-    assert np.abs(live[1, begin + late :] - np.clip(total, -0.4, 0.4)[begin:-late]).max() < 1e-9, "all listeners stay together"
+    assert np.abs(live[1, begin + late :] - np.clip(total, -0.4, 0.4)[begin:-late]).max() < 1e-9, (
+        "all listeners stay together"
+    )
     share = live[0, begin + late :] / total[begin:-late]
     sure = np.abs(total[begin:-late]) > 1e-3
     assert share[sure].max() <= 1 + 1e-9 and share[sure].min() > 0, "turned down, never bent over"
@@ -135,12 +149,24 @@ def test_a_persistent_source_wears_off(two_sources, plug, connect):
 
 
 def test_the_scene_file_carries_it(two_sources):
-    listener, source = bpy.data.objects["left"].haptics.listener, bpy.data.objects["box"].haptics.source
-    listener.mixing, listener.mixing_expression, listener.limiter, source.decay = "custom", "0.5 * sum", True, 3.0
+    listener, source = (
+        bpy.data.objects["left"].haptics.listener,
+        bpy.data.objects["box"].haptics.source,
+    )
+    listener.mixing, listener.mixing_expression, listener.limiter, source.decay = (
+        "custom",
+        "0.5 * sum",
+        True,
+        3.0,
+    )
     two_sources.frame_set(2)
     document = scene_to_dict(scene_of_frame(two_sources, bpy.context.evaluated_depsgraph_get()))
     left = next(item for item in document["listeners"] if item["name"] == "left")
-    assert (left["mixing"], left["mixing_expression"], left["limiter"]) == ("custom", "0.5 * sum", True)
+    assert (left["mixing"], left["mixing_expression"], left["limiter"]) == (
+        "custom",
+        "0.5 * sum",
+        True,
+    )
     box = next(item for item in document["sources"] if item["name"] == "box")
     assert box["signal"]["of"][1] == {"signal": "decay", "time_constant": 3.0}
     again = scene_from_dict(document, "scene.json")
@@ -148,15 +174,27 @@ def test_the_scene_file_carries_it(two_sources):
 
 
 def test_an_imported_file_has_it_in_the_panels_again(two_sources, tmp_path):
-    listener, source = bpy.data.objects["left"].haptics.listener, bpy.data.objects["box"].haptics.source
-    listener.mixing, listener.mixing_expression, listener.limiter, source.decay = "custom", "0.5 * sum", True, 3.0
+    listener, source = (
+        bpy.data.objects["left"].haptics.listener,
+        bpy.data.objects["box"].haptics.source,
+    )
+    listener.mixing, listener.mixing_expression, listener.limiter, source.decay = (
+        "custom",
+        "0.5 * sum",
+        True,
+        3.0,
+    )
     two_sources.frame_set(2)
     files = [tmp_path / "a.json", tmp_path / "b.json"]
     assert bpy.ops.export_scene.haptic_scene(filepath=str(files[0])) == {"FINISHED"}
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     assert bpy.ops.import_scene.haptic_scene(filepath=str(files[0])) == {"FINISHED"}
     listener = bpy.data.objects["left"].haptics.listener
-    assert (listener.mixing, listener.mixing_expression, listener.limiter) == ("custom", "0.5 * sum", True)
+    assert (listener.mixing, listener.mixing_expression, listener.limiter) == (
+        "custom",
+        "0.5 * sum",
+        True,
+    )
     source = bpy.data.objects["box"].haptics.source
     assert (source.signal, source.frequency, source.decay) == ("SINE", 150.0, 3.0)
     assert bpy.data.objects["second"].haptics.source.decay == 0.0
@@ -170,7 +208,9 @@ def test_a_wrong_formula_is_said_and_the_others_go_on_feeling(two_sources):
     listener.mixing, listener.mixing_expression = "custom", "sum + loud"
     two_sources.frame_set(2)
     assert [listener.name for listener in session.result_of(two_sources).listeners] == ["right"]
-    problem = next(problem for problem in session.problems_of(two_sources) if problem.object == "left")
+    problem = next(
+        problem for problem in session.problems_of(two_sources) if problem.object == "left"
+    )
     assert problem.message.startswith("the mixing formula: unknown name 'loud'")
 
 

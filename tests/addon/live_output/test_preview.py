@@ -1,4 +1,5 @@
-"""The preview through Blender's audio: without a gap, in stereo, and a clear word where there is no audio."""
+"""The preview through Blender's audio: without a gap, in stereo, and a clear word where there is no
+audio."""
 
 import bpy
 import numpy as np
@@ -27,7 +28,9 @@ class Device:
 def loudspeaker(monkeypatch, scene):
     aud = pytest.importorskip("aud", reason="this bpy is built without audio")
     if bpy.app.version < preview.OLDEST:
-        pytest.skip("before Blender 5.2 the preview says that its audio system leaves out short sounds")
+        pytest.skip(
+            "before Blender 5.2 the preview says that its audio system leaves out short sounds"
+        )
     device = Device()
     monkeypatch.setattr(preview, "_audio", lambda: (aud, device))
     preview.switch_on()
@@ -43,7 +46,9 @@ def heard(device, seconds):
 def test_without_an_audio_device_the_operator_says_so(scene):
     assert bpy.ops.haptic.toggle_preview() == {"CANCELLED"}
     assert not preview.is_on()
-    with pytest.raises(preview.AudioUnavailable, match=r"no audio device|without audio|needs Blender 5.2"):
+    with pytest.raises(
+        preview.AudioUnavailable, match=r"no audio device|without audio|needs Blender 5.2"
+    ):
         preview.switch_on()
 
 
@@ -55,7 +60,8 @@ def test_the_operator_switches_on_and_off(loudspeaker):
 
 
 def test_blocks_of_any_length_follow_each_other_without_a_gap(loudspeaker):
-    """A tone cut into frames comes out as the tone, resampled: no piece begins early, late or with a click."""
+    """A tone cut into frames comes out as the tone, resampled: no piece begins early, late or with
+    a click."""
     rate, seconds = 8000, 0.24
     tone = 0.2 * np.sin(2 * np.pi * 150.0 * np.arange(round(rate * seconds)) / rate)
     start = 0
@@ -67,7 +73,9 @@ def test_blocks_of_any_length_follow_each_other_without_a_gap(loudspeaker):
     assert felt[0] / preview.RATE == pytest.approx(preview.LEAD, abs=0.005)
     steady = samples[felt[0] + 100 : felt[-1] - 100, 0]
     steepest = np.tanh(0.2) * 2 * np.pi * 150.0 / preview.RATE
-    assert np.abs(np.diff(steady)).max() <= 2 * steepest, "a sample that comes late is a hundredth, no click"
+    assert np.abs(np.diff(steady)).max() <= 2 * steepest, (
+        "a sample that comes late is a hundredth, no click"
+    )
     assert not samples[:, 1].any(), "the right hand feels nothing"
     assert len(steady) > 0.22 * preview.RATE
 

@@ -37,7 +37,9 @@ def uncorrected(monkeypatch):
 
 
 @pytest.mark.slow
-def test_blocks_follow_each_other_while_frames_are_still_being_traced(felt, plug, connect, slow, uncorrected):
+def test_blocks_follow_each_other_while_frames_are_still_being_traced(
+    felt, plug, connect, slow, uncorrected
+):
     plug()
     connect()
     sent, waited = [], []
@@ -49,7 +51,9 @@ def test_blocks_follow_each_other_while_frames_are_still_being_traced(felt, plug
     assert waited[0] and not any(waited[4:]), "the first frames are waited for, then none is"
     seconds = handlers.frame_seconds(felt)
     samples = np.concatenate(sent, axis=1)
-    assert samples.shape[1] == sample_index(28 * seconds, RATE), "no sample is left out or played twice"
+    assert samples.shape[1] == sample_index(28 * seconds, RATE), (
+        "no sample is left out or played twice"
+    )
     gain = session.result_of(felt).amplitudes[0, 0]
     expected = gain * np.sin(2 * np.pi * 150.0 * np.arange(samples.shape[1]) / RATE)
     begin = sample_index(seconds, RATE)
@@ -73,10 +77,15 @@ def test_gains_come_a_frame_later(felt, plug, connect, slow, uncorrected):
         begun = session.of(felt).begun
         until(lambda begun=begun: begun is None or begun.done())
         felt.frame_set(frame)
-    levels = [float(np.abs(block[0]).max()) for block in sent]  # the block that ends at frame 2 comes first
+    # The block that ends at frame 2 comes first.
+    levels = [float(np.abs(block[0]).max()) for block in sent]
     gain = session.result_of(felt).amplitudes[0, 0] / 0.9
-    assert max(levels[:18]) == pytest.approx(0.2 * gain, rel=1e-3), "up to the block that ends at frame 19"
-    assert levels[18] == pytest.approx(0.2 * gain, rel=1e-3), "frame 20 is felt with what frame 19 said"
+    assert max(levels[:18]) == pytest.approx(0.2 * gain, rel=1e-3), (
+        "up to the block that ends at frame 19"
+    )
+    assert levels[18] == pytest.approx(0.2 * gain, rel=1e-3), (
+        "frame 20 is felt with what frame 19 said"
+    )
     assert levels[20] == pytest.approx(0.9 * gain, rel=1e-3)
     handlers.animation_playback_post(felt)
 

@@ -1,7 +1,9 @@
-"""Runs inside umockdev: the demo scene is baked, then played in time through the whole add-on to made-up devices. Prints one JSON object.
+"""Runs inside umockdev: the demo scene is baked, then played in time through the whole add-on to
+made-up devices. Prints one JSON object.
 
-What each device's pace is asked and told is written down with the time, and told once more to a fresh one, with the baked blocks in place
-of those that were played: what it answers must be what the device's node has kept, report by report.
+What each device's pace is asked and told is written down with the time, and told once more to a
+fresh one, with the baked blocks in place of those that were played: what it answers must be what
+the device's node has kept, report by report.
 """
 
 import json
@@ -44,7 +46,8 @@ class RecordingPacing:
         return call
 
     def again(self, baked):
-        """The reports that a fresh pace gives, and how many of the blocks that were played were not the baked ones."""
+        """The reports that a fresh pace gives, and how many of the blocks that were played were not
+        the baked ones."""
         fresh, reports, different = self.make(), [], 0
         for name, arguments, _ in self.calls:
             if name == "accept":
@@ -53,12 +56,19 @@ class RecordingPacing:
                 different += not np.array_equal(block, played)
                 arguments = block, sent
             answer = getattr(fresh, name)(*arguments)
-            reports += answer if name == "ending" else [answer] if name == "next_report" and answer is not None else []
+            reports += (
+                answer
+                if name == "ending"
+                else [answer]
+                if name == "next_report" and answer is not None
+                else []
+            )
         return [report.data.hex() for report in reports], different
 
 
 class RecordingHid:
-    """The real module, with a copy of the feature reports, which umockdev answers but does not keep."""
+    """The real module, with a copy of the feature reports, which umockdev answers but does not
+    keep."""
 
     def __init__(self):
         self.real, self.features = hid_module(), {}
@@ -138,13 +148,18 @@ def main():
     handlers.animation_playback_pre(scene)
     began = time.perf_counter()
     for frame in range(start + 1, start + count + 1):
-        time.sleep(max(began + (frame - start) * handlers.frame_seconds(scene) - time.perf_counter(), 0.0))
+        time.sleep(
+            max(began + (frame - start) * handlers.frame_seconds(scene) - time.perf_counter(), 0.0)
+        )
         frames.append((time.perf_counter(), frame))
         scene.frame_set(frame)
     mapping = player.mapping_of(session.result_of(scene), {})
     handlers.animation_playback_post(scene)
     time.sleep(0.3)
-    states = {key: [output.status.state, output.status.losses, output.status.failed_writes] for key, output in outputs.running().items()}
+    states = {
+        key: [output.status.state, output.status.losses, output.status.failed_writes]
+        for key, output in outputs.running().items()
+    }
     running = dict(outputs.running())
     haptic_tracing.unregister()  # waits for a second, which on a busy machine need not be enough
     wait_until(lambda: all(output.status.is_over for output in running.values()))
@@ -157,7 +172,11 @@ def main():
 
         def baked(sent, key=key, recorder=recorder):
             if sent < first_played:  # the grain
-                return next(arguments[0] for name, arguments, _ in recorder.calls if name == "accept" and arguments[1] == sent)
+                return next(
+                    arguments[0]
+                    for name, arguments, _ in recorder.calls
+                    if name == "accept" and arguments[1] == sent
+                )
             frame = max(number for at, number in frames if at <= sent)
             return mapping.blocks(blocks[frame])[key]
 

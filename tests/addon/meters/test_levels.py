@@ -8,7 +8,14 @@ import pytest
 from haptic_tracing.addon.scene_reader.reading import Reading
 from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.comparison import mode_amplitudes
-from haptic_tracing.addon.view.levels import FLOOR, decibels, levels, margin_words, place_of, shown_levels
+from haptic_tracing.addon.view.levels import (
+    FLOOR,
+    decibels,
+    levels,
+    margin_words,
+    place_of,
+    shown_levels,
+)
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.settings import ContactSettings
 from haptic_tracing.core.perception import threshold_level
@@ -18,7 +25,14 @@ from haptic_tracing.core.render.mixdown import block_of
 from haptic_tracing.core.scene.body import BODY_PARTS
 from haptic_tracing.core.scene.body_map import HALF_WIDTH, HEIGHT, figure
 from haptic_tracing.core.scene.functions import Exponential
-from haptic_tracing.core.scene.values import HapticObject, Listener, Mode, Settings, Source, SourceKind
+from haptic_tracing.core.scene.values import (
+    HapticObject,
+    Listener,
+    Mode,
+    Settings,
+    Source,
+    SourceKind,
+)
 from haptic_tracing.core.signals import Sine
 from haptic_tracing.core.tracer import Frame, Tracer
 
@@ -32,13 +46,30 @@ def traced(result, history):
 
 
 def played(frames, amplitude=0.5, frequency=100.0, distance=1.0, settings=None, **listener):
-    """A sine on a plank, felt ``distance`` metres away with e^(-0.2 d), and one that nothing reaches; frames of 1/25 s."""
-    objects = (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)), HapticObject("moon", 0.0, 1.0))
+    """A sine on a plank, felt ``distance`` metres away with e^(-0.2 d), and one that nothing
+    reaches; frames of 1/25 s."""
+    objects = (
+        HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)),
+        HapticObject("moon", 0.0, 1.0),
+    )
     sources = (Source("hum", "plank", (0, 0, 0), amplitude, signal=Sine(frequency)),)
-    listeners = (Listener("hand", "plank", (distance, 0, 0), "hand.L", **listener), Listener("eye", "moon"))
+    listeners = (
+        Listener("hand", "plank", (distance, 0, 0), "hand.L", **listener),
+        Listener("eye", "moon"),
+    )
     tracer, history = Tracer(), History()
     for number in range(frames):
-        result = tracer.step(Frame(number, number / 25, objects, sources, listeners, settings or Settings(), contacts=ContactSet.empty()))
+        result = tracer.step(
+            Frame(
+                number,
+                number / 25,
+                objects,
+                sources,
+                listeners,
+                settings or Settings(),
+                contacts=ContactSet.empty(),
+            )
+        )
         history.feed(result)
     return result, history
 
@@ -49,7 +80,11 @@ def test_history_is_the_last_second():
     assert hand.shape == (8000,)
     assert np.array_equal(hand[-320:], result.block[0])
     assert not eye.any()
-    wave = 0.5 * math.exp(-0.2) * np.sin(2 * math.pi * 100 * (result.time - 1 + np.arange(8000) / RATE))
+    wave = (
+        0.5
+        * math.exp(-0.2)
+        * np.sin(2 * math.pi * 100 * (result.time - 1 + np.arange(8000) / RATE))
+    )
     np.testing.assert_allclose(hand, wave, rtol=0, atol=1e-9)
 
 
@@ -65,12 +100,21 @@ def test_levels_of_a_sine():
     amplitude = 0.5 * math.exp(-0.2)
     assert felt.peak == pytest.approx(20 * math.log10(amplitude), abs=0.01)
     assert felt.rms == pytest.approx(20 * math.log10(amplitude / math.sqrt(2)), abs=0.01)
-    assert felt.margin == pytest.approx(20 * math.log10(amplitude) - float(threshold_level(100.0)), abs=0.1)
-    assert felt.threshold == pytest.approx(float(threshold_level(100.0)) - 10 * math.log10(2), abs=0.1)
+    assert felt.margin == pytest.approx(
+        20 * math.log10(amplitude) - float(threshold_level(100.0)), abs=0.1
+    )
+    assert felt.threshold == pytest.approx(
+        float(threshold_level(100.0)) - 10 * math.log10(2), abs=0.1
+    )
     assert felt.is_felt
     assert felt.peak_and_level() == "−8, −11"
     assert felt.margin_text() == "+23 dB"
-    assert (nothing.peak, nothing.rms, nothing.margin, nothing.threshold) == (-math.inf, -math.inf, -math.inf, None)
+    assert (nothing.peak, nothing.rms, nothing.margin, nothing.threshold) == (
+        -math.inf,
+        -math.inf,
+        -math.inf,
+        None,
+    )
     assert not nothing.is_felt
     assert (nothing.peak_and_level(), nothing.margin_text()) == ("silent", "")
 
@@ -88,7 +132,11 @@ def test_a_frame_that_stands_alone_is_as_loud_as_the_same_frames_playing():
     still = replace(result, block=None)
     alone = History()
     alone.feed(still)
-    for one, other in zip(shown_levels(traced(result, history), True), shown_levels(traced(still, alone), False), strict=True):
+    for one, other in zip(
+        shown_levels(traced(result, history), True),
+        shown_levels(traced(still, alone), False),
+        strict=True,
+    ):
         assert one.rms == pytest.approx(other.rms, abs=0.05)
         assert one.margin == pytest.approx(other.margin, abs=0.2)
     assert still_samples(still, 0.25).shape == (2, 2000)
@@ -96,7 +144,8 @@ def test_a_frame_that_stands_alone_is_as_loud_as_the_same_frames_playing():
 
 @pytest.mark.parametrize("frames", [1, 2, 3, 5, 8, 40])
 def test_a_steady_sine_reads_the_same_on_every_still_however_the_timeline_came_to_it(frames):
-    """60 Hz, in the 15 whole periods of a quarter second: its amplitude divided by the square root of 2."""
+    """60 Hz, in the 15 whole periods of a quarter second: its amplitude divided by the square root
+    of 2."""
     result, history = played(frames, frequency=60.0)
     expected = 20 * math.log10(0.5 * math.exp(-0.2) / math.sqrt(2))
     assert shown_levels(traced(result, history), False)[0].rms == pytest.approx(expected, abs=0.01)
@@ -104,16 +153,23 @@ def test_a_steady_sine_reads_the_same_on_every_still_however_the_timeline_came_t
 
 
 def test_a_still_shows_an_impact_of_its_own_frame():
-    """Its onset lies within the frame's interval: what follows is felt, although hardly anything of it has been played."""
+    """Its onset lies within the frame's interval: what follows is felt, although hardly anything of
+    it has been played."""
     objects = (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)),)
-    blow = Source("blow", "plank", (0, 0, 0), 0.5, SourceKind.TEMPORARY, Sine(100.0), onset=19 / 25 + 0.039)
+    blow = Source(
+        "blow", "plank", (0, 0, 0), 0.5, SourceKind.TEMPORARY, Sine(100.0), onset=19 / 25 + 0.039
+    )
     listeners = (Listener("hand", "plank", (1, 0, 0)),)
     tracer, history = Tracer(), History()
     for number in range(21):
         sources = (blow,) if number == 20 else ()
-        result = tracer.step(Frame(number, number / 25, objects, sources, listeners, contacts=ContactSet.empty()))
+        result = tracer.step(
+            Frame(number, number / 25, objects, sources, listeners, contacts=ContactSet.empty())
+        )
         history.feed(result)
-    still, playing = (shown_levels(traced(result, history), is_playing)[0] for is_playing in (False, True))
+    still, playing = (
+        shown_levels(traced(result, history), is_playing)[0] for is_playing in (False, True)
+    )
     assert still.is_felt
     assert still.rms > playing.rms + 10
     amplitude = 0.5 * math.exp(-0.2)
@@ -123,12 +179,28 @@ def test_a_still_shows_an_impact_of_its_own_frame():
 def test_a_frame_of_a_track_reads_what_was_recorded():
     result, history = played(3)
     recorded = Traced(1, result, Settings(), history.all())
-    assert shown_levels(recorded, False) == shown_levels(recorded, True) == levels(result, history.all())
+    assert (
+        shown_levels(recorded, False)
+        == shown_levels(recorded, True)
+        == levels(result, history.all())
+    )
 
 
 def test_places_and_texts():
-    assert [place_of(level) for level in (-math.inf, FLOOR, FLOOR / 2, 0.0, 6.0)] == [0, 0, 0.5, 1, 1]
-    assert [decibels(level) for level in (-math.inf, -11.6, -0.2, 0.0, 3.2)] == ["silent", "−12 dB", "0 dB", "0 dB", "3 dB"]
+    assert [place_of(level) for level in (-math.inf, FLOOR, FLOOR / 2, 0.0, 6.0)] == [
+        0,
+        0,
+        0.5,
+        1,
+        1,
+    ]
+    assert [decibels(level) for level in (-math.inf, -11.6, -0.2, 0.0, 3.2)] == [
+        "silent",
+        "−12 dB",
+        "0 dB",
+        "0 dB",
+        "3 dB",
+    ]
 
 
 def test_every_body_part_is_on_a_figure_and_mirrored():
@@ -154,20 +226,43 @@ def test_compared_modes_are_those_that_tracing_gives():
     frame = replace(traced(result, history), settings=settings)
     gains = {mode: mode_amplitudes(mode, frame) for mode in Mode}
     for mode, gain in gains.items():
-        assert gain == pytest.approx(0.5 * propagate(result.graph, Settings(mode=mode, localise=0.5)).gain[0])
+        assert gain == pytest.approx(
+            0.5 * propagate(result.graph, Settings(mode=mode, localise=0.5)).gain[0]
+        )
     assert gains[Mode.MN].tolist() == [0.5, 0.5]
 
 
 def test_frames_that_nobody_hears_are_left_out_and_rendered_when_asked_for():
-    """A sine of 100 Hz arrives with 0.5 e^-0.2, in the frame that was left out, in the one after it, and in those that follow."""
-    objects, listeners = (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)),), (Listener("hand", "plank", (1.0, 0, 0)),)
+    """A sine of 100 Hz arrives with 0.5 e^-0.2, in the frame that was left out, in the one after
+    it, and in those that follow."""
+    objects, listeners = (
+        (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)),),
+        (Listener("hand", "plank", (1.0, 0, 0)),),
+    )
     sources = (Source("hum", "plank", (0, 0, 0), 0.5, signal=Sine(100.0)),)
     tracer, results = Tracer(), []
     for number in range(8):
         heard = number not in (3, 4, 5)
-        frame = Frame(number, number / 25, objects, sources, listeners, contacts=ContactSet.empty(), heard=heard)
+        frame = Frame(
+            number,
+            number / 25,
+            objects,
+            sources,
+            listeners,
+            contacts=ContactSet.empty(),
+            heard=heard,
+        )
         results.append(tracer.step(frame))
-    assert [result.block is None for result in results] == [True, False, False, True, True, True, False, False]
+    assert [result.block is None for result in results] == [
+        True,
+        False,
+        False,
+        True,
+        True,
+        True,
+        False,
+        False,
+    ]
     for result in results[2:]:
         times = (result.first_sample + np.arange(320)) / RATE
         wave = 0.5 * math.exp(-0.2) * np.sin(2 * np.pi * 100.0 * times)

@@ -1,4 +1,5 @@
-"""The meters as shapes: everything within its plate, what has no room left out, nothing that says more than the levels."""
+"""The meters as shapes: everything within its plate, what has no room left out, nothing that says
+more than the levels."""
 
 import math
 
@@ -16,7 +17,9 @@ deterministic = settings(derandomize=True, deadline=None)
 
 def level(name, rms=-20.0, part=""):
     silent = rms == -math.inf
-    return Level(name, part, rms + 6, rms, -math.inf if silent else rms + 40, None if silent else -40.0)
+    return Level(
+        name, part, rms + 6, rms, -math.inf if silent else rms + 40, None if silent else -40.0
+    )
 
 
 LEVELS = [level(name, -5.0 * k, name) for k, name in enumerate(PAPER_LISTENERS)]
@@ -28,8 +31,16 @@ def _texts(items):
 
 
 @deterministic
-@given(st.floats(0, 1400), st.floats(0, 900), st.sampled_from([1.0, 1.5, 2.0]), st.integers(0, 40), st.booleans())
-def test_everything_lies_within_the_plate_and_the_plate_within_the_room(width, height, scale, count, body):
+@given(
+    st.floats(0, 1400),
+    st.floats(0, 900),
+    st.sampled_from([1.0, 1.5, 2.0]),
+    st.integers(0, 40),
+    st.booleans(),
+)
+def test_everything_lies_within_the_plate_and_the_plate_within_the_room(
+    width, height, scale, count, body
+):
     shown = [level(f"listener {k}", -1.5 * k, PAPER_LISTENERS[k % 10]) for k in range(count)]
     items = meter_hud(shown, SCOPE, (width, height), scale, text_width, "Mode HT", body=body)
     if not len(items.lines.width):
@@ -53,9 +64,21 @@ def test_values_are_there_as_text():
     texts = _texts(meter_hud(LEVELS, SCOPE, (1200, 600), 1.0, text_width, "Mode HT"))
     for item in LEVELS:
         assert item.listener in texts
-    assert {"Mode HT", "−5 dB", "+35 dB", "Level", "Margin", "front", "back", "L", "R", "hand.L, last second", "±0.316", "−60", "0"} <= set(
-        texts
-    )
+    assert {
+        "Mode HT",
+        "−5 dB",
+        "+35 dB",
+        "Level",
+        "Margin",
+        "front",
+        "back",
+        "L",
+        "R",
+        "hand.L, last second",
+        "±0.316",
+        "−60",
+        "0",
+    } <= set(texts)
 
 
 def test_elements_without_room_are_left_out_in_order():
@@ -80,7 +103,9 @@ def test_elements_without_room_are_left_out_in_order():
 def test_of_many_listeners_the_strongest_are_shown():
     many = [level(f"l{k}", -50.0 + k) for k in range(30)]
     texts = _texts(meter_hud(many, None, (900, 900), 1.0, text_width))
-    assert [words for words in texts if words.startswith("l")] == [f"l{k}" for k in range(31 - MOST_ROWS, 30)]
+    assert [words for words in texts if words.startswith("l")] == [
+        f"l{k}" for k in range(31 - MOST_ROWS, 30)
+    ]
     assert f"and {31 - MOST_ROWS} more" in texts
 
 
@@ -95,7 +120,9 @@ def test_colours_rise_with_the_level_and_grey_is_not_felt():
 def test_scope_shows_where_in_the_last_second_something_was():
     samples = np.zeros(8000)
     samples[6000:6100] = 0.9
-    items = meter_hud([level("a")], Scope("a", samples, 8000.0), (600, 400), 1.0, text_width, body=False)
+    items = meter_hud(
+        [level("a")], Scope("a", samples, 8000.0), (600, 400), 1.0, text_width, body=False
+    )
     extent = items.lines.position[:, 1, 1] - items.lines.position[:, 0, 1]
     columns = items.lines.position[extent > 15, 0, 0]
     ((_, _, right, _),) = items.bounds

@@ -17,14 +17,17 @@ from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.pictures import picture
 from haptic_tracing.pictures.shown import meters_above
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).parents[1] / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
 
 @pytest.fixture
 def felt(scene, add_box, add_empty):
-    """A sine on the ground, a foot on it; a hand on a crate 4 cm above it, with its own muted source; two seconds at 25 Hz."""
+    """A sine on the ground, a foot on it; a hand on a crate 4 cm above it, with its own muted
+    source; two seconds at 25 Hz."""
     ground = add_box("ground", (0, 0, -0.1), (4, 4, 0.2))
     crate = add_box("crate", (1, 0, 0.29), (0.5, 0.5, 0.5))
     shaker = add_empty("shaker", (-0.25, 0, 0), ground)
@@ -54,7 +57,9 @@ def _activate(name):
 def test_levels_are_worked_out_once_a_frame(felt, settle):
     foot, hand = settle(lambda: watched.levels_of(felt))
     assert foot.is_felt
-    assert foot.peak == pytest.approx(20 * np.log10(session.result_of(felt).amplitudes[0, 0]), abs=0.05)
+    assert foot.peak == pytest.approx(
+        20 * np.log10(session.result_of(felt).amplitudes[0, 0]), abs=0.05
+    )
     assert hand.peak_and_level() == "silent"
     assert watched.levels_of(felt)[0] is foot
     felt.frame_set(51)
@@ -62,7 +67,8 @@ def test_levels_are_worked_out_once_a_frame(felt, settle):
 
 
 def test_samples_are_rendered_where_they_are_shown_or_asked_for(felt, settle):
-    """Frames that follow each other unseen have none; the first draw shows the frame as if it lasted, and the next frames are heard."""
+    """Frames that follow each other unseen have none; the first draw shows the frame as if it
+    lasted, and the next frames are heard."""
     assert not sessions.shown(felt).samples.size
     assert settle(lambda: meters.scope_of(felt)).samples.shape == (2000,)
     assert settle(lambda: watched.levels_of(felt))[0].peak == pytest.approx(
@@ -81,7 +87,9 @@ def test_a_script_gets_the_samples_of_the_frames_that_it_asks_for(felt):
         if frame > felt.frame_current:
             felt.frame_set(frame)
         result = session.result_of(felt)
-        expected = result.amplitudes[0, 0] * np.sin(2 * np.pi * 60 * (result.first_sample + np.arange(320) - latency) / 8000)
+        expected = result.amplitudes[0, 0] * np.sin(
+            2 * np.pi * 60 * (result.first_sample + np.arange(320) - latency) / 8000
+        )
         assert result.block[0] == pytest.approx(expected, abs=1e-6)
 
 
@@ -98,12 +106,18 @@ def test_why_silent_names_the_gap_and_then_the_muted_source(felt, settle):
     why = settle(lambda: explanation.why_silent(felt, "hand"))
     (reason,) = why.reasons
     assert (why.notice, why.is_current) == ("", True)
-    assert (reason["first"], reason["second"], reason["distance"]) == ("ground", "crate", pytest.approx(0.04, abs=1e-6))
+    assert (reason["first"], reason["second"], reason["distance"]) == (
+        "ground",
+        "crate",
+        pytest.approx(0.04, abs=1e-6),
+    )
     assert explanation.why_silent(felt, "hand").reasons[0] is reason
     assert settle(lambda: explanation.why_silent(felt, "foot")) == explanation.Explanation()
     bpy.data.objects["shaker"].haptics.source.muted = True
     felt.frame_set(51)
-    assert settle(lambda: explanation.why_silent(felt, "foot")).reasons == (Message.of(Cause.MUTED, "shaker", source="shaker"),)
+    assert settle(lambda: explanation.why_silent(felt, "foot")).reasons == (
+        Message.of(Cause.MUTED, "shaker", source="shaker"),
+    )
     assert "no listener" in explanation.why_silent(felt, "crate").notice
 
 
@@ -111,7 +125,10 @@ def test_why_silent_says_when_nothing_is_traced(felt):
     felt.haptics.tracing = False
     assert explanation.why_silent(felt, "hand").notice.startswith("Tracing is switched off")
     session.clear()
-    assert explanation.why_silent(felt, "hand").notice == "Tracing is switched off: tick the box of the panel Haptic Tracing"
+    assert (
+        explanation.why_silent(felt, "hand").notice
+        == "Tracing is switched off: tick the box of the panel Haptic Tracing"
+    )
     felt.haptics.tracing = True
     assert "press Trace This Frame" in explanation.why_silent(felt, "hand").notice
 
@@ -127,7 +144,9 @@ def test_silence_panel_has_a_button_to_what_is_to_blame(felt, settle):
     assert "crate" in layout.labels
     assert "haptic.select_object" in layout.operators
     _activate("foot")
-    assert any("Felt" in label for label in settle(lambda: _drawn(result_panel.HAPTIC_PT_silence)).labels)
+    assert any(
+        "Felt" in label for label in settle(lambda: _drawn(result_panel.HAPTIC_PT_silence)).labels
+    )
     _activate("crate")
     assert not result_panel.HAPTIC_PT_silence.poll(bpy.context)
 
@@ -142,7 +161,11 @@ def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch, settle):
     drawn = []
     for name in ("scope_picture", "body_picture"):
         draw_it = getattr(meter_pictures, name)
-        monkeypatch.setattr(meter_pictures, name, lambda *what, name=name, draw_it=draw_it: drawn.append(name) or draw_it(*what))
+        monkeypatch.setattr(
+            meter_pictures,
+            name,
+            lambda *what, name=name, draw_it=draw_it: drawn.append(name) or draw_it(*what),
+        )
     layout = settle(lambda: _drawn(result_panel.HAPTIC_PT_meters))
     assert len(layout.icons) == 2
     assert "foot, ±1" in layout.labels
@@ -151,7 +174,11 @@ def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch, settle):
     assert drawn == ["scope_picture", "body_picture"]  # nothing has changed, nothing is drawn
     felt.frame_set(51)
     settle(lambda: _drawn(result_panel.HAPTIC_PT_meters))
-    assert drawn == ["scope_picture", "body_picture", "scope_picture"]  # the foot feels as much as before
+    assert drawn == [
+        "scope_picture",
+        "body_picture",
+        "scope_picture",
+    ]  # the foot feels as much as before
     bpy.data.objects["shaker"].haptics.source.muted = True
     felt.frame_set(52)
     felt.haptics.meters.show_scope = False
@@ -195,7 +222,9 @@ def test_every_panel_of_the_result_draws_without_one(scene):
 @pytest.mark.slow
 def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
     if not picture.starts_gpu():
-        assert bpy.app.version < (5, 2), "Blender 5.2 on can draw off-screen with Mesa: install libegl1 and libgl1-mesa-dri"
+        assert bpy.app.version < (5, 2), (
+            "Blender 5.2 on can draw off-screen with Mesa: install libegl1 and libgl1-mesa-dri"
+        )
         pytest.skip("before Blender 5.2 nothing can be drawn without a window")
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.location, camera.rotation_euler = (0, -9, 1), (1.5, 0, 0)
@@ -203,7 +232,10 @@ def test_picture_has_the_meters_at_the_upper_left(felt, tmp_path):
     felt.camera = camera
     bpy.context.view_layer.update()
     result, size = session.result_of(felt), (960, 540)
-    plain, metered = (picture.viewport_picture(felt, result, size, meters=metered).astype(int) for metered in (False, True))
+    plain, metered = (
+        picture.viewport_picture(felt, result, size, meters=metered).astype(int)
+        for metered in (False, True)
+    )
     changed = np.abs(plain - metered).max(axis=2) > 20
     ((left, bottom, right, top),) = meters_above(felt, result, size, 1.0).bounds
     inside = np.zeros(size[::-1], dtype=bool)
@@ -238,7 +270,9 @@ def test_a_device_that_is_not_felt_at_the_listener_is_named(felt, monkeypatch):
     from haptic_tracing.core.devices.profiles import BUILT_IN, load_profiles
 
     profiles, _ = load_profiles([BUILT_IN])
-    profile = next(p for p in profiles.values() if any("hand.R" in a.body_parts for a in p.actuators))
+    profile = next(
+        p for p in profiles.values() if any("hand.R" in a.body_parts for a in p.actuators)
+    )
     monkeypatch.setattr(outputs, "running", lambda: {"pad": SimpleNamespace(profile=profile)})
     monkeypatch.setattr(outputs, "version", lambda: -1)
     assert device_words(felt, "hand") == ""

@@ -1,4 +1,5 @@
-"""The path to a listener against closed forms, its row in the overlay, and the panel that shows it."""
+"""The path to a listener against closed forms, its row in the overlay, and the panel that shows
+it."""
 
 import importlib.util
 import math
@@ -16,7 +17,9 @@ from haptic_tracing.addon.view.options import options_of
 from haptic_tracing.addon.view.render_data import HIGHLIGHT_LINE, render_data
 from haptic_tracing.core.message import Cause
 
-_spec = importlib.util.spec_from_file_location("recording_layout", Path(__file__).parents[1] / "recording_layout.py")
+_spec = importlib.util.spec_from_file_location(
+    "recording_layout", Path(__file__).parents[1] / "recording_layout.py"
+)
 recording_layout = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(recording_layout)
 
@@ -26,7 +29,8 @@ NEPER = 20 / math.log(10)
 
 @pytest.fixture
 def chain(scene, add_box, add_empty):
-    """Three boxes of 1 m in a row, each with its own decay per metre; a source amid the first, a listener amid the last."""
+    """Three boxes of 1 m in a row, each with its own decay per metre; a source amid the first, a
+    listener amid the last."""
     for k, (name, alpha) in enumerate(ALPHA.items()):
         box = add_box(name, (k, 0, 0), (1, 1, 1))
         box.haptics.function, box.haptics.alpha = "exponential", alpha
@@ -58,7 +62,8 @@ def _tenths(words):
 
 
 def check_rows(path, level):
-    """What the table says adds up: the rows to the level, and with the threshold to the margin; the level is the one that is shown."""
+    """What the table says adds up: the rows to the level, and with the threshold to the margin; the
+    level is the one that is shown."""
     rows = paths.rows(path)
     ends = [place for place, row in enumerate(rows) if row.is_sum]
     shown = [_tenths(levels.change_words(row.decibels)) for row in rows]
@@ -72,7 +77,9 @@ def test_losses_add_up_to_the_gain_of_the_best_path(chain, settle):
     path = _path(chain, settle)
     fall = path.fall
     assert [hop.object for hop in fall.hops] == list(ALPHA)
-    assert [hop.distance for hop in fall.hops] == pytest.approx([0.5, 1.0, 0.45], abs=0.02), "the last up to the listener's radius"
+    assert [hop.distance for hop in fall.hops] == pytest.approx([0.5, 1.0, 0.45], abs=0.02), (
+        "the last up to the listener's radius"
+    )
     losses = [NEPER * a * h.distance for a, h in zip(ALPHA.values(), fall.hops, strict=True)]
     assert [hop.loss for hop in fall.hops] == pytest.approx(losses)
     assert (fall.source.name, fall.listener) == ("drill", "skin")
@@ -82,9 +89,13 @@ def test_losses_add_up_to_the_gain_of_the_best_path(chain, settle):
 
 
 def test_one_gain_whatever_amplitude_and_listener_gain_and_rows_that_add_up(chain, settle):
-    """The card, the list of sources and the reason for silence name the same gain, which is that of the path."""
+    """The card, the list of sources and the reason for silence name the same gain, which is that of
+    the path."""
     before = _path(chain, settle).fall.gain
-    drill, skin = bpy.data.objects["drill"].haptics.source, bpy.data.objects["skin"].haptics.listener
+    drill, skin = (
+        bpy.data.objects["drill"].haptics.source,
+        bpy.data.objects["skin"].haptics.listener,
+    )
     for frame, (amplitude, gain) in enumerate(((1.0, 1.0), (0.37, 2.0), (0.05, 0.3)), 2):
         drill.amplitude, skin.gain = amplitude, gain
         chain.frame_set(frame)
@@ -93,7 +104,9 @@ def test_one_gain_whatever_amplitude_and_listener_gain_and_rows_that_add_up(chai
         check_rows(path, settle(lambda: watched.levels_of(chain))[0])
         words = levels.decibels(before)
         assert f"Gain {words}" in _drawn(answer_panel.draw_answer)
-        assert f"{10 ** (before / 20):.3f}  {before:.0f} dB" in _drawn(result_panel.HAPTIC_PT_result.draw)
+        assert f"{10 ** (before / 20):.3f}  {before:.0f} dB" in _drawn(
+            result_panel.HAPTIC_PT_result.draw
+        )
     drill.amplitude = 0.0005
     chain.frame_set(9)
     (reason,) = settle(lambda: explanation.why_silent(chain, "skin")).reasons
@@ -107,12 +120,23 @@ def test_rows_say_which_source_is_silent_and_what_others_play(chain, settle, add
     path = _path(chain, settle)
     check_rows(path, settle(lambda: watched.levels_of(chain))[0])
     names = [row.name for row in paths.rows(path)]
-    assert names == ["Source amplitude", *ALPHA, "RMS of the signal", "Other sources, limiter", "Level", "Threshold of feeling", "Margin"]
+    assert names == [
+        "Source amplitude",
+        *ALPHA,
+        "RMS of the signal",
+        "Other sources, limiter",
+        "Level",
+        "Threshold of feeling",
+        "Margin",
+    ]
     assert [row.name for row in paths.rows(path, by_loss=True)][1:4] == ["bench", "seat", "ground"]
     bpy.data.objects["skin"].haptics.listener.gain = 0
     chain.frame_set(3)
     rows = paths.rows(_path(chain, settle))
-    assert [(row.name, levels.change_words(row.decibels)) for row in rows[-2:]] == [("Listener gain", "silent"), ("Level", "silent")]
+    assert [(row.name, levels.change_words(row.decibels)) for row in rows[-2:]] == [
+        ("Listener gain", "silent"),
+        ("Level", "silent"),
+    ]
 
 
 def test_the_active_object_decides_source_and_row_and_the_listener_stays(chain, add_empty, settle):
@@ -135,7 +159,10 @@ def test_the_overlay_highlights_the_part_of_the_path_in_the_active_object(chain,
     highlight = render_data(traced.result, traced.settings, options).highlight
     assert (highlight.width == HIGHLIGHT_LINE).all()
     across = highlight.position[:, :, 0]
-    assert (across.min(), across.max()) == (pytest.approx(0.5, abs=0.02), pytest.approx(1.5, abs=0.02))
+    assert (across.min(), across.max()) == (
+        pytest.approx(0.5, abs=0.02),
+        pytest.approx(1.5, abs=0.02),
+    )
     assert np.ptp(across, axis=1).max() == pytest.approx(1.0, abs=0.02)
 
 
@@ -151,7 +178,11 @@ def test_modes_without_paths_have_no_rows(chain, settle):
 
 def test_the_panel_lists_the_objects_in_order_or_by_loss_and_presses_the_active_row(chain, settle):
     def names():
-        return [label for label in _drawn(result_panel.HAPTIC_PT_path.draw) if label in ALPHA or label == "Margin"]
+        return [
+            label
+            for label in _drawn(result_panel.HAPTIC_PT_path.draw)
+            if label in ALPHA or label == "Margin"
+        ]
 
     assert settle(names) == ["ground", "bench", "seat", "Margin"]
     chain.haptics.meters.sort_path = True
@@ -165,7 +196,8 @@ def test_nothing_reaches_a_listener_that_hangs_in_the_air(chain, settle):
 
 
 def test_a_listener_that_is_gone_in_the_next_frame_has_no_path(chain, settle):
-    """The path is computed with every frame, of the listener that was looked at last: as after undo."""
+    """The path is computed with every frame, of the listener that was looked at last: as after
+    undo."""
     assert _path(chain, settle) is not None
     bpy.data.objects["skin"].haptics.listener.enabled = False
     chain.frame_set(2)

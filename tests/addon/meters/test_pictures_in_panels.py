@@ -27,9 +27,14 @@ def test_full_scale_is_the_next_step_of_ten_decibels():
 def test_spans_hold_the_lowest_and_highest_sample():
     samples = np.random.default_rng(1).normal(size=5000)
     columns, least, greatest = spans(Scope("a", samples, RATE), 100)
-    assert columns.tolist() == list(range(38, 100))  # 80 samples each, the first 3000 are not there yet
-    assert least.tolist() == [samples[80 * k - 3000 : 80 * k - 2920].min() for k in columns.tolist()]
-    assert greatest.tolist() == [samples[80 * k - 3000 : 80 * k - 2920].max() for k in columns.tolist()]
+    # 80 samples each, the first 3000 are not there yet.
+    assert columns.tolist() == list(range(38, 100))
+    assert least.tolist() == [
+        samples[80 * k - 3000 : 80 * k - 2920].min() for k in columns.tolist()
+    ]
+    assert greatest.tolist() == [
+        samples[80 * k - 3000 : 80 * k - 2920].max() for k in columns.tolist()
+    ]
     assert len(spans(Scope("a", np.zeros(0), RATE), 100)[0]) == 0
 
 
@@ -39,7 +44,10 @@ def test_scope_shows_a_burst_where_and_as_high_as_it_was():
     drawn = wave(scope_picture(Scope("a", samples, RATE), INK))
     height, place = np.ptp(np.where(drawn.any(axis=1))[0]), np.where(drawn.sum(axis=0) > 10)[0]
     assert height == pytest.approx(244 * 0.5, abs=4)  # of full scale 1
-    assert (place.min(), place.max()) == (pytest.approx(6 + 122, abs=1), pytest.approx(6 + 183, abs=1))
+    assert (place.min(), place.max()) == (
+        pytest.approx(6 + 122, abs=1),
+        pytest.approx(6 + 183, abs=1),
+    )
 
 
 def test_scope_of_nothing_is_empty():
@@ -57,4 +65,5 @@ def test_a_body_part_lights_up_alone(part):
     covered = (lit[..., 3] - dark[..., 3]).sum() / (1 - dark[..., 3].max())
     areas = [math.pi * limb.width**2 / 4 + limb.width * math.dist(limb.start, limb.end) for v in ("front", "back") for limb in figure(v)
              if limb.part == part]  # fmt: skip
-    assert covered == pytest.approx(sum(areas) * (244 / 2.48) ** 2, rel=0.12)  # belly and hips overlap a little
+    # Belly and hips overlap a little.
+    assert covered == pytest.approx(sum(areas) * (244 / 2.48) ** 2, rel=0.12)

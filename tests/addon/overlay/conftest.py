@@ -10,7 +10,15 @@ import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.render.frame_result import FrameResult
 from haptic_tracing.core.scene.functions import Exponential, Linear
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, SourceKind
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    SourceKind,
+)
 from haptic_tracing.core.tracer import Frame, Tracer
 
 
@@ -18,7 +26,9 @@ def traced(scene: HapticScene) -> FrameResult:
     """One frame of a scene with authored contacts."""
     names = sorted(item.name for item in scene.objects)
     contacts = ContactSet.from_contacts(scene.contacts, {name: k for k, name in enumerate(names)})
-    frame = Frame(1, 0.0, scene.objects, scene.sources, scene.listeners, scene.settings, contacts=contacts)
+    frame = Frame(
+        1, 0.0, scene.objects, scene.sources, scene.listeners, scene.settings, contacts=contacts
+    )
     return Tracer().step(frame)
 
 
@@ -31,16 +41,32 @@ def random_scene(seed: int, settings: Settings | None = None) -> HapticScene:
         return tuple(random.uniform(-2, 2, 3).tolist())
 
     objects = tuple(
-        HapticObject(f"o{k}", 0.1, 0.9, (Exponential(alpha=float(random.uniform(0, 1))), Linear(range=8.0))[random.integers(2)])
+        HapticObject(
+            f"o{k}",
+            0.1,
+            0.9,
+            (Exponential(alpha=float(random.uniform(0, 1))), Linear(range=8.0))[random.integers(2)],
+        )
         for k in range(count)
     )
-    pairs = [random.choice(count, 2, replace=False) for _ in range(int(random.integers(0, 2 * count)))]
+    pairs = [
+        random.choice(count, 2, replace=False) for _ in range(int(random.integers(0, 2 * count)))
+    ]
     contacts = tuple(Contact((f"o{a}", f"o{b}"), (place(), place())) for a, b in pairs)
     sources = tuple(
-        Source(f"s{k}", f"o{random.integers(count)}", place(), float(random.uniform(0, 1)), list(SourceKind)[random.integers(2)])
+        Source(
+            f"s{k}",
+            f"o{random.integers(count)}",
+            place(),
+            float(random.uniform(0, 1)),
+            list(SourceKind)[random.integers(2)],
+        )
         for k in range(int(random.integers(0, 4)))
     )
-    listeners = tuple(Listener(f"l{k}", f"o{random.integers(count)}", place()) for k in range(int(random.integers(0, 5))))
+    listeners = tuple(
+        Listener(f"l{k}", f"o{random.integers(count)}", place())
+        for k in range(int(random.integers(0, 5)))
+    )
     return HapticScene(objects, contacts, sources, listeners, settings or Settings())
 
 
@@ -65,7 +91,8 @@ BRIDGE = HapticScene(
     ),
     settings=Settings(threshold=0.01),
 )
-"""The truck reaches the driver and, over pier and ground, the walker; nothing reaches the hermit."""
+"""The truck reaches the driver and, over pier and ground, the walker; nothing reaches the
+hermit."""
 
 
 @pytest.fixture
@@ -96,7 +123,9 @@ def shown(scene: Any, bridge: FrameResult) -> Callable[[], FrameResult]:
     def show() -> FrameResult:
         own = session.of(scene)
         own.result = bridge
-        own.shown = sessions.Traced(1, bridge, BRIDGE.settings, np.zeros((len(bridge.listeners), 0)))
+        own.shown = sessions.Traced(
+            1, bridge, BRIDGE.settings, np.zeros((len(bridge.listeners), 0))
+        )
         return bridge
 
     return show

@@ -1,4 +1,5 @@
-"""What is drawn and listed of a tone that passes objects which damp by frequency: its own gains, against closed forms."""
+"""What is drawn and listed of a tone that passes objects which damp by frequency: its own gains,
+against closed forms."""
 
 import dataclasses
 import math
@@ -29,12 +30,20 @@ AMPLITUDE = 0.5
 def rumbling_bridge(*frequencies):
     """The bridge with a tone per frequency where the truck is."""
     objects = tuple(
-        dataclasses.replace(item, propagation=dataclasses.replace(item.propagation, spectrum=Spectrum(band_decays=DECAYS)))
+        dataclasses.replace(
+            item,
+            propagation=dataclasses.replace(
+                item.propagation, spectrum=Spectrum(band_decays=DECAYS)
+            ),
+        )
         if item.name in ("deck", "pier", "ground")
         else item
         for item in BRIDGE.objects
     )
-    sources = tuple(Source(f"tone {f:g} Hz", "deck", (-1.5, 0, 1), AMPLITUDE, signal=Sine(f)) for f in frequencies)
+    sources = tuple(
+        Source(f"tone {f:g} Hz", "deck", (-1.5, 0, 1), AMPLITUDE, signal=Sine(f))
+        for f in frequencies
+    )
     return traced(dataclasses.replace(BRIDGE, objects=objects, sources=sources))
 
 
@@ -47,7 +56,9 @@ def test_gains_are_those_of_the_tone_through_the_filters_of_the_bands(frequency)
     result = rumbling_bridge(frequency)
     walker = [listener.name for listener in result.listeners].index("walker")
     gains = np.exp(-(0.4 + np.array(DECAYS)) * sum(TO_WALKER))
-    assert result.amplitudes[0, walker] == pytest.approx(AMPLITUDE * bank_response(frequency, SAMPLE_RATE) @ gains, rel=1e-6)
+    assert result.amplitudes[0, walker] == pytest.approx(
+        AMPLITUDE * bank_response(frequency, SAMPLE_RATE) @ gains, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("frequency", [30.0, 60.0, 80.0, 110.0])
@@ -66,30 +77,53 @@ def test_lines_are_coloured_by_the_band_of_the_tone(frequency):
     node = result.graph.listener_nodes[walker]
     assert spread(result.graph, settings).amplitude[node] == pytest.approx(expected, rel=1e-12)
     pair = 0, walker
-    _, gain, _ = path_steps(result, result.graph, Mode.HT, {pair: result.propagation.best_path[pair]})
+    _, gain, _ = path_steps(
+        result, result.graph, Mode.HT, {pair: result.propagation.best_path[pair]}
+    )
     assert gain[-1, 1] == pytest.approx(expected, rel=1e-12)
 
 
 def test_losses_of_a_path_are_those_of_the_band_of_the_tone_and_other_paths_add_what_other_bands_pass():
     result = rumbling_bridge(100.0)
-    path = listener_path(Traced(1, result, BRIDGE.settings, np.zeros((len(result.listeners), 0))), ("walker", "", False))
+    path = listener_path(
+        Traced(1, result, BRIDGE.settings, np.zeros((len(result.listeners), 0))),
+        ("walker", "", False),
+    )
     assert isinstance(path, ListenerPath)
     fall = path.fall
     assert [hop.object for hop in fall.hops] == ["deck", "pier", "ground"]
     per_metre = 20 * math.log10(math.e) * loss_per_metre(100.0)
-    assert [hop.loss for hop in fall.hops] == pytest.approx([per_metre * metres for metres in TO_WALKER], rel=1e-9)
+    assert [hop.loss for hop in fall.hops] == pytest.approx(
+        [per_metre * metres for metres in TO_WALKER], rel=1e-9
+    )
     assert fall.amplitude == pytest.approx(20 * math.log10(AMPLITUDE))
-    through_filters = bank_response(100.0, SAMPLE_RATE) @ np.exp(-(0.4 + np.array(DECAYS)) * sum(TO_WALKER))
+    through_filters = bank_response(100.0, SAMPLE_RATE) @ np.exp(
+        -(0.4 + np.array(DECAYS)) * sum(TO_WALKER)
+    )
     assert fall.gain == pytest.approx(20 * math.log10(through_filters), rel=1e-6)
-    assert fall.others == pytest.approx(fall.gain + per_metre * sum(TO_WALKER), abs=1e-9), "what the filters of the other bands add"
+    assert fall.others == pytest.approx(fall.gain + per_metre * sum(TO_WALKER), abs=1e-9), (
+        "what the filters of the other bands add"
+    )
 
 
 def test_each_tone_arrives_in_its_own_band():
     result = rumbling_bridge(30.0, 200.0)
     walker = [listener.name for listener in result.listeners].index("walker")
-    low, high = (AMPLITUDE * math.exp(-loss_per_metre(frequency) * sum(TO_WALKER)) for frequency in (30.0, 200.0))
-    assert listener_amplitudes(result, Options())[walker] == result.amplitudes[0, walker] > result.amplitudes[1, walker]
+    low, high = (
+        AMPLITUDE * math.exp(-loss_per_metre(frequency) * sum(TO_WALKER))
+        for frequency in (30.0, 200.0)
+    )
+    assert (
+        listener_amplitudes(result, Options())[walker]
+        == result.amplitudes[0, walker]
+        > result.amplitudes[1, walker]
+    )
     chosen = dataclasses.replace(BRIDGE.settings, threshold=0.0)
-    gains = [spread(result.graph, chosen, {source.name}).amplitude[result.graph.listener_nodes[walker]] for source in result.sources]
+    gains = [
+        spread(result.graph, chosen, {source.name}).amplitude[result.graph.listener_nodes[walker]]
+        for source in result.sources
+    ]
     assert gains == pytest.approx([low, high], rel=1e-12)
-    assert spread(result.graph, chosen).amplitude[result.graph.listener_nodes[walker]] == pytest.approx(low, rel=1e-12)
+    assert spread(result.graph, chosen).amplitude[
+        result.graph.listener_nodes[walker]
+    ] == pytest.approx(low, rel=1e-12)

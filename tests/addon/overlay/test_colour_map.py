@@ -17,11 +17,24 @@ PUBLISHED = {
     (0, 0, 1): (0.45201, -0.03246, -0.31153),
 }
 
-# Machado, Oliveira and Fernandes, "A physiologically-based model for simulation of color vision deficiency", 2009, severity 1.
+# Machado, Oliveira and Fernandes, "A physiologically-based model for simulation of color vision
+# deficiency", 2009, severity 1.
 COLOUR_BLINDNESS = {
-    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
-    "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    "protanopia": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deuteranopia": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "tritanopia": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.303900],
+    ],
 }
 
 
@@ -49,14 +62,17 @@ def test_order_is_seen_by_the_colour_blind(kind):
     seen = np.clip(colour_table() @ np.array(COLOUR_BLINDNESS[kind]).T, 0, 1)
     tenths = oklab(seen)[:: len(seen) // 10]
     assert (np.diff(tenths[:, 0]) > 0).all()
-    assert np.linalg.norm(np.diff(tenths, axis=0), axis=1).min() > 0.02  # Oklab's just noticeable difference
+    # Oklab's just noticeable difference.
+    assert np.linalg.norm(np.diff(tenths, axis=0), axis=1).min() > 0.02
 
 
 @given(st.floats(0, 1), st.floats(1e-6, 0.3))
 def test_place_is_linear_in_decibels(gain, threshold):
     scale = AmplitudeScale.of_threshold(threshold)
     level = 20 * math.log10(gain) if gain else -math.inf
-    assert scale.place(np.array(gain)) == pytest.approx(min(1, max(0, 1 - level / scale.floor)), abs=1e-9)
+    assert scale.place(np.array(gain)) == pytest.approx(
+        min(1, max(0, 1 - level / scale.floor)), abs=1e-9
+    )
 
 
 @given(st.floats(0, 1))
@@ -75,7 +91,15 @@ def test_gain_above_one_keeps_the_last_colour():
 
 
 @pytest.mark.parametrize(
-    ("gain", "text"), [(0, "silent"), (1, "0 dB"), (0.1, "−20.0 dB"), (2, "+6.0 dB"), (0.999, "0 dB"), (1e-5, "−100.0 dB")]
+    ("gain", "text"),
+    [
+        (0, "silent"),
+        (1, "0 dB"),
+        (0.1, "−20.0 dB"),
+        (2, "+6.0 dB"),
+        (0.999, "0 dB"),
+        (1e-5, "−100.0 dB"),
+    ],
 )
 def test_decibel_text(gain, text):
     assert decibel_text(gain) == text

@@ -30,12 +30,15 @@ def uploads(monkeypatch):
 
 @pytest.fixture
 def show(scene, settle, monkeypatch):
-    """Shows a frame with settings and options of its own in the scene; returns its drawing once it is complete."""
+    """Shows a frame with settings and options of its own in the scene; returns its drawing once it
+    is complete."""
 
     def shown(result, settings=BRIDGE.settings, options=None):
         own = session.of(scene)
         own.serial += 1
-        own.shown = sessions.Traced(own.serial, result, settings, np.zeros((len(result.listeners), 0)))
+        own.shown = sessions.Traced(
+            own.serial, result, settings, np.zeros((len(result.listeners), 0))
+        )
         monkeypatch.setattr(draw, "options_of", lambda *_: options or Options())
         return settle(lambda: draw.drawing_of(scene))
 
@@ -74,7 +77,9 @@ def test_selection_is_read_from_the_scene(scene, bridge, add_empty):
     assert options_of(scene, bridge) == Options()
     objects["truck"].select_set(True)
     objects["walker"].select_set(True)
-    assert options_of(scene, bridge) == Options(sources=frozenset({"truck"}), listeners=frozenset({"walker"}))
+    assert options_of(scene, bridge) == Options(
+        sources=frozenset({"truck"}), listeners=frozenset({"walker"})
+    )
     scene.haptics.show_labels = False
     assert not options_of(scene, bridge).show_labels
 
@@ -86,14 +91,24 @@ def test_handlers_come_and_go_any_number_of_times():
         draw_handlers.unregister()
         draw_handlers.register()
         draw_handlers.register()
-        assert len(draw_handlers._handlers) == 4  # in world space, in pixels, with the panel Adjust Last Operation, and over timelines
+        # In world space, in pixels, with the panel Adjust Last Operation, and over timelines.
+        assert len(draw_handlers._handlers) == 4
 
 
 def test_redraw_tags_every_3d_viewport_and_nothing_else(monkeypatch):
     tagged = []
-    areas = [SimpleNamespace(type=kind, tag_redraw=lambda kind=kind: tagged.append(kind)) for kind in ("VIEW_3D", "TEXT_EDITOR", "VIEW_3D")]
-    windows = [SimpleNamespace(screen=SimpleNamespace(areas=chosen)) for chosen in (areas, areas[1:2])]
-    monkeypatch.setattr(redraw, "bpy", SimpleNamespace(context=SimpleNamespace(window_manager=SimpleNamespace(windows=windows))))
+    areas = [
+        SimpleNamespace(type=kind, tag_redraw=lambda kind=kind: tagged.append(kind))
+        for kind in ("VIEW_3D", "TEXT_EDITOR", "VIEW_3D")
+    ]
+    windows = [
+        SimpleNamespace(screen=SimpleNamespace(areas=chosen)) for chosen in (areas, areas[1:2])
+    ]
+    monkeypatch.setattr(
+        redraw,
+        "bpy",
+        SimpleNamespace(context=SimpleNamespace(window_manager=SimpleNamespace(windows=windows))),
+    )
     redraw.redraw_viewports()
     assert tagged == ["VIEW_3D", "VIEW_3D"]
 
@@ -107,5 +122,12 @@ def test_draw_callbacks_outside_a_viewport_draw_nothing(uploads, shown):
 
 
 def test_overlay_properties_have_tooltips():
-    for name in ("show_overlay", "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"):
+    for name in (
+        "show_overlay",
+        "show_intra",
+        "show_best_paths",
+        "show_labels",
+        "show_flow",
+        "xray",
+    ):
         assert HapticSceneProperties.bl_rna.properties[name].description

@@ -1,4 +1,5 @@
-"""Labels stay in sight, beside their places and off each other; projection against Blender's own."""
+"""Labels stay in sight, beside their places and off each other; projection against Blender's
+own."""
 
 import bpy
 import numpy as np
@@ -22,7 +23,10 @@ ROOM = (20.0, 10.0, 390.0, 280.0)
 
 def _perspective(scene, camera, size=SIZE):
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    return np.array(camera.calc_matrix_camera(depsgraph, x=int(size[0]), y=int(size[1])) @ camera.matrix_world.inverted())
+    return np.array(
+        camera.calc_matrix_camera(depsgraph, x=int(size[0]), y=int(size[1]))
+        @ camera.matrix_world.inverted()
+    )
 
 
 def test_project_against_blender(scene, camera):
@@ -42,7 +46,9 @@ def _overlap(a, b):
     return (a[:2] < b[2:]).all() and (b[:2] < a[2:]).all()
 
 
-@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 40))
 def test_labels_never_overlap(seed, count):
     random = np.random.default_rng(seed)
@@ -51,7 +57,9 @@ def test_labels_never_overlap(seed, count):
     count = len(anchor)
     extent = random.uniform((30, 10), (120, 20), (count, 2))
     occupied = np.array([[300.0, 0.0, 400.0, 60.0]])
-    corner = place_labels(anchor, extent, np.full(count, 8.0), ROOM, occupied, random.uniform(0, SIZE, (200, 2)))
+    corner = place_labels(
+        anchor, extent, np.full(count, 8.0), ROOM, occupied, random.uniform(0, SIZE, (200, 2))
+    )
     placed = np.column_stack([corner, corner + extent])[~np.isnan(corner[:, 0])]
     assert (placed[:, :2] >= np.array(ROOM[:2]) - 1e-9).all()
     assert (placed[:, 2:] <= np.array(ROOM[2:]) + 1e-9).all()
@@ -62,27 +70,60 @@ def test_labels_never_overlap(seed, count):
 
 @given(st.floats(150, 250), st.floats(100, 200))
 def test_a_label_with_room_is_placed(x, y):
-    corner = place_labels(np.array([[x, y]]), np.array([[80.0, 15.0]]), np.array([8.0]), ROOM, np.zeros((0, 4)), np.zeros((0, 2)))
+    corner = place_labels(
+        np.array([[x, y]]),
+        np.array([[80.0, 15.0]]),
+        np.array([8.0]),
+        ROOM,
+        np.zeros((0, 4)),
+        np.zeros((0, 2)),
+    )
     assert np.isfinite(corner).all()
 
 
 def test_a_free_label_stands_at_the_right_of_its_place():
-    corner = place_labels(np.array([[100.0, 100.0]]), np.array([[60.0, 20.0]]), np.array([15.0]), ROOM, np.zeros((0, 4)), np.zeros((0, 2)))
+    corner = place_labels(
+        np.array([[100.0, 100.0]]),
+        np.array([[60.0, 20.0]]),
+        np.array([15.0]),
+        ROOM,
+        np.zeros((0, 4)),
+        np.zeros((0, 2)),
+    )
     assert corner[0] == pytest.approx((115, 90))
 
 
 def test_a_label_leaves_paths_free():
     path = np.column_stack([np.linspace(105, 190, 40), np.full(40, 100.0)])
-    corner = place_labels(np.array([[100.0, 100.0]]), np.array([[60.0, 20.0]]), np.array([15.0]), ROOM, np.zeros((0, 4)), path)
+    corner = place_labels(
+        np.array([[100.0, 100.0]]),
+        np.array([[60.0, 20.0]]),
+        np.array([15.0]),
+        ROOM,
+        np.zeros((0, 4)),
+        path,
+    )
     assert corner[0] == pytest.approx((25, 90))  # at the left
 
 
 def test_annotations_name_what_is_there_and_keeps_within_what_is_free(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options())
     size, free, meters = (900.0, 700.0), (60.0, 30.0, 690.0, 640.0), (70.0, 40.0, 200.0, 120.0)
-    items = placed_annotations(data, _perspective(scene, camera, size), size, 1.0, free, text_width, (meters,))
+    items = placed_annotations(
+        data, _perspective(scene, camera, size), size, 1.0, free, text_width, (meters,)
+    )
     words = [text.words for text in items.texts]
-    assert {"Source", "Listener", "Contact", "truck", "driver", "walker", "hermit", "0 dB", "−40"} <= set(words)
+    assert {
+        "Source",
+        "Listener",
+        "Contact",
+        "truck",
+        "driver",
+        "walker",
+        "hermit",
+        "0 dB",
+        "−40",
+    } <= set(words)
     assert "Impact" not in words
     assert set(items.points.shape.astype(int)) == {Shape.SOURCE, Shape.LISTENER, Shape.CONTACT}
     legend = items.lines.position[0]
@@ -99,7 +140,12 @@ def test_annotations_name_what_is_there_and_keeps_within_what_is_free(scene, cam
 def test_legend_scales_with_the_user_interface(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options(show_labels=False))
     size = (800.0, 600.0)
-    one, two = (placed_annotations(data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size), text_width) for scale in (1.0, 2.0))
+    one, two = (
+        placed_annotations(
+            data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size), text_width
+        )
+        for scale in (1.0, 2.0)
+    )
     extents = [np.ptp(items.lines.position[0], axis=0)[:2] for items in (one, two)]
     assert extents[1] == pytest.approx(2 * extents[0], rel=0.03)
     assert [text.size * 2 for text in one.texts] == pytest.approx([text.size for text in two.texts])
@@ -109,7 +155,12 @@ def test_a_legend_without_symbols_shows_the_gains_alone(scene, camera):
     nothing = traced(HapticScene((HapticObject("deck", 0.0, 1.0),), ()))
     size = (900.0, 700.0)
     items = placed_annotations(
-        render_data(nothing, Settings(), Options()), _perspective(scene, camera, size), size, 1.0, (0.0, 0.0, *size), text_width
+        render_data(nothing, Settings(), Options()),
+        _perspective(scene, camera, size),
+        size,
+        1.0,
+        (0.0, 0.0, *size),
+        text_width,
     )
     assert items.texts
     assert not items.points.shape.size
@@ -118,13 +169,21 @@ def test_a_legend_without_symbols_shows_the_gains_alone(scene, camera):
     assert top - max(text.position[1] for text in items.texts) < 2 * TEXT_SIZE
 
 
-@pytest.mark.parametrize("name", ["upper_leg.L.001", "upper_leg.R.001", "middle_back.R", "index_finger-left", "Forearm_r.012"])
+@pytest.mark.parametrize(
+    "name",
+    ["upper_leg.L.001", "upper_leg.R.001", "middle_back.R", "index_finger-left", "Forearm_r.012"],
+)
 def test_shortened_names_keep_the_side_of_the_body(name):
     """Here every character is as wide as any other."""
     side = name[max(name.rfind(mark) for mark in (".L", ".R", "-left", "_r")) :]
     for room in range(len(side) + 2, len(name)):
         short = shortened(name, room, 1.0, lambda words, size: len(words) * size)
-        assert len(short) <= room and short.endswith(side) and short[0] == name[0] and "\u2026" in short
+        assert (
+            len(short) <= room
+            and short.endswith(side)
+            and short[0] == name[0]
+            and "\u2026" in short
+        )
 
 
 def test_names_without_a_side_keep_both_ends():

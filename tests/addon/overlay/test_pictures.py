@@ -1,4 +1,5 @@
-"""Pictures, looked at pixel by pixel: the colours where the nodes are, what hides what, and that nothing is left behind."""
+"""Pictures, looked at pixel by pixel: the colours where the nodes are, what hides what, and that
+nothing is left behind."""
 
 import os
 import struct
@@ -29,7 +30,9 @@ SIZE, SMALL = (640, 400), (400, 250)
 def off_screen():
     """Skips where this Blender can't draw without a window (before 5.2)."""
     if not picture.starts_gpu():
-        assert bpy.app.version < (5, 2), "Blender 5.2 on can draw off-screen with Mesa: install libegl1 and libgl1-mesa-dri"
+        assert bpy.app.version < (5, 2), (
+            "Blender 5.2 on can draw off-screen with Mesa: install libegl1 and libgl1-mesa-dri"
+        )
         pytest.skip("before Blender 5.2 nothing can be drawn without a window")
 
 
@@ -41,7 +44,9 @@ def read_png(path):
     while place < len(data):
         (length,), kind = struct.unpack(">I", data[place : place + 4]), data[place + 4 : place + 8]
         content = data[place + 8 : place + 8 + length]
-        assert struct.unpack(">I", data[place + 8 + length : place + 12 + length])[0] == zlib.crc32(kind + content)
+        assert struct.unpack(">I", data[place + 8 + length : place + 12 + length])[0] == zlib.crc32(
+            kind + content
+        )
         if kind == b"IHDR":
             width, height, depth, colour = struct.unpack(">IIBB", content[:10])
             assert depth == 8
@@ -85,7 +90,9 @@ def test_picture_without_a_camera_says_so(scene, bridge, tmp_path):
 
 
 @pytest.mark.slow
-def test_viewport_picture_shows_the_nodes_in_their_colours(off_screen, scene, camera, bridge, tmp_path):
+def test_viewport_picture_shows_the_nodes_in_their_colours(
+    off_screen, scene, camera, bridge, tmp_path
+):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         picture.draw_picture(scene, bridge, tmp_path / "a.png", SIZE)
@@ -95,14 +102,17 @@ def test_viewport_picture_shows_the_nodes_in_their_colours(off_screen, scene, ca
     gains = bridge.amplitudes.max(axis=0)
     assert _pixel(scene, pixels, _node(bridge, "truck")) == pytest.approx(SOURCE_COLOUR, abs=0.02)
     for listener, gain in zip(bridge.listeners[:2], gains[:2], strict=True):
-        assert _pixel(scene, pixels, listener.position) == pytest.approx(data.scale.colour(gain), abs=0.02)
+        assert _pixel(scene, pixels, listener.position) == pytest.approx(
+            data.scale.colour(gain), abs=0.02
+        )
     assert _pixel(scene, pixels, _node(bridge, "hermit")) == pytest.approx(SILENT_COLOUR, abs=0.12)
     along = data.paths.position.mean(axis=1)
     expected = data.paths.colour.mean(axis=1)[:, :3]
     found = np.array([_pixel(scene, pixels, place) for place in along])
     assert np.abs(found - expected).max() < 0.06
     background = pixels[2, 2] / 255
-    assert np.abs(pixels / 255 - background).max(axis=2).mean() < 0.2  # most of the picture is the empty scene
+    # Most of the picture is the empty scene.
+    assert np.abs(pixels / 255 - background).max(axis=2).mean() < 0.2
 
 
 @pytest.fixture
@@ -164,9 +174,16 @@ def test_picture_leaves_viewport_and_preferences_as_they_were(off_screen, scene,
 
     def state():
         shading = {
-            key: getattr(space.shading, key) for key in ("type", "light", "color_type", "show_shadows", "show_cavity", "cavity_type")
+            key: getattr(space.shading, key)
+            for key in ("type", "light", "color_type", "show_shadows", "show_cavity", "cavity_type")
         }
-        return shading, tuple(space.shading.background_color), space.overlay.show_overlays, space.show_gizmo, system.viewport_aa
+        return (
+            shading,
+            tuple(space.shading.background_color),
+            space.overlay.show_overlays,
+            space.show_gizmo,
+            system.viewport_aa,
+        )
 
     space.shading.show_cavity, space.shading.cavity_type = False, "SCREEN"
     before = state()
@@ -184,7 +201,14 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     size, scale = tuple(factor * side for side in SIZE), factor * picture_scale(SIZE)
     view, projection = camera_view(scene, size)
     data = render_data(bridge, BRIDGE.settings, Options(show_intra=False, show_best_paths=False))
-    items = placed_annotations(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), text_width)
+    items = placed_annotations(
+        data,
+        np.array(projection @ view, dtype=np.float64),
+        size,
+        scale,
+        (0.0, 0.0, *size),
+        text_width,
+    )
     canvas = np.full((size[1], size[0], 3), by_gpu[2, 2] / 255)
     raster.paint(canvas, items, scale)
     by_painter = picture.averaged(np.rint(canvas[::-1] * 255).astype(np.uint8), factor).astype(int)
@@ -192,24 +216,39 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
         np.s_[SIZE[1] - int(top) : SIZE[1] - int(bottom), int(left) : int(right)]
         for (left, bottom, _), (right, top, _) in items.lines.position[[0, -2, -1]] / factor
     ]
-    for part in plates:  # the legend and two labels; texts are fitted to the pixels on screen and not here, so their ink is compared
-        ink = [np.abs(pixels[part] - np.median(by_gpu[part], axis=(0, 1))).sum() for pixels in (by_painter, by_gpu)]
+    # The legend and two labels; texts are fitted to the pixels on screen and not here, so their ink
+    # is compared.
+    for part in plates:
+        ink = [
+            np.abs(pixels[part] - np.median(by_gpu[part], axis=(0, 1))).sum()
+            for pixels in (by_painter, by_gpu)
+        ]
         assert ink[0] == pytest.approx(ink[1], rel=0.15)
-    bar = np.s_[plates[0][0].stop - round(29 * picture_scale(SIZE)), plates[0][1].start + 12 : plates[0][1].stop - 12]
+    bar = np.s_[
+        plates[0][0].stop - round(29 * picture_scale(SIZE)),
+        plates[0][1].start + 12 : plates[0][1].stop - 12,
+    ]
     assert np.abs(by_painter[bar] - by_gpu[bar]).max() <= 4
 
 
 @pytest.mark.slow
-def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(scene, camera, bridge, monkeypatch):
+def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(
+    scene, camera, bridge, monkeypatch
+):
     monkeypatch.setattr(cycles_picture, "SAMPLES", 4)
     monkeypatch.setattr(cycles_picture, "GRAPH_SAMPLES", 4)
     scene.render.engine, scene.render.resolution_x = "BLENDER_WORKBENCH", 123
-    before = {kind: len(getattr(bpy.data, kind)) for kind in ("scenes", "objects", "meshes", "cameras", "curves", "fonts")}
+    before = {
+        kind: len(getattr(bpy.data, kind))
+        for kind in ("scenes", "objects", "meshes", "cameras", "curves", "fonts")
+    }
     pixels = cycles_picture.rendered_picture(scene, bridge, SIZE)
     assert pixels.shape == (SIZE[1], SIZE[0], 3)
     assert (scene.render.engine, scene.render.resolution_x) == ("BLENDER_WORKBENCH", 123)
     assert {kind: len(getattr(bpy.data, kind)) for kind in before} == before
-    assert {image.name for image in bpy.data.images} <= {"Render Result"}  # Blender makes it and keeps it
+    assert {image.name for image in bpy.data.images} <= {
+        "Render Result"
+    }  # Blender makes it and keeps it
     data = render_data(bridge, BRIDGE.settings, Options())
     assert _pixel(scene, pixels, _node(bridge, "truck")) == pytest.approx(SOURCE_COLOUR, abs=0.12)
     found = np.array([_pixel(scene, pixels, place) for place in data.paths.position.mean(axis=1)])
@@ -217,12 +256,16 @@ def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(scene, camer
 
 
 @pytest.mark.slow
-def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wall, bridge, monkeypatch):
+def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(
+    scene, camera, wall, bridge, monkeypatch
+):
     monkeypatch.setattr(cycles_picture, "SAMPLES", 4)
     monkeypatch.setattr(cycles_picture, "GRAPH_SAMPLES", 4)
     scene.haptics.show_labels = scene.haptics.xray = False
     hidden = cycles_picture.rendered_picture(scene, bridge, SMALL)
-    assert _pixel(scene, hidden, _node(bridge, "truck")) == pytest.approx(_pixel(scene, hidden, (0.5, 0, 0)), abs=0.05)
+    assert _pixel(scene, hidden, _node(bridge, "truck")) == pytest.approx(
+        _pixel(scene, hidden, (0.5, 0, 0)), abs=0.05
+    )
     assert [obj.name for obj in scene.objects if "Haptic" in obj.name] == []
 
 
@@ -230,7 +273,16 @@ def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(scene, camera, wal
 @pytest.mark.skipif(sys.platform != "linux", reason="EGL is Linux's way to a GPU without a screen")
 def test_without_egl_the_gpu_is_left_alone():
     """Blender itself ends with a segmentation fault there."""
-    program = "import bpy; from haptic_tracing.pictures import picture; print('starts:', picture.starts_gpu())"
+    program = (
+        "import bpy; from haptic_tracing.pictures import picture; print('starts:', "
+        "picture.starts_gpu())"
+    )
     nowhere = {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent", "LIBGL_DRIVERS_PATH": "/nonexistent"}
-    done = subprocess.run([sys.executable, "-c", program], env={**os.environ, **nowhere}, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, **nowhere},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert "starts: False" in done.stdout

@@ -8,14 +8,24 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.view.annotations import label_text
 from haptic_tracing.addon.view.colour_map import AmplitudeScale
-from haptic_tracing.addon.view.render_data import IMPACT_COLOUR, SILENT_COLOUR, SOURCE_COLOUR, Options, Shape, path_steps, render_data
+from haptic_tracing.addon.view.render_data import (
+    IMPACT_COLOUR,
+    SILENT_COLOUR,
+    SOURCE_COLOUR,
+    Options,
+    Shape,
+    path_steps,
+    render_data,
+)
 from haptic_tracing.core.scene.values import Mode, Settings, SourceKind
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from .conftest import BRIDGE, random_scene, traced
 
-random_scenes = settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+random_scenes = settings(
+    deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -29,15 +39,23 @@ def test_lines_are_connections_that_carry_signal(seed):
     result = traced(random_scene(seed))
     explicit = result.graph.to_networkx()
     allowed = {
-        frozenset(tuple(np.round(np.float32(explicit.nodes[n]["position"]), 4).tolist()) for n in edge)
+        frozenset(
+            tuple(np.round(np.float32(explicit.nodes[n]["position"]), 4).tolist()) for n in edge
+        )
         for edge in explicit.edges
         if explicit.edges[edge]["gain"] > 0
     }
     data = render_data(result, Settings(), Options())
     for lines in (data.tree, data.paths):
         assert _segments(lines) <= allowed
-    sources = {node for source in result.graph.sources if source.amplitude > 0 for node in source.nodes}
-    reachable = set().union(*(networkx.node_connected_component(explicit, node) for node in sources)) if sources else set()
+    sources = {
+        node for source in result.graph.sources if source.amplitude > 0 for node in source.nodes
+    }
+    reachable = (
+        set().union(*(networkx.node_connected_component(explicit, node) for node in sources))
+        if sources
+        else set()
+    )
     assert len(data.tree.width) <= max(len(reachable) - 1, 0)
 
 
@@ -53,7 +71,10 @@ def test_paths_end_with_the_gain_of_the_best_path(seed):
     ends = np.cumsum([len(nodes) - 1 for nodes in paths.values()]) - 1
     for end, (pair, nodes) in zip(ends, paths.items(), strict=True):
         product = math.prod(explicit.edges[edge]["gain"] for edge in networkx.utils.pairwise(nodes))
-        length = sum(math.dist(*(explicit.nodes[n]["position"] for n in edge)) for edge in networkx.utils.pairwise(nodes))
+        length = sum(
+            math.dist(*(explicit.nodes[n]["position"] for n in edge))
+            for edge in networkx.utils.pairwise(nodes)
+        )
         assert steps[end][1] == nodes[-1]
         assert gain[end, 1] == pytest.approx(result.sources[pair[0]].amplitude * product, rel=1e-9)
         assert gain[end, 1] == pytest.approx(result.amplitudes[pair], rel=1e-9)
@@ -78,7 +99,13 @@ def test_arrays_are_finite_and_fit_together(seed, show_intra, show_best_paths, m
         assert (lines.width > 0).all()
     points = data.points
     expected = result.graph.contact_count + len(result.listeners) + len(result.sources)
-    assert len(points.size) == len(points.shape) == len(points.position) == len(points.colour) == expected
+    assert (
+        len(points.size)
+        == len(points.shape)
+        == len(points.position)
+        == len(points.colour)
+        == expected
+    )
     assert np.isfinite(points.position).all()
 
 
@@ -86,14 +113,18 @@ def test_bridge_points(bridge):
     data = render_data(bridge, BRIDGE.settings, Options())
     scale = AmplitudeScale.of_threshold(0.01)
     assert scale.floor == -40
-    by_place = {tuple(np.round(p.astype(float), 3).tolist()): k for k, p in enumerate(data.points.position)}
+    by_place = {
+        tuple(np.round(p.astype(float), 3).tolist()): k for k, p in enumerate(data.points.position)
+    }
     truck = by_place[(-1.5, 0.0, 1.0)]
     assert data.points.shape[truck] == Shape.SOURCE
     assert data.points.colour[truck] == pytest.approx([*SOURCE_COLOUR, 1])
     driver = by_place[(0.2, 0.0, 1.0)]
     expected = math.exp(-0.4 * 1.7)
     assert data.points.shape[driver] == Shape.LISTENER
-    assert data.points.colour[driver, :3] == pytest.approx(scale.colour(np.array(expected)), abs=1e-6)
+    assert data.points.colour[driver, :3] == pytest.approx(
+        scale.colour(np.array(expected)), abs=1e-6
+    )
     for place, shape in (((-1.2, 0.0, -1.6), Shape.LISTENER), ((0.0, 0.0, -1.6), Shape.CONTACT)):
         unreached = by_place[place]
         assert data.points.shape[unreached] == shape
@@ -168,7 +199,9 @@ def test_single_nearest_draws_the_distance_only_graph():
     scene = replace(BRIDGE, settings=replace(BRIDGE.settings, mode=Mode.SD))
     data = render_data(traced(scene), scene.settings, Options())
     assert len(data.paths.width) == 1  # to the driver, the nearest
-    assert data.paths.colour[0, 1, :3] == pytest.approx(data.scale.colour(np.array(math.exp(-0.2 * 1.7))), abs=1e-6)
+    assert data.paths.colour[0, 1, :3] == pytest.approx(
+        data.scale.colour(np.array(math.exp(-0.2 * 1.7))), abs=1e-6
+    )
     reached = data.points.shape == Shape.LISTENER
     assert (data.points.colour[reached, :3] == np.float32(SILENT_COLOUR)).all(axis=1).sum() == 2
 

@@ -1,4 +1,5 @@
-"""The graph as geometry: closed surfaces where they should be, true to place and colour, and accepted by Blender as it is."""
+"""The graph as geometry: closed surfaces where they should be, true to place and colour, and
+accepted by Blender as it is."""
 
 import bpy
 import numpy as np
@@ -10,7 +11,16 @@ from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.colour_map import linear
 from haptic_tracing.addon.view.render_data import Options, render_data
-from haptic_tracing.addon.view.solids import flat, octahedron, solid_graph, sphere, spiked_ball, three_rings, torus, tubes
+from haptic_tracing.addon.view.solids import (
+    flat,
+    octahedron,
+    solid_graph,
+    sphere,
+    spiked_ball,
+    three_rings,
+    torus,
+    tubes,
+)
 from mathutils import Vector
 
 from .conftest import BRIDGE, random_scene, traced
@@ -30,7 +40,8 @@ def test_solids_are_closed_and_face_outwards(form, characteristic):
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     directed = set(map(tuple, edges.tolist()))
     assert len(directed) == len(edges)
-    assert {(b, a) for a, b in directed} == directed  # every edge once in either direction: closed and oriented
+    # Every edge once in either direction: closed and oriented.
+    assert {(b, a) for a, b in directed} == directed
     assert len(vertices) - len(edges) // 2 + len(triangles) == characteristic
     a, b, c = vertices[triangles].transpose(1, 0, 2)
     assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() > 0  # six times the volume
@@ -40,7 +51,9 @@ def test_solids_are_closed_and_face_outwards(form, characteristic):
 def test_sphere_approaches_a_sphere():
     vertices, triangles = sphere(4)
     a, b, c = vertices[triangles].transpose(1, 0, 2)
-    assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 == pytest.approx(4 * np.pi, rel=0.01)
+    assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 == pytest.approx(
+        4 * np.pi, rel=0.01
+    )
 
 
 def test_tubes_run_along_their_lines(bridge):
@@ -56,7 +69,10 @@ def test_tubes_run_along_their_lines(bridge):
     assert (np.einsum("ij,ij->i", outward, np.cross(b - a, c - a)) > 0).all()
     radius = np.linalg.norm(rings - rings.mean(axis=2, keepdims=True), axis=3)
     np.testing.assert_allclose(
-        radius, np.broadcast_to((data.paths.width[long] * 0.005)[:, None, None], radius.shape), rtol=1e-5, atol=1e-12
+        radius,
+        np.broadcast_to((data.paths.width[long] * 0.005)[:, None, None], radius.shape),
+        rtol=1e-5,
+        atol=1e-12,
     )
 
 
@@ -70,7 +86,9 @@ def test_blender_finds_nothing_to_correct(seed):
     assert len(mesh.polygons) == len(solid.triangles)
     colours = np.empty(4 * len(solid.vertices), dtype=np.float32)
     mesh.color_attributes[graph_mesh.COLOUR_ATTRIBUTE].data.foreach_get("color", colours)
-    np.testing.assert_allclose(colours.reshape(-1, 4)[:, :3], linear(solid.colours[:, :3]), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(
+        colours.reshape(-1, 4)[:, :3], linear(solid.colours[:, :3]), rtol=0, atol=1e-6
+    )
     np.testing.assert_allclose(colours.reshape(-1, 4)[:, 3], solid.colours[:, 3], rtol=1e-6)
 
 
@@ -84,7 +102,13 @@ def test_operator_makes_and_replaces_the_graph(scene, camera, shown):
     assert bpy.ops.haptic.graph_to_geometry() == {"FINISHED"}
     collection = bpy.data.collections["Haptic Graph"]
     names = {obj.name for obj in collection.objects}
-    assert {"Haptic Graph", "Haptic Labels", "Haptic Graph: truck", "Haptic Graph: driver", "Haptic Graph: Source"} <= names
+    assert {
+        "Haptic Graph",
+        "Haptic Labels",
+        "Haptic Graph: truck",
+        "Haptic Graph: driver",
+        "Haptic Graph: Source",
+    } <= names
     before = len(bpy.data.meshes), len(bpy.data.curves), len(bpy.data.materials)
     shown()
     assert bpy.ops.haptic.graph_to_geometry(thickness=2.0) == {"FINISHED"}
@@ -100,7 +124,11 @@ def test_without_a_camera_labels_stand_beside_their_places(scene, shown):
     result = shown()
     assert bpy.ops.haptic.graph_to_geometry() == {"FINISHED"}
     for item in (*result.sources, *result.listeners):
-        text = next(obj for obj in bpy.data.objects if obj.type == "FONT" and obj.data.body.startswith(item.name))
+        text = next(
+            obj
+            for obj in bpy.data.objects
+            if obj.type == "FONT" and obj.data.body.startswith(item.name)
+        )
         assert text.location.xy[:] == pytest.approx(item.position[:2])
         assert 0 < text.location.z - item.position[2] < 0.3
 
@@ -131,7 +159,9 @@ def test_graph_in_front_is_seen_at_the_same_place_and_nearer(scene, camera, show
         shown()
         bpy.ops.haptic.graph_to_geometry(in_front=in_front, labels=False)
         vertices = _world_vertices(bpy.data.objects["Haptic Graph"])
-        seen.append(np.array([world_to_camera_view(scene, camera, Vector(place)) for place in vertices]))
+        seen.append(
+            np.array([world_to_camera_view(scene, camera, Vector(place)) for place in vertices])
+        )
     assert seen[0][:, :2] == pytest.approx(seen[1][:, :2], abs=1e-4)
     assert seen[1][:, 2].min() == pytest.approx(4 * camera.data.clip_start, rel=0.01)
     assert (seen[1][:, 2] > camera.data.clip_start).all()
@@ -148,17 +178,33 @@ def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, cam
     size, scale = (900, 600), picture_scale((900, 600))
     view, projection = camera_view(scene, size)
     data = render_data(result, BRIDGE.settings, Options())
-    items = placed_annotations(data, np.array(projection @ view, dtype=np.float64), size, scale, (0.0, 0.0, *size), text_width)
-    seen = np.array([world_to_camera_view(scene, camera, Vector(place)) for place in _world_vertices(plane)])
+    items = placed_annotations(
+        data,
+        np.array(projection @ view, dtype=np.float64),
+        size,
+        scale,
+        (0.0, 0.0, *size),
+        text_width,
+    )
+    seen = np.array(
+        [world_to_camera_view(scene, camera, Vector(place)) for place in _world_vertices(plane)]
+    )
     expected = flat(items, scale).vertices[:, :2] / size
     assert seen[:, :2] == pytest.approx(expected, abs=2e-3)
-    graph = np.array([world_to_camera_view(scene, camera, Vector(v)) for v in _world_vertices(bpy.data.objects["Haptic Graph"])])
+    graph = np.array(
+        [
+            world_to_camera_view(scene, camera, Vector(v))
+            for v in _world_vertices(bpy.data.objects["Haptic Graph"])
+        ]
+    )
     assert camera.data.clip_start < seen[:, 2].min() <= seen[:, 2].max() < graph[:, 2].min()
     texts = {obj.data.body: obj for obj in bpy.data.objects if obj.type == "FONT"}
     words = [text.words for text in items.texts]
     for text in items.texts:
         if words.count(text.words) > 1:
             continue
-        x, y, depth = world_to_camera_view(scene, camera, texts[text.words].matrix_world.translation)
+        x, y, depth = world_to_camera_view(
+            scene, camera, texts[text.words].matrix_world.translation
+        )
         assert (x * 900, y * 600) == pytest.approx(text.position, abs=2)
         assert camera.data.clip_start < depth < seen[:, 2].min() + 1e-6

@@ -11,7 +11,8 @@ from haptic_tracing.addon.session import session
 
 @pytest.fixture
 def results() -> Callable[..., Iterator[Any]]:
-    """The traced frames of a range, one after the other. The frame before it only starts the motion."""
+    """The traced frames of a range, one after the other. The frame before it only starts the
+    motion."""
 
     def of(scene: Any, first: int, last: int) -> Iterator[Any]:
         for frame in range(first, last + 1):
@@ -23,8 +24,9 @@ def results() -> Callable[..., Iterator[Any]]:
 
 @pytest.fixture
 def gain_along() -> Callable[..., float]:
-    """The gain of a path by the closed form: the product over its objects of K e^(-max(K, eps) d), e^(-alpha d) where so chosen, the
-    spreading of a front, or flesh that is felt all over; and a half where something else touches flesh."""
+    """The gain of a path by the closed form: the product over its objects of K e^(-max(K, eps) d),
+    e^(-alpha d) where so chosen, the spreading of a front, or flesh that is felt all over; and a
+    half where something else touches flesh."""
 
     def gain(scene: Any, result: Any, source: int, listener: int, path: tuple[str, ...]) -> float:
         number = {name: k for k, name in enumerate(result.objects)}

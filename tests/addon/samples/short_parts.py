@@ -1,8 +1,11 @@
-"""Short parts of the samples, and what is stored of them: gains and levels by `level_reference`, what touches and strikes as it was found.
+"""Short parts of the samples, and what is stored of them: gains and levels by `level_reference`,
+what touches and strikes as it was found.
 
-They are played with the paper's functions, whose closed forms `level_reference` knows; those of measured materials have tests of their own.
+They are played with the paper's functions, whose closed forms `level_reference` knows; those of
+measured materials have tests of their own.
 
-Run it with an interpreter that has bpy, and PYTHONPATH=tests/references, to store the values anew: only where a change of them is meant.
+Run it with an interpreter that has bpy, and PYTHONPATH=tests/references, to store the values anew:
+only where a change of them is meant.
 """
 
 from __future__ import annotations
@@ -31,8 +34,8 @@ PARTS: dict[str, tuple[int, int, int | None]] = {
     "sliding_and_rolling": (1, 14, None),
     "mine_ride": (62, 72, None),
 }
-"""First and last frame, and how many things where that can be chosen. Simulations end before one collision leads to another, from where on
-the last bit would decide."""
+"""First and last frame, and how many things where that can be chosen. Simulations end before one
+collision leads to another, from where on the last bit would decide."""
 
 
 def use_paper(scene: Any) -> None:
@@ -63,7 +66,8 @@ def shown(results: list[Any]) -> list[Any]:
 
 
 def digest(results: list[Any]) -> dict[str, Any]:
-    """What is stored of a sample, as the product computes it: impacts, the level (RMS) at each listener, gains."""
+    """What is stored of a sample, as the product computes it: impacts, the level (RMS) at each
+    listener, gains."""
     blocks = [result.block for result in results if result.block is not None]
     return {
         **_touched(results),
@@ -75,7 +79,10 @@ def digest(results: list[Any]) -> dict[str, Any]:
 def reference(scene: Any, results: list[Any]) -> dict[str, Any]:
     """The same with gains and levels of `level_reference`."""
     found = {result.number: level_reference.gains(scene, result) for result in results}
-    amplified = {r.number: found[r.number][0] * np.array([s.amplitude for s in r.sources]).reshape(-1, 1) for r in shown(results)}
+    amplified = {
+        r.number: found[r.number][0] * np.array([s.amplitude for s in r.sources]).reshape(-1, 1)
+        for r in shown(results)
+    }
     return {
         **_touched(results),
         "levels": level_reference.levels(results, found).round(7).tolist(),
@@ -87,13 +94,20 @@ def _touched(results: list[Any]) -> dict[str, Any]:
     return {
         "listeners": [item.body_part for item in results[-1].listeners],
         "contacts": len(results[-1].contacts),
-        "impacts": [[r.number, *sorted(r.objects[k] for k in i.objects), round(i.energy, 4)] for r in results for i in r.impacts],
+        "impacts": [
+            [r.number, *sorted(r.objects[k] for k in i.objects), round(i.energy, 4)]
+            for r in results
+            for i in r.impacts
+        ],
     }
 
 
 def _rows(results: list[Any], gains: Mapping[int, np.ndarray]) -> dict[str, list[Any]]:
     return {
-        str(r.number): [[source.object, *row] for source, row in zip(r.sources, gains[r.number].round(7).tolist(), strict=True)]
+        str(r.number): [
+            [source.object, *row]
+            for source, row in zip(r.sources, gains[r.number].round(7).tolist(), strict=True)
+        ]
         for r in shown(results)
     }
 
@@ -113,7 +127,11 @@ def store() -> None:
             scene = build_sample(name, count)
         values[name] = reference(scene, played(name, scene))
         haptic_tracing.unregister()
-        print(f"{name}: {len(values[name]['impacts'])} impacts, frames {', '.join(values[name]['gains'])}", file=sys.stderr)
+        print(
+            f"{name}: {len(values[name]['impacts'])} impacts, frames "
+            f"{', '.join(values[name]['gains'])}",
+            file=sys.stderr,
+        )
     lines = [f' "{name}": {json.dumps(value)}' for name, value in values.items()]
     STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 

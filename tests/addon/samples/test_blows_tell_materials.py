@@ -1,8 +1,10 @@
-"""What the samples are made of can be told from a blow: by a classifier that has heard other energies and variations of the same materials.
+"""What the samples are made of can be told from a blow: by a classifier that has heard other
+energies and variations of the same materials.
 
-For each material a scene file in which balls of it fall onto a slab of it, with the rule for impacts that the samples have. Of each blow
-the classifier gets what the nearest listener feels, from the WAV file: the share of energy in each octave and how long it lasts, not how
-strong it is. It is the nearest neighbour among half of the energies; the other half is asked for.
+For each material a scene file in which balls of it fall onto a slab of it, with the rule for
+impacts that the samples have. Of each blow the classifier gets what the nearest listener feels,
+from the WAV file: the share of energy in each octave and how long it lasts, not how strong it is.
+It is the nearest neighbour among half of the energies; the other half is asked for.
 """
 
 import json
@@ -37,14 +39,24 @@ LISTENERS = {"near": (0.9, 0.6, 0.05), "far": (1.9, 1.9, 0.05)}
 
 def substances():
     """The impact materials of everything in the samples."""
-    known = {impact_material(item.name) for item in vars(materials).values() if isinstance(item, Material)}
+    known = {
+        impact_material(item.name)
+        for item in vars(materials).values()
+        if isinstance(item, Material)
+    }
     return sorted(name for name in known if name is not None)
 
 
 def scene_document(material, rule):
     """Balls that fall onto a slab, one after the other, and stay there."""
     mass = 2 * ENERGIES / (9.81 * FALL) ** 2
-    slab = {"name": "slab", "kappa": 0.1, "rho": 0.9, "motion": "static", "shape": {"type": "box", "size": [4, 4, 0.1]}}
+    slab = {
+        "name": "slab",
+        "kappa": 0.1,
+        "rho": 0.9,
+        "motion": "static",
+        "shape": {"type": "box", "size": [4, 4, 0.1]},
+    }
     balls = [
         {"name": f"ball {k}", "kappa": 0.1, "rho": 0.9, "mass": float(mass[k % len(ENERGIES)]), "shape": {"type": "sphere", "radius": 0.1},
          "pose": {"position": [*PLACES[k], 0.15 + DROP]}}
@@ -53,16 +65,27 @@ def scene_document(material, rule):
     frames, known = [], {}
     for number in range(round((FALL + APART * (len(PLACES) + 1)) * FRAME_RATE)):
         fallen = number / FRAME_RATE - APART * np.arange(len(PLACES))
-        heights = 0.15 + np.where(fallen < FALL, DROP - 9.81 / 2 * np.maximum(fallen, 0.0) ** 2, 0.0)
-        poses = {f"ball {k}": [*PLACES[k], round(float(z), 5), 1, 0, 0, 0] for k, z in enumerate(heights)}
-        frames.append({"frame": number, "poses": {name: pose for name, pose in poses.items() if known.get(name) != pose}})
+        heights = 0.15 + np.where(
+            fallen < FALL, DROP - 9.81 / 2 * np.maximum(fallen, 0.0) ** 2, 0.0
+        )
+        poses = {
+            f"ball {k}": [*PLACES[k], round(float(z), 5), 1, 0, 0, 0] for k, z in enumerate(heights)
+        }
+        frames.append(
+            {
+                "frame": number,
+                "poses": {name: pose for name, pose in poses.items() if known.get(name) != pose},
+            }
+        )
         known = poses
     return {
         "format": "haptic-scene",
         "version": "1.1",
         "rules": {"templates": "by_material", "impact_table": [rule]},
         "objects": [{**item, "impact_material": material} for item in (slab, *balls)],
-        "listeners": [{"name": name, "object": "slab", "position": place} for name, place in LISTENERS.items()],
+        "listeners": [
+            {"name": name, "object": "slab", "position": place} for name, place in LISTENERS.items()
+        ],
         "frame_rate": FRAME_RATE,
         "frames": frames,
     }
@@ -80,16 +103,23 @@ def blows(material, rule, folder):
     rate, samples = wavfile.read(folder / f"{material}.wav")
     assert len(onsets) == len(PLACES)
     for (x, y), onset in zip(PLACES, sorted(onsets.values()), strict=True):
-        near = min(range(len(LISTENERS)), key=lambda k: np.hypot(*(np.array(list(LISTENERS.values())[k][:2]) - (x, y))))
+        near = min(
+            range(len(LISTENERS)),
+            key=lambda k: np.hypot(*(np.array(list(LISTENERS.values())[k][:2]) - (x, y))),
+        )
         first = round(onset * rate) - round(recorder.tracks().start * rate)
         yield samples[first : first + round(APART * rate), near] / 32768.0, rate
 
 
 def features(samples, rate):
-    """Decibels of each band relative to the whole, and of the time after which a tenth of the energy is left, in steps as large."""
+    """Decibels of each band relative to the whole, and of the time after which a tenth of the
+    energy is left, in steps as large."""
     spectrum = np.abs(np.fft.rfft(samples)) ** 2
     hertz = np.fft.rfftfreq(len(samples), 1 / rate)
-    shares = [spectrum[(low <= hertz) & (hertz < high)].sum() / spectrum.sum() for low, high in pairwise(BANDS)]
+    shares = [
+        spectrum[(low <= hertz) & (hertz < high)].sum() / spectrum.sum()
+        for low, high in pairwise(BANDS)
+    ]
     energy = np.cumsum(samples**2)
     lasts = np.searchsorted(energy, 0.9 * energy[-1]) / rate
     return [*(10 * np.log10(np.maximum(shares, 1e-4))), 20 * np.log10(lasts)]
@@ -101,7 +131,9 @@ def heard(tmp_path_factory):
     variation = SAMPLES["pile"].variation
     rule = {"brightness": [materials.WEAK_BRIGHTNESS, 1.0], "variation": variation}
     folder = tmp_path_factory.mktemp("blows")
-    return np.array([[features(*blow) for blow in blows(name, rule, folder)] for name in substances()])
+    return np.array(
+        [[features(*blow) for blow in blows(name, rule, folder)] for name in substances()]
+    )
 
 
 @pytest.mark.slow
@@ -128,4 +160,6 @@ def test_every_object_of_every_sample_that_can_be_hit_has_a_template(build):
         assert scene.haptics.impact_signal == "MATERIALS"
         solid = [obj for obj in scene.objects if obj.haptics.enabled and not obj.haptics.medium]
         assert solid and all(read_impact_material(obj) for obj in solid)
-        assert {obj.haptics.material.name for obj in solid} <= set(scene.haptics.materials.items.keys())
+        assert {obj.haptics.material.name for obj in solid} <= set(
+            scene.haptics.materials.items.keys()
+        )

@@ -21,14 +21,18 @@ def played(build, results, known):
 
 
 def touching(result):
-    return {frozenset((result.objects[a], result.objects[b])) for a, b in result.contacts.pairs.tolist()}
+    return {
+        frozenset((result.objects[a], result.objects[b])) for a, b in result.contacts.pairs.tolist()
+    }
 
 
 @pytest.mark.slow
 def test_bodies_touch_as_the_figure_shows_and_none_is_deep_in_another(played):
     first = played[0]
     feet = [f"Bench Foot {along}.{side}" for along in ("Front", "Back") for side in "LR"]
-    expected = {frozenset(pair) for foot in feet for pair in ((foot, "Ground"), (foot, "Bench Seat"))}
+    expected = {
+        frozenset(pair) for foot in feet for pair in ((foot, "Ground"), (foot, "Bench Seat"))
+    }
     expected |= {
         frozenset(pair)
         for pair in (
@@ -53,7 +57,11 @@ def test_every_listener_feels_the_jackhammer_and_none_more_than_it(played):
     assert [source.name for source in first.sources] == ["Jackhammer"]
     assert np.all(first.amplitudes > 0.0)
     assert np.all(first.amplitudes < 1.0)
-    legs = [i for i, listener in enumerate(first.listeners) if listener.body_part.startswith("upper_leg")]
+    legs = [
+        i
+        for i, listener in enumerate(first.listeners)
+        if listener.body_part.startswith("upper_leg")
+    ]
     ears = [i for i, listener in enumerate(first.listeners) if listener.body_part.startswith("ear")]
     assert first.amplitudes[0, legs].min() > 3 * first.amplitudes[0, ears].max()
 
@@ -65,12 +73,15 @@ def test_crates_hit_with_the_energy_of_their_fall(played):
         for impact in result.impacts:
             names = frozenset(result.objects[k] for k in impact.objects)
             found.setdefault(names, (result.number, impact.energy))
-    drop = {n: (height, mass) for n, (_, height, mass, _, _) in enumerate(jackhammer_bench.CRATES, 1)}
+    drop = {
+        n: (height, mass) for n, (_, height, mass, _, _) in enumerate(jackhammer_bench.CRATES, 1)
+    }
     for number in (1, 2, 3, 4):
         height, mass = drop[number]
         frame, energy = found[frozenset((f"Crate {number}", "Ground"))]
         assert abs((frame - 1) / 24 - np.sqrt(2 * height / GRAVITY)) < 1.5 / 24
-        # Velocity is known at whole frames: the last one before the impact may lie up to two frames early.
+        # Velocity is known at whole frames: the last one before the impact may lie up to two frames
+        # early.
         early = np.sqrt(2 * GRAVITY * height) - 2 * GRAVITY / 24
         assert 0.5 * mass * early**2 <= energy <= 1.02 * mass * GRAVITY * height
     assert found[frozenset(("Crate 5", "Crate 1"))][1] > 100.0
@@ -81,6 +92,6 @@ def test_crates_hit_with_the_energy_of_their_fall(played):
 
 def test_nothing_but_crates_moves(build):
     scene = build("jackhammer_bench")
-    assert sorted(obj.name for obj in scene.objects if obj.rigid_body and obj.rigid_body.type == "ACTIVE") == [
-        f"Crate {k}" for k in range(1, len(jackhammer_bench.CRATES) + 1)
-    ]
+    assert sorted(
+        obj.name for obj in scene.objects if obj.rigid_body and obj.rigid_body.type == "ACTIVE"
+    ) == [f"Crate {k}" for k in range(1, len(jackhammer_bench.CRATES) + 1)]

@@ -1,4 +1,5 @@
-"""Every sample: levels of the default strategy and of the energy balance are ones that a designer can compare."""
+"""Every sample: levels of the default strategy and of the energy balance are ones that a designer
+can compare."""
 
 import importlib.util
 import math
@@ -14,16 +15,27 @@ from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import objects_on
 from haptic_tracing.core.scene.values import Mode, Strategy
 from haptic_tracing.sample_scenes import SAMPLES
-from level_properties import WELL_POSED, check_bounded, check_cut_offs, check_local, check_shown, check_steady, traced
+from level_properties import (
+    WELL_POSED,
+    check_bounded,
+    check_cut_offs,
+    check_local,
+    check_shown,
+    check_steady,
+    traced,
+)
 
-_specification = importlib.util.spec_from_file_location("parts_of_samples", Path(__file__).with_name("short_parts.py"))
+_specification = importlib.util.spec_from_file_location(
+    "parts_of_samples", Path(__file__).with_name("short_parts.py")
+)
 short_parts = importlib.util.module_from_spec(_specification)
 _specification.loader.exec_module(short_parts)
 
 LOCAL = 0.5
 """Decibels that a body far away may change in an energy balance."""
 REVERBERANT = {"hammer_nail": 1.7, "domino_wall": 0.6}
-"""The same on grounds of concrete and stone that hardly lose anything: what touches them anywhere takes part in their energy."""
+"""The same on grounds of concrete and stone that hardly lose anything: what touches them anywhere
+takes part in their energy."""
 
 
 @pytest.fixture
@@ -45,8 +57,9 @@ def play(build, results):
 
 
 def _check_tables(shown):
-    """The table of the way from each source to each listener that it reaches: its rounded rows add up to the level that is shown, and with
-    the threshold to the margin; in the scenes of the samples best paths are the whole gain."""
+    """The table of the way from each source to each listener that it reaches: its rounded rows add
+    up to the level that is shown, and with the threshold to the margin; in the scenes of the
+    samples best paths are the whole gain."""
     found = levels.shown_levels(shown, False)
     for row, column in np.argwhere(shown.result.amplitudes > 0).tolist():
         ends = shown.result.listeners[column].name, shown.result.sources[row].name, False
@@ -63,10 +76,16 @@ def _check_tables(shown):
         assert path.fall.hops
 
 
-@pytest.mark.parametrize("name", [name if name == "hammer_nail" else pytest.param(name, marks=pytest.mark.slow) for name in SAMPLES])
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name == "hammer_nail" else pytest.param(name, marks=pytest.mark.slow)
+        for name in SAMPLES
+    ],
+)
 def test_levels_compare_and_are_those_of_the_ways_shown(play, name):
-    """The properties of `level_properties`; and every way of the overlay ends with the gain that the listener gets, over the objects that
-    the Result panel names."""
+    """The properties of `level_properties`; and every way of the overlay ends with the gain that
+    the listener gets, over the objects that the Result panel names."""
     scene, result = play(name)
     haptic = scene_of_result(result, session.of(scene).reading, scene)
     largest = max(
@@ -88,11 +107,20 @@ def test_levels_compare_and_are_those_of_the_ways_shown(play, name):
     for end, (pair, nodes) in zip(ends, ways.items(), strict=True):
         assert steps[end, 1] == nodes[-1]
         band, propagation = result.graph.sources[pair[0]].band, result.propagation
-        reached = propagation.gain[pair] if propagation.band_gain is None else propagation.band_gain[pair][band]
+        reached = (
+            propagation.gain[pair]
+            if propagation.band_gain is None
+            else propagation.band_gain[pair][band]
+        )
         assert gain[end, 1] == pytest.approx(result.sources[pair[0]].amplitude * reached, rel=1e-9)
         assert result.path_objects(*pair) == objects_on(result.graph, nodes)
     _check_tables(session.of(scene).shown)
     drawn = render_data(result, session.of(scene).reading.settings, Options()).paths
     shown = {tuple(place) for place in np.round(drawn.position.reshape(-1, 3), 3).tolist()}
     for nodes in ways.values():
-        assert {tuple(place) for place in np.round(result.graph.node_position[list(nodes)].astype(np.float32), 3).tolist()} <= shown
+        assert {
+            tuple(place)
+            for place in np.round(
+                result.graph.node_position[list(nodes)].astype(np.float32), 3
+            ).tolist()
+        } <= shown

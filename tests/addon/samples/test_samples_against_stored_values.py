@@ -1,9 +1,12 @@
-"""Samples give what they gave, in every version of Blender; and the whole way from building one to the files of all formats works.
+"""Samples give what they gave, in every version of Blender; and the whole way from building one to
+the files of all formats works.
 
-Stored values were computed once (`short_parts.py`) with Blender 5.2: gains and levels by `level_reference`, from what touches what. Blender
-keeps transforms in single precision, so that positions of some metres are known to a few tenths of a micrometre and gains to about 1e-7;
-the largest difference between Blender 4.2, 4.5, 5.0 and 5.2 was 8e-8. Another processor may round a simulation differently: until one
-collision leads to the next that stays below a hundredth of a millimetre, so gains may differ by `TOLERANCE`, and energies by a thousandth.
+Stored values were computed once (`short_parts.py`) with Blender 5.2: gains and levels by
+`level_reference`, from what touches what. Blender keeps transforms in single precision, so that
+positions of some metres are known to a few tenths of a micrometre and gains to about 1e-7; the
+largest difference between Blender 4.2, 4.5, 5.0 and 5.2 was 8e-8. Another processor may round a
+simulation differently: until one collision leads to the next that stays below a hundredth of a
+millimetre, so gains may differ by `TOLERANCE`, and energies by a thousandth.
 """
 
 import importlib.util
@@ -19,14 +22,17 @@ from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.sample_scenes import SAMPLES
 from scipy.io import wavfile
 
-_specification = importlib.util.spec_from_file_location("short_parts", Path(__file__).with_name("short_parts.py"))
+_specification = importlib.util.spec_from_file_location(
+    "short_parts", Path(__file__).with_name("short_parts.py")
+)
 short_parts = importlib.util.module_from_spec(_specification)
 _specification.loader.exec_module(short_parts)
 
 TOLERANCE = 1e-5
 ENERGY_TOLERANCE = 1e-3
 LEVEL_TOLERANCE = 0.01
-"""A tenth of a decibel: the reference does not round the corners of gains that change from frame to frame."""
+"""A tenth of a decibel: the reference does not round the corners of gains that change from frame to
+frame."""
 STORED = json.loads(short_parts.STORED.read_text(encoding="utf-8"))
 
 
@@ -37,11 +43,18 @@ def test_every_sample_has_stored_values():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_gains_tracks_and_impacts_are_the_stored_ones(build, name):
-    found, stored = short_parts.digest(short_parts.played(name, build(name, short_parts.PARTS[name][2]))), STORED[name]
+    found, stored = (
+        short_parts.digest(short_parts.played(name, build(name, short_parts.PARTS[name][2]))),
+        STORED[name],
+    )
     assert found["listeners"] == stored["listeners"]
     assert found["contacts"] == stored["contacts"]
-    assert sorted(impact[:3] for impact in found["impacts"]) == sorted(impact[:3] for impact in stored["impacts"])
-    energies, expected = ({tuple(impact[:3]): impact[3] for impact in values["impacts"]} for values in (found, stored))
+    assert sorted(impact[:3] for impact in found["impacts"]) == sorted(
+        impact[:3] for impact in stored["impacts"]
+    )
+    energies, expected = (
+        {tuple(impact[:3]): impact[3] for impact in values["impacts"]} for values in (found, stored)
+    )
     assert energies == pytest.approx(expected, rel=ENERGY_TOLERANCE)
     assert found["levels"] == pytest.approx(stored["levels"], rel=LEVEL_TOLERANCE)
     assert found["gains"].keys() == stored["gains"].keys()
@@ -49,7 +62,9 @@ def test_gains_tracks_and_impacts_are_the_stored_ones(build, name):
         # Impacts of one frame may come in another order, if they come at the same time.
         ours = sorted(found["gains"][frame])
         assert [row[0] for row in ours] == [row[0] for row in sorted(rows)]
-        assert np.array([row[1:] for row in ours]) == pytest.approx(np.array([row[1:] for row in sorted(rows)]), abs=TOLERANCE)
+        assert np.array([row[1:] for row in ours]) == pytest.approx(
+            np.array([row[1:] for row in sorted(rows)]), abs=TOLERANCE
+        )
         assert np.max([row[1:] for row in rows]) > 20 * TOLERANCE
 
 
@@ -66,7 +81,9 @@ def test_from_building_to_the_files_of_all_formats(build, tmp_path, name):
     arguments = {"frames": "RANGE", "frame_start": first, "frame_end": last, "tracks": "wav"}
     assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **arguments) == {"FINISHED"}
     export = read_export(path)
-    assert {item.name for item in export.scene.objects} == {obj.name for obj in scene.objects if obj.haptics.enabled}
+    assert {item.name for item in export.scene.objects} == {
+        obj.name for obj in scene.objects if obj.haptics.enabled
+    }
     assert len(export.scene.listeners) == len(STORED[name]["listeners"])
     assert export.recording.frames[0].number == first
     for kind in registry.FORMATS:

@@ -1,7 +1,8 @@
-"""Every sample is felt by those whom it is about, is seen by its camera, and goes back and forth between the default and the paper's
-strategies without a trace.
+"""Every sample is felt by those whom it is about, is seen by its camera, and goes back and forth
+between the default and the paper's strategies without a trace.
 
-What is felt is decided here by SciPy's periodogram and the published threshold, not by the product's meters.
+What is felt is decided here by SciPy's periodogram and the published threshold, not by the
+product's meters.
 """
 
 import bpy
@@ -35,8 +36,11 @@ WINDOW = 0.25
 
 
 def sensation(samples, rate):
-    """Decibels above the threshold of ISO/IEC 23090-31, 50 (log(f / 550 + 1 - 250 / 550) / log(1 - 250 / 550))^2 - 45 dB of full scale."""
-    hertz, power = signal.periodogram(samples, rate, window="hann", detrend=False, scaling="density")
+    """Decibels above the threshold of ISO/IEC 23090-31, 50 (log(f / 550 + 1 - 250 / 550) / log(1 -
+    250 / 550))^2 - 45 dB of full scale."""
+    hertz, power = signal.periodogram(
+        samples, rate, window="hann", detrend=False, scaling="density"
+    )
     felt = (hertz >= 5) & (hertz <= 1000)
     threshold = 50 * (np.log(hertz[felt] / 550 + 1 - 250 / 550) / np.log(1 - 250 / 550)) ** 2 - 45
     # The density of a sine of amplitude 1 sums up to 1/2; full scale is its amplitude.
@@ -45,14 +49,17 @@ def sensation(samples, rate):
 
 
 def strongest(scene, first, last):
-    """The highest level above the threshold that each listener reaches in frames, by body part; and their warnings."""
+    """The highest level above the threshold that each listener reaches in frames, by body part; and
+    their warnings."""
     steps = [step.result for step in timeline.steps(scene, first, last)]
     rate, parts = steps[-1].sample_rate, [item.body_part for item in steps[-1].listeners]
     samples = np.concatenate([result.block for result in steps if result.block is not None], axis=1)
     width = round(WINDOW * rate)
     ends = range(min(width, samples.shape[1]), samples.shape[1] + 1, width // 10)
     found = np.max([sensation(samples[:, max(end - width, 0) : end], rate) for end in ends], axis=0)
-    return dict(zip(parts, found, strict=True)), [warning for result in steps for warning in result.warnings]
+    return dict(zip(parts, found, strict=True)), [
+        warning for result in steps for warning in result.warnings
+    ]
 
 
 @pytest.mark.slow
@@ -70,7 +77,10 @@ def test_those_whom_a_sample_is_about_feel_it_and_nothing_is_wrong(build, name):
     assert {listener: round(found[listener], 1) for listener in about if found[listener] <= 0} == {}
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name in LARGE else name for name in SAMPLES])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow) if name in LARGE else name for name in SAMPLES],
+)
 def test_camera_sees_all_listeners_and_sources(build, name):
     scene = build(name)
     bpy.context.window.scene = scene
@@ -78,7 +88,13 @@ def test_camera_sees_all_listeners_and_sources(build, name):
         with suspended():
             scene.frame_set(frame)
         seen = [obj for obj in scene.objects if obj.haptics.listener.enabled]
-        seen += [obj for obj in scene.objects if obj.haptics.source.enabled and obj.haptics.source.amplitude > 0 and name != "mine_ride"]
+        seen += [
+            obj
+            for obj in scene.objects
+            if obj.haptics.source.enabled
+            and obj.haptics.source.amplitude > 0
+            and name != "mine_ride"
+        ]
         for obj in seen:
             x, y, depth = world_to_camera_view(scene, scene.camera, obj.matrix_world.translation)
             assert 0 < x < 1 and 0 < y < 1 and depth > 0, (frame, obj.name)
@@ -99,7 +115,10 @@ def test_as_in_the_paper_is_one_switch_there_and_back(build, name):
         found.append((result.propagation.strategy, result.propagation.gain))
     (default, gains), (paper, sums), back = found
     assert set(default) <= {"best_path"}
-    assert paper == tuple("all_paths" if source.kind is SourceKind.PERSISTENT else "best_path" for source in result.sources)
+    assert paper == tuple(
+        "all_paths" if source.kind is SourceKind.PERSISTENT else "best_path"
+        for source in result.sources
+    )
     assert back[0] == default and (back[1] == gains).all()
     # A sum over all paths has the best one in it.
     assert (sums >= gains * (1 - 1e-12)).all()

@@ -27,9 +27,23 @@ def described(scene):
                 [tuple(v.co) for v in mesh.vertices] if mesh else None,
                 [(tuple(p.vertices), p.material_index) for p in mesh.polygons] if mesh else None,
                 [slot.material.name for slot in obj.material_slots],
-                (body.type, body.collision_shape, body.mass, body.kinematic, body.friction, body.restitution) if body else None,
+                (
+                    body.type,
+                    body.collision_shape,
+                    body.mass,
+                    body.kinematic,
+                    body.friction,
+                    body.restitution,
+                )
+                if body
+                else None,
                 (haptics.enabled, haptics.kappa, haptics.rho, haptics.function, haptics.medium),
-                (haptics.source.enabled, haptics.source.signal, haptics.source.frequency, haptics.source.amplitude),
+                (
+                    haptics.source.enabled,
+                    haptics.source.signal,
+                    haptics.source.frequency,
+                    haptics.source.amplitude,
+                ),
                 (haptics.listener.enabled, haptics.listener.body_part, haptics.listener.radius),
             )
         )
@@ -38,8 +52,11 @@ def described(scene):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
-def test_first_frames_are_traced_without_a_problem_and_built_again_it_plays_beside_the_first(build, name):
-    """Names get a number in a file that has them already; nothing of the first sample may become part of the second."""
+def test_first_frames_are_traced_without_a_problem_and_built_again_it_plays_beside_the_first(
+    build, name
+):
+    """Names get a number in a file that has them already; nothing of the first sample may become
+    part of the second."""
     scene = build(name)
     for frame in range(scene.frame_start, scene.frame_start + FRAMES):
         scene.frame_set(frame)
@@ -54,8 +71,17 @@ def test_first_frames_are_traced_without_a_problem_and_built_again_it_plays_besi
     assert sorted(re.sub(r"\.\d{3}$", "", obj.name) for obj in second.objects) == names
     assert not set(scene.objects) & set(second.objects)
     moving = {obj.name for obj in scene.objects if obj.animation_data and obj.animation_data.action}
-    assert moving == {re.sub(r"\.\d{3}$", "", obj.name) for obj in second.objects if obj.animation_data and obj.animation_data.action}
-    actions = [obj.animation_data.action for one in (scene, second) for obj in one.objects if obj.animation_data]
+    assert moving == {
+        re.sub(r"\.\d{3}$", "", obj.name)
+        for obj in second.objects
+        if obj.animation_data and obj.animation_data.action
+    }
+    actions = [
+        obj.animation_data.action
+        for one in (scene, second)
+        for obj in one.objects
+        if obj.animation_data
+    ]
     assert len(set(actions)) == len(actions)
 
 
@@ -68,12 +94,15 @@ def test_built_twice_is_identical_and_has_what_tracing_and_a_picture_need(build,
         scene = build_sample(name)
     assert described(scene) == first
     names = [row[0] for row in first]
-    assert SAMPLES[name].objects == pytest.approx(len(names), rel=0.1)  # for the progress shown while it is built
+    # For the progress shown while it is built.
+    assert SAMPLES[name].objects == pytest.approx(len(names), rel=0.1)
     assert len(set(names)) == len(names)
     assert [n for n in names if re.search(r"\.\d{3}$", n)] == []
     assert [m.name for m in bpy.data.materials if re.search(r"\.\d{3}$", m.name)] == []
     haptic = [obj for obj in scene.objects if obj.haptics.enabled]
-    listeners = {obj.haptics.listener.body_part: obj for obj in scene.objects if obj.haptics.listener.enabled}
+    listeners = {
+        obj.haptics.listener.body_part: obj for obj in scene.objects if obj.haptics.listener.enabled
+    }
     assert set(listeners) == set(PAPER_LISTENERS)
     assert all(obj.type == "EMPTY" and obj.parent in haptic for obj in listeners.values())
     assert scene.camera is not None

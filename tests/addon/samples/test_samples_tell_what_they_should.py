@@ -21,11 +21,14 @@ def impacts(result):
 
 
 SILENT = 3e-4
-"""-70 dB of full scale, 25 below the threshold of feeling: the filters of the bands ring out below it."""
+"""-70 dB of full scale, 25 below the threshold of feeling: the filters of the bands ring out below
+it."""
 
 
 @pytest.mark.slow
-def test_every_blow_of_the_hammer_is_one_impact_that_the_hammer_hands_on(build, results, gain_along):
+def test_every_blow_of_the_hammer_is_one_impact_that_the_hammer_hands_on(
+    build, results, gain_along
+):
     scene = build("hammer_nail")
     found = []
     for result in results(scene, 1, hammer_nail.STRIKES[1] + 4):
@@ -34,20 +37,27 @@ def test_every_blow_of_the_hammer_is_one_impact_that_the_hammer_hands_on(build, 
             source, hand = len(result.sources) - 1, listener(result, "hand.L")
             path = result.path_objects(source, hand)
             assert path == ("Hammer", "Avatar Hand.L")
-            assert result.amplitudes[source, hand] > 1.5 * np.delete(result.amplitudes[source], hand).max()
+            assert (
+                result.amplitudes[source, hand]
+                > 1.5 * np.delete(result.amplitudes[source], hand).max()
+            )
     assert [pair for _, pair in found] == [frozenset(("Hammer", "Nail"))] * 2
     assert [number for number, _ in found] == pytest.approx(hammer_nail.STRIKES[:2], abs=1)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "source", "frame"), [("fireplace", ("Fire", "Air"), 1), ("air_blast", ("Air",), 31)])
+@pytest.mark.parametrize(
+    ("name", "source", "frame"), [("fireplace", ("Fire", "Air"), 1), ("air_blast", ("Air",), 31)]
+)
 def test_what_goes_through_air_takes_no_other_way(build, results, gain_along, name, source, frame):
     scene = build(name)
     *_, result = results(scene, frame, frame)
     for k, item in enumerate(result.listeners):
         path = result.path_objects(0, k)
         assert path == (*source, item.object)
-        assert result.amplitudes[0, k] == pytest.approx(gain_along(scene, result, 0, k, path), rel=RELATIVE)
+        assert result.amplitudes[0, k] == pytest.approx(
+            gain_along(scene, result, 0, k, path), rel=RELATIVE
+        )
     assert result.amplitudes.min() > 0.02
 
 
@@ -55,7 +65,9 @@ def test_what_goes_through_air_takes_no_other_way(build, results, gain_along, na
 def test_dishwasher_is_felt_through_the_cupboards_and_not_its_rubber_feet(build, results):
     *_, result = results(build("dishwasher_kitchen"), 1, 1)
     for k in range(len(result.listeners)):
-        assert result.path_objects(0, k)[:3] in {("Dishwasher", f"Cupboard {side}", "Floor") for side in ("Left", "Right")}
+        assert result.path_objects(0, k)[:3] in {
+            ("Dishwasher", f"Cupboard {side}", "Floor") for side in ("Left", "Right")
+        }
     assert result.path_objects(0, listener(result, "middle_back.L"))[3].startswith("Chair Leg")
 
 
@@ -67,9 +79,13 @@ def test_far_train_is_felt_through_the_rails_and_much_less_without_them(build, r
     for k, item in enumerate(result.listeners):
         path = result.path_objects(0, k)
         assert path.count("Ground") == 2
-        assert path.index("Ground") < next(n for n, name in enumerate(path) if name.startswith("Near Rail"))
+        assert path.index("Ground") < next(
+            n for n, name in enumerate(path) if name.startswith("Near Rail")
+        )
         with_rails[item.name] = result.amplitudes[0, k]
-    scene.objects["Near Rail.L"].haptics.enabled = scene.objects["Near Rail.R"].haptics.enabled = False
+    scene.objects["Near Rail.L"].haptics.enabled = scene.objects["Near Rail.R"].haptics.enabled = (
+        False
+    )
     *_, result = results(scene, 2, 2)
     for k, item in enumerate(result.listeners):
         path = result.path_objects(0, k)
@@ -83,14 +99,21 @@ def test_every_domino_makes_one_impact_with_the_next_and_there_is_no_other(build
     scene = build("domino_wall", count)
     found = [pair for result in results(scene, 1, scene.frame_end) for pair in impacts(result)]
     letters = [chr(ord("A") + k) for k in range(domino_wall.ARMS)]
-    expected = [frozenset((f"Domino {a}{k:03d}", f"Domino {a}{k + 1:03d}")) for a in letters for k in range(1, count // domino_wall.ARMS)]
+    expected = [
+        frozenset((f"Domino {a}{k:03d}", f"Domino {a}{k + 1:03d}"))
+        for a in letters
+        for k in range(1, count // domino_wall.ARMS)
+    ]
     assert sorted(map(sorted, found)) == sorted(map(sorted, expected))
 
 
 def test_pile_has_as_many_things_as_asked_for(build):
     for count in (10, 333):
         scene = build("pile", count)
-        assert sum(1 for obj in scene.objects if obj.rigid_body and obj.rigid_body.type == "ACTIVE") == count
+        assert (
+            sum(1 for obj in scene.objects if obj.rigid_body and obj.rigid_body.type == "ACTIVE")
+            == count
+        )
 
 
 def test_number_of_things_is_refused_where_there_is_no_choice(build):
@@ -110,7 +133,10 @@ def test_ride_is_150_seconds_in_six_sections(build):
     assert all(low[1] + 1 == high[0] for low, high in pairwise(bounds))
     names = [obj.name for obj in scene.objects if obj.haptics.enabled]
     assert sum(name.startswith("Stalactite") for name in names) == 15
-    assert [sum(name.startswith(f"{kind} Wall") for name in names) for kind in ("Stone", "Wood", "Ribbon")] == [3, 3, 3]
+    assert [
+        sum(name.startswith(f"{kind} Wall") for name in names)
+        for kind in ("Stone", "Wood", "Ribbon")
+    ] == [3, 3, 3]
     assert sum(name.startswith("Projectile") for name in names) == 20
 
 
@@ -126,8 +152,12 @@ def test_falling_stalactite_shakes_both_legs_through_the_ground(build, results, 
         path = result.path_objects(source, k)
         assert path[0] == "Ground 02"
         assert path[1].startswith("Rail")
-        assert result.amplitudes[source, k] == pytest.approx(result.amplitudes[source].max(), rel=0.01)
-    assert result.amplitudes[source, legs[0]] == pytest.approx(result.amplitudes[source, legs[1]], rel=0.01)
+        assert result.amplitudes[source, k] == pytest.approx(
+            result.amplitudes[source].max(), rel=0.01
+        )
+    assert result.amplitudes[source, legs[0]] == pytest.approx(
+        result.amplitudes[source, legs[1]], rel=0.01
+    )
 
 
 @pytest.mark.slow
@@ -143,14 +173,22 @@ def test_coming_into_the_wind_is_no_collision(build, results):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("x", [mine_ride.FRONT_CROSSING - mine_ride.PASSING, mine_ride.BACK_CROSSING + mine_ride.PASSING])
+@pytest.mark.parametrize(
+    "x", [mine_ride.FRONT_CROSSING - mine_ride.PASSING, mine_ride.BACK_CROSSING + mine_ride.PASSING]
+)
 def test_carts_cross_close_by_without_touching(build, results, x):
     frame = round(mine_ride.frame_at(x))
     for result in results(build("mine_ride"), frame - 14, frame + 14):
         assert impacts(result) == []
         own = {k for k, name in enumerate(result.objects) if name.startswith(("Cart ", "Avatar "))}
-        other = {k for k, name in enumerate(result.objects) if name.startswith(("Front Cart ", "Back Cart ")) and "Rail" not in name}
-        assert not any(set(pair) & own and set(pair) & other for pair in result.contacts.pairs.tolist())
+        other = {
+            k
+            for k, name in enumerate(result.objects)
+            if name.startswith(("Front Cart ", "Back Cart ")) and "Rail" not in name
+        }
+        assert not any(
+            set(pair) & own and set(pair) & other for pair in result.contacts.pairs.tolist()
+        )
 
 
 @pytest.mark.slow
@@ -204,23 +242,42 @@ def test_shock_wave_passes_from_left_to_right(build, results):
 
 @pytest.mark.slow
 def test_what_slides_and_rolls_is_felt_by_whom_it_is_about_and_silent_at_rest(build, results):
-    """The wheel's fundamental is its speed over the period of the rail; a start and an end of a tenth of the time each are slower."""
+    """The wheel's fundamental is its speed over the period of the rail; a start and an end of a
+    tenth of the time each are slower."""
     scene = build("sliding_and_rolling")
     sections, waves, names = sliding_and_rolling.SECTIONS, {}, {}
     for result in results(scene, 1, scene.frame_end):
         assert not result.impacts
-        (section,) = [name for name, (first, last) in sections.items() if first < result.number <= last + 1] or [None]
+        (section,) = [
+            name for name, (first, last) in sections.items() if first < result.number <= last + 1
+        ] or [None]
         if section is None:
-            assert not result.sources and (result.block is None or np.abs(result.block).max() < SILENT)
+            assert not result.sources and (
+                result.block is None or np.abs(result.block).max() < SILENT
+            )
         else:
             waves.setdefault(section, []).append(result.block)
             names.setdefault(section, set()).update(source.name for source in result.sources)
-    assert all("sliding on" in name for section in ("File", "Shoe", "Crate") for name in names[section])
+    assert all(
+        "sliding on" in name for section in ("File", "Shoe", "Crate") for name in names[section]
+    )
     assert all("rolling on" in name for section in ("Ball", "Wheel") for name in names[section])
-    felt = {name: sensation_level(np.concatenate(blocks, axis=1), result.sample_rate) for name, blocks in waves.items()}
-    for name, who in {"File": "hand.R", "Ball": "hand.L", "Shoe": "upper_leg.L", "Crate": "upper_leg.R", "Wheel": "upper_leg.R"}.items():
+    felt = {
+        name: sensation_level(np.concatenate(blocks, axis=1), result.sample_rate)
+        for name, blocks in waves.items()
+    }
+    for name, who in {
+        "File": "hand.R",
+        "Ball": "hand.L",
+        "Shoe": "upper_leg.L",
+        "Crate": "upper_leg.R",
+        "Wheel": "upper_leg.R",
+    }.items():
         assert felt[name][listener(result, who)] > 3.0, name
-    for name, who in {"File": "hand.R", "Ball": "hand.L"}.items():  # the bench conducts to the other hand
+    for name, who in {
+        "File": "hand.R",
+        "Ball": "hand.L",
+    }.items():  # the bench conducts to the other hand
         assert felt[name][listener(result, who)] > felt[name].max() - 1.0
     low, high = sliding_and_rolling.TRACK_X
     first, last = sections["Wheel"]

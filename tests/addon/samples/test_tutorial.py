@@ -11,7 +11,9 @@ from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view.levels import shown_levels
 
 DOCS = Path(__file__).parents[3] / "docs"
-_specification = importlib.util.spec_from_file_location("hammer_nail_by_hand", DOCS / "pictures" / "tutorial" / "hammer_nail_by_hand.py")
+_specification = importlib.util.spec_from_file_location(
+    "hammer_nail_by_hand", DOCS / "pictures" / "tutorial" / "hammer_nail_by_hand.py"
+)
 tutorial = importlib.util.module_from_spec(_specification)
 _specification.loader.exec_module(tutorial)
 
@@ -36,7 +38,9 @@ def test_the_blow_is_felt_in_the_hand_as_the_text_says(by_hand):
     (result,) = found
     (impact,) = result.impacts
     text = (DOCS / "tutorial.md").read_text(encoding="utf-8")
-    assert result.number == tutorial.STRIKES[0] == int(re.search(r"strikes at frame (\d+)", text)[1])
+    assert (
+        result.number == tutorial.STRIKES[0] == int(re.search(r"strikes at frame (\d+)", text)[1])
+    )
     assert impact.energy == pytest.approx(float(re.search(r"([\d.]+) joules", text)[1]), abs=0.05)
     assert impact.amplitude == pytest.approx(impact.energy / tutorial.FULL_ENERGY)
     by_hand.frame_set(result.number)
@@ -46,13 +50,18 @@ def test_the_blow_is_felt_in_the_hand_as_the_text_says(by_hand):
     (gain,) = result.amplitudes[-1]
     path = result.path_objects(len(result.sources) - 1, 0)
     assert path == ("Hammer", "Hand")
-    assert gain == pytest.approx(impact.amplitude * 1.0 * 0.5, rel=1e-3)  # steel over 40 cm, then flesh
+    # Steel over 40 cm, then flesh.
+    assert gain == pytest.approx(impact.amplitude * 1.0 * 0.5, rel=1e-3)
     assert gain == pytest.approx(float(re.search(r"= ([\d.]+)\$", text)[1]), abs=5e-4)
-    assert 20 * np.log10(gain) == pytest.approx(-float(re.search(r"−([\d.]+) dB", text)[1]), abs=0.05)
+    assert 20 * np.log10(gain) == pytest.approx(
+        -float(re.search(r"−([\d.]+) dB", text)[1]), abs=0.05
+    )
 
 
 def test_materials_are_guessed_as_the_text_says(by_hand):
-    guessed = {obj.name: obj.haptics.material.name for obj in by_hand.objects if obj.haptics.enabled}
+    guessed = {
+        obj.name: obj.haptics.material.name for obj in by_hand.objects if obj.haptics.enabled
+    }
     assert guessed == {"Table": "Hardwood", "Nail": "Steel", "Hammer": "Steel", "Hand": "Flesh"}
     text = (DOCS / "tutorial.md").read_text(encoding="utf-8")
     assert all(name.lower() in text.lower() for pair in guessed.items() for name in pair)

@@ -31,7 +31,9 @@ def serve(pipe):
     log = folder / "log"
     log.mkdir(exist_ok=True)
     stage = DeviceStage({"pad": DeviceOutput(profile("xbox"), hid=TimedHid(str(log)), rate=8000)})
-    door = Door(load(folder / "loud.json"), stage, "127.0.0.1", "secret", (), LiveView(sys.stderr).show)
+    door = Door(
+        load(folder / "loud.json"), stage, "127.0.0.1", "secret", (), LiveView(sys.stderr).show
+    )
     with door.listen(0) as server:
         deadline = time.monotonic() + 20
         while stage.outputs["pad"].status.state != "open" and time.monotonic() < deadline:
@@ -71,6 +73,13 @@ if ending != "server is killed":
     os.kill(child, signal.SIGKILL)
 os.waitpid(child, 0)
 time.sleep(0.3)
-print(json.dumps([[(seconds, data.hex()) for seconds, data in reports_of(folder / "log", "hidraw0")], last_step]))
+print(
+    json.dumps(
+        [
+            [(seconds, data.hex()) for seconds, data in reports_of(folder / "log", "hidraw0")],
+            last_step,
+        ]
+    )
+)
 threading.Thread(target=lambda: (time.sleep(5), os._exit(0)), daemon=True).start()
 os._exit(0) if not sys.stdout.flush() else None

@@ -27,7 +27,11 @@ def talk(**hello):
 
 def test_hello_names_what_the_scene_has():
     (scene,) = ask(Conversation(None, None), type="hello", version=1, scene=SCENE)
-    assert (scene["objects"], scene["sources"], scene["listeners"]) == (["ground", "crate"], ["drill"], ["hand"])
+    assert (scene["objects"], scene["sources"], scene["listeners"]) == (
+        ["ground", "crate"],
+        ["drill"],
+        ["hand"],
+    )
     assert (scene["version"], scene["sample_rate"]) == (1, 8000)
 
 
@@ -49,16 +53,40 @@ def test_a_step_is_answered_by_a_frame_and_by_its_samples_if_asked():
         ("{}", "/type", "must be one of hello, step"),
         ('{"type": "step", "time": "now"}', "/time", "must be a number"),
         ('{"type": "step", "time": 1, "pose": {}}', "/pose", "unknown key"),
-        ('{"type": "step", "time": 1, "poses": {"crate": [1, 2, 3]}}', "/poses/crate", "expected x, y, z, qw"),
-        ('{"type": "step", "time": 1, "poses": {"crate": [1, 2, 3, 0, 0, 0, 0]}}', "/poses/crate", "rotation"),
-        ('{"type": "step", "time": 1, "poses": {"moon": [1, 2, 3, 1, 0, 0, 0]}}', "/poses/moon", "no object 'moon'"),
-        ('{"type": "step", "time": 1, "sources": {"drill": {"amplitude": 2}}}', "/sources/drill/amplitude", "at most 1"),
+        (
+            '{"type": "step", "time": 1, "poses": {"crate": [1, 2, 3]}}',
+            "/poses/crate",
+            "expected x, y, z, qw",
+        ),
+        (
+            '{"type": "step", "time": 1, "poses": {"crate": [1, 2, 3, 0, 0, 0, 0]}}',
+            "/poses/crate",
+            "rotation",
+        ),
+        (
+            '{"type": "step", "time": 1, "poses": {"moon": [1, 2, 3, 1, 0, 0, 0]}}',
+            "/poses/moon",
+            "no object 'moon'",
+        ),
+        (
+            '{"type": "step", "time": 1, "sources": {"drill": {"amplitude": 2}}}',
+            "/sources/drill/amplitude",
+            "at most 1",
+        ),
         ('{"type": "step", "time": NaN}', "", "NaN"),
         ('{"type": "play", "source": "drill"}', "/source", "plays all the time"),
-        ('{"type": "add", "object": {"name": "box", "kapa": 1}}', "/object", "is required|unknown key"),
+        (
+            '{"type": "add", "object": {"name": "box", "kapa": 1}}',
+            "/object",
+            "is required|unknown key",
+        ),
         ('{"type": "remove", "listener": "foot"}', "/listener", "no listener 'foot'"),
         ('{"type": "hello", "version": 2}', "/version", "must be 1"),
-        ('{"type": "hello", "version": 1, "scene": {"objects": [{"name": 5}]}}', "/scene/objects/0", "required|string"),
+        (
+            '{"type": "hello", "version": 1, "scene": {"objects": [{"name": 5}]}}',
+            "/scene/objects/0",
+            "required|string",
+        ),
     ],
 )
 def test_a_message_that_is_not_valid_is_answered_by_its_place(message, where, words):
@@ -102,10 +130,21 @@ def to_engine(convention, position):
 
 
 def test_axes_of_engines():
-    """Up, and the axis that each engine's manual calls forward, of a viewer who looks along +y of the scene."""
-    assert Convention("y", "right").position([1, 2, 3]) == [1, -3, 2]  # Godot: x right, y up, -z forward
-    assert Convention("y", "left").position([1, 2, 3]) == [1, 3, 2]  # Unity: x right, y up, z forward
-    assert Convention("z", "left", 0.01).position([100, 200, 300]) == pytest.approx([1, -2, 3])  # Unreal: centimetres
+    """Up, and the axis that each engine's manual calls forward, of a viewer who looks along +y of
+    the scene."""
+    assert Convention("y", "right").position([1, 2, 3]) == [
+        1,
+        -3,
+        2,
+    ]  # Godot: x right, y up, -z forward
+    assert Convention("y", "left").position([1, 2, 3]) == [
+        1,
+        3,
+        2,
+    ]  # Unity: x right, y up, z forward
+    assert Convention("z", "left", 0.01).position([100, 200, 300]) == pytest.approx(
+        [1, -2, 3]
+    )  # Unreal: centimetres
 
 
 @given(
@@ -114,9 +153,12 @@ def test_axes_of_engines():
     point=st.tuples(*[st.floats(-9, 9)] * 3),
     place=st.tuples(*[st.floats(-9, 9)] * 3),
 )
-def test_a_point_on_a_turned_object_is_the_same_in_every_convention(engine, quaternion, point, place):
-    """Turning and moving a point in the engine and converting it gives what the converted pose does to the converted point. Engines turn by
-    the same formula whatever the handedness of their axes."""
+def test_a_point_on_a_turned_object_is_the_same_in_every_convention(
+    engine, quaternion, point, place
+):
+    """Turning and moving a point in the engine and converting it gives what the converted pose does
+    to the converted point. Engines turn by the same formula whatever the handedness of their
+    axes."""
     convention = Convention(*engine)
 
     def turned(rotation, vector):
@@ -131,7 +173,8 @@ def test_a_point_on_a_turned_object_is_the_same_in_every_convention(engine, quat
 
 @pytest.mark.parametrize(("up", "handedness", "unit"), ENGINES)
 def test_the_same_fall_is_felt_alike_in_every_engine(up, handedness, unit):
-    """A crate that falls and turns about the vertical: levels and impacts don't depend on the engine's axes."""
+    """A crate that falls and turns about the vertical: levels and impacts don't depend on the
+    engine's axes."""
 
     def fall(conversation, convert):
         frames = []
@@ -147,22 +190,47 @@ def test_the_same_fall_is_felt_alike_in_every_engine(up, handedness, unit):
 
     def convert(place, turn):
         axis = {"z": [0, 0, 1], "y": [0, 1, 0]}[up]
-        side = 1 if handedness == "right" else -1  # the same turn is the other way round in left-handed axes
-        return [*to_engine(convention, place), math.cos(turn), *(side * math.sin(turn) * a for a in axis)]
+        side = (
+            1 if handedness == "right" else -1
+        )  # the same turn is the other way round in left-handed axes
+        return [
+            *to_engine(convention, place),
+            math.cos(turn),
+            *(side * math.sin(turn) * a for a in axis),
+        ]
 
     there = fall(talk(up=up, handedness=handedness, metres_per_unit=unit), convert)
     assert [frame["levels"]["hand"]["level"] for frame in there] == [
-        None if frame["levels"]["hand"]["level"] is None else pytest.approx(frame["levels"]["hand"]["level"], abs=1e-6) for frame in own
+        None
+        if frame["levels"]["hand"]["level"] is None
+        else pytest.approx(frame["levels"]["hand"]["level"], abs=1e-6)
+        for frame in own
     ]
-    (one,), (other,) = ([blow for frame in frames for blow in frame["impacts"]] for frames in (own, there))
+    (one,), (other,) = (
+        [blow for frame in frames for blow in frame["impacts"]] for frames in (own, there)
+    )
     assert other["energy"] == pytest.approx(one["energy"], rel=1e-9)
     assert convention.position(other["position"]) == pytest.approx(one["position"], abs=1e-9)
 
 
-KEYS = ["type", "time", "poses", "sources", "contacts", "impacts", "object", "scene", "version", "id", "crate"]
+KEYS = [
+    "type",
+    "time",
+    "poses",
+    "sources",
+    "contacts",
+    "impacts",
+    "object",
+    "scene",
+    "version",
+    "id",
+    "crate",
+]
 ANYTHING = st.recursive(
     st.none() | st.booleans() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(KEYS), inner, max_size=4),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(KEYS), inner, max_size=4)
+    ),
 )
 
 

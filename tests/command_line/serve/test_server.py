@@ -1,4 +1,5 @@
-"""The server as a program: connections, tokens, origins, slow readers, OSC, and devices that fall silent."""
+"""The server as a program: connections, tokens, origins, slow readers, OSC, and devices that fall
+silent."""
 
 from __future__ import annotations
 
@@ -29,8 +30,19 @@ class Served:
     """A running server. ``url``, ``token``: those it has printed."""
 
     def __init__(self, *arguments, prefix=()):
-        command = [*prefix, sys.executable, "-m", "haptic_tracing", "serve", "--listen", "127.0.0.1:0", *map(str, arguments)]
-        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        command = [
+            *prefix,
+            sys.executable,
+            "-m",
+            "haptic_tracing",
+            "serve",
+            "--listen",
+            "127.0.0.1:0",
+            *map(str, arguments),
+        ]
+        self.process = subprocess.Popen(
+            command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
+        )
         line = self.process.stderr.readline()
         found = re.fullmatch(r"listening on (ws://\S+), token (\S+)\n", line)
         assert found, line + self.process.stderr.read()
@@ -64,7 +76,12 @@ def ask(client, **message):
 def test_two_clients_have_a_run_each(served):
     with connect(served.url) as one, connect(served.url) as other:
         assert ask(one, type="hello", version=1)["objects"] == ["ground", "crate"]
-        assert ask(other, type="hello", version=1, scene={"objects": [{"name": "moon", "kappa": 0, "rho": 0}]})["objects"] == ["moon"]
+        assert ask(
+            other,
+            type="hello",
+            version=1,
+            scene={"objects": [{"name": "moon", "kappa": 0, "rho": 0}]},
+        )["objects"] == ["moon"]
         far = ask(one, type="step", time=0.0, poses={"crate": [0, 0, 9, 1, 0, 0, 0]})
         assert far["levels"]["hand"]["level"] is None
         assert ask(other, type="step", time=0.0)["levels"] == {}
@@ -77,7 +94,11 @@ def test_pages_of_other_origins_and_names_are_refused(served, scene_file):
     with pytest.raises(InvalidStatus, match="403"):
         connect(served.url, origin="https://example.org", legacy=True)
     with pytest.raises(InvalidStatus, match="403"):
-        connect("ws://example.org", sock=socket.create_connection(("127.0.0.1", int(served.url.rpartition(":")[2]))), legacy=True)
+        connect(
+            "ws://example.org",
+            sock=socket.create_connection(("127.0.0.1", int(served.url.rpartition(":")[2]))),
+            legacy=True,
+        )
     allowed = Served(scene_file, "--allow-origin", "https://example.org")
     with connect(allowed.url, origin="https://example.org") as client:
         assert ask(client, type="hello", version=1)["type"] == "scene"
@@ -86,7 +107,15 @@ def test_pages_of_other_origins_and_names_are_refused(served, scene_file):
 
 
 def test_other_machines_need_a_token(scene_file):
-    command = [sys.executable, "-m", "haptic_tracing", "serve", str(scene_file), "--listen", "0.0.0.0:0"]
+    command = [
+        sys.executable,
+        "-m",
+        "haptic_tracing",
+        "serve",
+        str(scene_file),
+        "--listen",
+        "0.0.0.0:0",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.returncode == 2
     assert "--token" in done.stderr
@@ -167,23 +196,47 @@ def test_osc_is_answered_where_it_came_from(scene_file):
     answers.server_close()
     assert "Traceback" not in server.stop()
     (first, hand, level, _), (second, _, silence, _), (third, where, _) = heard
-    assert (first, hand, second, third, where) == ("/haptic/level", "hand", "/haptic/level", "/haptic/error", "/poses/moon")
+    assert (first, hand, second, third, where) == (
+        "/haptic/level",
+        "hand",
+        "/haptic/level",
+        "/haptic/error",
+        "/poses/moon",
+    )
     assert level > -60 > silence
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"
+)
 @pytest.mark.parametrize("ending", ["no more steps", "client goes", "server is killed"])
 def test_devices_fall_silent(tmp_path, ending):
-    """A pad plays the steps of a client with the token, and nothing 250 ms after the last one, whoever ends."""
+    """A pad plays the steps of a client with the token, and nothing 250 ms after the last one,
+    whoever ends."""
     if shutil.which("umockdev-run") is None:
         pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
     sys.path.insert(0, str(DEVICES))
     from made_up_devices import XBOX_BT, describe
 
-    loud = {**SCENE, "listeners": [{"name": "hand", "object": "ground", "position": [2, 1, 0], "body_part": "hand.L"}]}
-    (tmp_path / "loud.json").write_text(json.dumps({"format": "haptic-scene", "version": "1.1", **loud}))
-    command = ["umockdev-run", *describe(tmp_path, [XBOX_BT]), "--", sys.executable, str(Path(__file__).parent / "pad_of_a_server.py")]
-    done = subprocess.run([*command, str(tmp_path), ending], capture_output=True, text=True, timeout=120)
+    loud = {
+        **SCENE,
+        "listeners": [
+            {"name": "hand", "object": "ground", "position": [2, 1, 0], "body_part": "hand.L"}
+        ],
+    }
+    (tmp_path / "loud.json").write_text(
+        json.dumps({"format": "haptic-scene", "version": "1.1", **loud})
+    )
+    command = [
+        "umockdev-run",
+        *describe(tmp_path, [XBOX_BT]),
+        "--",
+        sys.executable,
+        str(Path(__file__).parent / "pad_of_a_server.py"),
+    ]
+    done = subprocess.run(
+        [*command, str(tmp_path), ending], capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 0, done.stderr
     reports, last_step = json.loads(done.stdout.splitlines()[-1])
     times = np.array([seconds for seconds, _ in reports])

@@ -1,4 +1,5 @@
-"""Body parts on the skeletons that people have: every part is found, on its own side, where a body has it."""
+"""Body parts on the skeletons that people have: every part is found, on its own side, where a body
+has it."""
 
 import numpy as np
 import pytest
@@ -50,7 +51,10 @@ RIGIFY = {
     "hand": _dotted("hand"), "index": _dotted("f_index.01"), "thigh": _dotted("thigh"), "shin": _dotted("shin"), "foot": _dotted("foot"),
 }  # fmt: skip
 RIGIFY_GENERATED = {
-    role: ("DEF-" + name if isinstance(name, str) else (lambda side, name=name: "DEF-" + name(side))) for role, name in RIGIFY.items()
+    role: (
+        "DEF-" + name if isinstance(name, str) else (lambda side, name=name: "DEF-" + name(side))
+    )
+    for role, name in RIGIFY.items()
 }
 
 
@@ -123,19 +127,37 @@ def test_every_part_is_where_a_body_has_it(name):
     bones = {bone.name: bone for bone in _body(SKELETONS[name])}
     assert all(place.bone in bones for place in found.values())
     assert (
-        len({found[part].bone for part in ("head", "hips", "upper_arm.L", "forearm.L", "hand.L", "upper_leg.L", "lower_leg.L", "foot.L")})
+        len(
+            {
+                found[part].bone
+                for part in (
+                    "head",
+                    "hips",
+                    "upper_arm.L",
+                    "forearm.L",
+                    "hand.L",
+                    "upper_leg.L",
+                    "lower_leg.L",
+                    "foot.L",
+                )
+            }
+        )
         == 8
     )
 
 
 @pytest.mark.parametrize("name", SKELETONS)
-@pytest.mark.parametrize("turn", [((0, 0, 1), (1, 0, 0), (0, 1, 0)), ((1, 0, 0), (0, 0, 1), (0, -1, 0))])
+@pytest.mark.parametrize(
+    "turn", [((0, 0, 1), (1, 0, 0), (0, 1, 0)), ((1, 0, 0), (0, 0, 1), (0, -1, 0))]
+)
 def test_any_orientation_gives_the_same_body(name, turn):
     """Files from elsewhere have other axes up."""
     matrix = np.array(turn, dtype=float)
     matrix[:, 0] *= np.linalg.det(matrix)
     straight = _body(SKELETONS[name])
-    turned = [Bone(b.name, tuple(matrix @ b.head * 100), tuple(matrix @ b.tail * 100)) for b in straight]
+    turned = [
+        Bone(b.name, tuple(matrix @ b.head * 100), tuple(matrix @ b.tail * 100)) for b in straight
+    ]
     expected, found = places(straight), places(turned)
     assert set(found) == set(expected)
     for part, place in found.items():
@@ -145,7 +167,9 @@ def test_any_orientation_gives_the_same_body(name, turn):
 
 def test_helpers_of_a_generated_rig_do_not_win():
     bones = _body(RIGIFY_GENERATED)
-    extra = [Bone("ORG-" + b.name.removeprefix("DEF-"), b.head, b.tail) for b in bones] + [Bone("head", (0, 0, 1.6), (0, 0, 1.8))]
+    extra = [Bone("ORG-" + b.name.removeprefix("DEF-"), b.head, b.tail) for b in bones] + [
+        Bone("head", (0, 0, 1.6), (0, 0, 1.8))
+    ]
     found = places([*extra, *bones])
     assert {place.bone.split("-")[0] for place in found.values()} == {"DEF"}
 
@@ -156,8 +180,14 @@ def test_helpers_of_a_generated_rig_do_not_win():
         ([], "no bone of the head"),
         ([Bone("Bone", (0, 0, 0), (0, 0, 1))], "no bone of the head"),
         ([Bone("head", (0, 0, 1), (0, 0, 2))], "no bone of the hips"),
-        ([Bone("head", (0, 0, 1), (0, 0, 2)), Bone("hips", (0, 0, 0), (0, 0, 1))], "no left and right"),
-        ([Bone("head", (0, 0, 0), (0, 0, 0)), Bone("hips", (0, 0, 0), (0, 0, 1))], "at the same place"),
+        (
+            [Bone("head", (0, 0, 1), (0, 0, 2)), Bone("hips", (0, 0, 0), (0, 0, 1))],
+            "no left and right",
+        ),
+        (
+            [Bone("head", (0, 0, 0), (0, 0, 0)), Bone("hips", (0, 0, 0), (0, 0, 1))],
+            "at the same place",
+        ),
     ],
 )
 def test_what_is_no_body_is_told_so(bones, words):

@@ -1,7 +1,8 @@
 """Random pairs of shapes and what Bullet says of them, through PyBullet.
 
-``python bullet_pairs.py`` records ``bullet_pairs.npz``, which the tests read, so that they need no PyBullet (it has no wheels and takes
-minutes to compile). With PyBullet installed (extra ``bullet``) the tests also ask it about pairs that are not in the record.
+``python bullet_pairs.py`` records ``bullet_pairs.npz``, which the tests read, so that they need no
+PyBullet (it has no wheels and takes minutes to compile). With PyBullet installed (extra ``bullet``)
+the tests also ask it about pairs that are not in the record.
 """
 
 from __future__ import annotations
@@ -10,7 +11,17 @@ import itertools
 from pathlib import Path
 
 import numpy as np
-from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Shape, Sphere, rotation_matrix
+from haptic_tracing.core.contacts.shapes import (
+    Box,
+    Capsule,
+    Compound,
+    ConvexHull,
+    Cylinder,
+    Mesh,
+    Shape,
+    Sphere,
+    rotation_matrix,
+)
 from haptic_tracing.core.scene.values import Pose
 
 RECORDED = Path(__file__).with_name("bullet_pairs.npz")
@@ -19,7 +30,8 @@ REACH = 0.05
 """Metres up to which Bullet is asked for distances."""
 
 MARGIN = 0.001
-"""PyBullet's margin in metres: within boxes and cylinders, around hulls and meshes, there but not towards spheres."""
+"""PyBullet's margin in metres: within boxes and cylinders, around hulls and meshes, there but not
+towards spheres."""
 
 
 def _ball_points(count: int, seed: int) -> np.ndarray:
@@ -37,7 +49,10 @@ def _terrain() -> Mesh:
     z = 0.15 * np.sin(2.5 * x) * np.cos(2 * y)
     points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     index = np.arange(81).reshape(9, 9)
-    a, b, c, d = (part.reshape(-1) for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
+    a, b, c, d = (
+        part.reshape(-1)
+        for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])
+    )
     triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     return Mesh(points, triangles, margin=MARGIN, sphere_margin=0.0)
 
@@ -48,7 +63,9 @@ SHAPES: dict[str, Shape] = {
     "sphere": Sphere(0.4),
     "capsule": Capsule(0.2, 0.7),
     "cylinder": Cylinder(0.35, 0.6, rounding=MARGIN),
-    "pyramid": ConvexHull(np.concatenate([_ring(0.4, -0.35, 12), [[0.0, 0.0, 0.35]]]), margin=MARGIN),
+    "pyramid": ConvexHull(
+        np.concatenate([_ring(0.4, -0.35, 12), [[0.0, 0.0, 0.35]]]), margin=MARGIN
+    ),
     "hull": ConvexHull(_ball_points(24, 3), margin=MARGIN),
     "compound": Compound(
         (
@@ -61,7 +78,9 @@ SHAPES: dict[str, Shape] = {
 }
 """The shapes compared. PyBullet has no cone: a hull with twelve sides stands in."""
 
-PAIRS = [pair for pair in itertools.combinations_with_replacement(SHAPES, 2) if pair != ("mesh", "mesh")]
+PAIRS = [
+    pair for pair in itertools.combinations_with_replacement(SHAPES, 2) if pair != ("mesh", "mesh")
+]
 """All pairs but mesh on mesh, which Bullet does not collide."""
 
 
@@ -90,7 +109,9 @@ class Bullet:
 
     def body(self, shape: Shape) -> int:
         """A body of a shape at the origin."""
-        return int(self._bullet.createMultiBody(0, self._shape(shape), physicsClientId=self._client))
+        return int(
+            self._bullet.createMultiBody(0, self._shape(shape), physicsClientId=self._client)
+        )
 
     def _shape(self, shape: Shape) -> int:
         p = self._bullet
@@ -123,17 +144,25 @@ class Bullet:
             case Mesh(points=points, triangles=triangles):
                 flags = p.GEOM_FORCE_CONCAVE_TRIMESH
                 indices = triangles.reshape(-1).tolist()
-                return {"shapeType": p.GEOM_MESH, "vertices": points.tolist(), "indices": indices, "flags": flags}
+                return {
+                    "shapeType": p.GEOM_MESH,
+                    "vertices": points.tolist(),
+                    "indices": indices,
+                    "flags": flags,
+                }
         raise TypeError(shape)
 
     def place(self, body: int, pose: np.ndarray) -> None:
         x, y, z, qw, qx, qy, qz = (float(v) for v in pose)
         length = float(np.linalg.norm(pose[3:].astype(np.float64)))
         turn = [q / length for q in (qx, qy, qz, qw)]
-        self._bullet.resetBasePositionAndOrientation(body, [x, y, z], turn, physicsClientId=self._client)
+        self._bullet.resetBasePositionAndOrientation(
+            body, [x, y, z], turn, physicsClientId=self._client
+        )
 
     def closest(self, a: int, b: int, reach: float = REACH) -> tuple[float, np.ndarray] | None:
-        """Least signed distance of two bodies and the points (k, 3), midway between the surfaces, at which it is reached within 0.1 mm."""
+        """Least signed distance of two bodies and the points (k, 3), midway between the surfaces,
+        at which it is reached within 0.1 mm."""
         found = self._bullet.getClosestPoints(a, b, reach, physicsClientId=self._client)
         if not found:
             return None
@@ -142,16 +171,24 @@ class Bullet:
         return float(distances.min()), middles[distances <= distances.min() + 1e-4]
 
 
-def near_pairs(bullet: Bullet, a: int, b: int, generator: np.random.Generator, count: int) -> np.ndarray:
-    """Poses (count, 2, 7) of pairs whose distance lies between -35 and +35 mm, half of them within a few of 10 mm. float32, so that the
-    record is exactly what Bullet was asked."""
+def near_pairs(
+    bullet: Bullet, a: int, b: int, generator: np.random.Generator, count: int
+) -> np.ndarray:
+    """Poses (count, 2, 7) of pairs whose distance lies between -35 and +35 mm, half of them within
+    a few of 10 mm. float32, so that the record is exactly what Bullet was asked."""
     chosen: list[np.ndarray] = []
     while len(chosen) < count:
-        poses = np.concatenate([np.zeros((2, 3)), generator.normal(size=(2, 4))], axis=1).astype(np.float32)
+        poses = np.concatenate([np.zeros((2, 3)), generator.normal(size=(2, 4))], axis=1).astype(
+            np.float32
+        )
         poses[0, :3] = generator.normal(size=3)
         direction = generator.normal(size=3)
         direction /= np.linalg.norm(direction)
-        goal = generator.uniform(-0.03, 0.03) if generator.random() < 0.5 else generator.normal(0.01, 0.003)
+        goal = (
+            generator.uniform(-0.03, 0.03)
+            if generator.random() < 0.5
+            else generator.normal(0.01, 0.003)
+        )
         # Slide the second along a line until it is as far from the first as wanted.
         away, distance = 2.5, np.inf
         bullet.place(a, poses[0])
@@ -171,7 +208,8 @@ def near_pairs(bullet: Bullet, a: int, b: int, generator: np.random.Generator, c
 
 
 def asked(seed: int, count: int) -> dict[str, np.ndarray]:
-    """For every pair of shapes: poses, Bullet's distances and its points (padded with NaN to four)."""
+    """For every pair of shapes: poses, Bullet's distances and its points (padded with NaN to
+    four)."""
     generator = np.random.default_rng(seed)
     bullet = Bullet()
     answers = {}
@@ -201,21 +239,33 @@ GROUND = Box((20.0, 20.0, 2.0), rounding=MARGIN)
 
 
 def pile(seed: int, snapshots: int = 8) -> dict[str, np.ndarray]:
-    """A simulated pile, every half second: poses (snapshots, bodies, 7), the ground first, and all pairs of bodies nearer than ``REACH`` as
-    rows (snapshot, first, second, distance)."""
+    """A simulated pile, every half second: poses (snapshots, bodies, 7), the ground first, and all
+    pairs of bodies nearer than ``REACH`` as rows (snapshot, first, second, distance)."""
     import pybullet as p
 
     generator = np.random.default_rng(seed)
     bullet = Bullet()
     client = bullet._client
     p.setGravity(0, 0, -9.81, physicsClientId=client)
-    bodies = [int(p.createMultiBody(0, bullet._shape(GROUND), basePosition=[0, 0, -1], physicsClientId=client))]
+    bodies = [
+        int(
+            p.createMultiBody(
+                0, bullet._shape(GROUND), basePosition=[0, 0, -1], physicsClientId=client
+            )
+        )
+    ]
     for k, name in enumerate(PILE):
         place = [*(generator.uniform(-0.9, 0.9, 2)), 0.8 + 0.5 * k]
         turn = generator.normal(size=4)
         turn = (turn / np.linalg.norm(turn)).tolist()
         shape = bullet._shape(SHAPES[name])
-        bodies.append(int(p.createMultiBody(10, shape, basePosition=place, baseOrientation=turn, physicsClientId=client)))
+        bodies.append(
+            int(
+                p.createMultiBody(
+                    10, shape, basePosition=place, baseOrientation=turn, physicsClientId=client
+                )
+            )
+        )
     poses = np.zeros((snapshots, len(bodies), 7), dtype=np.float32)
     rows = []
     for snapshot in range(snapshots):
@@ -224,7 +274,13 @@ def pile(seed: int, snapshots: int = 8) -> dict[str, np.ndarray]:
         for k, body in enumerate(bodies):
             place, (x, y, z, w) = p.getBasePositionAndOrientation(body, physicsClientId=client)
             poses[snapshot, k] = (*place, w, x, y, z)
-        kept = [(p.getBasePositionAndOrientation(b, physicsClientId=client), p.getBaseVelocity(b, physicsClientId=client)) for b in bodies]
+        kept = [
+            (
+                p.getBasePositionAndOrientation(b, physicsClientId=client),
+                p.getBaseVelocity(b, physicsClientId=client),
+            )
+            for b in bodies
+        ]
         for k, body in enumerate(bodies):
             bullet.place(body, poses[snapshot, k])
         for i, a in enumerate(bodies):

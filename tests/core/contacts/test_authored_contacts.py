@@ -24,9 +24,15 @@ def test_between_settled_objects_only_the_authored_count():
     found = contacts(contact("a", "b", 1.0), contact("b", "c", 2.0))
     given = contact("a", "b", 5.0, area=0.25, depth=-0.001, transmission=Constant(gain_value=0.5))
     elsewhere = contact("a", "gone")
-    assert AuthoredContacts.of("abc", "ab", (given, elsewhere), {}).over(found).to_contacts("abc") == (contact("b", "c", 2.0), given)
-    assert AuthoredContacts.of("abc", "ab", (), {}).over(found).to_contacts("abc") == (contact("b", "c", 2.0),)
-    assert AuthoredContacts.of("abc", "a", (), {}).over(found).to_contacts("abc") == found.to_contacts("abc")
+    assert AuthoredContacts.of("abc", "ab", (given, elsewhere), {}).over(found).to_contacts(
+        "abc"
+    ) == (contact("b", "c", 2.0), given)
+    assert AuthoredContacts.of("abc", "ab", (), {}).over(found).to_contacts("abc") == (
+        contact("b", "c", 2.0),
+    )
+    assert AuthoredContacts.of("abc", "a", (), {}).over(found).to_contacts(
+        "abc"
+    ) == found.to_contacts("abc")
 
 
 def test_functions_belong_to_pairs_wherever_they_touch():
@@ -42,20 +48,42 @@ def test_nothing_found_and_nothing_authored():
 
 
 def test_a_tracer_follows_what_is_authored_from_frame_to_frame():
-    """Two boxes on each other pass on half of it, by a function with bands; where the author says that they don't touch, nothing."""
-    objects = tuple(HapticObject(name, 0.0, 1.0, function_from_dict({"function": "identity"})) for name in ("low", "top"))
+    """Two boxes on each other pass on half of it, by a function with bands; where the author says
+    that they don't touch, nothing."""
+    objects = tuple(
+        HapticObject(name, 0.0, 1.0, function_from_dict({"function": "identity"}))
+        for name in ("low", "top")
+    )
     bodies = tuple(Body(name, Box((1, 1, 1))) for name in ("low", "top"))
     transforms = np.stack([np.eye(4), np.eye(4)])
     transforms[1, 2, 3] = 1.0
     source, listener = Source("s", "low"), Listener("l", "top")
-    dull = function_from_dict({"function": "constant", "gain": 0.5, "band_gains": [1, 1, 1, 0.5, 0.25, 0]})
+    dull = function_from_dict(
+        {"function": "constant", "gain": 0.5, "band_gains": [1, 1, 1, 0.5, 0.25, 0]}
+    )
     functions = AuthoredContacts.of(("low", "top"), (), (), {("low", "top"): dull})
     nothing = AuthoredContacts.of(("low", "top"), ("low", "top"), (), {})
     for lazy in (False, True):
         tracer = Tracer(lazy=lazy)
-        for number, (authored, expected) in enumerate(((None, 1.0), (functions, 0.5), (nothing, 0.0), (None, 1.0))):
-            frame = Frame(number, number / 25, objects, (source,), (listener,), Settings(), bodies, transforms, authored=authored)
+        for number, (authored, expected) in enumerate(
+            ((None, 1.0), (functions, 0.5), (nothing, 0.0), (None, 1.0))
+        ):
+            frame = Frame(
+                number,
+                number / 25,
+                objects,
+                (source,),
+                (listener,),
+                Settings(),
+                bodies,
+                transforms,
+                authored=authored,
+            )
             result = tracer.step(frame)
             np.testing.assert_allclose(result.propagation.gain, [[expected]], rtol=1e-12)
             if authored is functions:
-                np.testing.assert_allclose(result.propagation.band_gain[0, 0], 0.5 * np.array([1, 1, 1, 0.5, 0.25, 0]), rtol=1e-12)
+                np.testing.assert_allclose(
+                    result.propagation.band_gain[0, 0],
+                    0.5 * np.array([1, 1, 1, 0.5, 0.25, 0]),
+                    rtol=1e-12,
+                )

@@ -32,7 +32,12 @@ def test_first_blows_of_thrown_bodies(rate, ground):
             place[1] = body.poses[frame].astype(np.float32)
             impacts += tracker.update(frame / RATE, place.copy()).impacts
         assert body.energy > 5.25
-        found.append((impacts[0].time - body.time, impacts[0].energy / body.energy - 1) if impacts else (np.inf, np.inf))
+        found.append(
+            (impacts[0].time - body.time, impacts[0].energy / body.energy - 1)
+            if impacts
+            else (np.inf, np.inf)
+        )
     late, error = np.abs(found).T
-    assert late.max() <= 1 / 240 / 2  # half a substep of Blender's physics, 10 a frame at 24 frames a second
+    # Half a substep of Blender's physics, 10 a frame at 24 frames a second.
+    assert late.max() <= 1 / 240 / 2
     assert error.max() <= 0.05

@@ -1,4 +1,5 @@
-"""Pairs of single boxes against the general method, which has its own patches, and against SciPy and closed forms."""
+"""Pairs of single boxes against the general method, which has its own patches, and against SciPy
+and closed forms."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ SIZES = ((1.0, 1.0, 1.0), (1.3, 0.6, 0.2))
 
 
 def placed(seed: int, tilt: float, square: bool):
-    """Random places of two boxes near touching: turned by ``tilt`` radians, or exactly upright about some axes."""
+    """Random places of two boxes near touching: turned by ``tilt`` radians, or exactly upright
+    about some axes."""
     generator = np.random.default_rng(seed)
     turn = generator.normal(size=(3, COUNT)) * tilt
     if square:
@@ -29,13 +31,22 @@ def placed(seed: int, tilt: float, square: bool):
     if square:
         offset = np.round(offset, 1)
     axis = generator.integers(0, 3, COUNT)
-    reach = half[0] @ np.eye(3)[axis].T + np.einsum("ijp,j->ip", np.abs(rotation), half[1])[axis, np.arange(COUNT)]
-    offset[axis, np.arange(COUNT)] = (reach + generator.normal(size=COUNT) * 0.004) * generator.choice([-1, 1], COUNT)
+    reach = (
+        half[0] @ np.eye(3)[axis].T
+        + np.einsum("ijp,j->ip", np.abs(rotation), half[1])[axis, np.arange(COUNT)]
+    )
+    offset[axis, np.arange(COUNT)] = (
+        reach + generator.normal(size=COUNT) * 0.004
+    ) * generator.choice([-1, 1], COUNT)
     return rotation, offset
 
 
 @settings(max_examples=40, derandomize=True, deadline=None)
-@given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-9, 3e-9, 1e-8, 1e-6, 1e-3, 0.05, 2.0]), square=st.booleans())
+@given(
+    seed=st.integers(0, 10**6),
+    tilt=st.sampled_from([0.0, 1e-9, 3e-9, 1e-8, 1e-6, 1e-3, 0.05, 2.0]),
+    square=st.booleans(),
+)
 def test_both_methods_find_the_same_contacts(seed, tilt, square):
     rotation, offset = placed(seed, tilt, square)
     half = [np.repeat(np.array(size)[:, None] / 2, COUNT, axis=1) for size in SIZES]
@@ -59,9 +70,14 @@ def test_both_methods_find_the_same_contacts(seed, tilt, square):
 
 
 @settings(max_examples=20, derandomize=True, deadline=None)
-@given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-3, 0.05, 2.0]), shift=st.sampled_from([0.0, 0.3]))
+@given(
+    seed=st.integers(0, 10**6),
+    tilt=st.sampled_from([0.0, 1e-3, 0.05, 2.0]),
+    shift=st.sampled_from([0.0, 0.3]),
+)
 def test_both_methods_find_the_same_corners_of_patches(seed, tilt, shift):
-    """In every direction the outermost corner of a patch is as far out by either method, also if boxes are turned and off their origins."""
+    """In every direction the outermost corner of a patch is as far out by either method, also if
+    boxes are turned and off their origins."""
     rotation, offset = placed(seed, tilt, False)
     pose = Pose((shift, 0.0, 0.0), (1.0, shift, -shift, 0.0))
     turn, place = pose_matrix(pose)[:3, :3], np.array(pose.position)
@@ -83,12 +99,16 @@ def test_both_methods_find_the_same_corners_of_patches(seed, tilt, shift):
 @pytest.mark.parametrize("ratio", [1e6, 1e9, 1e12])
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
 def test_a_pin_on_a_huge_floor(ratio, tilt):
-    """A square pin, turned about the vertical by ``tilt``, on a floor ``ratio`` times as wide: its whole face is the patch."""
+    """A square pin, turned about the vertical by ``tilt``, on a floor ``ratio`` times as wide: its
+    whole face is the patch."""
     pin = np.array([[0.001], [0.001], [0.01]])
     floor = np.array([[0.001 * ratio], [0.001 * ratio], [1.0]])
     rotation = rotations(np.array([[0.0], [0.0], [tilt]]))
     offset = np.array([[0.2], [-0.3], [1.01]])
-    for first, second, turn, place in ((floor, pin, rotation, offset), (pin, floor, rotation.transpose(1, 0, 2), None)):
+    for first, second, turn, place in (
+        (floor, pin, rotation, offset),
+        (pin, floor, rotation.transpose(1, 0, 2), None),
+    ):
         shift = -np.einsum("ijp,ip->jp", rotation, offset) if place is None else place
         found = box_contacts(turn, shift, first, second, np.array([0.01]))
         assert found.distance[0] == pytest.approx(0.0, abs=1e-12)
@@ -101,12 +121,17 @@ def test_a_pin_on_a_huge_floor(ratio, tilt):
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-3, 0.05, 2.0]))
 def test_distances_against_bounded_least_squares(seed, tilt):
-    """The least distance of a point in the one box to a point in the other; 0 where they overlap."""
+    """The least distance of a point in the one box to a point in the other; 0 where they
+    overlap."""
     rotation, offset = placed(seed, tilt, False)
-    found = NarrowPhase([Box(size) for size in SIZES]).query(np.tile([[0, 1]], (COUNT, 1)), rotation, offset, np.full(COUNT, 0.05))
+    found = NarrowPhase([Box(size) for size in SIZES]).query(
+        np.tile([[0, 1]], (COUNT, 1)), rotation, offset, np.full(COUNT, 0.05)
+    )
     limit = np.concatenate(SIZES) / 2
     for k in range(0, COUNT, 20):
-        nearest = lsq_linear(np.hstack([np.eye(3), -rotation[..., k]]), offset[:, k], (-limit, limit), tol=1e-14)
+        nearest = lsq_linear(
+            np.hstack([np.eye(3), -rotation[..., k]]), offset[:, k], (-limit, limit), tol=1e-14
+        )
         distance = float(np.sqrt(2 * nearest.cost))
         if found.distance[k] <= 0.05:
             assert max(found.distance[k], 0.0) == pytest.approx(distance, abs=1.01e-4)

@@ -1,14 +1,18 @@
 """Where bodies came to rest in Blender 5.2.3, against where ours would just touch.
 
-A cube of 1 m, its mesh scaled by ``mesh`` and the object by ``scale``, was dropped on a 20 m cube of each shape, without restitution and in
-20 substeps, and its height read after 150 frames.
+A cube of 1 m, its mesh scaled by ``mesh`` and the object by ``scale``, was dropped on a 20 m cube
+of each shape, without restitution and in 20 substeps, and its height read after 150 frames.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from haptic_tracing.core.contacts.bullet_shapes import convex_hull_shape, mesh_shape, shape_from_bounding_box
+from haptic_tracing.core.contacts.bullet_shapes import (
+    convex_hull_shape,
+    mesh_shape,
+    shape_from_bounding_box,
+)
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import Box, Cylinder
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Pose
@@ -90,7 +94,13 @@ def built(kind, vertices, scale=ONE, own_margin=None):
 @pytest.mark.parametrize(("kind", "ground", "mesh", "scale", "margin", "height"), RESTED)
 def test_bodies_rest_where_they_touch(kind, ground, mesh, scale, margin, height):
     floor = HapticObject("floor", 0.1, 0.9, shape=built(ground, CUBE * 20), pose=Pose((0, 0, -10)))
-    body = HapticObject("body", 0.1, 0.9, shape=built(kind, CUBE * mesh, scale, margin), pose=Pose((0.1, 0.2, height)))
+    body = HapticObject(
+        "body",
+        0.1,
+        0.9,
+        shape=built(kind, CUBE * mesh, scale, margin),
+        pose=Pose((0.1, 0.2, height)),
+    )
     if ground == "SPHERE":
         body = HapticObject("body", 0.1, 0.9, shape=body.shape, pose=Pose((0, 0, height)))
     found = contacts_of_scene(HapticScene((floor, body)))
@@ -103,7 +113,9 @@ def test_sizes_beside_the_origin():
     """Box and round shapes take the size of the bounding box, wherever that lies."""
     corners = np.array([[0, 0, 0], [2, 1, 4]], dtype=float)
     assert shape_from_bounding_box("BOX", corners) == Box((2, 1, 4), rounding=0.04)
-    assert shape_from_bounding_box("CYLINDER", corners, (2, 3, 4)) == Cylinder(2.0, 16.0, rounding=0.04)
+    assert shape_from_bounding_box("CYLINDER", corners, (2, 3, 4)) == Cylinder(
+        2.0, 16.0, rounding=0.04
+    )
 
 
 @pytest.mark.parametrize(
@@ -129,13 +141,20 @@ def test_flat_hulls_are_thin():
     flat = convex_hull_shape(CUBE * [1, 1, 0])
     assert flat.rounding == 0
     floor = HapticObject("floor", 0.1, 0.9, shape=Box((10, 10, 1)), pose=Pose((0, 0, -0.5)))
-    found = contacts_of_scene(HapticScene((floor, HapticObject("sheet", 0.1, 0.9, shape=flat, pose=Pose((1, 2, 0.001))))))
+    found = contacts_of_scene(
+        HapticScene((floor, HapticObject("sheet", 0.1, 0.9, shape=flat, pose=Pose((1, 2, 0.001)))))
+    )
     np.testing.assert_allclose(found.distance, [0.001], atol=1e-6)
     np.testing.assert_allclose(found.area, [1.0], rtol=1e-3)
 
 
 def test_self_intersecting_mesh():
-    crossed = mesh_shape([[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0], [0.5, 0.5, 1]], [[0, 1, 4], [2, 3, 4], [0, 1, 2], [1, 0, 3]])
+    crossed = mesh_shape(
+        [[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0], [0.5, 0.5, 1]],
+        [[0, 1, 4], [2, 3, 4], [0, 1, 2], [1, 0, 3]],
+    )
     floor = HapticObject("floor", 0.1, 0.9, shape=Box((10, 10, 1)), pose=Pose((0, 0, -0.5)))
-    found = contacts_of_scene(HapticScene((floor, HapticObject("knot", 0.1, 0.9, shape=crossed, pose=Pose((0, 0, 0.04))))))
+    found = contacts_of_scene(
+        HapticScene((floor, HapticObject("knot", 0.1, 0.9, shape=crossed, pose=Pose((0, 0, 0.04)))))
+    )
     np.testing.assert_allclose(found.distance, [0.0], atol=1e-6)

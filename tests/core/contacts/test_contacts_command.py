@@ -1,4 +1,5 @@
-"""``haptic-tracing contacts`` on files: closed forms, the form of the scene file again, and errors on one line."""
+"""``haptic-tracing contacts`` on files: closed forms, the form of the scene file again, and errors
+on one line."""
 
 from __future__ import annotations
 
@@ -33,7 +34,9 @@ def scene_file(tmp_path):
         ]
         path = tmp_path / "scene.json"
         empty = {"contacts": [], "sources": [], "listeners": []}
-        path.write_text(json.dumps({"format": "haptic-scene", "version": "1.0", "objects": objects, **empty}))
+        path.write_text(
+            json.dumps({"format": "haptic-scene", "version": "1.0", "objects": objects, **empty})
+        )
         return path
 
     return written
@@ -41,10 +44,15 @@ def scene_file(tmp_path):
 
 def test_contacts_with_their_distances(scene_file, capsys):
     assert main(["contacts", str(scene_file())]) == 0
-    found = {contact["objects"][1]: contact for contact in json.loads(capsys.readouterr().out)["contacts"]}
+    found = {
+        contact["objects"][1]: contact
+        for contact in json.loads(capsys.readouterr().out)["contacts"]
+    }
     distances = {name: contact["distance"] for name, contact in found.items()}
     assert distances == pytest.approx({"ball": 0.005, "cone": 0.0, "crate": -0.002}, abs=1e-9)
-    assert found["crate"]["area"] == pytest.approx(2.0) and found["crate"]["depth"] == pytest.approx(0.002)
+    assert found["crate"]["area"] == pytest.approx(2.0) and found["crate"][
+        "depth"
+    ] == pytest.approx(0.002)
     assert found["crate"]["normal"] == pytest.approx([0, 0, 1])
     assert found["ball"]["positions"] == [pytest.approx([1, 2, 0]), pytest.approx([1, 2, 0.005])]
     assert all(contact["transmission"] == {"function": "identity"} for contact in found.values())
@@ -54,7 +62,9 @@ def test_tolerance_decides_what_touches(scene_file, capsys):
     for tolerance, count in (("0", 1), ("0.004", 2), ("0.005001", 3), ("0.02", 4)):
         assert main(["contacts", str(scene_file()), "--tolerance", tolerance]) == 0
         # The cone stands exactly on the floor, up to rounding.
-        assert len(json.loads(capsys.readouterr().out)["contacts"]) - count in ((0, 1) if tolerance == "0" else (0,))
+        assert len(json.loads(capsys.readouterr().out)["contacts"]) - count in (
+            (0, 1) if tolerance == "0" else (0,)
+        )
 
 
 def test_output_is_a_scene_file(scene_file, capsys, tmp_path):
@@ -62,7 +72,9 @@ def test_output_is_a_scene_file(scene_file, capsys, tmp_path):
     main(["contacts", str(path)])
     contacts = json.loads(capsys.readouterr().out)["contacts"]
     document = json.loads(path.read_text())
-    document["contacts"] = [{key: value for key, value in contact.items() if key != "distance"} for contact in contacts]
+    document["contacts"] = [
+        {key: value for key, value in contact.items() if key != "distance"} for contact in contacts
+    ]
     (tmp_path / "again.json").write_text(json.dumps(document))
     assert main(["propagate", str(tmp_path / "again.json")]) == 0
 

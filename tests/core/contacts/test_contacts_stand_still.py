@@ -1,4 +1,5 @@
-"""Contacts as continuous functions of the poses: centre, area and weight of boxes that rest, tip, slide and part."""
+"""Contacts as continuous functions of the poses: centre, area and weight of boxes that rest, tip,
+slide and part."""
 
 from __future__ import annotations
 
@@ -29,12 +30,23 @@ def placed(places, turns):
 
 def contact(shapes, places, turns):
     """Centre, area, weight and distance of the one contact of two bodies, or None."""
-    found = ContactTracker([Body("a", shapes[0]), Body("b", shapes[1])]).update(0.0, placed(places, turns)).contacts
-    return None if len(found) == 0 else (found.positions[0].mean(axis=0), found.area[0], found.weight[0], found.distance[0])
+    found = (
+        ContactTracker([Body("a", shapes[0]), Body("b", shapes[1])])
+        .update(0.0, placed(places, turns))
+        .contacts
+    )
+    return (
+        None
+        if len(found) == 0
+        else (found.positions[0].mean(axis=0), found.area[0], found.weight[0], found.distance[0])
+    )
 
 
 BRICKS = (Box(tuple(BRICK)), Box(tuple(BRICK)))
-SLAB = (Mesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]]), Box(tuple(BRICK)))
+SLAB = (
+    Mesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]]),
+    Box(tuple(BRICK)),
+)
 
 
 @settings(max_examples=60, derandomize=True, deadline=None)
@@ -43,11 +55,14 @@ SLAB = (Mesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2
     gap=st.floats(-5e-4, 5e-4),
     tilt=st.tuples(st.floats(-4e-4, 4e-4), st.floats(-4e-4, 4e-4)),
 )
-@example(slide=(0.0, 0.0), gap=0.0, tilt=(1e-9, 0.0))  # edges as far apart as those that coincide may be
+# Edges as far apart as those that coincide may be.
+@example(slide=(0.0, 0.0), gap=0.0, tilt=(1e-9, 0.0))
 @example(slide=(1e-9, 0.0), gap=0.0, tilt=(1e-9, 0.0))
 def test_a_resting_face_is_the_overlap_of_the_faces(slide, gap, tilt):
     """Whatever a resting brick trembles by: the patch is the rectangle that both faces cover."""
-    centre, area, weight, _ = contact(BRICKS, [(0, 0, 0), (*slide, 0.5 + gap)], [(0, 0, 0), (*tilt, 0)])
+    centre, area, weight, _ = contact(
+        BRICKS, [(0, 0, 0), (*slide, 0.5 + gap)], [(0, 0, 0), (*tilt, 0)]
+    )
     sides = BRICK[:2] - np.abs(slide)
     assert area == pytest.approx(sides.prod(), abs=3e-4 * BRICK[:2].sum())
     np.testing.assert_allclose(centre[:2], np.array(slide) / 2, atol=3e-4)
@@ -61,10 +76,13 @@ STEP = 1e-5
 @settings(max_examples=60, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), tilt=st.sampled_from([0.0, 1e-4, 1e-3]))
 def test_a_brick_that_tips_and_slides(shapes, seed, tilt):
-    """Small steps move the centre of a resting patch by at most its lever arm (the face over the patch's gap) times the step."""
+    """Small steps move the centre of a resting patch by at most its lever arm (the face over the
+    patch's gap) times the step."""
     generator = np.random.default_rng(seed)
     half = 0.25 if shapes is BRICKS else 0.0
-    place = np.array([*generator.uniform(-0.35, 0.35, 2), half + 0.25 + generator.uniform(-1e-3, 1e-3)])
+    place = np.array(
+        [*generator.uniform(-0.35, 0.35, 2), half + 0.25 + generator.uniform(-1e-3, 1e-3)]
+    )
     turn = np.array([*generator.normal(size=2) * tilt, generator.uniform(-0.5, 0.5)])
     before = contact(shapes, [(0, 0, 0), place], [(0, 0, 0), turn])
     place += generator.uniform(-1, 1, 3) * STEP
@@ -78,8 +96,8 @@ def test_a_brick_that_tips_and_slides(shapes, seed, tilt):
 @settings(max_examples=80, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), apart=st.tuples(st.floats(-1e-3, 8e-3), st.floats(-1e-3, 8e-3)))
 def test_diagonal_bricks(seed, apart):
-    """Edges that lie along each other: the centre stays in the middle of what both have in common, however they tremble, and where they do
-    not touch they weigh little beside faces as near."""
+    """Edges that lie along each other: the centre stays in the middle of what both have in common,
+    however they tremble, and where they do not touch they weigh little beside faces as near."""
     generator = np.random.default_rng(seed)
     along = generator.uniform(-0.3, 0.3)
     turns = generator.uniform(-1e-4, 1e-4, (2, 3))
@@ -88,17 +106,23 @@ def test_diagonal_bricks(seed, apart):
         assert np.hypot(*np.maximum(apart, 0.0)) > 0.0098
         return
     centre, _, weight, distance = found
-    np.testing.assert_allclose(centre, [0.5 + apart[0] / 2, along / 2, 0.25 + apart[1] / 2], atol=0.06)
+    np.testing.assert_allclose(
+        centre, [0.5 + apart[0] / 2, along / 2, 0.25 + apart[1] / 2], atol=0.06
+    )
     if distance > 0.004:
         face = contact(BRICKS, [(0, 0, 0), (0, 0, 0.5 + distance)], np.zeros((2, 3)))
         assert weight < 0.3 * face[2]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shapes", [BRICKS, (Box(tuple(BRICK)), Sphere(0.25))], ids=["face", "ball"])
+@pytest.mark.parametrize(
+    "shapes", [BRICKS, (Box(tuple(BRICK)), Sphere(0.25))], ids=["face", "ball"]
+)
 def test_weight_falls_smoothly_to_the_tolerance(shapes):
     gaps = np.arange(-0.002, 0.01, 2e-5)
-    weights = np.array([contact(shapes, [(0, 0, 0), (0, 0, 0.5 + gap)], np.zeros((2, 3)))[2] for gap in gaps])
+    weights = np.array(
+        [contact(shapes, [(0, 0, 0), (0, 0, 0.5 + gap)], np.zeros((2, 3)))[2] for gap in gaps]
+    )
     assert (weights[gaps <= 0.002] == 1).all()
     assert (np.diff(weights) <= 1e-12).all()
     assert np.abs(np.diff(weights)).max() < 0.02
@@ -110,7 +134,9 @@ def test_weight_multiplies_what_a_contact_passes_on():
     bodies = (HapticObject("a", 0.1, 0.9), HapticObject("b", 0.1, 0.9))
     gains = {}
     for weight in (1.0, 0.25):
-        touching = Contact(("a", "b"), ((0, 0, 0), (0, 0, 0)), transmission=Constant(gain_value=0.5), weight=weight)
+        touching = Contact(
+            ("a", "b"), ((0, 0, 0), (0, 0, 0)), transmission=Constant(gain_value=0.5), weight=weight
+        )
         graph = graph_of_scene(HapticScene(bodies, (touching,)))
         gains[weight] = float(graph.transmission[0])
         assert graph.transmission_loss[0] == pytest.approx(-np.log(gains[weight]))
@@ -123,7 +149,9 @@ def test_a_trembling_pile_is_traced_like_a_fresh_one():
     places = np.array([(0.3 * k, 0.0, 0.5 * k) for k in range(6)])
     tracker = ContactTracker(bodies)
     for frame in range(20):
-        matrices = placed(places + generator.normal(size=(6, 3)) * 3e-6, generator.normal(size=(6, 3)) * 3e-6)
+        matrices = placed(
+            places + generator.normal(size=(6, 3)) * 3e-6, generator.normal(size=(6, 3)) * 3e-6
+        )
         live = tracker.update(frame / 24, matrices).contacts
         fresh = ContactTracker(bodies).update(0.0, matrices).contacts
         for name in ("pairs", "positions", "normal", "distance", "area", "weight"):
@@ -131,7 +159,10 @@ def test_a_trembling_pile_is_traced_like_a_fresh_one():
 
 
 def test_scenes_at_rest_have_weights():
-    objects = [HapticObject(name, 0.1, 0.9, shape=BRICKS[0], pose=Pose((0, 0, z))) for name, z in (("a", 0), ("b", 0.5), ("c", 1.006))]
+    objects = [
+        HapticObject(name, 0.1, 0.9, shape=BRICKS[0], pose=Pose((0, 0, z)))
+        for name, z in (("a", 0), ("b", 0.5), ("c", 1.006))
+    ]
     found = contacts_of_scene(HapticScene(tuple(objects)))
     assert found.weight[0] == 1.0 and 0 < found.weight[1] < 1
     assert [c.weight for c in found.to_contacts(["a", "b", "c"])] == found.weight.tolist()
@@ -141,7 +172,12 @@ def ball(radius, count=400):
     """A hull with corners all over a sphere (a Fibonacci lattice)."""
     k = np.arange(count) + 0.5
     polar, turn = np.arccos(1 - 2 * k / count), np.pi * (1 + 5**0.5) * k
-    return ConvexHull(radius * np.stack([np.cos(turn) * np.sin(polar), np.sin(turn) * np.sin(polar), np.cos(polar)], axis=1))
+    return ConvexHull(
+        radius
+        * np.stack(
+            [np.cos(turn) * np.sin(polar), np.sin(turn) * np.sin(polar), np.cos(polar)], axis=1
+        )
+    )
 
 
 BALL = ball(0.2)
@@ -166,22 +202,28 @@ def test_overlapping_round_hulls_have_the_area_of_their_common_section(overlap, 
     way = generator.normal(size=3)
     way *= (0.4 - overlap) / np.linalg.norm(way)
     # Beside the two, a ball on a box: pairs of several kinds are looked at together.
-    poses = placed([(0, 0, 0), way, (3, 0, 0), (3, 0, 0.69)], [(0, 0, 0), generator.uniform(-3, 3, 3), (0, 0, 0), (0, 0, 0)])
+    poses = placed(
+        [(0, 0, 0), way, (3, 0, 0), (3, 0, 0.69)],
+        [(0, 0, 0), generator.uniform(-3, 3, 3), (0, 0, 0), (0, 0, 0)],
+    )
     bodies = [Body("a", BALL), Body("b", BALL), Body("c", Box((1.0, 1.0, 1.0))), Body("d", BALL)]
     found = ContactTracker(bodies).update(0.0, poses).contacts
     assert found.pairs.tolist() == [[0, 1], [2, 3]]
     points = [np.array(BALL.points) @ pose[:3, :3].T + pose[:3, 3] for pose in poses[:2]]
     expected = common_section(points, found.positions[0].mean(axis=0), found.normal[0])
     assert found.area[0] == pytest.approx(expected, rel=0.05)
-    assert expected > 0.5 * np.pi * 0.2 * (overlap - 0.004)  # of the order of the balls' own circle, R² - (R - d / 2)²
+    # Of the order of the balls' own circle, R² - (R - d / 2)².
+    assert expected > 0.5 * np.pi * 0.2 * (overlap - 0.004)
 
 
 @pytest.mark.slow
 @settings(max_examples=30, derandomize=True, deadline=None)
 @given(overlap=st.floats(0.01, 0.03), seed=st.integers(0, 10**6))
-@example(overlap=0.014599683589925673, seed=29)  # the direction of the least depth changes by 4 degrees in the first step
+# The direction of the least depth changes by 4 degrees in the first step.
+@example(overlap=0.014599683589925673, seed=29)
 def test_the_area_of_overlapping_round_hulls_is_continuous(overlap, seed):
-    """Between any two poses in which the bodies are deepest in each other along the same direction: it is the area across this one."""
+    """Between any two poses in which the bodies are deepest in each other along the same direction:
+    it is the area across this one."""
     generator = np.random.default_rng(seed)
     way, turn = generator.normal(size=3), generator.uniform(-3, 3, 3)
     way /= np.linalg.norm(way)
@@ -190,9 +232,15 @@ def test_the_area_of_overlapping_round_hulls_is_continuous(overlap, seed):
     if seed % 2 == 0:
         turns = [turn, (0, 0, 0)]
     bodies = [Body("a", shapes[0]), Body("b", shapes[1])]
-    poses = [placed([(0, 0, 0), place + way * STEP * k], [turns[0], np.array(turns[1]) + STEP * k]) for k in range(6)]
+    poses = [
+        placed([(0, 0, 0), place + way * STEP * k], [turns[0], np.array(turns[1]) + STEP * k])
+        for k in range(6)
+    ]
     found = [ContactTracker(bodies).update(0.0, pose).contacts for pose in poses]
-    areas, normals = np.array([each.area[0] for each in found]), np.array([each.normal[0] for each in found])
+    areas, normals = (
+        np.array([each.area[0] for each in found]),
+        np.array([each.normal[0] for each in found]),
+    )
     same = np.linalg.norm(np.diff(normals, axis=0), axis=1) < 100 * STEP
     assert same.sum() >= 4
     # A circle of area A over a step s of depth changes by 2 pi R s; turned facets by less.

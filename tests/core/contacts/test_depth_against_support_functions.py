@@ -1,4 +1,5 @@
-"""Penetration depth against its definition: the least overlap of the two bodies' shadows on a line, over all directions of the line."""
+"""Penetration depth against its definition: the least overlap of the two bodies' shadows on a line,
+over all directions of the line."""
 
 from __future__ import annotations
 
@@ -37,20 +38,38 @@ def height(name, directions):
 
 def directions_around(generator, centre, count):
     """Directions at 1e-7 to 0.1 rad from a unit vector, as many at each scale."""
-    ways = centre + generator.normal(size=(count, 3)) * np.exp(generator.uniform(np.log(1e-7), np.log(0.1), count))[:, None]
+    ways = (
+        centre
+        + generator.normal(size=(count, 3))
+        * np.exp(generator.uniform(np.log(1e-7), np.log(0.1), count))[:, None]
+    )
     return ways / np.linalg.norm(ways, axis=1)[:, None]
 
 
 @pytest.mark.parametrize("second", SHAPES)
-@pytest.mark.parametrize("first", [pytest.param("cylinder", marks=pytest.mark.slow), pytest.param("cone", marks=pytest.mark.slow), "hull"])
+@pytest.mark.parametrize(
+    "first",
+    [
+        pytest.param("cylinder", marks=pytest.mark.slow),
+        pytest.param("cone", marks=pytest.mark.slow),
+        "hull",
+    ],
+)
 @settings(max_examples=12, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.3]))
-@example(seed=323, spread=0.3)  # a cone and a capsule whose nearest points FCL does not find to 2e-5
-@example(seed=7770, spread=0.02)  # a cone in a cylinder whose depth takes 261 corners of the polytope
+# A cone and a capsule whose nearest points FCL does not find to 2e-5.
+@example(seed=323, spread=0.3)
+# A cone in a cylinder whose depth takes 261 corners of the polytope.
+@example(seed=7770, spread=0.02)
 def test_no_direction_separates_with_less(first, second, seed, spread):
     generator = np.random.default_rng(seed)
-    rotation, offset = rotations(generator.normal(size=(3, 1)) * 2), generator.normal(size=(3, 1)) * spread
-    found = NarrowPhase([SHAPES[first], SHAPES[second]]).query(np.array([[0, 1]]), rotation, offset, np.full(1, 0.1))
+    rotation, offset = (
+        rotations(generator.normal(size=(3, 1)) * 2),
+        generator.normal(size=(3, 1)) * spread,
+    )
+    found = NarrowPhase([SHAPES[first], SHAPES[second]]).query(
+        np.array([[0, 1]]), rotation, offset, np.full(1, 0.1)
+    )
     if found.distance[0] > -1e-3:
         return
 

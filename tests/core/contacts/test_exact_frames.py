@@ -1,4 +1,5 @@
-"""Exact frames hold nothing of what hardly moves: what follows one is the same with and without the frames before it."""
+"""Exact frames hold nothing of what hardly moves: what follows one is the same with and without the
+frames before it."""
 
 import numpy as np
 from haptic_tracing.core.collisions import EXACT_FRAMES, Frame
@@ -13,11 +14,14 @@ OBJECTS = tuple(HapticObject(body.name, kappa=0.2, rho=0.9) for body in BODIES)
 
 
 def frame(number, exact):
-    """A load rides on a cart: their relative motion is rounding, and the load trembles by a tenth of what counts as motion."""
+    """A load rides on a cart: their relative motion is rounding, and the load trembles by a tenth
+    of what counts as motion."""
     place = np.array([0.37 * number, 0.011 * number, 0.5])
     transforms = np.tile(np.eye(4), (2, 1, 1))
     transforms[0, :3, 3] = place
-    transforms[1, :3, 3] = place + [0.1, 0.2, 1.0] + 1e-13 * np.sin(number * np.array([1.0, 2.0, 3.0]))
+    transforms[1, :3, 3] = (
+        place + [0.1, 0.2, 1.0] + 1e-13 * np.sin(number * np.array([1.0, 2.0, 3.0]))
+    )
     top = tuple((transforms[1, :3, 3] + [0.0, 0.0, 0.5]).tolist())
     return Frame(
         number=number,
@@ -37,7 +41,11 @@ def traced(first, exact):
     for number in range(first, FRAMES.stop):
         result = tracer.step(frame(number, exact and number % EXACT_FRAMES == 0))
         assert len(result.contacts) == 1
-        found[number] = result.contacts.positions.tobytes(), result.amplitudes.tobytes(), tracer.checksum()
+        found[number] = (
+            result.contacts.positions.tobytes(),
+            result.amplitudes.tobytes(),
+            tracer.checksum(),
+        )
     return found
 
 

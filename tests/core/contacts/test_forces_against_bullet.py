@@ -1,4 +1,5 @@
-"""Pressing forces of resting contacts beside the impulses that Bullet's own contacts have, and beside statics."""
+"""Pressing forces of resting contacts beside the impulses that Bullet's own contacts have, and
+beside statics."""
 
 from __future__ import annotations
 
@@ -19,23 +20,33 @@ SCENES = json.loads(Path(__file__).with_name("bullet_forces.json").read_text(enc
 
 
 def errors(scene: dict) -> np.ndarray:
-    """Relative errors of the contacts that carry more than 2 % of a body's weight (the median one's); not a number where it is unknown."""
+    """Relative errors of the contacts that carry more than 2 % of a body's weight (the median
+    one's); not a number where it is unknown."""
     objects = [
         HapticObject(
             f"{number:03}",
             0.5,
             0.5,
-            shape=Box(tuple(2 * h for h in body["half"])) if body["shape"] == "box" else Sphere(body["half"][0]),
+            shape=Box(tuple(2 * h for h in body["half"]))
+            if body["shape"] == "box"
+            else Sphere(body["half"][0]),
             pose=Pose(tuple(place), (turn[3], *turn[:3])),
         )
-        for number, (body, (place, turn)) in enumerate(zip(scene["bodies"], scene["poses"], strict=True))
+        for number, (body, (place, turn)) in enumerate(
+            zip(scene["bodies"], scene["poses"], strict=True)
+        )
     ]
     mass = np.array([body["mass"] for body in scene["bodies"]], dtype=float)
     contacts = contacts_of_scene(HapticScene(tuple(objects)), tolerance=0.002)
     found = contact_forces(contacts, mass, np.array([place for place, _ in scene["poses"]]), EARTH)
-    mine = {(min(pair), max(pair)): force for pair, force in zip(contacts.pairs.tolist(), found.tolist(), strict=True)}
+    mine = {
+        (min(pair), max(pair)): force
+        for pair, force in zip(contacts.pairs.tolist(), found.tolist(), strict=True)
+    }
     least = 0.02 * 9.81 * np.median(mass[mass > 0])
-    return np.array([abs(mine[a, b] - force) / force for a, b, force in scene["forces"] if force > least])
+    return np.array(
+        [abs(mine[a, b] - force) / force for a, b, force in scene["forces"] if force > least]
+    )
 
 
 @pytest.mark.parametrize("kind", ["stack", "slope"])
@@ -53,18 +64,25 @@ def test_beams_on_two_supports_within_a_tenth():
 
 @pytest.mark.slow
 def test_piles_within_a_quarter_in_the_median():
-    """Redundant supports do not determine how they share, and Bullet's share depends on how they came to rest."""
+    """Redundant supports do not determine how they share, and Bullet's share depends on how they
+    came to rest."""
     for kind in ("pile", "spheres"):
         found = np.concatenate([errors(scene) for scene in SCENES if scene["kind"] == kind])
         assert len(found) > 200 and not np.isnan(found).any()
         assert np.median(found) < 0.25
 
 
-def resting(count: int, mass: float = 2.0, sideways: float = 0.0) -> tuple[ContactSet, np.ndarray, np.ndarray]:
-    """Bodies on each other on a floor that holds them, each contact an area of 0.01 m^2, its normal tilted ``sideways``."""
+def resting(
+    count: int, mass: float = 2.0, sideways: float = 0.0
+) -> tuple[ContactSet, np.ndarray, np.ndarray]:
+    """Bodies on each other on a floor that holds them, each contact an area of 0.01 m^2, its normal
+    tilted ``sideways``."""
     names = [f"{k:04}" for k in range(count + 1)]
     normal = (math.sin(sideways), 0.0, math.cos(sideways))
-    contacts = [Contact((names[k], names[k + 1]), ((0, 0, float(k)),) * 2, area=0.01, normal=normal) for k in range(count)]
+    contacts = [
+        Contact((names[k], names[k + 1]), ((0, 0, float(k)),) * 2, area=0.01, normal=normal)
+        for k in range(count)
+    ]
     index = {name: k for k, name in enumerate(names)}
     centres = np.array([[0, 0, k - 0.5] for k in range(count + 1)])
     return ContactSet.from_contacts(contacts, index), np.array([0.0] + [mass] * count), centres
@@ -72,7 +90,9 @@ def resting(count: int, mass: float = 2.0, sideways: float = 0.0) -> tuple[Conta
 
 def test_a_column_carries_what_is_above():
     contacts, mass, centre = resting(4)
-    assert contact_forces(contacts, mass, centre, EARTH) == pytest.approx([4 * 19.62, 3 * 19.62, 2 * 19.62, 19.62], rel=1e-4)
+    assert contact_forces(contacts, mass, centre, EARTH) == pytest.approx(
+        [4 * 19.62, 3 * 19.62, 2 * 19.62, 19.62], rel=1e-4
+    )
 
 
 def test_what_is_not_known_is_not_said():
@@ -91,4 +111,6 @@ def test_what_is_not_known_is_not_said():
 
 def test_without_gravity_nothing_presses():
     contacts, mass, centre = resting(3)
-    assert contact_forces(contacts, mass, centre, (0.0, 0.0, 0.0)) == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+    assert contact_forces(contacts, mass, centre, (0.0, 0.0, 0.0)) == pytest.approx(
+        [0.0, 0.0, 0.0], abs=1e-9
+    )

@@ -1,10 +1,17 @@
-"""Hulls: every point lies behind every face, every corner is a point, the surface is closed; moved inwards they are what is that deep."""
+"""Hulls: every point lies behind every face, every corner is a point, the surface is closed; moved
+inwards they are what is that deep."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from haptic_tracing.core.contacts.hull import MAX_HULL_POINTS, convex_hull, extreme_points, hull_2d, shrunk_hull
+from haptic_tracing.core.contacts.hull import (
+    MAX_HULL_POINTS,
+    convex_hull,
+    extreme_points,
+    hull_2d,
+    shrunk_hull,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -23,7 +30,11 @@ def check_hull(points, hull):
 
 
 @settings(max_examples=80, derandomize=True, deadline=None)
-@given(seed=st.integers(0, 10**6), count=st.integers(5, 60), kind=st.sampled_from(["ball", "shell", "grid", "needle", "far"]))
+@given(
+    seed=st.integers(0, 10**6),
+    count=st.integers(5, 60),
+    kind=st.sampled_from(["ball", "shell", "grid", "needle", "far"]),
+)
 def test_hulls(seed, count, kind):
     generator = np.random.default_rng(seed)
     points = generator.normal(size=(count, 3))
@@ -68,7 +79,9 @@ def test_moved_inwards(seed, count, depth):
 
 @pytest.mark.parametrize("depth", [-0.2, 0.04, 0.3])
 def test_cube_moved_inwards(depth):
-    np.testing.assert_allclose(shrunk_hull(convex_hull(CUBE), depth).points, CUBE * (1 - 2 * depth), atol=1e-12)
+    np.testing.assert_allclose(
+        shrunk_hull(convex_hull(CUBE), depth).points, CUBE * (1 - 2 * depth), atol=1e-12
+    )
     assert shrunk_hull(convex_hull(CUBE * [1, 1, 0.05]), 0.04) is None
     assert shrunk_hull(convex_hull(CUBE * [1, 1, 0]), 0.04) is None
 
@@ -92,5 +105,7 @@ def test_outline_in_the_plane(points):
     outline = array[hull_2d(array)]
     following = np.roll(outline, -1, axis=0)
     for start, end in zip(outline, following, strict=True):
-        across = (end[0] - start[0]) * (array[:, 1] - start[1]) - (end[1] - start[1]) * (array[:, 0] - start[0])
+        across = (end[0] - start[0]) * (array[:, 1] - start[1]) - (end[1] - start[1]) * (
+            array[:, 0] - start[0]
+        )
         assert (across >= 0).all()

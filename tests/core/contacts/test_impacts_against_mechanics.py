@@ -9,9 +9,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.contacts.bullet_shapes import convex_hull_shape, mesh_shape, shape_from_bounding_box
+from haptic_tracing.core.contacts.bullet_shapes import (
+    convex_hull_shape,
+    mesh_shape,
+    shape_from_bounding_box,
+)
 from haptic_tracing.core.contacts.settings import Body, ContactSettings
-from haptic_tracing.core.contacts.shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Sphere
+from haptic_tracing.core.contacts.shapes import (
+    Box,
+    Capsule,
+    Cone,
+    ConvexHull,
+    Cylinder,
+    Mesh,
+    Sphere,
+)
 from haptic_tracing.core.contacts.tracker import ContactTracker
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -36,7 +48,10 @@ SHAPES = {  # and how far below its origin each ends
 }
 GROUNDS = {
     "box": (Box((50, 50, 1)), -0.5),
-    "mesh": (Mesh([[-25, -25, 0], [25, -25, 0], [25, 25, 0], [-25, 25, 0]], [[0, 1, 2], [0, 2, 3]]), 0.0),
+    "mesh": (
+        Mesh([[-25, -25, 0], [25, -25, 0], [25, 25, 0], [-25, 25, 0]], [[0, 1, 2], [0, 2, 3]]),
+        0.0,
+    ),
     "solid": (Mesh(*triangle_reference.box((50, 50, 1), 6), sunk_in=0.05), -0.5),
 }
 
@@ -78,17 +93,23 @@ def poses(*places, turns=None):
     late=st.floats(0, 1),
 )
 def test_dropped_bodies(shape, ground, h, mass, restitution, rate, scale, late):
-    """Energy m g h, time sqrt(2 h / g); the body is let go ``late`` frames after the first one. A bounce makes another impact if the bodies
-    have parted in some frame before it, by more than the tolerance and the slack, and the refractory time is over."""
+    """Energy m g h, time sqrt(2 h / g); the body is let go ``late`` frames after the first one. A
+    bounce makes another impact if the bodies have parted in some frame before it, by more than the
+    tolerance and the slack, and the refractory time is over."""
     energy, fall = mass * G * h, math.sqrt(2 * h / G) / scale
     if fall * rate < 2.2 + late:
         return  # over before there are three frames to see it by
     (body, below), (floor, origin) = SHAPES[shape], GROUNDS[ground]
-    tracker = ContactTracker([Body("ground", floor, motion="static"), Body("body", body, mass)], ContactSettings(time_scale=scale))
+    tracker = ContactTracker(
+        [Body("ground", floor, motion="static"), Body("body", body, mass)],
+        ContactSettings(time_scale=scale),
+    )
     impacts, heights = [], []
     for frame in range(math.ceil((fall + 0.25) * rate) + 2):
         heights.append(height(h, restitution, (frame - late) / rate * scale))
-        impacts += tracker.update(frame / rate, poses((0, 0, origin), (0.3, 0.2, below + heights[-1]))).impacts
+        impacts += tracker.update(
+            frame / rate, poses((0, 0, origin), (0.3, 0.2, below + heights[-1]))
+        ).impacts
     if energy < 5 * 0.97:
         assert not impacts
     elif energy > 5 * 1.03:
@@ -100,7 +121,11 @@ def test_dropped_bodies(shape, ground, h, mass, restitution, rate, scale, late):
         np.testing.assert_allclose(first.normal, [0, 0, 1], atol=1e-4)
         np.testing.assert_allclose(np.mean(first.positions, axis=0), [0.3, 0.2, 0], atol=0.01)
         # Bounces: each with e^2 of the energy of the last, after 2 v / g.
-        flight, left, expected = 2 * math.sqrt(2 * h / G) * restitution / scale, energy * restitution**2, 1
+        flight, left, expected = (
+            2 * math.sqrt(2 * h / G) * restitution / scale,
+            energy * restitution**2,
+            1,
+        )
         time = late / rate + fall
         last, end = time, (frame - 0.01) / rate
         while left > 5 * 1.05 and time + flight < end and flight * rate > 3:
@@ -123,13 +148,16 @@ def test_dropped_bodies(shape, ground, h, mass, restitution, rate, scale, late):
     drift=st.floats(-5, 5),
 )
 def test_balls_that_meet_in_space(speeds, masses, normal_energy, rate, drift):
-    """Elastic impact on a line, everything drifting sideways: the paper's energy has the drift in it, the normal one not."""
+    """Elastic impact on a line, everything drifting sideways: the paper's energy has the drift in
+    it, the normal one not."""
     m1, m2 = masses
     u1, u2 = speeds
     meet = 0.31
     v1 = ((m1 - m2) * u1 + 2 * m2 * u2) / (m1 + m2)
     v2 = ((m2 - m1) * u2 + 2 * m1 * u1) / (m1 + m2)
-    rules = ContactSettings(energy="normal" if normal_energy else "kinetic", least_energy=0.0, gravity=(0, 0, 0))
+    rules = ContactSettings(
+        energy="normal" if normal_energy else "kinetic", least_energy=0.0, gravity=(0, 0, 0)
+    )
     tracker = ContactTracker([Body("a", Sphere(0.2), m1), Body("b", Sphere(0.3), m2)], rules)
     impacts = []
     for frame in range(round(rate)):
@@ -153,9 +181,15 @@ def test_balls_that_meet_in_space(speeds, masses, normal_energy, rate, drift):
 @pytest.mark.parametrize("speed", [10.0, 40.0, 150.0])
 @pytest.mark.parametrize("shape", [Sphere(0.05), Box((0.1, 0.1, 0.1)), ConvexHull(0.1 * CUBE)])
 def test_passing_a_thin_wall_within_a_frame(rate, speed, shape):
-    walls = {"box": Box((0.02, 2, 2)), "mesh": Mesh([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]], [[0, 1, 2], [0, 2, 3]])}
+    walls = {
+        "box": Box((0.02, 2, 2)),
+        "mesh": Mesh([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]], [[0, 1, 2], [0, 2, 3]]),
+    }
     for wall in walls.values():
-        tracker = ContactTracker([Body("wall", wall, motion="static"), Body("shot", shape, 0.2)], ContactSettings(gravity=(0, 0, 0)))
+        tracker = ContactTracker(
+            [Body("wall", wall, motion="static"), Body("shot", shape, 0.2)],
+            ContactSettings(gravity=(0, 0, 0)),
+        )
         front = 0.05 + (0.01 if isinstance(wall, Box) else 0.0)
         meet = 4.37 / rate
         impacts = []
@@ -187,7 +221,10 @@ def test_turning_body():
         matrices[1, :2, :2] = [[c, -s], [s, c]] if meet is None else matrices[1, :2, :2]
         if meet is not None:
             stop = math.asin(0.15 / 0.8)
-            matrices[1, :2, :2] = [[math.cos(stop), -math.sin(stop)], [math.sin(stop), math.cos(stop)]]
+            matrices[1, :2, :2] = [
+                [math.cos(stop), -math.sin(stop)],
+                [math.sin(stop), math.cos(stop)],
+            ]
         impacts += tracker.update(t, matrices).impacts
     assert len(impacts) == 1
     assert impacts[0].time == pytest.approx(meet, abs=0.002)
@@ -197,37 +234,54 @@ def test_turning_body():
 
 def test_animated_hammer():
     """A keyframed body hits one that rests: its own mass and speed count."""
-    tracker = ContactTracker([Body("anvil", Box((1, 1, 1)), 500.0), Body("hammer", Box((0.2, 0.2, 0.2)), 8.0, motion="kinematic")])
+    tracker = ContactTracker(
+        [
+            Body("anvil", Box((1, 1, 1)), 500.0),
+            Body("hammer", Box((0.2, 0.2, 0.2)), 8.0, motion="kinematic"),
+        ]
+    )
     impacts, rate = [], 24.0
     for frame in range(48):
         z = 0.6 + 0.8 * abs(math.cos(math.pi * (frame + 0.3) / rate))
         impacts += tracker.update(frame / rate, poses((0, 0, 0), (0, 0, z))).impacts
-    assert [round(i.time, 2) for i in impacts] == [pytest.approx(0.49, abs=0.02), pytest.approx(1.49, abs=0.02)]
+    assert [round(i.time, 2) for i in impacts] == [
+        pytest.approx(0.49, abs=0.02),
+        pytest.approx(1.49, abs=0.02),
+    ]
     for impact in impacts:
         assert impact.energy == pytest.approx(4 * (0.8 * math.pi) ** 2, rel=0.1)
 
 
 def fall_of(tracker, frames, rate=24.0, mass=5.0, start=0.0, h=2.0):
     places = [(frame, (0, 0, 0.2 + height(h, 0.3, frame / rate))) for frame in frames]
-    return [tracker.update(start + frame / rate, poses((0, 0, -0.5), place)) for frame, place in places]
+    return [
+        tracker.update(start + frame / rate, poses((0, 0, -0.5), place)) for frame, place in places
+    ]
 
 
 def falling():
-    return ContactTracker([Body("ground", Box((50, 50, 1)), motion="static"), Body("box", Box((1, 0.6, 0.4)), 5.0)])
+    return ContactTracker(
+        [Body("ground", Box((50, 50, 1)), motion="static"), Body("box", Box((1, 0.6, 0.4)), 5.0)]
+    )
 
 
 @pytest.mark.parametrize("on", [17, 20, 24, 30])
 @pytest.mark.parametrize("restitution", [0.0, 0.8])
 def test_impacts_that_are_looked_for_from_a_frame_on(restitution, on):
-    """Dropped from 2 m at 24 frames a second, it hits the ground in frame 16, and bounces for a second if at all: what lies there when
-    impacts are switched on has hit already, what comes down later hits."""
+    """Dropped from 2 m at 24 frames a second, it hits the ground in frame 16, and bounces for a
+    second if at all: what lies there when impacts are switched on has hit already, what comes down
+    later hits."""
     tracker, rate, impacts = falling(), 24.0, []
     for frame in range(60):
         place = (0, 0, 0.2 + height(2.0, restitution, frame / rate))
-        impacts += tracker.update(frame / rate, poses((0, 0, -0.5), place), impacts=frame >= on).impacts
+        impacts += tracker.update(
+            frame / rate, poses((0, 0, -0.5), place), impacts=frame >= on
+        ).impacts
     assert len(impacts) == (restitution > 0)
     for impact in impacts:
-        assert impact.time == pytest.approx(math.sqrt(2 * 2.0 / G) * (1 + 2 * restitution), abs=0.002)
+        assert impact.time == pytest.approx(
+            math.sqrt(2 * 2.0 / G) * (1 + 2 * restitution), abs=0.002
+        )
         assert impact.energy == pytest.approx(5 * G * 2.0 * restitution**2, rel=0.03)
 
 
@@ -251,7 +305,10 @@ def test_jumps_make_no_impacts(jump):
     fall_of(tracker, range(10))
     if jump == "said":
         matrices = poses((0, 0, -0.5), (0, 0, 0.2))
-        found = [tracker.update(10 / 24, matrices, continuous=False), tracker.update(11 / 24, matrices)]
+        found = [
+            tracker.update(10 / 24, matrices, continuous=False),
+            tracker.update(11 / 24, matrices),
+        ]
     elif jump == "forwards":
         tracker.reset()
         found = fall_of(tracker, range(30, 40), h=0.001)
@@ -270,7 +327,8 @@ def test_frames_left_out_do_not_matter():
 
 
 def test_bodies_that_move_together_make_no_impact():
-    """A crate on a lorry at 20 m/s, rattling by a tenth of a millimetre, and the lorry on the road: nothing begins."""
+    """A crate on a lorry at 20 m/s, rattling by a tenth of a millimetre, and the lorry on the road:
+    nothing begins."""
     generator = np.random.default_rng(1)
     bodies = [
         Body("road", Box((500, 10, 1)), motion="static"),
@@ -282,7 +340,11 @@ def test_bodies_that_move_together_make_no_impact():
     for frame in range(60):
         x = 20 * frame / 24
         shake = generator.normal(size=2) * 1e-4
-        found.append(tracker.update(frame / 24, poses((0, 0, -0.5), (x, 0, 0.5), (x + shake[0], 0, 1.5 + shake[1]))))
+        found.append(
+            tracker.update(
+                frame / 24, poses((0, 0, -0.5), (x, 0, 0.5), (x + shake[0], 0, 1.5 + shake[1]))
+            )
+        )
     assert not any(f.impacts for f in found)
     assert all(len(f.contacts) == 2 for f in found)
     assert not any(len(f.began) or len(f.ended) for f in found)
@@ -294,28 +356,44 @@ def test_sliding_from_tile_to_tile_is_no_impact():
     found = []
     for frame in range(24):
         x = 0.2 + 9 * frame / 24
-        found.append(tracker.update(frame / 24, poses(*[(k, 0, -0.1) for k in range(12)], (x, 0, 0.05))))
+        found.append(
+            tracker.update(frame / 24, poses(*[(k, 0, -0.1) for k in range(12)], (x, 0, 0.05)))
+        )
     assert sum(len(f.began) for f in found) >= 9
     assert not any(f.impacts for f in found)
 
 
 def test_one_impact_of_many_points_and_one_within_the_refractory_time():
-    """A table lands on four feet at once; a bouncing one makes the next source only after the refractory time."""
-    feet = [[x + dx, y + dy, z] for x in (-0.5, 0.5) for y in (-0.4, 0.4) for dx in (0, 0.1) for dy in (0, 0.1) for z in (-0.4, 0.4)]
+    """A table lands on four feet at once; a bouncing one makes the next source only after the
+    refractory time."""
+    feet = [
+        [x + dx, y + dy, z]
+        for x in (-0.5, 0.5)
+        for y in (-0.4, 0.4)
+        for dx in (0, 0.1)
+        for dy in (0, 0.1)
+        for z in (-0.4, 0.4)
+    ]
     table = ConvexHull(np.array(feet))
     for refractory, expected in ((0.1, 3), (1.0, 1)):
         bodies = [Body("ground", Box((50, 50, 1)), motion="static"), Body("table", table, 20.0)]
         tracker = ContactTracker(bodies, ContactSettings(refractory=refractory))
         impacts = []
         for frame in range(48):
-            impacts += tracker.update(frame / 24, poses((0, 0, -0.5), (0, 0, 0.4 + height(1.5, 0.5, frame / 24)))).impacts
+            impacts += tracker.update(
+                frame / 24, poses((0, 0, -0.5), (0, 0, 0.4 + height(1.5, 0.5, frame / 24)))
+            ).impacts
         assert len(impacts) == expected
 
 
 PLATES = {  # as Blender hands them to Bullet with its default margin, thicknesses in metres
     "box": lambda thickness: shape_from_bounding_box("BOX", CUBE * [2, 2, thickness]),
     "hull": lambda thickness: convex_hull_shape(CUBE * [2, 2, thickness]),
-    "mesh": lambda thickness: mesh_shape([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]], margin=thickness / 2),
+    "mesh": lambda thickness: mesh_shape(
+        [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]],
+        [[0, 1, 2], [0, 2, 3]],
+        margin=thickness / 2,
+    ),
 }
 
 
@@ -325,28 +403,38 @@ PLATES = {  # as Blender hands them to Bullet with its default margin, thickness
 @pytest.mark.parametrize("speed", [40.0, 150.0, 800.0])
 @pytest.mark.parametrize("stopped", [True, False])
 def test_a_bullet_does_not_pass_a_thin_plate_unseen(plate, thickness, speed, stopped):
-    """A sphere of 5 mm at 24 frames a second moves 170 to 3,300 times its size between frames; Bullet stops it or lets it through."""
+    """A sphere of 5 mm at 24 frames a second moves 170 to 3,300 times its size between frames;
+    Bullet stops it or lets it through."""
     shape = PLATES[plate](thickness)
-    surface = -0.005 - (0.0 if plate == "mesh" else thickness / 2)  # a sphere meets the triangles themselves
+    surface = -0.005 - (
+        0.0 if plate == "mesh" else thickness / 2
+    )  # a sphere meets the triangles themselves
     for share in (0.03, 0.35, 0.66, 0.97):
         tracker = ContactTracker(
-            [Body("plate", shape, motion="static"), Body("bullet", Sphere(0.005), 0.05)], ContactSettings(gravity=(0, 0, 0))
+            [Body("plate", shape, motion="static"), Body("bullet", Sphere(0.005), 0.05)],
+            ContactSettings(gravity=(0, 0, 0)),
         )
         impacts = []
         for frame in range(9):
             z = surface + speed * (frame - 4 - share) / 24
-            impacts += tracker.update(frame / 24, poses((0, 0, 0), (0.1, 0.05, min(z, surface) if stopped else z))).impacts
+            impacts += tracker.update(
+                frame / 24, poses((0, 0, 0), (0.1, 0.05, min(z, surface) if stopped else z))
+            ).impacts
         assert len(impacts) == 1
         assert impacts[0].energy == pytest.approx(0.05 * speed**2 / 2, rel=0.01)
         assert impacts[0].time == pytest.approx((4 + share) / 24, abs=1e-3)
 
 
-def falling_rod(tilt: float, drop: float, length: float = 2.0) -> tuple[float, float, float, Callable[[float], tuple[float, float]]]:
-    """A thin rod that drops by ``drop`` onto the end of a frictionless ground, and onto its other end, both times without a bounce.
+def falling_rod(
+    tilt: float, drop: float, length: float = 2.0
+) -> tuple[float, float, float, Callable[[float], tuple[float, float]]]:
+    """A thin rod that drops by ``drop`` onto the end of a frictionless ground, and onto its other
+    end, both times without a bounce.
 
-    Returns the times of the two blows, the speed of the second, and height and angle over time. The first takes the end's speed: v' = v -
-    J / m and w' = J l cos(a) / I with l half the length and J = m v / (1 + 3 cos^2 a). From then on height h = l sin(a), and the energy
-    m h'^2 / 2 + I a'^2 / 2 + m g h is constant.
+    Returns the times of the two blows, the speed of the second, and height and angle over time. The
+    first takes the end's speed: v' = v - J / m and w' = J l cos(a) / I with l half the length and J
+    = m v / (1 + 3 cos^2 a). From then on height h = l sin(a), and the energy m h'^2 / 2 + I a'^2 /
+    2 + m g h is constant.
     """
     half, inertia = length / 2, length**2 / 12  # per kg
     first, speed = math.sqrt(2 * drop / G), math.sqrt(2 * G * drop)
@@ -355,11 +443,15 @@ def falling_rod(tilt: float, drop: float, length: float = 2.0) -> tuple[float, f
     energy = (inertia + (half * math.cos(tilt)) ** 2) * spin**2 / 2 + G * half * math.sin(tilt)
 
     def rate(angle: float) -> float:
-        return math.sqrt(2 * (energy - G * half * math.sin(angle)) / (inertia + (half * math.cos(angle)) ** 2))
+        return math.sqrt(
+            2 * (energy - G * half * math.sin(angle)) / (inertia + (half * math.cos(angle)) ** 2)
+        )
 
     angles = np.linspace(tilt, 0, 2001)
     slowness = 1 / np.array([rate(angle) for angle in angles])
-    times = first + np.concatenate([[0], np.cumsum((slowness[1:] + slowness[:-1]) / 2 * -np.diff(angles))])
+    times = first + np.concatenate(
+        [[0], np.cumsum((slowness[1:] + slowness[:-1]) / 2 * -np.diff(angles))]
+    )
 
     def place(t: float) -> tuple[float, float]:
         if t < first:
@@ -379,12 +471,21 @@ def test_the_harder_blow_of_the_other_end_of_a_rod_counts(rate, tilt, drop):
     if math.ceil(first * rate) >= math.floor(second * rate):
         return  # both within two intervals: no frame shows one end on the ground
     rules = ContactSettings(energy="normal", least_energy=1.0)
-    tracker = ContactTracker([Body("ground", Box((50, 50, 1)), motion="static"), Body("rod", Box((2, 0.02, 0.02)), 5.0)], rules)
+    tracker = ContactTracker(
+        [Body("ground", Box((50, 50, 1)), motion="static"), Body("rod", Box((2, 0.02, 0.02)), 5.0)],
+        rules,
+    )
     impacts = []
     for frame in range(math.ceil(second * rate) + 6):
         height, angle = place(frame / rate)
         matrices = poses((0, 0, -0.5), (0, 0, height + 0.01))
-        matrices[1, :3, :3] = np.array([[math.cos(angle), 0, math.sin(angle)], [0, 1, 0], [-math.sin(angle), 0, math.cos(angle)]])
+        matrices[1, :3, :3] = np.array(
+            [
+                [math.cos(angle), 0, math.sin(angle)],
+                [0, 1, 0],
+                [-math.sin(angle), 0, math.cos(angle)],
+            ]
+        )
         impacts += tracker.update(frame / rate, matrices).impacts
     assert len(impacts) == 2
     assert impacts[0].time == pytest.approx(first, abs=0.004)
@@ -399,17 +500,34 @@ def test_the_harder_blow_of_the_other_end_of_a_rod_counts(rate, tilt, drop):
     [
         Sphere(0.3),
         Capsule(0.3, 1.0),
-        ConvexHull([[0.3 * math.cos(a), y, 0.3 * math.sin(a)] for a in np.arange(32) * math.pi / 16 for y in (-0.2, 0.2)]),
+        ConvexHull(
+            [
+                [0.3 * math.cos(a), y, 0.3 * math.sin(a)]
+                for a in np.arange(32) * math.pi / 16
+                for y in (-0.2, 0.2)
+            ]
+        ),
     ],
 )
 @pytest.mark.parametrize("speed", [1.0, 4.0, 13.0])
 def test_rolling_makes_no_impact(shape, speed):
     tracker = ContactTracker(
-        [Body("ground", Box((100, 100, 1)), motion="static"), Body("wheel", shape, 50.0)], ContactSettings(least_energy=0.5)
+        [Body("ground", Box((100, 100, 1)), motion="static"), Body("wheel", shape, 50.0)],
+        ContactSettings(least_energy=0.5),
     )
     for frame in range(48):
         x, matrices = speed * frame / 24, poses((0, 0, -0.5), (speed * frame / 24, 0, 0.3))
-        turn = np.array([[math.cos(x / 0.3), 0, math.sin(x / 0.3)], [0, 1, 0], [-math.sin(x / 0.3), 0, math.cos(x / 0.3)]])
-        lying = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]) if isinstance(shape, Capsule) else np.eye(3)
+        turn = np.array(
+            [
+                [math.cos(x / 0.3), 0, math.sin(x / 0.3)],
+                [0, 1, 0],
+                [-math.sin(x / 0.3), 0, math.cos(x / 0.3)],
+            ]
+        )
+        lying = (
+            np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+            if isinstance(shape, Capsule)
+            else np.eye(3)
+        )
         matrices[1, :3, :3] = turn @ lying
         assert tracker.update(frame / 24, matrices).impacts == ()

@@ -1,4 +1,5 @@
-"""Tracing that looks for contacts only where signals get to, against tracing that resolves all: the same gains, impacts and samples."""
+"""Tracing that looks for contacts only where signals get to, against tracing that resolves all: the
+same gains, impacts and samples."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ ROWS = 7
 
 
 def field(generator, rows, special=False):
-    """Stacks of two boxes on a strip of ground per row, some of which hop; balls roll between them."""
+    """Stacks of two boxes on a strip of ground per row, some of which hop; balls roll between
+    them."""
     objects = [HapticObject(f"ground {row}", 0.3, 0.7) for row in range(rows)]
     bodies = [Body(item.name, Box((60, 1, 1)), motion="static") for item in objects]
     start = [(0.0, 1.5 * row, -0.5) for row in range(rows)]
@@ -27,10 +29,21 @@ def field(generator, rows, special=False):
         kappa, rho = generator.uniform(0.0, 0.6), generator.uniform(0.5, 1.0)
         item = HapticObject(name, kappa, rho)
         if special and k % 5 == 0:
-            item = replace(item, propagation=(Linear(range=5.0), Expression(expression="0.9 * exp(-0.3 * d)"))[k % 2])
+            item = replace(
+                item,
+                propagation=(Linear(range=5.0), Expression(expression="0.9 * exp(-0.3 * d)"))[
+                    k % 2
+                ],
+            )
         objects.append(item)
         ball = level == 1 and column % 3 == 0
-        bodies.append(Body(name, Sphere(0.25) if ball else Box((0.5, 0.5, 0.5)), float(10 ** generator.uniform(0, 2.5))))
+        bodies.append(
+            Body(
+                name,
+                Sphere(0.25) if ball else Box((0.5, 0.5, 0.5)),
+                float(10 ** generator.uniform(0, 2.5)),
+            )
+        )
         start.append((1.1 * column, 1.5 * row, 0.25 + 0.5 * level))
     return tuple(objects), tuple(bodies), np.array(start)
 
@@ -42,7 +55,10 @@ def frames(seed, count, settings, special=False, rows=ROWS):
     kicked = generator.choice(np.arange(rows, len(bodies), 2), 8, replace=False)
     when, up = generator.integers(2, count - 14, 8) / RATE, generator.uniform(1.0, 2.5, 8)
     on = generator.integers(0, len(bodies), 3)
-    sources = tuple(Source(f"s{k}", objects[b].name, tuple(start[b]), amplitude=float(k > 0)) for k, b in enumerate(on.tolist()))
+    sources = tuple(
+        Source(f"s{k}", objects[b].name, tuple(start[b]), amplitude=float(k > 0))
+        for k, b in enumerate(on.tolist())
+    )
     ears = generator.integers(0, len(bodies), 2).tolist()
     slider, silent = int(generator.integers(rows, len(bodies))), int(generator.integers(0, count))
     for number in range(count):
@@ -53,9 +69,21 @@ def frames(seed, count, settings, special=False, rows=ROWS):
         place[slider, 1] += 1.5 * number / count
         transforms = np.tile(np.eye(4), (len(bodies), 1, 1))
         transforms[:, :3, 3] = place.astype(np.float32)
-        listeners = tuple(Listener(f"l{k}", objects[b].name, tuple(place[b])) for k, b in enumerate(ears))
+        listeners = tuple(
+            Listener(f"l{k}", objects[b].name, tuple(place[b])) for k, b in enumerate(ears)
+        )
         active = sources[:1] if silent <= number < silent + 8 else sources
-        yield Frame(number, number / RATE, objects, active, listeners, settings, bodies, transforms, continuous=number > 0)
+        yield Frame(
+            number,
+            number / RATE,
+            objects,
+            active,
+            listeners,
+            settings,
+            bodies,
+            transforms,
+            continuous=number > 0,
+        )
 
 
 CASES = [
@@ -78,7 +106,9 @@ def compared(sequence):
         assert some.impacts == every.impacts
         assert [source.name for source in some.sources] == [source.name for source in every.sources]
         audible = np.array([source.amplitude > 0 for source in some.sources], dtype=bool)
-        np.testing.assert_allclose(some.amplitudes[audible], every.amplitudes[audible], rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(
+            some.amplitudes[audible], every.amplitudes[audible], rtol=1e-9, atol=1e-12
+        )
         if every.block is not None:
             np.testing.assert_allclose(some.block, every.block, rtol=1e-9, atol=1e-12)
         impacts += len(every.impacts)

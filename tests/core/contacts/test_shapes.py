@@ -32,7 +32,13 @@ SHAPES = [
     Cone(0.5, 1.0, 0.04),
     ConvexHull(TETRAHEDRON, 0.1, 0.04),
     Mesh(TETRAHEDRON, FACES, 0.04, 0.0),
-    Compound(((Box((1, 1, 1)), Pose((1, 0, 0), (0, 1, 0, 0))), (Compound(((Sphere(1), Pose()),)), Pose())), 0.1),
+    Compound(
+        (
+            (Box((1, 1, 1)), Pose((1, 0, 0), (0, 1, 0, 0))),
+            (Compound(((Sphere(1), Pose()),)), Pose()),
+        ),
+        0.1,
+    ),
 ]
 
 
@@ -52,8 +58,16 @@ def test_margin_widens_the_bounds(shape):
 
 
 def test_bounds_of_a_compound():
-    pair = Compound(((Box((2, 4, 6)), Pose((10, 0, 0), (np.sqrt(0.5), 0, 0, np.sqrt(0.5)))), (Sphere(1, 0.5), Pose((0, 0, 5)))), 0.25)
-    np.testing.assert_allclose(pair.local_bounds(), [[-1.75, -1.75, -3.25], [12.25, 1.75, 6.75]], atol=1e-12)
+    pair = Compound(
+        (
+            (Box((2, 4, 6)), Pose((10, 0, 0), (np.sqrt(0.5), 0, 0, np.sqrt(0.5)))),
+            (Sphere(1, 0.5), Pose((0, 0, 5))),
+        ),
+        0.25,
+    )
+    np.testing.assert_allclose(
+        pair.local_bounds(), [[-1.75, -1.75, -3.25], [12.25, 1.75, 6.75]], atol=1e-12
+    )
     assert [part.radius for part in parts_of(pair)] == [0.25, 0.75]
 
 
@@ -78,15 +92,42 @@ def test_bounds_of_a_compound():
         ({"type": "convex_hull", "points": [[1, 2, 3]]}, "points: they all lie in one place"),
         ({"type": "convex_hull", "points": [[1, 2, 3], [1, 2]]}, "points: expected a list"),
         ({"type": "convex_hull", "points": [[1, 2, 3], [1, 2, None]]}, "points: "),
-        ({"type": "convex_hull", "points": [[0, 0, 0], [1, 1, float("nan")]]}, "points: point 1 is not finite"),
+        (
+            {"type": "convex_hull", "points": [[0, 0, 0], [1, 1, float("nan")]]},
+            "points: point 1 is not finite",
+        ),
         ({"type": "mesh", "points": TETRAHEDRON, "triangles": []}, "triangles: there are none"),
-        ({"type": "mesh", "points": TETRAHEDRON, "triangles": [[0, 1, 4]]}, "triangles: triangle 0 refers"),
-        ({"type": "mesh", "points": TETRAHEDRON, "triangles": [[0, 1, -1]]}, "triangles: triangle 0 refers"),
-        ({"type": "mesh", "points": TETRAHEDRON, "triangles": [[0, 1, 1.5]]}, "triangles: expected"),
+        (
+            {"type": "mesh", "points": TETRAHEDRON, "triangles": [[0, 1, 4]]},
+            "triangles: triangle 0 refers",
+        ),
+        (
+            {"type": "mesh", "points": TETRAHEDRON, "triangles": [[0, 1, -1]]},
+            "triangles: triangle 0 refers",
+        ),
+        (
+            {"type": "mesh", "points": TETRAHEDRON, "triangles": [[0, 1, 1.5]]},
+            "triangles: expected",
+        ),
         ({"type": "compound", "children": []}, "children: there are none"),
-        ({"type": "compound", "children": [{"type": "sphere", "radius": 0}]}, "children/0/radius: must be greater"),
-        ({"type": "compound", "children": [{"type": "sphere", "radius": 1, "pose": {"position": [1, 2]}}]}, "children/0/pose/position"),
-        ({"type": "compound", "children": [{"type": "sphere", "radius": 1, "pose": {"place": 1}}]}, "children/0/pose/place: unknown"),
+        (
+            {"type": "compound", "children": [{"type": "sphere", "radius": 0}]},
+            "children/0/radius: must be greater",
+        ),
+        (
+            {
+                "type": "compound",
+                "children": [{"type": "sphere", "radius": 1, "pose": {"position": [1, 2]}}],
+            },
+            "children/0/pose/position",
+        ),
+        (
+            {
+                "type": "compound",
+                "children": [{"type": "sphere", "radius": 1, "pose": {"place": 1}}],
+            },
+            "children/0/pose/place: unknown",
+        ),
     ],
 )
 def test_bad_shapes(form, message):

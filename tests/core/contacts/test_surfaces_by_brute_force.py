@@ -1,4 +1,5 @@
-"""Contacts of surfaces against brute force over all triangles, and their patches against closed forms and continuity."""
+"""Contacts of surfaces against brute force over all triangles, and their patches against closed
+forms and continuity."""
 
 from __future__ import annotations
 
@@ -14,7 +15,9 @@ from haptic_tracing.core.contacts.narrow.frames import relative_pose
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.shapes import Box, ConvexHull, Cylinder, Mesh, Sphere
 
-_spec = importlib.util.spec_from_file_location("triangle_reference", Path(__file__).parents[2] / "references" / "triangle_reference.py")
+_spec = importlib.util.spec_from_file_location(
+    "triangle_reference", Path(__file__).parents[2] / "references" / "triangle_reference.py"
+)
 reference = importlib.util.module_from_spec(_spec)
 sys.modules["triangle_reference"] = reference
 _spec.loader.exec_module(reference)
@@ -27,9 +30,17 @@ def poses_12(matrix):
 
 
 def query(first, second, a, b, limit=TOLERANCE):
-    """Distance, normal, centre and area of the contact of two shapes in these poses (4, 4), in the world."""
-    found = NarrowPhase([first, second]).query(np.array([[0, 1]]), *relative_pose(poses_12(a), poses_12(b)), np.array([limit]))
-    return float(found.distance[0]), a[:3, :3] @ found.normal[:, 0], a[:3, :3] @ found.centre[:, 0] + a[:3, 3], float(found.area[0])
+    """Distance, normal, centre and area of the contact of two shapes in these poses (4, 4), in the
+    world."""
+    found = NarrowPhase([first, second]).query(
+        np.array([[0, 1]]), *relative_pose(poses_12(a), poses_12(b)), np.array([limit])
+    )
+    return (
+        float(found.distance[0]),
+        a[:3, :3] @ found.normal[:, 0],
+        a[:3, :3] @ found.centre[:, 0] + a[:3, 3],
+        float(found.area[0]),
+    )
 
 
 def rotation(random):
@@ -58,7 +69,8 @@ def body(points, triangles):
 
 
 def near_poses(one, other, random, count):
-    """Poses of the second mesh in which it is within 3 cm of the first, crosses it or is inside it."""
+    """Poses of the second mesh in which it is within 3 cm of the first, crosses it or is inside
+    it."""
     a, b = body(*one), body(*other)
     result = []
     while len(result) < count:
@@ -90,7 +102,8 @@ PAIRS = list(itertools.combinations_with_replacement(sorted(reference.SOLIDS), 2
 @pytest.mark.parametrize(("name_a", "name_b"), PAIRS, ids=[f"{a}-{b}" for a, b in PAIRS])
 @pytest.mark.parametrize("solid", [True, False], ids=["solids", "shells"])
 def test_contacts_are_those_of_all_triangles(name_a, name_b, solid):
-    """None is missed and none invented beyond 1 mm; distances of those apart are exact, those of solids that cross within their bounds."""
+    """None is missed and none invented beyond 1 mm; distances of those apart are exact, those of
+    solids that cross within their bounds."""
     random = np.random.default_rng(sum(map(ord, name_a + name_b)))
     one, other = reference.SOLIDS[name_a], reference.SOLIDS[name_b]
     shapes = [Mesh(*mesh, sunk_in=SUNK_IN * solid) for mesh in (one, other)]
@@ -99,7 +112,10 @@ def test_contacts_are_those_of_all_triangles(name_a, name_b, solid):
     for matrix in near_poses(one, other, random, 12):
         first, second = placed(one, np.eye(4)), placed(other, matrix)
         gap = reference.distance(first, second)
-        enclosed = solid and (reference.is_inside(second[:1, 0], first)[0] or reference.is_inside(first[:1, 0], second)[0])
+        enclosed = solid and (
+            reference.is_inside(second[:1, 0], first)[0]
+            or reference.is_inside(first[:1, 0], second)[0]
+        )
         distance, normal, centre, area = query(*shapes, np.eye(4), matrix)
         assert np.isfinite(normal).all() and np.isfinite(centre).all() and area >= 0
         if gap == 0:
@@ -107,12 +123,18 @@ def test_contacts_are_those_of_all_triangles(name_a, name_b, solid):
             assert distance <= 1e-7 if not solid else -most - 1e-9 <= distance <= BAND
         elif enclosed:
             inside += 1
-            assert distance == pytest.approx(gap - most, abs=1e-6) if gap - most <= TOLERANCE else distance > TOLERANCE
+            assert (
+                distance == pytest.approx(gap - most, abs=1e-6)
+                if gap - most <= TOLERANCE
+                else distance > TOLERANCE
+            )
         elif gap <= TOLERANCE:
             apart += 1
             assert distance == pytest.approx(gap, abs=1e-6)
             for corners in (first.reshape(-1, 3), second.reshape(-1, 3)):
-                assert (centre >= corners.min(axis=0) - gap).all() and (centre <= corners.max(axis=0) + gap).all()
+                assert (centre >= corners.min(axis=0) - gap).all() and (
+                    centre <= corners.max(axis=0) + gap
+                ).all()
         else:
             assert distance > TOLERANCE
     assert apart + crossing + inside >= 3
@@ -122,11 +144,18 @@ def test_contacts_are_those_of_all_triangles(name_a, name_b, solid):
 @pytest.mark.parametrize("below", ["slab", "shell", "hull"])
 @pytest.mark.parametrize("gap", [0.01, 1e-4, 0.0, -1e-4, -0.02])
 def test_a_box_on_a_slab(parts, below, gap):
-    """Distance, normal, centre and area by closed form, however the faces are divided. A shell has no depth beyond its faces' own."""
+    """Distance, normal, centre and area by closed form, however the faces are divided. A shell has
+    no depth beyond its faces' own."""
     points, triangles = reference.box((3.0, 2.0, 0.2), parts)
-    ground = ConvexHull(points) if below == "hull" else Mesh(points, triangles, sunk_in=SUNK_IN * (below == "slab"))
+    ground = (
+        ConvexHull(points)
+        if below == "hull"
+        else Mesh(points, triangles, sunk_in=SUNK_IN * (below == "slab"))
+    )
     top = Mesh(*reference.box((0.4, 0.3, 0.2), parts), sunk_in=SUNK_IN)
-    distance, normal, centre, area = query(ground, top, pose((0, 0, -0.1)), pose((0.23, 0.11, 0.1 + gap)))
+    distance, normal, centre, area = query(
+        ground, top, pose((0, 0, -0.1)), pose((0.23, 0.11, 0.1 + gap))
+    )
     assert distance == pytest.approx(gap, abs=1e-7)
     np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-6)
     np.testing.assert_allclose(centre, [0.23, 0.11, gap / 2], atol=1e-6)
@@ -135,15 +164,29 @@ def test_a_box_on_a_slab(parts, below, gap):
 
 @pytest.mark.parametrize("parts", [1, 6])
 def test_patches_are_continuous(parts):
-    """A concave body that sinks, tilts and slides on a slab: no step of the patch is larger than a few times that of the body."""
-    u_shape = [(-0.3, -0.1), (0.3, -0.1), (0.3, 0.2), (0.2, 0.2), (0.2, 0.05), (-0.2, 0.05), (-0.2, 0.2), (-0.3, 0.2)]
+    """A concave body that sinks, tilts and slides on a slab: no step of the patch is larger than a
+    few times that of the body."""
+    u_shape = [
+        (-0.3, -0.1),
+        (0.3, -0.1),
+        (0.3, 0.2),
+        (0.2, 0.2),
+        (0.2, 0.05),
+        (-0.2, 0.05),
+        (-0.2, 0.2),
+        (-0.3, 0.2),
+    ]
     body = Mesh(*reference.prism(u_shape, 0.3), sunk_in=SUNK_IN)
     slab = Mesh(*reference.box((3.0, 2.0, 0.3), parts), sunk_in=SUNK_IN)
-    standing = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # on its back, the faces' normals being along z
+    # On its back, the faces' normals being along z.
+    standing = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
     steps = np.linspace(0, 1, 201)
     paths = {
         "sinks": [pose((0.1, 0.05, 0.25 + 0.005 - 0.02 * t), standing) for t in steps],
-        "tilts": [pose((0.1, 0.05, 0.25), np.array([[1, 0, 0], [0, 1, -a], [0, a, 1]]) @ standing) for a in 0.002 * (steps - 0.5)],
+        "tilts": [
+            pose((0.1, 0.05, 0.25), np.array([[1, 0, 0], [0, 1, -a], [0, a, 1]]) @ standing)
+            for a in 0.002 * (steps - 0.5)
+        ],
         "slides": [pose((0.1 + 0.05 * t, 0.05, 0.25 - 0.002), standing) for t in steps],
     }
     for name, path in paths.items():
@@ -168,12 +211,24 @@ SMALL = {
 @pytest.mark.parametrize("small", SMALL)
 @pytest.mark.parametrize("swapped", [False, True])
 def test_what_is_inside_touches_down_to_a_depth(room, small, swapped):
-    """A fingertip in a sofa touches it, a lamp in the air of a room does not, nor what lies deep in the ground; whatever its shape."""
+    """A fingertip in a sofa touches it, a lamp in the air of a room does not, nor what lies deep in
+    the ground; whatever its shape."""
     large = reference.box((2.0, 2.0, 2.0), 3)
-    room = Mesh(*large, sunk_in=SUNK_IN) if room == "mesh" else ConvexHull(large[0], sunk_in=SUNK_IN)
+    room = (
+        Mesh(*large, sunk_in=SUNK_IN) if room == "mesh" else ConvexHull(large[0], sunk_in=SUNK_IN)
+    )
     turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
-    for beneath, touches in ((0.001, True), (0.015, True), (0.031, True), (0.033, False), (0.5, False)):
-        placed = [(room, pose((0, 0, 0), turn)), (SMALL[small], pose((0.3, 0.2, 1 - beneath - 0.02)))]
+    for beneath, touches in (
+        (0.001, True),
+        (0.015, True),
+        (0.031, True),
+        (0.033, False),
+        (0.5, False),
+    ):
+        placed = [
+            (room, pose((0, 0, 0), turn)),
+            (SMALL[small], pose((0.3, 0.2, 1 - beneath - 0.02))),
+        ]
         (first, a), (second, b) = placed[::-1] if swapped else placed
         distance, normal, centre, _ = query(first, second, a, b)
         assert (distance <= TOLERANCE) == touches
@@ -186,4 +241,6 @@ def test_what_is_inside_touches_down_to_a_depth(room, small, swapped):
 def test_what_is_inside_a_shell_touches_where_it_is_close():
     shell, tip = Mesh(*reference.box((2.0, 2.0, 2.0), 3)), SMALL["mesh"]
     assert query(shell, tip, np.eye(4), pose((0.3, 0.2, 1 - 0.015 - 0.02)))[0] > TOLERANCE
-    assert query(shell, tip, np.eye(4), pose((0.3, 0.2, 1 - 0.005 - 0.02)))[0] == pytest.approx(0.005, abs=1e-7)
+    assert query(shell, tip, np.eye(4), pose((0.3, 0.2, 1 - 0.005 - 0.02)))[0] == pytest.approx(
+        0.005, abs=1e-7
+    )

@@ -1,4 +1,5 @@
-"""The tracker against itself from scratch: what it keeps from frame to frame must be what it would find anew."""
+"""The tracker against itself from scratch: what it keeps from frame to frame must be what it would
+find anew."""
 
 from __future__ import annotations
 
@@ -7,7 +8,15 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.settings import Body, ContactSettings
-from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, ConvexHull, Cylinder, Mesh, Sphere
+from haptic_tracing.core.contacts.shapes import (
+    Box,
+    Capsule,
+    Compound,
+    ConvexHull,
+    Cylinder,
+    Mesh,
+    Sphere,
+)
 from haptic_tracing.core.contacts.tracker import ContactTracker, Ends
 from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.core.scene.values import Pose
@@ -46,9 +55,14 @@ def crowd(seed, count=14, frames=12, still=0.5):
     """Random bodies that drift and turn, some by next to nothing, some not at all."""
     generator = np.random.default_rng(seed)
     bodies = [GROUND, *(Body(f"b{k}", s, 1.0) for k, s in enumerate(shapes(generator, count)))]
-    place, turn = generator.uniform(-1.6, 1.6, (count, 3)) * [1, 1, 0.6] + [0, 0, 1.3], generator.normal(size=(count, 3))
+    place, turn = (
+        generator.uniform(-1.6, 1.6, (count, 3)) * [1, 1, 0.6] + [0, 0, 1.3],
+        generator.normal(size=(count, 3)),
+    )
     shares = [still, *((1 - still) * np.array([0.2, 0.4, 0.4]))]
-    speed = generator.normal(size=(count, 3)) * generator.choice([0.0, 1e-7, 1e-3, 0.02], size=(count, 1), p=shares)
+    speed = generator.normal(size=(count, 3)) * generator.choice(
+        [0.0, 1e-7, 1e-3, 0.02], size=(count, 1), p=shares
+    )
     sequence = []
     for frame in range(frames):
         if frame == frames // 2:
@@ -64,14 +78,24 @@ def pairs_of(contacts):
 
 def rows(contacts):
     """By pair: positions, normal, distance, area and weight."""
-    columns = (contacts.positions.reshape(-1, 6), contacts.normal, contacts.distance, contacts.area, contacts.weight)
-    return dict(zip(map(tuple, contacts.pairs.tolist()), np.column_stack(columns).tolist(), strict=True))
+    columns = (
+        contacts.positions.reshape(-1, 6),
+        contacts.normal,
+        contacts.distance,
+        contacts.area,
+        contacts.weight,
+    )
+    return dict(
+        zip(map(tuple, contacts.pairs.tolist()), np.column_stack(columns).tolist(), strict=True)
+    )
 
 
 def assert_among(found, expected, atol):
     """Each of the rows ``found`` as in ``expected``."""
     if found:
-        np.testing.assert_allclose(list(found.values()), [expected[pair] for pair in found], atol=atol)
+        np.testing.assert_allclose(
+            list(found.values()), [expected[pair] for pair in found], atol=atol
+        )
 
 
 @pytest.mark.slow
@@ -103,12 +127,19 @@ def test_no_queries_where_nothing_moves():
     for frame in range(1, 5):
         found = tracker.update(frame / 24, sequence[0].copy())
         assert found.contacts is first.contacts
-        assert found.statistics.queries == 0 and found.statistics.avoided == first.statistics.candidates
+        assert (
+            found.statistics.queries == 0
+            and found.statistics.avoided == first.statistics.candidates
+        )
 
 
 def test_bodies_that_move_together_keep_their_contacts():
     """Two crates on a turning platform: their contacts go along without a query."""
-    bodies = [Body("platform", Box((4, 4, 0.2)), motion="kinematic"), Body("a", Box((1, 1, 1))), Body("b", ConvexHull(CUBE))]
+    bodies = [
+        Body("platform", Box((4, 4, 0.2)), motion="kinematic"),
+        Body("a", Box((1, 1, 1))),
+        Body("b", ConvexHull(CUBE)),
+    ]
     local = moved([(0, 0, 0), (1, 0, 0.6), (-1, 0.5, 0.6)])
     tracker = ContactTracker(bodies)
     queries = 0
@@ -117,14 +148,21 @@ def test_bodies_that_move_together_keep_their_contacts():
         found = tracker.update(frame / 24, platform @ local)
         queries += found.statistics.queries
         for k in (0, 1):
-            np.testing.assert_allclose(found.contacts.positions[k, 0], (platform @ [*local[k + 1, :2, 3], 0.1, 1])[:3], atol=1e-4)
+            np.testing.assert_allclose(
+                found.contacts.positions[k, 0],
+                (platform @ [*local[k + 1, :2, 3], 0.1, 1])[:3],
+                atol=1e-4,
+            )
             np.testing.assert_allclose(found.contacts.normal[k], platform[:3, 2], atol=1e-6)
     assert queries <= 3
 
 
 def test_contacts_end_at_the_tolerance_and_pairs_part_beyond_the_slack():
-    """A contact depends on the poses alone; that a pair has begun or ceased to touch, on its past, so that it stays so."""
-    tracker = ContactTracker([GROUND, Body("ball", Sphere(0.5))], ContactSettings(tolerance=0.01, slack=0.005))
+    """A contact depends on the poses alone; that a pair has begun or ceased to touch, on its past,
+    so that it stays so."""
+    tracker = ContactTracker(
+        [GROUND, Body("ball", Sphere(0.5))], ContactSettings(tolerance=0.01, slack=0.005)
+    )
     gaps = [0.02, 0.012, 0.009, 0.012, 0.0149, 0.016, 0.012, 0.0101, 0.0099]
     touching, began, ended = [], [], []
     for frame, gap in enumerate(gaps):
@@ -141,11 +179,15 @@ def test_contacts_end_at_the_tolerance_and_pairs_part_beyond_the_slack():
 @settings(max_examples=40, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), density=st.sampled_from([0.05, 0.2, 0.5]))
 def test_contacts_on_the_way_from_sources_to_listeners_are_found(seed, density):
-    """Of bodies that contacts join to a source and to a listener, all contacts are the same as when everything is resolved."""
+    """Of bodies that contacts join to a source and to a listener, all contacts are the same as when
+    everything is resolved."""
     bodies, sequence = crowd(seed, frames=6)
     generator = np.random.default_rng(seed)
     count = len(bodies)
-    lazy, eager = ContactTracker(bodies, ContactSettings(slack=0.0)), ContactTracker(bodies, ContactSettings(slack=0.0))
+    lazy, eager = (
+        ContactTracker(bodies, ContactSettings(slack=0.0)),
+        ContactTracker(bodies, ContactSettings(slack=0.0)),
+    )
     for frame, matrices in enumerate(sequence):
         ends = Ends(*(generator.random((2, count)) < density))
         some, every = lazy.update(frame / 24, matrices, ends), eager.update(frame / 24, matrices)
@@ -157,15 +199,21 @@ def test_contacts_on_the_way_from_sources_to_listeners_are_found(seed, density):
                 assert {pair for pair in expected if pair[0] in heap} <= found.keys()
         assert_among(found, expected, 1e-3)
         assert some.impacts == every.impacts
-    assert len(lazy.update(1.0, sequence[-1], Ends(*np.zeros((2, count), dtype=bool))).contacts) == 0
+    assert (
+        len(lazy.update(1.0, sequence[-1], Ends(*np.zeros((2, count), dtype=bool))).contacts) == 0
+    )
 
 
 def hopping(generator, frames, rate):
-    """Boxes at rest on the ground that are kicked, one after the other, and hop and slide until friction has stopped them; some stand on
-    others or against a wall, and all turn a little while they move."""
+    """Boxes at rest on the ground that are kicked, one after the other, and hop and slide until
+    friction has stopped them; some stand on others or against a wall, and all turn a little while
+    they move."""
     count = 12
     bodies = [GROUND, Body("wall", Box((20, 0.2, 3)), motion="static")]
-    bodies += [Body(f"b{k}", Box((0.5, 0.5, 0.5)), float(10 ** generator.uniform(-1, 3))) for k in range(count)]
+    bodies += [
+        Body(f"b{k}", Box((0.5, 0.5, 0.5)), float(10 ** generator.uniform(-1, 3)))
+        for k in range(count)
+    ]
     start = np.array([(1.0 * (k % 4) - 1.5, 0.8 * (k // 4) - 1.5, 0.25) for k in range(count)])
     start[-1] = start[-2] + [0, 0, 0.5]
     kick = generator.integers(2, frames - 10, count) / rate
@@ -184,20 +232,34 @@ def hopping(generator, frames, rate):
                 place[k, 2] += speed * left - 9.81 / 2 * left**2
         turns = np.zeros((count, 3))
         turns[:, 2] = 0.3 * slid
-        sequence.append(moved([(0, 0, -0.5), (0, 3, 1.5), *place], [(0, 0, 0), (0, 0, 0), *turns]).astype(np.float32))
+        sequence.append(
+            moved([(0, 0, -0.5), (0, 3, 1.5), *place], [(0, 0, 0), (0, 0, 0), *turns]).astype(
+                np.float32
+            )
+        )
     return bodies, sequence
 
 
 @pytest.mark.slow
 @settings(max_examples=25, derandomize=True, deadline=None)
-@given(seed=st.integers(0, 10**6), rate=st.sampled_from([24.0, 60.0]), energy=st.sampled_from(["kinetic", "normal"]))
+@given(
+    seed=st.integers(0, 10**6),
+    rate=st.sampled_from([24.0, 60.0]),
+    energy=st.sampled_from(["kinetic", "normal"]),
+)
 def test_impacts_do_not_depend_on_what_is_wanted(seed, rate, energy):
-    """All impacts are found where nothing sounds, and the contacts through which a listener feels them."""
+    """All impacts are found where nothing sounds, and the contacts through which a listener feels
+    them."""
     bodies, sequence = hopping(np.random.default_rng(seed), 40, rate)
-    lazy, eager = (ContactTracker(bodies, ContactSettings(energy=energy, least_energy=1.0)) for _ in range(2))
+    lazy, eager = (
+        ContactTracker(bodies, ContactSettings(energy=energy, least_energy=1.0)) for _ in range(2)
+    )
     ends = Ends(np.ones(len(bodies), dtype=bool), np.zeros(len(bodies), dtype=bool))
     for frame, matrices in enumerate(sequence):
-        some, every = lazy.update(frame / rate, matrices, ends), eager.update(frame / rate, matrices)
+        some, every = (
+            lazy.update(frame / rate, matrices, ends),
+            eager.update(frame / rate, matrices),
+        )
         assert some.impacts == every.impacts
         found, all_pairs = pairs_of(some.contacts), pairs_of(every.contacts)
         assert found <= all_pairs
@@ -206,14 +268,17 @@ def test_impacts_do_not_depend_on_what_is_wanted(seed, rate, energy):
 
 
 def test_heaps_without_a_source_or_a_listener_are_not_computed():
-    """Three stacks apart from each other: with a source and a listener, with a source alone, and with a listener alone."""
+    """Three stacks apart from each other: with a source and a listener, with a source alone, and
+    with a listener alone."""
     places = [(10.0 * k, 0, 0.5 + level) for k in range(3) for level in range(4)]
     bodies = [Body(f"b{k}", Box((1, 1, 1))) for k in range(len(places))]
     heard, sounding = np.zeros((2, len(bodies)), dtype=bool)
     heard[[0, 8]] = sounding[[3, 4]] = True
     tracker = ContactTracker(bodies)
     found = tracker.update(0.0, moved(places), Ends(heard, sounding))
-    assert found.contacts.pairs.tolist() == [[0, 1], [1, 2], [2, 3]] and found.statistics.queries == 3
+    assert (
+        found.contacts.pairs.tolist() == [[0, 1], [1, 2], [2, 3]] and found.statistics.queries == 3
+    )
     everything = tracker.update(1 / 24, moved(places))
     assert len(everything.contacts) == 9
     assert len(everything.began) == 0  # they were there before, only nobody had looked
@@ -249,7 +314,8 @@ def test_no_bodies_and_one_body():
 
 
 def test_deforming_bodies_keep_their_motion():
-    """A balloon that is blown up while it falls: its hull changes in every frame, and it hits once."""
+    """A balloon that is blown up while it falls: its hull changes in every frame, and it hits
+    once."""
 
     def balloon(frame):
         return Body("balloon", ConvexHull(CUBE * (1 + 0.01 * frame)), 10.0)
@@ -285,10 +351,13 @@ def test_bad_settings(values, word):
 
 
 def test_what_is_known_of_shapes_that_stay_is_kept():
-    """Contacts are those of a new tracker after one of two meshes has been replaced; the surface of the other is not made again."""
+    """Contacts are those of a new tracker after one of two meshes has been replaced; the surface of
+    the other is not made again."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
-    still, before, after = (Mesh(points * size, triangles, sunk_in=0.05) for size in (1.0, 0.5, 0.7))
+    still, before, after = (
+        Mesh(points * size, triangles, sunk_in=0.05) for size in (1.0, 0.5, 0.7)
+    )
     transforms = np.tile(np.eye(4), (2, 1, 1))
     transforms[1, :3, 3] = 0.3, 0.3, -0.5
     tracker = ContactTracker([Body("still", still), Body("changes", before)])
@@ -296,7 +365,11 @@ def test_what_is_known_of_shapes_that_stay_is_kept():
     kept = tracker._narrow._kept[0]
     tracker.replace_bodies([Body("still", still), Body("changes", after)])
     found = tracker.update(0.1, transforms).contacts
-    fresh = ContactTracker([Body("still", still), Body("changes", after)]).update(0.1, transforms).contacts
+    fresh = (
+        ContactTracker([Body("still", still), Body("changes", after)])
+        .update(0.1, transforms)
+        .contacts
+    )
     assert tracker._narrow._kept[0] is kept
     for name in ("pairs", "positions", "normal", "distance", "area"):
         np.testing.assert_array_equal(getattr(found, name), getattr(fresh, name))

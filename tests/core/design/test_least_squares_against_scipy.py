@@ -20,7 +20,9 @@ def test_the_minimum_is_scipys(softness):
         expected = lsq_linear(whole, right, (low, high), method="bvls", tol=1e-15).x
         found = bounded_least_squares(matrix, target, low, high, softness)
         assert np.all((found >= low) & (found <= high))
-        assert np.sum((whole @ found - right) ** 2) <= np.sum((whole @ expected - right) ** 2) * (1 + 1e-10)
+        assert np.sum((whole @ found - right) ** 2) <= np.sum((whole @ expected - right) ** 2) * (
+            1 + 1e-10
+        )
 
 
 def test_without_an_upper_bound_as_nnls():
@@ -36,5 +38,7 @@ def test_without_an_upper_bound_as_nnls():
 def test_of_several_solutions_the_smallest():
     """A load on three supports side by side: with the middle one at the load, x = 1/3 each."""
     matrix = np.array([[1.0, 1.0, 1.0], [-1.0, 0.0, 1.0]])
-    found = bounded_least_squares(matrix, np.array([1.0, 0.0]), np.zeros(3), np.full(3, np.inf), 1e-12)
+    found = bounded_least_squares(
+        matrix, np.array([1.0, 0.0]), np.zeros(3), np.full(3, np.inf), 1e-12
+    )
     assert found == pytest.approx([1 / 3] * 3, abs=1e-9)

@@ -23,9 +23,19 @@ def sounding(pad):
 
 
 class FakePad:
-    """One connected device. Its writes block while ``gate`` is clear, and the next ``failing`` of them fail."""
+    """One connected device. Its writes block while ``gate`` is clear, and the next ``failing`` of
+    them fail."""
 
-    def __init__(self, path=b"/dev/fake0", vendor=0x054C, product=0x0CE6, number=3, serial="", usage=(0x01, 0x05), bus=1):
+    def __init__(
+        self,
+        path=b"/dev/fake0",
+        vendor=0x054C,
+        product=0x0CE6,
+        number=3,
+        serial="",
+        usage=(0x01, 0x05),
+        bus=1,
+    ):
         self.path, self.serial = path, serial
         self.entry = {
             "path": path,
@@ -65,7 +75,8 @@ class FakeHid:
 
 
 class FakeDevice:
-    """An open device: like hidapi's, it reports a failed write by -1 and knows nothing of other threads."""
+    """An open device: like hidapi's, it reports a failed write by -1 and knows nothing of other
+    threads."""
 
     def __init__(self, hid):
         self.hid, self.pad = hid, None

@@ -1,4 +1,5 @@
-"""A device that is a file: it gets a line of JSON per report, seconds of `time.perf_counter` and the bytes. Works on every system."""
+"""A device that is a file: it gets a line of JSON per report, seconds of `time.perf_counter` and
+the bytes. Works on every system."""
 
 import json
 import time
@@ -30,9 +31,15 @@ def file_device(file, family):
     vendor, product = min(family.ids)
     usage = (0xFF00, 0x01) if family.name.startswith("steam") else (0x01, 0x05)
     number = 2 if family.name.startswith("steam") else 3
-    return StandInModule(Interface(b"file", vendor, product, "", "Pad", *usage, number, "usb"), partial(FileDevice, file))
+    return StandInModule(
+        Interface(b"file", vendor, product, "", "Pad", *usage, number, "usb"),
+        partial(FileDevice, file),
+    )
 
 
 def reports_of(file):
     """What was written to a device: [(seconds, bytes)]."""
-    return [(seconds, bytes.fromhex(data)) for seconds, data in map(json.loads, Path(file).read_text(encoding="ascii").splitlines())]
+    return [
+        (seconds, bytes.fromhex(data))
+        for seconds, data in map(json.loads, Path(file).read_text(encoding="ascii").splitlines())
+    ]

@@ -1,4 +1,5 @@
-"""The guard's work in a thread of this process, over pipes as ever: so that it drives the devices that a test makes up in memory."""
+"""The guard's work in a thread of this process, over pipes as ever: so that it drives the devices
+that a test makes up in memory."""
 
 import os
 import threading
@@ -11,9 +12,15 @@ class GuardInThread:
 
     def __init__(self):
         self.pid = os.getpid()
-        orders, self.stdin = (os.fdopen(end, mode) for end, mode in zip(os.pipe(), ("rb", "wb"), strict=True))
-        self.stdout, statuses = (os.fdopen(end, mode) for end, mode in zip(os.pipe(), ("rb", "wb"), strict=True))
-        self._thread = threading.Thread(target=self._run, args=(orders, statuses), name="haptics guard", daemon=True)
+        orders, self.stdin = (
+            os.fdopen(end, mode) for end, mode in zip(os.pipe(), ("rb", "wb"), strict=True)
+        )
+        self.stdout, statuses = (
+            os.fdopen(end, mode) for end, mode in zip(os.pipe(), ("rb", "wb"), strict=True)
+        )
+        self._thread = threading.Thread(
+            target=self._run, args=(orders, statuses), name="haptics guard", daemon=True
+        )
         self._thread.start()
 
     def _run(self, orders, statuses):

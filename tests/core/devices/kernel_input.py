@@ -1,6 +1,8 @@
-"""A gamepad's event device as the kernel has it: umockdev's node, and an answer to what is asked of it.
+"""A gamepad's event device as the kernel has it: umockdev's node, and an answer to what is asked of
+it.
 
-umockdev passes the ioctls and writes of a program on to a socket; whoever serves it stands for the kernel.
+umockdev passes the ioctls and writes of a program on to a socket; whoever serves it stands for the
+kernel.
 """
 
 import os
@@ -18,19 +20,38 @@ EFFECT_BYTES = 48
 
 
 def describe_pad(name, vendor, product, number=0, serial="", bus=3, capabilities="107030000 0"):
-    """What umockdev is told of a pad: lines for its description. The capabilities are those that xpad has."""
+    """What umockdev is told of a pad: lines for its description. The capabilities are those that
+    xpad has."""
     device = f"/devices/virtual/input/input{number}"
-    lines = [f"P: {device}", "E: SUBSYSTEM=input", f"A: name={name}", f"A: uniq={serial}", f"A: capabilities/ff={capabilities}"]
-    lines += [f"A: id/vendor={vendor:04x}", f"A: id/product={product:04x}", f"A: id/bustype={bus:04x}", ""]
-    lines += [f"P: {device}/event{number}", f"N: input/event{number}", "E: SUBSYSTEM=input", f"E: DEVNAME=/dev/input/event{number}"]
+    lines = [
+        f"P: {device}",
+        "E: SUBSYSTEM=input",
+        f"A: name={name}",
+        f"A: uniq={serial}",
+        f"A: capabilities/ff={capabilities}",
+    ]
+    lines += [
+        f"A: id/vendor={vendor:04x}",
+        f"A: id/product={product:04x}",
+        f"A: id/bustype={bus:04x}",
+        "",
+    ]
+    lines += [
+        f"P: {device}/event{number}",
+        f"N: input/event{number}",
+        "E: SUBSYSTEM=input",
+        f"E: DEVNAME=/dev/input/event{number}",
+    ]
     return "\n".join([*lines, f"L: device=../../input{number}", ""]) + "\n"
 
 
 class Kernel:
-    """Serves one event device: keeps the effects and when each was started or stopped. Runs inside umockdev."""
+    """Serves one event device: keeps the effects and when each was started or stopped. Runs inside
+    umockdev."""
 
     def __init__(self, number=0):
-        self.effects, self.events = {}, []  # (strong, weak, milliseconds) by id; (seconds, id, value)
+        # (strong, weak, milliseconds) by id; (seconds, id, value).
+        self.effects, self.events = {}, []
         self.started = []  # strengths of each effect that was started
         path = Path(os.environ["UMOCKDEV_DIR"], "ioctl", "dev", "input", f"event{number}")
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -42,12 +63,14 @@ class Kernel:
 
     @property
     def usual(self):
-        """The median strength of each motor. A block that comes late or is lost where the processor is busy is a click, which is short."""
+        """The median strength of each motor. A block that comes late or is lost where the processor
+        is busy is a click, which is short."""
         return [statistics.median(motor) for motor in zip(*self.started, strict=True)]
 
     @property
     def strength(self):
-        """What the pad does now: the last effect that was started and neither stopped nor over, or erased."""
+        """What the pad does now: the last effect that was started and neither stopped nor over, or
+        erased."""
         if not self.events:
             return 0, 0
         at, effect, value = self.events[-1]
@@ -65,7 +88,8 @@ class Kernel:
             while True:
                 command, first, second = struct.unpack("QQQ", received(connection, 24))
                 if command == IOCTL:
-                    answer = self.upload(connection, second) if first == UPLOAD else (2**64 - 1, 25)  # ENOTTY
+                    # ENOTTY.
+                    answer = self.upload(connection, second) if first == UPLOAD else (2**64 - 1, 25)
                 else:
                     assert command == WRITE
                     answer = self.play(connection, first, second), 0

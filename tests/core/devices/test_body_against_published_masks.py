@@ -1,21 +1,36 @@
-"""The body table against MPEG's published bits and the derived schemas' vocabulary, and against its own mirror."""
+"""The body table against MPEG's published bits and the derived schemas' vocabulary, and against its
+own mirror."""
 
 import re
 
 import pytest
 from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS, PAPER_LISTENERS, body_part
 
-# Bits of OHMData.h in MPEGGroup/HapticReferenceSoftware.
-# On each side: ear 0x4, chest 0x10, then every second bit from the upper arm to the toes; the left one is the right one shifted by 1.
+# Bits of OHMData.h in MPEGGroup/HapticReferenceSoftware. On each side: ear 0x4, chest 0x10, then
+# every second bit from the upper arm to the toes; the left one is the right one shifted by 1.
 RIGHT_BITS = 0x4 | 0x10 | sum(1 << bit for bit in range(10, 32, 2))
 LEFT_BITS = RIGHT_BITS << 1
 MIDLINE_BITS = 0x1 | 0x2 | 0x40 | 0x80 | 0x100 | 0x200
 MPEG_TARGETS = re.findall(
     r"\S+",
-    "Unknown All Top Down Right Left Front Back Arm Head Chest Waist Leg Upper-arm Forearm Hand Crane Neck Thigh Calf Foot Palm Finger "
-    "Sole Toe Thumb Index Middle Ring Pinky Hallux Index-toe Middle-toe Ring-toe Pinky-toe Minus Plus",
+    "Unknown All Top Down Right Left Front Back Arm Head Chest Waist Leg Upper-arm Forearm Hand "
+    "Crane Neck Thigh Calf Foot Palm Finger "
+    "Sole Toe Thumb Index Middle Ring Pinky Hallux Index-toe Middle-toe Ring-toe Pinky-toe Minus "
+    "Plus",
 )
-BHAPTICS_POSITIONS = ["VestFront", "VestBack", "Head", "ForearmL", "ForearmR", "HandL", "HandR", "GloveL", "GloveR", "FootL", "FootR"]
+BHAPTICS_POSITIONS = [
+    "VestFront",
+    "VestBack",
+    "Head",
+    "ForearmL",
+    "ForearmR",
+    "HandL",
+    "HandR",
+    "GloveL",
+    "GloveR",
+    "FootL",
+    "FootR",
+]
 # The study's rig as MPEG channels: (mask, target).
 STUDY = {
     "ear.L": (0x8, ("Head", "Left")),
@@ -43,7 +58,10 @@ def test_names_sides_masks_and_vocabularies_agree(part):
     side_bits = {"L": LEFT_BITS, "R": RIGHT_BITS, "": 0}[part.side]
     assert part.mpeg_mask and part.mpeg_mask & ~(side_bits | MIDLINE_BITS) == 0
     assert set(part.mpeg_target) <= set(MPEG_TARGETS)
-    assert ("Left" in part.mpeg_target, "Right" in part.mpeg_target) == (part.side == "L", part.side == "R")
+    assert ("Left" in part.mpeg_target, "Right" in part.mpeg_target) == (
+        part.side == "L",
+        part.side == "R",
+    )
     assert part.wyvrn_side == {"L": "Left", "R": "Right", "": "Global"}[part.side]
     assert part.bhaptics is None or part.bhaptics in BHAPTICS_POSITIONS
     assert part.name.endswith(f".{part.side}") if part.side else "." not in part.name
@@ -57,9 +75,15 @@ def test_mirroring_twice_is_the_part_itself_and_once_swaps_every_side(part):
     assert {part.side, partner.side} in ({"L", "R"}, {""})
     assert partner.radius == part.radius and partner.wyvrn_target == part.wyvrn_target
     # A left bit of the table is the right bit shifted by one place, everywhere.
-    mirrored = (partner.mpeg_mask & RIGHT_BITS) << 1 | (partner.mpeg_mask & LEFT_BITS) >> 1 | partner.mpeg_mask & MIDLINE_BITS
+    mirrored = (
+        (partner.mpeg_mask & RIGHT_BITS) << 1
+        | (partner.mpeg_mask & LEFT_BITS) >> 1
+        | partner.mpeg_mask & MIDLINE_BITS
+    )
     assert mirrored == part.mpeg_mask
-    assert [t for t in partner.mpeg_target if t not in ("Left", "Right")] == [t for t in part.mpeg_target if t not in ("Left", "Right")]
+    assert [t for t in partner.mpeg_target if t not in ("Left", "Right")] == [
+        t for t in part.mpeg_target if t not in ("Left", "Right")
+    ]
 
 
 def test_left_and_right_never_look_the_same_to_another_system():

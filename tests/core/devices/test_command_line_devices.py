@@ -6,7 +6,10 @@ from pathlib import Path
 import pytest
 from haptic_tracing.command_line import main
 
-VECTORS = {v["id"]: v["hex"] for v in json.loads((Path(__file__).parent / "hid_golden.json").read_text())["vectors"]}
+VECTORS = {
+    v["id"]: v["hex"]
+    for v in json.loads((Path(__file__).parent / "hid_golden.json").read_text())["vectors"]
+}
 
 
 @pytest.mark.parametrize(
@@ -29,7 +32,10 @@ VECTORS = {v["id"]: v["hex"] for v in json.loads((Path(__file__).parent / "hid_g
     ],
 )
 def test_encode_prints_the_published_report(device, options, vector, capsys):
-    assert main(["devices", "encode", device, *options.split(), "--left", "0.5", "--right", "0.25"]) == 0
+    assert (
+        main(["devices", "encode", device, *options.split(), "--left", "0.5", "--right", "0.25"])
+        == 0
+    )
     printed = capsys.readouterr().out.rstrip("\n")
     # The Switch's vector has the ten bytes that mean something; the rest of the report is padding.
     assert printed.startswith(VECTORS[vector]) and set(printed[len(VECTORS[vector]) :]) <= {"0"}

@@ -1,4 +1,5 @@
-"""End to end without hardware: the real ``hidraw`` module on devices that Debian's umockdev makes up, whose nodes keep the bytes."""
+"""End to end without hardware: the real ``hidraw`` module on devices that Debian's umockdev makes
+up, whose nodes keep the bytes."""
 
 import json
 import shutil
@@ -22,8 +23,13 @@ from made_up_devices import (
 )
 
 HERE = Path(__file__).parent
-VECTORS = {vector["id"]: vector["hex"] for vector in json.loads((HERE / "hid_golden.json").read_text())["vectors"]}
-pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only")
+VECTORS = {
+    vector["id"]: vector["hex"]
+    for vector in json.loads((HERE / "hid_golden.json").read_text())["vectors"]
+}
+pytestmark = pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"
+)
 
 
 @pytest.fixture
@@ -34,7 +40,10 @@ def under_umockdev(tmp_path):
 
     def run(command, *fakes):
         return subprocess.run(
-            ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, *command], capture_output=True, text=True, timeout=300
+            ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, *command],
+            capture_output=True,
+            text=True,
+            timeout=300,
         )
 
     return run
@@ -60,7 +69,10 @@ def split(captured, length):
 
 def test_devices_are_found_with_their_transport_and_strangers_are_named(scene):
     keyboard = Fake(3, 0x046D, 0xC31C, "Keyboard", number=0, descriptor=KEYBOARD)
-    found = scene("list", fakes=[DUALSENSE_USB, DUALSENSE_BT, SWITCH_PRO_BT, XBOX_BT, DECK, STRANGER, keyboard])
+    found = scene(
+        "list",
+        fakes=[DUALSENSE_USB, DUALSENSE_BT, SWITCH_PRO_BT, XBOX_BT, DECK, STRANGER, keyboard],
+    )
     assert {(device["title"], device["transport"], *device["families"]) for device in found} == {
         ("DualSense Wireless Controller", "usb", "dualsense"),
         ("DualSense Wireless Controller", "bt", "dualsense", "dualsense-pcm"),
@@ -75,20 +87,34 @@ def test_devices_are_found_with_their_transport_and_strangers_are_named(scene):
 @pytest.mark.parametrize(
     ("fake", "name", "transport", "vectors"),
     [
-        (DUALSENSE_USB, "dualsense", "usb", ["dualsense_usb_v2_l0_r0", "dualsense_usb_v2_l0.5_r0.25"]),
-        (DUALSENSE_BT, "dualsense", "bt", ["dualsense_bt_v2_seq0_l0_r0", "dualsense_bt_v2_seq0_l0.5_r0.25"]),
+        (
+            DUALSENSE_USB,
+            "dualsense",
+            "usb",
+            ["dualsense_usb_v2_l0_r0", "dualsense_usb_v2_l0.5_r0.25"],
+        ),
+        (
+            DUALSENSE_BT,
+            "dualsense",
+            "bt",
+            ["dualsense_bt_v2_seq0_l0_r0", "dualsense_bt_v2_seq0_l0.5_r0.25"],
+        ),
         (XBOX_BT, "xbox", "bt", ["xbox_bt_l0_r0", "xbox_bt_failsafe_l0.5_r0.25"]),
     ],
 )
 def test_reports_arrive_byte_exact(scene, fake, name, transport, vectors):
     expected = [VECTORS[vector] for vector in vectors]
-    assert split(scene("write", name, transport, fakes=[fake]), len(expected[0]) // 2)[:2] == expected
+    assert (
+        split(scene("write", name, transport, fakes=[fake]), len(expected[0]) // 2)[:2] == expected
+    )
 
 
 def test_playing_on_a_dualsense_over_usb(scene):
     answer = scene("play", "dualsense", "200", fakes=[DUALSENSE_USB])
     reports = split(answer["captured"], 48)
-    zero, driven, release = (VECTORS[f"dualsense_usb_{kind}"] for kind in ("v2_l0_r0", "v2_l0.5_r0.25", "release"))
+    zero, driven, release = (
+        VECTORS[f"dualsense_usb_{kind}"] for kind in ("v2_l0_r0", "v2_l0.5_r0.25", "release")
+    )
     assert reports[0] == zero and reports[-2:] == [zero, release]
     assert driven in reports
     assert reports.index(driven) <= 4, "the slew limit is passed within 50 ms"
@@ -113,8 +139,17 @@ def test_playing_on_a_dualsense_over_bluetooth_counts_reports_and_keeps_the_chec
 def test_an_old_dualsense_gets_the_reports_of_its_generation(scene):
     version = bytearray(64)
     version[0], version[44:46] = 0x20, (0x0210).to_bytes(2, "little")
-    old = Fake(3, 0x054C, 0x0CE6, "DualSense Wireless Controller", number=3, features=[f"HIDIOCGFEATURE 64 {version.hex()}"])
-    assert VECTORS["dualsense_usb_v1_l0.5_r0.25"] in split(scene("play", "dualsense", "200", fakes=[old])["captured"], 48)
+    old = Fake(
+        3,
+        0x054C,
+        0x0CE6,
+        "DualSense Wireless Controller",
+        number=3,
+        features=[f"HIDIOCGFEATURE 64 {version.hex()}"],
+    )
+    assert VECTORS["dualsense_usb_v1_l0.5_r0.25"] in split(
+        scene("play", "dualsense", "200", fakes=[old])["captured"], 48
+    )
 
 
 @pytest.mark.slow
@@ -126,14 +161,26 @@ def test_playing_on_a_switch_pro_over_usb_and_bluetooth(scene):
         reports = split(answer["captured"], length)
         # Nobody answers here, so that what wants an answer is said twice.
         if fake is SWITCH_PRO_USB:
-            assert [report[:4] for report in reports[:7]] == ["8002", "8002", "8003", "8003", "8002", "8002", "8004"]
+            assert [report[:4] for report in reports[:7]] == [
+                "8002",
+                "8002",
+                "8003",
+                "8003",
+                "8002",
+                "8002",
+                "8004",
+            ]
             assert reports.pop()[:4] == "8005"
         else:
             assert reports[0] == VECTORS["switch_enable_vibration_bt"]
-        assert {report[:2] + report[20:24] for report in reports[startup - 2 : startup]} == {"014801"}
+        assert {report[:2] + report[20:24] for report in reports[startup - 2 : startup]} == {
+            "014801"
+        }
         rumble = reports[startup:]
         assert all(report[:2] == "10" for report in rumble)
-        assert [int(report[2:4], 16) for report in rumble] == [(startup + i) % 16 for i in range(len(rumble))]
+        assert [int(report[2:4], 16) for report in rumble] == [
+            (startup + i) % 16 for i in range(len(rumble))
+        ]
         assert rumble[-1][4:20] == neutral
         assert words in [report[4:20] for report in rumble]
         assert answer["written"] == len(reports) + (fake is SWITCH_PRO_USB)
@@ -159,7 +206,10 @@ def test_the_watchdog_silences_the_real_device(scene):
 @pytest.mark.slow
 def test_a_program_that_just_ends_leaves_the_device_silent_and_released(scene):
     answer = scene("exit", "dualsense", fakes=[DUALSENSE_USB])
-    assert split(answer["captured"], 48)[-2:] == [VECTORS["dualsense_usb_v2_l0_r0"], VECTORS["dualsense_usb_release"]]
+    assert split(answer["captured"], 48)[-2:] == [
+        VECTORS["dualsense_usb_v2_l0_r0"],
+        VECTORS["dualsense_usb_release"],
+    ]
 
 
 def test_an_unplugged_device_is_counted_searched_and_driven_again(scene):
@@ -184,12 +234,21 @@ def test_a_program_ends_in_time_and_without_a_crash_while_a_write_is_blocked(sce
 def test_missing_permission_comes_with_the_udev_rule_to_copy(scene):
     usb = scene("no_permission", "dualsense", fakes=[DUALSENSE_USB])["error"]
     assert "no permission for /dev/hidraw0" in usb and "\n" not in usb
-    assert usb.endswith('KERNEL=="hidraw*", ATTRS{idVendor}=="054c", ATTRS{idProduct}=="0ce6", MODE="0660", TAG+="uaccess"')
+    assert usb.endswith(
+        'KERNEL=="hidraw*", ATTRS{idVendor}=="054c", ATTRS{idProduct}=="0ce6", MODE="0660", '
+        'TAG+="uaccess"'
+    )
     bluetooth = scene("no_permission", "dualsense", fakes=[DUALSENSE_BT])["error"]
-    assert bluetooth.endswith('KERNEL=="hidraw*", KERNELS=="*054C:0CE6*", MODE="0660", TAG+="uaccess"')
+    assert bluetooth.endswith(
+        'KERNEL=="hidraw*", KERNELS=="*054C:0CE6*", MODE="0660", TAG+="uaccess"'
+    )
 
 
-COMMAND = ["-c", "import sys; from haptic_tracing.command_line import main; sys.exit(main())", "devices"]
+COMMAND = [
+    "-c",
+    "import sys; from haptic_tracing.command_line import main; sys.exit(main())",
+    "devices",
+]
 
 
 def test_the_command_lists_devices_and_names_what_it_can_not_drive(under_umockdev):
@@ -205,13 +264,23 @@ def test_the_command_lists_devices_and_names_what_it_can_not_drive(under_umockde
 
 @pytest.mark.slow
 def test_the_command_plays_a_sweep_on_one_actuator_after_the_other(under_umockdev):
-    program = "import sys; from haptic_tracing.command_line import main; main(); print(open('/dev/hidraw0', 'rb').read().hex())"
-    done = under_umockdev(["-c", program, "devices", "test", "dualsense", "--seconds", "0.8"], DUALSENSE_USB)
+    program = (
+        "import sys; from haptic_tracing.command_line import main; main(); "
+        "print(open('/dev/hidraw0', 'rb').read().hex())"
+    )
+    done = under_umockdev(
+        ["-c", program, "devices", "test", "dualsense", "--seconds", "0.8"], DUALSENSE_USB
+    )
     summary, captured = done.stdout.splitlines()
     reports = [bytes.fromhex(report) for report in split(captured, 48)]
     assert summary.startswith(f"dualsense: {len(reports)} reports written, the last is release")
-    assert [reports[-2].hex(), reports[-1].hex()] == [VECTORS["dualsense_usb_v2_l0_r0"], VECTORS["dualsense_usb_release"]]
-    left, right = ([i for i, report in enumerate(reports) if report[place] > 0x60] for place in (4, 3))
+    assert [reports[-2].hex(), reports[-1].hex()] == [
+        VECTORS["dualsense_usb_v2_l0_r0"],
+        VECTORS["dualsense_usb_release"],
+    ]
+    left, right = (
+        [i for i, report in enumerate(reports) if report[place] > 0x60] for place in (4, 3)
+    )
     assert left and right and max(left) < max(right) and min(left) < min(right)
 
 
@@ -237,4 +306,7 @@ def test_a_broken_profile_of_the_users_is_named_and_the_others_are_used(under_um
     (folder / "mine.json").write_text('{"format": "haptic-device"}')
     done = under_umockdev([*COMMAND, "--profiles", str(folder)], DUALSENSE_USB)
     assert done.returncode == 0 and done.stdout.startswith("dualsense\t")
-    assert done.stderr.startswith(f"{folder / 'mine.json'}: /version: is required") and done.stderr.count("\n") == 1
+    assert (
+        done.stderr.startswith(f"{folder / 'mine.json'}: /version: is required")
+        and done.stderr.count("\n") == 1
+    )

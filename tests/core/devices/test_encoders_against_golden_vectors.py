@@ -7,7 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from haptic_tracing.command_line.devices import rumble_report
-from haptic_tracing.core.devices.families.dualsense import DUALSENSE, DUALSENSE_FIRST_GENERATION, DUALSENSE_PCM
+from haptic_tracing.core.devices.families.dualsense import (
+    DUALSENSE,
+    DUALSENSE_FIRST_GENERATION,
+    DUALSENSE_PCM,
+)
 from haptic_tracing.core.devices.families.steam import STEAM_CONTROLLER_PCM
 from haptic_tracing.core.devices.families.switch import (
     SWITCH_PRO,
@@ -45,7 +49,10 @@ def golden_samples(vector_id, frames, rate):
     """The vector's tone in samples, from its description."""
     given = VECTORS[vector_id]["input"]
     phase = 2 * math.pi * given["freq_hz"] / rate
-    return [[round(given[side] * 127 * math.sin(phase * n)) for n in range(frames)] for side in ("left", "right")]
+    return [
+        [round(given[side] * 127 * math.sin(phase * n)) for n in range(frames)]
+        for side in ("left", "right")
+    ]
 
 
 SDL_TONES = Tones((0.5, 0.25, 0.5, 0.25), (150.0, 150.0, 150.0, 150.0))
@@ -57,9 +64,13 @@ ENCODED = {
     "dualsense_bt_v2_seq0_l0.5_r0.25": lambda v: rumble("dualsense", "bt"),
     "dualsense_bt_v2_seq3_l0.5_r0.25": lambda v: rumble("dualsense", "bt", sequence=3),
     "dualsense_bt_v2_seq15_l0.5_r0.25": lambda v: rumble("dualsense", "bt", sequence=15),
-    "dualsense_usb_v1_l0.5_r0.25": lambda v: DUALSENSE_FIRST_GENERATION.encode(levels(0.5, 0.25), "usb", 0).data,
+    "dualsense_usb_v1_l0.5_r0.25": lambda v: (
+        DUALSENSE_FIRST_GENERATION.encode(levels(0.5, 0.25), "usb", 0).data
+    ),
     # SDL halves both motors of an old pad: the same report at half the level.
-    "dualsense_usb_v1_sdl_halved_l0.5_r0.25": lambda v: DUALSENSE_FIRST_GENERATION.encode(levels(0.25, 0.125), "usb", 0).data,
+    "dualsense_usb_v1_sdl_halved_l0.5_r0.25": lambda v: (
+        DUALSENSE_FIRST_GENERATION.encode(levels(0.25, 0.125), "usb", 0).data
+    ),
     # The kernel appends 15 reserved bytes.
     "dualsense_usb_v2_kernel63_l0.5_r0.25": lambda v: rumble("dualsense", "usb") + bytes(15),
     "dualsense_usb_release": lambda v: DUALSENSE.release("usb", 0)[0].data,
@@ -121,12 +132,20 @@ def test_report_is_byte_exact(vector_id):
 
 
 @pytest.mark.parametrize(
-    ("vector_id", "frames", "rate"), [("dualsense_bt_pcm_150hz_l0.5_r0.25_ctr1", 32, 3000), ("steam_triton_pcm_160hz_l0.5_r0.25", 31, 8000)]
+    ("vector_id", "frames", "rate"),
+    [
+        ("dualsense_bt_pcm_150hz_l0.5_r0.25_ctr1", 32, 3000),
+        ("steam_triton_pcm_160hz_l0.5_r0.25", 31, 8000),
+    ],
 )
 def test_published_samples_are_the_tone_they_claim(vector_id, frames, rate):
     given = VECTORS[vector_id]["input"]
     left, right = golden_samples(vector_id, frames, rate)
-    published = [given["samples"][0::2], given["samples"][1::2]] if "samples" in given else [given["left_samples"], given["right_samples"]]
+    published = (
+        [given["samples"][0::2], given["samples"][1::2]]
+        if "samples" in given
+        else [given["left_samples"], given["right_samples"]]
+    )
     assert published == [left, right]
 
 
@@ -142,7 +161,9 @@ def test_switch_frequency_rows(row):
         assert word[0] | (word[1] & 1) << 8 == row["hf"]
 
 
-@pytest.mark.parametrize("row", [row for row in AMPLITUDES if row["idx"] <= 100], ids=lambda row: f"index{row['idx']}")
+@pytest.mark.parametrize(
+    "row", [row for row in AMPLITUDES if row["idx"] <= 100], ids=lambda row: f"index{row['idx']}"
+)
 def test_switch_amplitude_rows(row):
     amplitude = min(row["amp"], 1.0)
     assert amplitude_index(amplitude) == row["idx"]

@@ -1,4 +1,5 @@
-"""What must hold for every drive: lengths, checksums computed another way, order of amplitudes, and the Switch's safe range."""
+"""What must hold for every drive: lengths, checksums computed another way, order of amplitudes, and
+the Switch's safe range."""
 
 import math
 
@@ -15,7 +16,12 @@ from hypothesis import strategies as st
 
 amplitudes = st.floats(0.0, 1.0)
 sequences = st.integers(0, 15)
-RUMBLE = [(family, transport) for family in FAMILIES.values() if isinstance(family, RumbleFamily) for transport in family.transports]
+RUMBLE = [
+    (family, transport)
+    for family in FAMILIES.values()
+    if isinstance(family, RumbleFamily)
+    for transport in family.transports
+]
 NAMED = {"ids": lambda value: value if isinstance(value, str) else value.name}
 
 # Where a report's motor levels stand, low byte first: (left, right).
@@ -79,7 +85,9 @@ def bitwise_crc(data):
 
 def motors(name, transport, report):
     left, right = FIELDS[name, transport]
-    return tuple(int.from_bytes(bytes(report[place] for place in field), "little") for field in (left, right))
+    return tuple(
+        int.from_bytes(bytes(report[place] for place in field), "little") for field in (left, right)
+    )
 
 
 @pytest.mark.slow
@@ -93,20 +101,35 @@ def test_length_is_fixed_and_sony_checksums_hold(family, transport, left, right,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("family", "transport"), [pair for pair in RUMBLE if not pair[0].has_tones], **NAMED)
+@pytest.mark.parametrize(
+    ("family", "transport"), [pair for pair in RUMBLE if not pair[0].has_tones], **NAMED
+)
 @given(one=amplitudes, other=amplitudes)
 def test_more_amplitude_never_drives_less_and_sides_stay_apart(family, transport, one, other):
     low, high = sorted((one, other))
-    weak, strong = (motors(family.name, transport, rumble_report(family.name, level, 0.0, transport).data) for level in (low, high))
+    weak, strong = (
+        motors(family.name, transport, rumble_report(family.name, level, 0.0, transport).data)
+        for level in (low, high)
+    )
     assert weak[0] <= strong[0] and weak[1] == strong[1] == 0
-    weak, strong = (motors(family.name, transport, rumble_report(family.name, 0.0, level, transport).data) for level in (low, high))
+    weak, strong = (
+        motors(family.name, transport, rumble_report(family.name, 0.0, level, transport).data)
+        for level in (low, high)
+    )
     assert weak[1] <= strong[1] and weak[0] == strong[0] == 0
 
 
-@pytest.mark.parametrize(("family", "transport"), [pair for pair in RUMBLE if not pair[0].has_tones], **NAMED)
+@pytest.mark.parametrize(
+    ("family", "transport"), [pair for pair in RUMBLE if not pair[0].has_tones], **NAMED
+)
 def test_full_amplitude_is_the_largest_value_of_the_field(family, transport):
-    full = {"xbox": 100, "luna": 100, "shield-2017": 31}.get(family.name, 256 ** len(FIELDS[family.name, transport][0]) - 1)
-    assert motors(family.name, transport, rumble_report(family.name, 1.0, 1.0, transport).data) == (full, full)
+    full = {"xbox": 100, "luna": 100, "shield-2017": 31}.get(
+        family.name, 256 ** len(FIELDS[family.name, transport][0]) - 1
+    )
+    assert motors(family.name, transport, rumble_report(family.name, 1.0, 1.0, transport).data) == (
+        full,
+        full,
+    )
 
 
 frequencies = st.floats(1e-3, 1e6)
@@ -129,18 +152,29 @@ def test_switch_amplitude_is_monotone_and_within_one_table_step(one, other):
 
     low, high = sorted((one, other))
     assert index(low) <= index(high)
-    # A step of the table is at most a quarter of an octave from 0.0118 up, so the nearest row is within an eighth.
+    # A step of the table is at most a quarter of an octave from 0.0118 up, so the nearest row is
+    # within an eighth.
     if high >= 0.0118:
         row = index(high)
-        represented = 2 ** (row / 32) / 8.7 if row >= 32 else 2 ** (row / 16) / 17 if row >= 16 else 2 ** (row / 4) / 119.6
+        represented = (
+            2 ** (row / 32) / 8.7
+            if row >= 32
+            else 2 ** (row / 16) / 17
+            if row >= 16
+            else 2 ** (row / 4) / 119.6
+        )
         assert abs(math.log2(represented / high)) <= 1 / 8 + 1e-3
 
 
 @given(sequence=st.integers(0, 10**6))
 def test_switch_counter_wraps_and_both_words_are_sent(sequence):
-    data = SWITCH_PRO.encode(Tones((0.5, 0.5, 0.25, 0.25), (160.0, 320.0, 160.0, 320.0)), "bt", sequence).data
+    data = SWITCH_PRO.encode(
+        Tones((0.5, 0.5, 0.25, 0.25), (160.0, 320.0, 160.0, 320.0)), "bt", sequence
+    ).data
     assert data[:2] == bytes([0x10, sequence % 16])
-    assert data[2:6] == actuator_word(160.0, 0.5, 320.0, 0.5) and data[6:10] == actuator_word(160.0, 0.25, 320.0, 0.25)
+    assert data[2:6] == actuator_word(160.0, 0.5, 320.0, 0.5) and data[6:10] == actuator_word(
+        160.0, 0.25, 320.0, 0.25
+    )
 
 
 @given(data=st.data())

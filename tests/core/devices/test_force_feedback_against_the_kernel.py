@@ -1,4 +1,5 @@
-"""The kernel's force feedback: event devices that umockdev makes up, with a kernel behind them that keeps the effects."""
+"""The kernel's force feedback: event devices that umockdev makes up, with a kernel behind them that
+keeps the effects."""
 
 import json
 import shutil
@@ -12,7 +13,9 @@ from kernel_input import describe_pad
 from made_up_devices import DUALSENSE_BT, XBOX_BT, describe
 
 HERE = Path(__file__).parent
-pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="force feedback is Linux's")
+pytestmark = pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="force feedback is Linux's"
+)
 
 
 @pytest.fixture
@@ -23,8 +26,19 @@ def scene(tmp_path):
 
     def run(ending, pad, *fakes):
         (tmp_path / "pad.umockdev").write_text(pad)
-        command = ["umockdev-run", "-d", str(tmp_path / "pad.umockdev"), *(describe(tmp_path, fakes) if fakes else [])]
-        command += ["--", sys.executable, str(HERE / "umockdev_scenes.py"), "force_feedback", ending]
+        command = [
+            "umockdev-run",
+            "-d",
+            str(tmp_path / "pad.umockdev"),
+            *(describe(tmp_path, fakes) if fakes else []),
+        ]
+        command += [
+            "--",
+            sys.executable,
+            str(HERE / "umockdev_scenes.py"),
+            "force_feedback",
+            ending,
+        ]
         done = subprocess.run(command, capture_output=True, text=True, timeout=120)
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)
@@ -44,12 +58,16 @@ def test_a_pad_that_is_no_hid_device_is_felt_and_falls_silent(scene, ending):
     strong, weak = played["usual"]
     assert strong > 0x4000 and weak == 0, "a low tone goes to the strong motor"
     assert played["silent"] <= 0.15
-    assert played["effects"] == (1 if ending == "rest" else 0), "one effect, changed as it plays, and erased with its device"
+    assert played["effects"] == (1 if ending == "rest" else 0), (
+        "one effect, changed as it plays, and erased with its device"
+    )
 
 
 @pytest.mark.slow
 def test_a_pad_that_may_not_be_opened_as_hid_device_is_driven_by_the_kernel(scene):
-    same = describe_pad("DualSense Wireless Controller", 0x054C, 0x0CE6, serial=DUALSENSE_BT.serial.upper(), bus=5)
+    same = describe_pad(
+        "DualSense Wireless Controller", 0x054C, 0x0CE6, serial=DUALSENSE_BT.serial.upper(), bus=5
+    )
     played = scene("stop", same, DUALSENSE_BT)
     assert [key for key, *_ in played["found"]] == [
         f"dualsense-pcm {DUALSENSE_BT.serial}",
@@ -62,7 +80,13 @@ def test_a_pad_that_may_not_be_opened_as_hid_device_is_driven_by_the_kernel(scen
 
 def test_only_devices_that_take_rumble_are_listed(tmp_path):
     """The files are as the kernel writes them; 0x50 is FF_RUMBLE in linux/input-event-codes.h."""
-    pads = {"event3": "107030000 0", "event4": "0", "event5": "10000 0", "event6": "8000 0", "event7": "not a number"}
+    pads = {
+        "event3": "107030000 0",
+        "event4": "0",
+        "event5": "10000 0",
+        "event6": "8000 0",
+        "event7": "not a number",
+    }
     for name, capabilities in pads.items():
         device = tmp_path / name / "device"
         (device / "capabilities").mkdir(parents=True)
@@ -75,6 +99,11 @@ def test_only_devices_that_take_rumble_are_listed(tmp_path):
     (tmp_path / "event8").mkdir()
     first, second = event_nodes(tmp_path)
     assert [node.path for node in (first, second)] == [b"/dev/input/event3", b"/dev/input/event5"]
-    assert (first.vendor, first.product, first.transport, first.title) == (0x045E, 0x0B13, "bt", "Xbox Wireless Controller")
+    assert (first.vendor, first.product, first.transport, first.title) == (
+        0x045E,
+        0x0B13,
+        "bt",
+        "Xbox Wireless Controller",
+    )
     assert first.serial == XBOX_BT.serial
     assert event_nodes(tmp_path / "nowhere") == ()

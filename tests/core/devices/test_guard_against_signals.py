@@ -1,4 +1,5 @@
-"""Whatever ends a program that plays, its devices fall silent: every family, on devices that umockdev makes up."""
+"""Whatever ends a program that plays, its devices fall silent: every family, on devices that
+umockdev makes up."""
 
 import json
 import os
@@ -20,7 +21,12 @@ PROFILES = load_profiles()[0]
 SILENT_WITHIN = 0.150
 ON_THE_WAY, REMINDER = 0.050, 0.050
 """Seconds in which an order arrives at the guard, and within which these devices need a report."""
-pytestmark = [pytest.mark.skipif(not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"), pytest.mark.slow]
+pytestmark = [
+    pytest.mark.skipif(
+        not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"
+    ),
+    pytest.mark.slow,
+]
 
 
 def fake_of(name, number):
@@ -49,7 +55,14 @@ def fake_of(name, number):
 def scene(tmp_path, fakes, *arguments):
     if shutil.which("umockdev-run") is None:
         pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
-    command = ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, str(HERE / "umockdev_scenes.py"), *arguments]
+    command = [
+        "umockdev-run",
+        *describe(tmp_path, fakes),
+        "--",
+        sys.executable,
+        str(HERE / "umockdev_scenes.py"),
+        *arguments,
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
@@ -60,9 +73,12 @@ def is_silent(family, report):
     if isinstance(family, RumbleFamily):
         sequences = range(256) if "shield" in family.name else range(16)
         return any(
-            report == family.encode(family.silence(), transport, sequence).data for transport in family.transports for sequence in sequences
+            report == family.encode(family.silence(), transport, sequence).data
+            for transport in family.transports
+            for sequence in sequences
         )
-    # A stream goes to zero within the first 8 samples of the packet, of 32 pairs or of two times 31.
+    # A stream goes to zero within the first 8 samples of the packet, of 32 pairs or of two times
+    # 31.
     return not any(report[29:77] if report[0] == 0x32 else report[10:33] + report[41:])
 
 
@@ -71,7 +87,8 @@ NAMES = list(PROFILES)
 
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_every_family_is_silent_within_150_ms(tmp_path, ending):
-    """150 ms of the guard's own: what it waits for a processor that other programs have is not its doing."""
+    """150 ms of the guard's own: what it waits for a processor that other programs have is not its
+    doing."""
     ends(tmp_path, "ends", ending, SILENT_WITHIN)
 
 
@@ -82,9 +99,16 @@ def ends(tmp_path, name, ending, within):
     fakes = [fake_of(family, number) for number, family in enumerate(NAMES)]
     written = scene(tmp_path, fakes, name, ending, str(folder), *NAMES)
     found = times_to_silence(written["reports"])
-    waited = {name: next((wait for at, wait in written["waits"] if at >= seconds), 0.0) for name, seconds in found.items()}
+    waited = {
+        name: next((wait for at, wait in written["waits"] if at >= seconds), 0.0)
+        for name, seconds in found.items()
+    }
     print(ending, {name: (round(1000 * found[name]), round(1000 * waited[name])) for name in NAMES})
-    late = {name: (seconds, waited[name]) for name, seconds in found.items() if seconds - waited[name] > within}
+    late = {
+        name: (seconds, waited[name])
+        for name, seconds in found.items()
+        if seconds - waited[name] > within
+    }
     assert late == {}
     assert written["guard ended"] < 5.0
     return written
@@ -102,10 +126,15 @@ def control_groups(tmp_path):
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may mount control groups")
 @pytest.mark.parametrize("ending", GROUP_ENDINGS)
-def test_every_family_is_silent_when_the_programs_control_group_is_killed_or_frozen(tmp_path, ending, control_groups, monkeypatch):
-    """As a session manager or the out-of-memory killer ends one. A frozen program counts as one that hangs."""
+def test_every_family_is_silent_when_the_programs_control_group_is_killed_or_frozen(
+    tmp_path, ending, control_groups, monkeypatch
+):
+    """As a session manager or the out-of-memory killer ends one. A frozen program counts as one
+    that hangs."""
     monkeypatch.setenv("CONTROL_GROUPS", control_groups)
-    written = ends(tmp_path, "group_ends", ending, SILENT_WITHIN + (WATCHDOG if ending == "freeze" else 0.0))
+    written = ends(
+        tmp_path, "group_ends", ending, SILENT_WITHIN + (WATCHDOG if ending == "freeze" else 0.0)
+    )
     assert written["left"] == []
 
 
@@ -126,9 +155,11 @@ def times_to_silence(written):
 
 
 def test_pythons_lock_held_for_300_ms_silences_nobody(tmp_path):
-    """A pad that needs a reminder every 50 ms, one that holds its level, and one that lives on samples.
+    """A pad that needs a reminder every 50 ms, one that holds its level, and one that lives on
+    samples.
 
-    A silence is false while there is something to play of what the guard had been told. On a busy machine the program itself may be late.
+    A silence is false while there is something to play of what the guard had been told. On a busy
+    machine the program itself may be late.
     """
     for name in ("switch-pro", "dualsense", "steam-controller-pcm"):
         folder = tmp_path / name
@@ -138,10 +169,21 @@ def test_pythons_lock_held_for_300_ms_silences_nobody(tmp_path):
         assert played["seconds"] > 1.1
         locked, free = played["lock"]
         reports = [(seconds, bytes.fromhex(data)) for seconds, data in played["reports"]]
-        first = next(seconds for seconds, data in reports if seconds > 0.0 and not is_silent(family, data))
+        first = next(
+            seconds for seconds, data in reports if seconds > 0.0 and not is_silent(family, data)
+        )
         assert first < locked
-        silences = [seconds for seconds, data in reports if first <= seconds < played["seconds"] and is_silent(family, data)]
-        told_until = {at: max([until for told, until in played["told"] if told < at - ON_THE_WAY], default=0.0) for at in silences}
+        silences = [
+            seconds
+            for seconds, data in reports
+            if first <= seconds < played["seconds"] and is_silent(family, data)
+        ]
+        told_until = {
+            at: max(
+                [until for told, until in played["told"] if told < at - ON_THE_WAY], default=0.0
+            )
+            for at in silences
+        }
         assert [at for at, until in told_until.items() if at < until] == [], name
         if name != "dualsense":
             meanwhile = sum(locked < seconds < free for seconds, _ in reports)
@@ -149,27 +191,52 @@ def test_pythons_lock_held_for_300_ms_silences_nobody(tmp_path):
 
 
 HOLDS = ("dualsense", "stadia", "xbox")
-"""Pads that hold their level or go on for a while, and so vibrate on if nobody tells them to stop."""
+"""Pads that hold their level or go on for a while, and so vibrate on if nobody tells them to
+stop."""
 
 
 @pytest.mark.parametrize("how", ["SIGKILL", "SIGSTOP"])
 def test_a_guard_that_dies_or_hangs_is_replaced_and_the_devices_play_again(tmp_path, how):
-    """Silent within 1.5 s, and open again within 2 s; but for the time that the machine is busy with others."""
+    """Silent within 1.5 s, and open again within 2 s; but for the time that the machine is busy
+    with others."""
     folder = tmp_path / "reports"
     folder.mkdir()
-    found = scene(tmp_path, [fake_of(name, number) for number, name in enumerate(HOLDS)], "guard_fails", how, str(folder), *HOLDS)
+    found = scene(
+        tmp_path,
+        [fake_of(name, number) for number, name in enumerate(HOLDS)],
+        "guard_fails",
+        how,
+        str(folder),
+        *HOLDS,
+    )
     print(how, {name: round(found[name], 3) for name in ("said", "quiet", "reopened")})
     for number, name in enumerate(HOLDS):
         family = PROFILES[name].family
-        released = {r.data.hex() for transport in family.transports for sequence in range(16) for r in family.release(transport, sequence)}
-        written = [(seconds, data) for seconds, data in found["reports"][f"hidraw{number}"] if data not in released]
+        released = {
+            r.data.hex()
+            for transport in family.transports
+            for sequence in range(16)
+            for r in family.release(transport, sequence)
+        }
+        written = [
+            (seconds, data)
+            for seconds, data in found["reports"][f"hidraw{number}"]
+            if data not in released
+        ]
         reports = [(seconds, is_silent(family, bytes.fromhex(data))) for seconds, data in written]
         assert not [silent for seconds, silent in reports if seconds < 0.0][-1], f"{name} is driven"
         later = [seconds for seconds, silent in reports if seconds > 0.0 and silent]
         assert later and later[0] < 1.5, f"{name} is silenced"
-        assert all(silent for seconds, silent in reports if later[0] <= seconds < found["quiet"]), f"{name} stays silent"
-        assert not all(silent for seconds, silent in reports if seconds > found["again"]), f"{name} plays again"
-    assert all("guards the devices has ended" in message and "has silenced it" in message for message in found["messages"])
+        assert all(silent for seconds, silent in reports if later[0] <= seconds < found["quiet"]), (
+            f"{name} stays silent"
+        )
+        assert not all(silent for seconds, silent in reports if seconds > found["again"]), (
+            f"{name} plays again"
+        )
+    assert all(
+        "guards the devices has ended" in message and "has silenced it" in message
+        for message in found["messages"]
+    )
     assert all(found["stopped"]) and found["reopened"] < 2.0 and found["guards"] == 0
 
 
@@ -177,7 +244,10 @@ def test_a_guard_outside_the_programs_tree_is_watched_as_well(tmp_path):
     """The way in which Windows starts it."""
     folder = tmp_path / "reports"
     folder.mkdir()
-    assert scene(tmp_path, [DUALSENSE_USB], "launched", "dualsense", str(folder)) == [False, RELEASE.hex()] * 2
+    assert (
+        scene(tmp_path, [DUALSENSE_USB], "launched", "dualsense", str(folder))
+        == [False, RELEASE.hex()] * 2
+    )
 
 
 def test_stop_all_with_a_hung_guard_reaches_the_devices(tmp_path):

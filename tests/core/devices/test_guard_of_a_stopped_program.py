@@ -1,4 +1,5 @@
-"""Orders of a program that was stopped while they were on their way: whatever they say, silence is the last that devices hear."""
+"""Orders of a program that was stopped while they were on their way: whatever they say, silence is
+the last that devices hear."""
 
 import io
 import os
@@ -20,7 +21,8 @@ made = []
 
 
 class Recorder:
-    """An output that takes ``seconds`` for a block and remembers its orders. Made in the guard by `open`."""
+    """An output that takes ``seconds`` for a block and remembers its orders. Made in the guard by
+    `open`."""
 
     def __init__(self, seconds):
         self.seconds, self.heard, self.status = seconds, [], Status("open")
@@ -50,7 +52,8 @@ class Recorder:
 
 
 def test_silence_comes_after_orders_that_take_long():
-    """The program stops; the first device's block takes so long that the guard looks for the program before it sends the second one."""
+    """The program stops; the first device's block takes so long that the guard looks for the
+    program before it sends the second one."""
     made.clear()
     program = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
     reading, writing = os.pipe()

@@ -1,4 +1,5 @@
-"""The guard with the system's own processes, pipes and timers, on Windows, macOS and Linux; the device is a file that the test reads."""
+"""The guard with the system's own processes, pipes and timers, on Windows, macOS and Linux; the
+device is a file that the test reads."""
 
 import itertools
 import json
@@ -47,13 +48,16 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture
 def program(tmp_path):
-    """Starts a program that plays on a device: returns it, the id of its guard, and the file of the device."""
+    """Starts a program that plays on a device: returns it, the id of its guard, and the file of the
+    device."""
     started = []
 
     def start(rest, name="dualsense"):
         file = tmp_path / "reports"
         source = PROGRAM.format(here=str(HERE), name=name, file=str(file)) + rest
-        program = subprocess.Popen([sys.executable, "-c", source], stdout=subprocess.PIPE, text=True)
+        program = subprocess.Popen(
+            [sys.executable, "-c", source], stdout=subprocess.PIPE, text=True
+        )
         started.append(program)
         return program, int(program.stdout.readline()), file
 
@@ -66,7 +70,8 @@ def program(tmp_path):
 
 
 def silence_after(file, failed, seconds):
-    """Seconds from a failure to the zero that follows the last drive; the device has to be driven until then, and silent afterwards."""
+    """Seconds from a failure to the zero that follows the last drive; the device has to be driven
+    until then, and silent afterwards."""
     time.sleep(seconds)
     reports = [(at - failed, bool(data[3] or data[4])) for at, data in reports_of(file)]
     drives = [at for at, is_driven in reports if is_driven]
@@ -99,10 +104,15 @@ def test_the_end_of_the_program_is_silence(program, ending):
 
 @pytest.mark.parametrize("ending", ["kill", *([] if WINDOWS else ["stop"])])
 def test_the_end_of_the_guard_is_silence_and_the_device_plays_again(program, ending):
-    again = "play(output, 1.5)\nwhile not output.is_silent: time.sleep(0.01)\nprint(flush=True)\nplay(started(), 0.5)\nguard.stop_all()"
+    again = (
+        "play(output, 1.5)\nwhile not output.is_silent: "
+        "time.sleep(0.01)\nprint(flush=True)\nplay(started(), 0.5)\nguard.stop_all()"
+    )
     process, guard, file = program(again)
     time.sleep(0.5)
-    os.kill(guard, signal.SIGSTOP if ending == "stop" else signal.SIGTERM if WINDOWS else signal.SIGKILL)
+    os.kill(
+        guard, signal.SIGSTOP if ending == "stop" else signal.SIGTERM if WINDOWS else signal.SIGKILL
+    )
     failed = time.perf_counter()
     process.stdout.readline()
     before = len(reports_of(file))
@@ -116,7 +126,9 @@ def test_the_end_of_the_guard_is_silence_and_the_device_plays_again(program, end
 
 def test_a_stream_of_3_9_ms_gets_its_reports_in_time(program):
     """A timer of 15.6 ms would send four at a time."""
-    process, _, file = program("play(output, 2.0)\nguard.stop_all()\nprint(flush=True)", "steam-controller-pcm")
+    process, _, file = program(
+        "play(output, 2.0)\nguard.stop_all()\nprint(flush=True)", "steam-controller-pcm"
+    )
     process.stdout.readline()
     times = [at for at, data in reports_of(file) if data[0] == 0x88]
     gaps = sorted(1000 * (late - early) for early, late in itertools.pairwise(times))

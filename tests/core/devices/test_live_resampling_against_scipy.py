@@ -13,15 +13,25 @@ RATES = [
 ]  # fmt: skip
 
 
-def spectra(rate_in: int, rate_out: int, highest: float | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Return the output's frequencies, its spectrum without its delay, that of SciPy's, and the delay, for periodic noise.
+def spectra(
+    rate_in: int, rate_out: int, highest: float | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return the output's frequencies, its spectrum without its delay, that of SciPy's, and the
+    delay, for periodic noise.
 
     highest: hertz above which the noise has nothing; None for white noise.
     """
     ratio = rate_out / rate_in
-    period = rate_in // np.gcd(rate_in, rate_out) * int(np.ceil(4000 / rate_in * np.gcd(rate_in, rate_out)))
-    tones = np.exp(2j * np.pi * np.random.default_rng(0).random(period // 2 + 1))  # all equally strong, of random phases
-    noise = np.fft.irfft(tones * (np.fft.rfftfreq(period, 1 / rate_in) <= (highest or rate_in)), period)
+    period = (
+        rate_in
+        // np.gcd(rate_in, rate_out)
+        * int(np.ceil(4000 / rate_in * np.gcd(rate_in, rate_out)))
+    )
+    # All equally strong, of random phases.
+    tones = np.exp(2j * np.pi * np.random.default_rng(0).random(period // 2 + 1))
+    noise = np.fft.irfft(
+        tones * (np.fft.rfftfreq(period, 1 / rate_in) <= (highest or rate_in)), period
+    )
     resampler = Resampler(1, rate_in, rate_out)
     before = int(np.ceil(0.4 * rate_in / period))  # periods until the filter has settled
     count = round(period * ratio)
@@ -36,7 +46,9 @@ def decibels(part: np.ndarray, whole: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize(("rate_in", "rate_out"), RATES)
-def test_as_scipy_to_85_decibels_up_to_four_fifths_of_the_lower_nyquist_frequency(rate_in: int, rate_out: int) -> None:
+def test_as_scipy_to_85_decibels_up_to_four_fifths_of_the_lower_nyquist_frequency(
+    rate_in: int, rate_out: int
+) -> None:
     """With white noise, so that nothing comes back from above the Nyquist frequency either."""
     frequency, ours, reference, delay = spectra(rate_in, rate_out)
     low = frequency <= 0.4 * min(rate_in, rate_out)
@@ -46,7 +58,9 @@ def test_as_scipy_to_85_decibels_up_to_four_fifths_of_the_lower_nyquist_frequenc
 
 
 @pytest.mark.parametrize(("rate_in", "rate_out"), RATES)
-def test_each_tone_of_the_pass_band_is_as_scipys_to_85_decibels(rate_in: int, rate_out: int) -> None:
+def test_each_tone_of_the_pass_band_is_as_scipys_to_85_decibels(
+    rate_in: int, rate_out: int
+) -> None:
     lower = min(rate_in, rate_out)
     frequency, ours, reference, _ = spectra(rate_in, rate_out, 0.4 * lower)
     low = (frequency > 0) & (frequency <= 0.4 * lower)

@@ -25,7 +25,10 @@ def test_the_twelve_default_listeners_on_a_dualsense():
     assert weights.sum() == 2.0
     lost = {loss.listener for loss in mapping.losses if loss.kind == "actuator"}
     assert lost == set(DEFAULT) - {"hand.L", "hand.R"}
-    assert Loss("ear.L", "actuator", Message.of(Cause.NO_ACTUATOR, body_part="ear.L")) in mapping.losses
+    assert (
+        Loss("ear.L", "actuator", Message.of(Cause.NO_ACTUATOR, body_part="ear.L"))
+        in mapping.losses
+    )
 
 
 def test_what_each_kind_of_device_loses():
@@ -34,7 +37,11 @@ def test_what_each_kind_of_device_loses():
     assert kinds(map_listeners(hand, {"a": profile("steam-controller-pcm")}), "hand.L") == []
     assert kinds(map_listeners(hand, {"a": profile("dualsense")}), "hand.L") == ["frequency"]
     both = {"hand.L": "hand.L", "hand.R": "hand.R"}
-    assert kinds(map_listeners(both, {"a": profile("xbox")}), "hand.L") == ["frequency", "side", "time"]
+    assert kinds(map_listeners(both, {"a": profile("xbox")}), "hand.L") == [
+        "frequency",
+        "side",
+        "time",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -48,7 +55,9 @@ def test_what_each_kind_of_device_loses():
     ],
 )
 def test_frequencies_that_an_actuator_can_not_play_are_named(band, cause):
-    mapping = map_listeners({"seat": "hand.L"}, {"deck": profile("steam-deck")}, bands={"seat": band})
+    mapping = map_listeners(
+        {"seat": "hand.L"}, {"deck": profile("steam-deck")}, bands={"seat": band}
+    )
     messages = [loss.message for loss in mapping.losses if loss.kind == "band"]
     limits = {"low": band[0], "high": band[1], "lowest": 150, "highest": 300}
     place = {"actuator": "left trackpad", "device": "Steam Deck"}
@@ -58,7 +67,9 @@ def test_frequencies_that_an_actuator_can_not_play_are_named(band, cause):
 def test_a_choice_overrides_the_body_part_and_no_choice_mutes():
     devices = {"one": profile("dualsense"), "two": profile("joycon-left")}
     chosen = {"seat": [Place("one", "right grip"), Place("two", "actuator")], "hand.L": []}
-    mapping = map_listeners({"seat": "", "hand.L": "hand.L", "hand.R": "hand.R", "lost": ""}, devices, chosen=chosen)
+    mapping = map_listeners(
+        {"seat": "", "hand.L": "hand.L", "hand.R": "hand.R", "lost": ""}, devices, chosen=chosen
+    )
     assert mapping.weights["one"].tolist() == [[0, 0, 0, 0], [1, 0, 1, 0]]
     assert mapping.weights["two"].tolist() == [[1, 0, 0, 0]]
     assert [loss.listener for loss in mapping.losses if loss.kind == "actuator"] == ["lost"]
@@ -66,19 +77,28 @@ def test_a_choice_overrides_the_body_part_and_no_choice_mutes():
 
 
 @given(
-    parts=st.lists(st.sampled_from([part.name for part in BODY_PARTS]), min_size=1, max_size=25, unique=True),
+    parts=st.lists(
+        st.sampled_from([part.name for part in BODY_PARTS]), min_size=1, max_size=25, unique=True
+    ),
     names=st.lists(st.sampled_from(sorted(PROFILES)), max_size=4),
 )
 def test_every_listener_is_felt_or_reported_lost_and_blocks_are_sums(parts, names):
     devices = {f"device {i}": PROFILES[name] for i, name in enumerate(names)}
     mapping = map_listeners({part: part for part in parts}, devices)
-    felt = {part for row, part in enumerate(parts) if any(weights[:, row].any() for weights in mapping.weights.values())}
+    felt = {
+        part
+        for row, part in enumerate(parts)
+        if any(weights[:, row].any() for weights in mapping.weights.values())
+    }
     lost = {loss.listener for loss in mapping.losses if loss.kind == "actuator"}
     assert felt | lost == set(parts) and not felt & lost
     samples = np.random.default_rng(0).normal(size=(len(parts), 7))
     for device, block in mapping.blocks(samples).items():
         for actuator, row in zip(devices[device].actuators, block, strict=True):
-            expected = sum((samples[parts.index(part)] for part in actuator.body_parts if part in parts), np.zeros(7))
+            expected = sum(
+                (samples[parts.index(part)] for part in actuator.body_parts if part in parts),
+                np.zeros(7),
+            )
             assert np.allclose(row, expected, atol=1e-12)
     assert all("\n" not in sentence(loss.message) for loss in mapping.losses)
 
@@ -90,7 +110,10 @@ def test_every_listener_is_felt_or_reported_lost_and_blocks_are_sums(parts, name
         (({"a": ""}, {}, {"b": []}), "chosen names an unknown listener: 'b'"),
         (({"a": ""}, {}, {}, {"b": (1, 2)}), "bands names an unknown listener: 'b'"),
         (({"a": ""}, {}, {"a": [Place("pad", "left grip")]}), "device 'pad' is not connected"),
-        (({"a": ""}, {"pad": profile("dualsense")}, {"a": [Place("pad", "wing")]}), "pad has no actuator 'wing': use one of left grip"),
+        (
+            ({"a": ""}, {"pad": profile("dualsense")}, {"a": [Place("pad", "wing")]}),
+            "pad has no actuator 'wing': use one of left grip",
+        ),
     ],
 )
 def test_unknown_names_are_refused(arguments, message):

@@ -20,8 +20,17 @@ from websockets.sync.server import serve
 
 VIBRATE = {"StepCount": 20, "ActuatorType": "Vibrate", "FeatureDescriptor": ""}
 DEVICES = [
-    {"DeviceIndex": 0, "DeviceName": "Cushion", "DeviceMessageTimingGap": 100, "DeviceMessages": {"ScalarCmd": [VIBRATE, VIBRATE]}},
-    {"DeviceIndex": 3, "DeviceName": "Ring", "DeviceMessages": {"ScalarCmd": [{**VIBRATE, "ActuatorType": "Rotate"}, VIBRATE]}},
+    {
+        "DeviceIndex": 0,
+        "DeviceName": "Cushion",
+        "DeviceMessageTimingGap": 100,
+        "DeviceMessages": {"ScalarCmd": [VIBRATE, VIBRATE]},
+    },
+    {
+        "DeviceIndex": 3,
+        "DeviceName": "Ring",
+        "DeviceMessages": {"ScalarCmd": [{**VIBRATE, "ActuatorType": "Rotate"}, VIBRATE]},
+    },
     {"DeviceIndex": 4, "DeviceName": "Light", "DeviceMessages": {"StopDeviceCmd": {}}},
 ]
 
@@ -61,7 +70,18 @@ def buttplug(messages):
     number = content["Id"]
     if kind == "RequestServerInfo":
         assert content["MessageVersion"] == 3 and content["ClientName"]
-        return [[{"ServerInfo": {"Id": number, "ServerName": "made up", "MessageVersion": 3, "MaxPingTime": 0}}]]
+        return [
+            [
+                {
+                    "ServerInfo": {
+                        "Id": number,
+                        "ServerName": "made up",
+                        "MessageVersion": 3,
+                        "MaxPingTime": 0,
+                    }
+                }
+            ]
+        ]
     if kind == "RequestDeviceList":
         return [[{"DeviceAdded": {"Id": 0}}], [{"DeviceList": {"Id": number, "Devices": DEVICES}}]]
     return [[{"Ok": {"Id": number}}]]
@@ -115,7 +135,11 @@ def test_intifaces_motors_are_driven_silenced_and_stopped(server, started):
     output, other = started(cushion, module), started(ring, ring_module)
 
     def levels(device):
-        return [[s["Scalar"] for s in c["Scalars"]] for c in commands(made_up, "ScalarCmd") if c["DeviceIndex"] == device]
+        return [
+            [s["Scalar"] for s in c["Scalars"]]
+            for c in commands(made_up, "ScalarCmd")
+            if c["DeviceIndex"] == device
+        ]
 
     until(lambda: (output.send(wave(2, 1)), any(second > 0.9 for _, second in levels(0)))[-1])
     assert all(first == 0 for first, _ in levels(0))
@@ -125,14 +149,17 @@ def test_intifaces_motors_are_driven_silenced_and_stopped(server, started):
     until(lambda: commands(made_up, "StopDeviceCmd"))
     assert commands(made_up, "StopDeviceCmd")[-1]["DeviceIndex"] == 0
     assert levels(0)[-1] == [0.0, 0.0]
-    assert len(made_up.connections) == 2, "one to ask, and one for both devices: Intiface takes a single client"
+    assert len(made_up.connections) == 2, (
+        "one to ask, and one for both devices: Intiface takes a single client"
+    )
 
 
 PING_TIME = 0.8
 
 
 class StrictServer(Server):
-    """Intiface with a MaxPingTime: what does not ping in time is told so, has its devices stopped, and is cut off."""
+    """Intiface with a MaxPingTime: what does not ping in time is told so, has its devices stopped,
+    and is cut off."""
 
     def __init__(self, port=0):
         self.cut = 0
@@ -157,7 +184,11 @@ class StrictServer(Server):
                         due = time.monotonic() + PING_TIME
                         continue
                     self.cut += 1
-                    connection.send(json.dumps([{"Error": {"Id": 0, "ErrorMessage": "Ping timed out", "ErrorCode": 2}}]))
+                    connection.send(
+                        json.dumps(
+                            [{"Error": {"Id": 0, "ErrorMessage": "Ping timed out", "ErrorCode": 2}}]
+                        )
+                    )
                     connection.close()
                     return
                 self.said.append(message)
@@ -172,7 +203,9 @@ def pings():
 
 
 @pytest.mark.slow
-def test_a_connection_is_kept_alive_by_pings_while_nothing_plays_and_while_something_does(server, started):
+def test_a_connection_is_kept_alive_by_pings_while_nothing_plays_and_while_something_does(
+    server, started
+):
     strict = server(kind=StrictServer)
     (cushion, module), _ = intiface(strict.url)
     assert not pings(), "the connection that asked for devices is closed"
@@ -191,7 +224,9 @@ def test_a_connection_is_kept_alive_by_pings_while_nothing_plays_and_while_somet
 
 
 @pytest.mark.slow
-def test_a_connection_without_pings_is_cut_off_which_is_noticed_and_mended(server, started, monkeypatch):
+def test_a_connection_without_pings_is_cut_off_which_is_noticed_and_mended(
+    server, started, monkeypatch
+):
     strict = server(kind=StrictServer)
     monkeypatch.setattr(network, "_PINGS_IN_TIME", 0.1)  # far too late
     (cushion, module), _ = intiface(strict.url)
@@ -200,14 +235,21 @@ def test_a_connection_without_pings_is_cut_off_which_is_noticed_and_mended(serve
     monkeypatch.undo()
     until(lambda: (output.send(wave(2, 0)), output.status.losses == 1)[-1])
     until(lambda: output.status.state == "open")
-    until(lambda: (output.send(wave(2, 0)), commands(strict, "ScalarCmd")[-1:] and output.status.failed_writes == 3)[-1])
+    until(
+        lambda: (
+            output.send(wave(2, 0)),
+            commands(strict, "ScalarCmd")[-1:] and output.status.failed_writes == 3,
+        )[-1]
+    )
     time.sleep(1.5 * PING_TIME)
     assert strict.cut == 1, "the new connection pings"
 
 
 @pytest.mark.parametrize("wanted", ["soon", [1], {}])
 def test_a_ping_time_that_is_none_is_said(server, wanted):
-    made_up = server(lambda message: [[{"ServerInfo": {"Id": 1, "MaxPingTime": wanted or {"a": 1}}}]])
+    made_up = server(
+        lambda message: [[{"ServerInfo": {"Id": 1, "MaxPingTime": wanted or {"a": 1}}}]]
+    )
     with pytest.raises(DeviceError, match="MaxPingTime"):
         intiface(made_up.url)
 
@@ -216,15 +258,28 @@ def test_bhaptics_gets_frames_that_end_by_themselves(server, started):
     made_up = server()
     profile, module = bhaptics(made_up.url)
     places = {actuator.name: actuator.body_parts for actuator in profile.actuators}
-    assert places["VestBack 1"] == ("upper_back.L",) and places["VestBack 12"] == ("middle_back.R",) and len(places) == 70
+    assert (
+        places["VestBack 1"] == ("upper_back.L",)
+        and places["VestBack 12"] == ("middle_back.R",)
+        and len(places) == 70
+    )
     assert places["Head 1"] == ("head", "ear.L") and all(parts for parts in places.values())
     row = list(places).index("VestBack 6")
     output = started(profile, module)
 
     def loudest():
         output.send(wave(len(places), row))
-        frames = [s["Frame"] for message in made_up.said for s in message["Submit"] if s["Type"] == "frame"]
-        return [frame for frame in frames if any(point["Intensity"] > 90 for point in frame["DotPoints"])]
+        frames = [
+            s["Frame"]
+            for message in made_up.said
+            for s in message["Submit"]
+            if s["Type"] == "frame"
+        ]
+        return [
+            frame
+            for frame in frames
+            if any(point["Intensity"] > 90 for point in frame["DotPoints"])
+        ]
 
     until(loudest)
     (frame, *_) = loudest()
@@ -241,7 +296,9 @@ def test_a_player_that_ends_is_said_and_found_again(server, started):
     profile, module = bhaptics(made_up.url)
     output = started(profile, module)
     made_up.close()
-    assert until(lambda: (output.send(wave(len(profile.actuators), 0)), output.status.losses == 1)[-1])
+    assert until(
+        lambda: (output.send(wave(len(profile.actuators), 0)), output.status.losses == 1)[-1]
+    )
     assert until(lambda: "no player answers" in output.status.message)
     server(port=made_up.port)
     assert until(lambda: output.status.state == "open")
@@ -252,19 +309,31 @@ def test_nobody_there_is_said_in_one_line():
         free.bind(("127.0.0.1", 0))
         url = f"ws://127.0.0.1:{free.getsockname()[1]}"
     for ask in (bhaptics, intiface):
-        with pytest.raises(DeviceError, match=r"^no player answers at ws://127\.0\.0\.1:\d+: [^\n]*$"):
+        with pytest.raises(
+            DeviceError, match=r"^no player answers at ws://127\.0\.0\.1:\d+: [^\n]*$"
+        ):
             ask(url)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("reply", [[], [[{"Error": {"Id": 1, "ErrorMessage": "busy"}}]], ["nonsense"], [[{"ServerInfo": {"Id": 1}}]], [7]])
+@pytest.mark.parametrize(
+    "reply",
+    [
+        [],
+        [[{"Error": {"Id": 1, "ErrorMessage": "busy"}}]],
+        ["nonsense"],
+        [[{"ServerInfo": {"Id": 1}}]],
+        [7],
+    ],
+)
 def test_a_server_that_is_something_else_is_said(server, reply):
     with pytest.raises(DeviceError, match="Intiface"):
         intiface(server(lambda message: reply).url)
 
 
 class RawServer:
-    """A player that is no player: what it says to whoever connects is given as bytes, and how long it waits after each of them."""
+    """A player that is no player: what it says to whoever connects is given as bytes, and how long
+    it waits after each of them."""
 
     def __init__(self, *said, pause=0.0):
         self.said, self.pause, self.connections = said, pause, 0
@@ -386,7 +455,10 @@ class Telling(Server):
 
 
 GREETING = '[{"ServerInfo": {"Id": 1, "MaxPingTime": 0}}]'
-DEVICE = '{"DeviceIndex": 0, "DeviceName": "Cushion", "DeviceMessages": {"ScalarCmd": [{"ActuatorType": "Vibrate"}]}'
+DEVICE = (
+    '{"DeviceIndex": 0, "DeviceName": "Cushion", "DeviceMessages": {"ScalarCmd": '
+    '[{"ActuatorType": "Vibrate"}]}'
+)
 
 
 @pytest.mark.parametrize(
@@ -410,13 +482,16 @@ DEVICE = '{"DeviceIndex": 0, "DeviceName": "Cushion", "DeviceMessages": {"Scalar
     ],
 )
 def test_a_malformed_list_of_devices_is_one_message(server, devices):
-    made_up = server(kind=Telling, said=[GREETING, f'[{{"DeviceList": {{"Id": 2, "Devices": {devices}}}}}]'])
+    made_up = server(
+        kind=Telling, said=[GREETING, f'[{{"DeviceList": {{"Id": 2, "Devices": {devices}}}}}]']
+    )
     with pytest.raises(DeviceError, match=r"^Intiface[^\n]*$"):
         intiface(made_up.url)
 
 
 def test_a_player_that_fails_takes_no_other_device_away(server, monkeypatch):
-    """Nothing that a player says keeps the others from being found: here one says nonsense, and the other is found."""
+    """Nothing that a player says keeps the others from being found: here one says nonsense, and the
+    other is found."""
     wrong = server(kind=Telling, said=["[" * 20_000])
     right = server()
     monkeypatch.setattr(inventory, "bhaptics", lambda: bhaptics(right.url))
@@ -428,11 +503,20 @@ def test_a_player_that_fails_takes_no_other_device_away(server, monkeypatch):
 
 def test_no_redirect_is_followed_and_nothing_but_this_computer_is_connected_to(server):
     elsewhere = RawServer()
-    sent_on = RawServer(f"HTTP/1.1 302 Found\r\nLocation: {elsewhere.url}\r\nContent-Length: 0\r\n\r\n".encode())
+    sent_on = RawServer(
+        f"HTTP/1.1 302 Found\r\nLocation: {elsewhere.url}\r\nContent-Length: 0\r\n\r\n".encode()
+    )
     for ask in (intiface, bhaptics):
         with pytest.raises(DeviceError, match="no player answers"):
             ask(sent_on.url)
-        for url in ("ws://192.0.2.1:12345", "ws://example.com", "wss://127.0.0.1:12345", "http://127.0.0.1", "ws://[::1]:5", "nonsense"):
+        for url in (
+            "ws://192.0.2.1:12345",
+            "ws://example.com",
+            "wss://127.0.0.1:12345",
+            "http://127.0.0.1",
+            "ws://[::1]:5",
+            "nonsense",
+        ):
             with pytest.raises(DeviceError, match="is not on this computer"):
                 ask(url)
     assert elsewhere.connections == 0
@@ -440,7 +524,9 @@ def test_no_redirect_is_followed_and_nothing_but_this_computer_is_connected_to(s
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("said", [[], [b"HTTP/1.1 101 Switching Protocols\r\n"], [b"X: y\r\n"] * 40])
+@pytest.mark.parametrize(
+    "said", [[], [b"HTTP/1.1 101 Switching Protocols\r\n"], [b"X: y\r\n"] * 40]
+)
 def test_a_player_that_takes_its_time_is_given_up_after_two_seconds(said):
     slow = RawServer(*said, pause=0.25)
     begun = time.monotonic()
@@ -482,7 +568,11 @@ class Shouting(Server):
             for text in connection:
                 message = json.loads(text)
                 self.said.append(message)
-                if "ScalarCmd" in message[0] and any(s["Scalar"] > 0.5 for s in message[0]["ScalarCmd"]["Scalars"]) and not self.shouted:
+                if (
+                    "ScalarCmd" in message[0]
+                    and any(s["Scalar"] > 0.5 for s in message[0]["ScalarCmd"]["Scalars"])
+                    and not self.shouted
+                ):
                     self.shouted = True
                     connection.send("[" + " " * LARGEST_MESSAGE + "]")
                 for reply in self.answer(message):

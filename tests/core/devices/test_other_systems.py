@@ -1,4 +1,5 @@
-"""What the guard does on Windows and macOS, with their primitives injected; the workflow runs the systems' own."""
+"""What the guard does on Windows and macOS, with their primitives injected; the workflow runs the
+systems' own."""
 
 import os
 import signal
@@ -65,8 +66,11 @@ class Macos:
     def proc_pidinfo(self, pid, flavor, argument, buffer, size):
         if pid != self.pid or flavor != 3:
             return 0
-        # struct proc_bsdinfo: flags, status, ten numbers, names of 16 and 32 bytes, six numbers, two of 64 bits.
-        info = struct.pack("=12I16s32s5IiQQ", 0, self.state, *range(10), b"blender", b"blender", *range(5), 0, 1, 2)
+        # struct proc_bsdinfo: flags, status, ten numbers, names of 16 and 32 bytes, six numbers,
+        # two of 64 bits.
+        info = struct.pack(
+            "=12I16s32s5IiQQ", 0, self.state, *range(10), b"blender", b"blender", *range(5), 0, 1, 2
+        )
         buffer.raw = info
         return len(info)
 
@@ -91,16 +95,21 @@ def test_macos_knows_that_a_process_is_gone():
     assert not runs_on_macos(4712, system, system)()
 
 
-@pytest.mark.parametrize(("handle", "answers", "expected"), [(8, [0x102, 0], [True, False]), (0, [0x102], [False])])
+@pytest.mark.parametrize(
+    ("handle", "answers", "expected"), [(8, [0x102, 0], [True, False]), (0, [0x102], [False])]
+)
 def test_windows_knows_an_exit_by_a_handle(handle, answers, expected):
-    """OpenProcess returns NULL for a process that is gone; WaitForSingleObject WAIT_TIMEOUT (0x102) or WAIT_OBJECT_0 (0)."""
+    """OpenProcess returns NULL for a process that is gone; WaitForSingleObject WAIT_TIMEOUT (0x102)
+    or WAIT_OBJECT_0 (0)."""
     asked = []
 
     def open_process(access, inherits, pid):
         asked.append((access, inherits, pid))
         return handle
 
-    system = SimpleNamespace(OpenProcess=open_process, WaitForSingleObject=lambda handle, timeout: answers.pop(0))
+    system = SimpleNamespace(
+        OpenProcess=open_process, WaitForSingleObject=lambda handle, timeout: answers.pop(0)
+    )
     runs = runs_on_windows(4711, system)
     assert [runs() for _ in expected] == expected
     assert asked == [(0x100000, False, 4711)]
@@ -109,7 +118,11 @@ def test_windows_knows_an_exit_by_a_handle(handle, answers, expected):
 @pytest.mark.parametrize("permits", [True, False])
 def test_windows_starts_the_guard_outside_of_tree_and_job(monkeypatch, permits):
     """CreateProcess refuses CREATE_BREAKAWAY_FROM_JOB where the job does not permit it."""
-    flags = {"CREATE_NO_WINDOW": 0x0800_0000, "ABOVE_NORMAL_PRIORITY_CLASS": 0x8000, "CREATE_BREAKAWAY_FROM_JOB": 0x0100_0000}
+    flags = {
+        "CREATE_NO_WINDOW": 0x0800_0000,
+        "ABOVE_NORMAL_PRIORITY_CLASS": 0x8000,
+        "CREATE_BREAKAWAY_FROM_JOB": 0x0100_0000,
+    }
     for name, value in flags.items():
         monkeypatch.setattr(subprocess, name, value, raising=False)
     started = []
@@ -121,7 +134,11 @@ def test_windows_starts_the_guard_outside_of_tree_and_job(monkeypatch, permits):
 
     monkeypatch.setattr(subprocess, "Popen", start)
     guard.start_process(by_launcher=True)
-    assert [given for _, given in started] == ([0x0900_8000] if permits else [0x0900_8000, 0x0800_8000])
+    assert [given for _, given in started] == (
+        [0x0900_8000] if permits else [0x0900_8000, 0x0800_8000]
+    )
     command = started[-1][0]
-    assert command[4].startswith("import subprocess") and command[5] == str(0x0800_8000), "it starts the guard and ends"
+    assert command[4].startswith("import subprocess") and command[5] == str(0x0800_8000), (
+        "it starts the guard and ends"
+    )
     assert command[6] == sys.executable and str(os.getpid()) in command[-1]

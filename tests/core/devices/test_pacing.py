@@ -1,4 +1,5 @@
-"""What is written when, in simulated time: pace, refresh, watchdog, peaks, retries, and streams without gaps or jumps."""
+"""What is written when, in simulated time: pace, refresh, watchdog, peaks, retries, and streams
+without gaps or jumps."""
 
 import math
 from dataclasses import replace
@@ -25,7 +26,9 @@ def pacing(name, transport, delay=0.0, **changes):
 
 
 def tone(seconds, frequency=200.0, amplitude=0.5, rows=2, start=0.0):
-    row = amplitude * np.sin(2 * math.pi * frequency * (start + np.arange(round(seconds * RATE)) / RATE))
+    row = amplitude * np.sin(
+        2 * math.pi * frequency * (start + np.arange(round(seconds * RATE)) / RATE)
+    )
     return np.tile(row, (rows, 1))
 
 
@@ -58,14 +61,18 @@ class Simulation:
         return [data for _, data in self.written]
 
 
-ALL = [(name, transport) for name, device in PROFILES.items() for transport in device.family.transports]
+ALL = [
+    (name, transport) for name, device in PROFILES.items() for transport in device.family.transports
+]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "transport"), ALL)
 @settings(deadline=None, max_examples=20)
 @given(data=st.data())
-def test_a_device_is_never_written_to_faster_than_it_takes_and_always_ends_silent(name, transport, data):
+def test_a_device_is_never_written_to_faster_than_it_takes_and_always_ends_silent(
+    name, transport, data
+):
     paced = pacing(name, transport)
     simulation = Simulation(paced)
     rows = len(PROFILES[name].actuators)
@@ -90,12 +97,15 @@ def test_a_device_is_never_written_to_faster_than_it_takes_and_always_ends_silen
 
 def is_silent(name, transport, data):
     """Whether it is the zero report with any sequence number."""
-    return any(data == rumble_report(name, 0.0, 0.0, transport, sequence).data for sequence in range(16)) or (
-        name == "shield-2017" and data[4:6] == bytes(2)
-    )
+    return any(
+        data == rumble_report(name, 0.0, 0.0, transport, sequence).data for sequence in range(16)
+    ) or (name == "shield-2017" and data[4:6] == bytes(2))
 
 
-@pytest.mark.parametrize("name", ["dualsense", "xbox", "switch-pro", "stadia", "steam-deck", "steam-controller", "dualshock4"])
+@pytest.mark.parametrize(
+    "name",
+    ["dualsense", "xbox", "switch-pro", "stadia", "steam-deck", "steam-controller", "dualshock4"],
+)
 def test_the_watchdog_silences_a_device_when_no_block_comes(name):
     transport = PROFILES[name].family.transports[0]
     paced = pacing(name, transport)
@@ -103,7 +113,11 @@ def test_the_watchdog_silences_a_device_when_no_block_comes(name):
     start = simulation.now
     rows = len(PROFILES[name].actuators)
     simulation.play(tone(0.04, rows=rows)).run_until(start + 2.0)
-    sounding = [time for time, data in simulation.written if time >= start and not is_silent(name, transport, data)]
+    sounding = [
+        time
+        for time, data in simulation.written
+        if time >= start and not is_silent(name, transport, data)
+    ]
     silent = [time for time, data in simulation.written if time > sounding[-1]]
     assert sounding[-1] <= start + WATCHDOG + paced.interval
     assert start + WATCHDOG <= silent[0] <= start + WATCHDOG + 2 * paced.interval + 1e-3
@@ -111,18 +125,26 @@ def test_the_watchdog_silences_a_device_when_no_block_comes(name):
 
 
 def test_opening_a_device_makes_it_silent_whatever_it_did():
-    assert Simulation(pacing("dualsense", "usb")).run_until(1.0).reports == [rumble_report("dualsense", 0.0, 0.0, "usb").data]
+    assert Simulation(pacing("dualsense", "usb")).run_until(1.0).reports == [
+        rumble_report("dualsense", 0.0, 0.0, "usb").data
+    ]
 
 
 def test_a_switch_pad_is_told_zero_five_times():
     reports = Simulation(pacing("switch-pro", "usb")).run_until(1.0).reports
-    assert reports == [rumble_report("switch-pro", 0.0, 0.0, "usb", sequence).data for sequence in range(5)]
+    assert reports == [
+        rumble_report("switch-pro", 0.0, 0.0, "usb", sequence).data for sequence in range(5)
+    ]
 
 
 @pytest.mark.parametrize("name", PROFILES)
 def test_zero_never_waits_longer_than_60_ms_for_its_turn(name):
-    """Of the 150 ms to silence, a device's own pace leaves the rest to the detection of the failure and to a busy machine."""
-    assert all(PROFILES[name].interval(transport) <= 0.060 for transport in PROFILES[name].family.transports)
+    """Of the 150 ms to silence, a device's own pace leaves the rest to the detection of the failure
+    and to a busy machine."""
+    assert all(
+        PROFILES[name].interval(transport) <= 0.060
+        for transport in PROFILES[name].family.transports
+    )
 
 
 def test_a_steady_drive_is_written_once_where_the_device_holds_it():
@@ -132,15 +154,24 @@ def test_a_steady_drive_is_written_once_where_the_device_holds_it():
     assert len(set(simulation.reports)) <= len(simulation.reports) <= 8
 
 
-@pytest.mark.parametrize("name", [name for name, device in PROFILES.items() if isinstance(device.family, RumbleFamily)])
+@pytest.mark.parametrize(
+    "name", [name for name, device in PROFILES.items() if isinstance(device.family, RumbleFamily)]
+)
 def test_a_steady_drive_is_said_again_after_two_seconds_in_case_another_program_stopped_it(name):
     transport = PROFILES[name].family.transports[0]
     simulation = Simulation(pacing(name, transport)).run_until(1.0)
     rows = len(PROFILES[name].actuators)
     for i in range(200):
         simulation.play(tone(0.04, 200.0, 0.3, rows, 0.04 * i))
-    driven = [time for time, data in simulation.written if time >= 3.0 and not is_silent(name, transport, data)]
-    assert max(later - earlier for earlier, later in pairwise([3.0, *driven, 9.0])) <= 2.0 + 2 * simulation.paced.interval
+    driven = [
+        time
+        for time, data in simulation.written
+        if time >= 3.0 and not is_silent(name, transport, data)
+    ]
+    assert (
+        max(later - earlier for earlier, later in pairwise([3.0, *driven, 9.0]))
+        <= 2.0 + 2 * simulation.paced.interval
+    )
 
 
 @pytest.mark.parametrize("name", ["xbox", "luna"])
@@ -159,7 +190,8 @@ def test_the_pause_between_two_reports_is_counted_from_the_end_of_the_write(name
 
 @pytest.mark.parametrize("name", ["dualsense", "xbox", "switch-pro", "steam-controller"])
 def test_what_was_sent_ahead_is_felt_where_no_block_comes_in_time(name):
-    """A tone of 340 ms, of which 40 are the block: it ends in its time, neither with the block nor with the watchdog."""
+    """A tone of 340 ms, of which 40 are the block: it ends in its time, neither with the block nor
+    with the watchdog."""
     transport, rows = PROFILES[name].family.transports[0], len(PROFILES[name].actuators)
     simulation = Simulation(pacing(name, transport)).run_until(1.0)
     start = simulation.now
@@ -167,7 +199,11 @@ def test_what_was_sent_ahead_is_felt_where_no_block_comes_in_time(name):
     simulation.paced.accept(signal[:, :320], start)
     simulation.paced.expect(signal[:, 320:], start)
     simulation.run_until(start + 1.0)
-    driven = [time for time, data in simulation.written if time > start and not is_silent(name, transport, data)]
+    driven = [
+        time
+        for time, data in simulation.written
+        if time > start and not is_silent(name, transport, data)
+    ]
     silent = [time for time, data in simulation.written if time > driven[-1]]
     assert start + 0.32 <= silent[0] <= start + 0.34 + 0.03 + 2 * simulation.paced.interval
 
@@ -181,12 +217,16 @@ def test_what_was_sent_ahead_is_dropped_when_a_block_comes():
         simulation.run_until(simulation.now + 0.039)
     paced.accept(np.zeros((2, 320)), simulation.now)
     paced.expect(np.zeros((2, 3200)), simulation.now)
-    paced.expect(tone(0.4, amplitude=0.9), simulation.now - 0.039)  # comes late: it is of the block before
+    # Comes late: it is of the block before.
+    paced.expect(tone(0.4, amplitude=0.9), simulation.now - 0.039)
     simulation.run_until(simulation.now + 1.0)
     assert all(is_silent("dualsense", "usb", data) for data in simulation.reports)
 
 
-@pytest.mark.parametrize(("name", "transport"), [("dualsense", "usb"), ("dualsense-pcm", "bt"), ("steam-controller-pcm", "usb")])
+@pytest.mark.parametrize(
+    ("name", "transport"),
+    [("dualsense", "usb"), ("dualsense-pcm", "bt"), ("steam-controller-pcm", "usb")],
+)
 def test_what_was_sent_ahead_of_the_block_before_does_until_something_newer_comes(name, transport):
     """The lock is held right after a block, before what would follow it was rendered."""
     simulation = Simulation(pacing(name, transport, slew=10_000.0)).run_until(1.0)
@@ -201,12 +241,21 @@ def test_what_was_sent_ahead_of_the_block_before_does_until_something_newer_come
     else:
         played = np.abs(sounded(name, simulation.reports)).max(axis=0)
         rate = PROFILES[name].family.rate
-        assert played[rate // 20 :].reshape(-1)[: rate // 4].reshape(-1, rate // 100).max(axis=1).min() > 0.4
+        assert (
+            played[rate // 20 :].reshape(-1)[: rate // 4].reshape(-1, rate // 100).max(axis=1).min()
+            > 0.4
+        )
 
 
-@pytest.mark.parametrize(("name", "transport", "rate"), [("dualsense-pcm", "bt", 3000), ("steam-controller-pcm", "usb", 8000)])
-def test_a_stream_goes_on_with_what_was_sent_ahead_without_a_gap_while_frames_are_late(name, transport, rate):
-    """Frames of a sine come up to 30 ms late, one of them 150 ms: all that is heard is the sine, but for a few samples at each seam."""
+@pytest.mark.parametrize(
+    ("name", "transport", "rate"),
+    [("dualsense-pcm", "bt", 3000), ("steam-controller-pcm", "usb", 8000)],
+)
+def test_a_stream_goes_on_with_what_was_sent_ahead_without_a_gap_while_frames_are_late(
+    name, transport, rate
+):
+    """Frames of a sine come up to 30 ms late, one of them 150 ms: all that is heard is the sine,
+    but for a few samples at each seam."""
     simulation = Simulation(pacing(name, transport, slew=10_000.0))
     late = np.random.default_rng(3)
     for i in range(30):
@@ -216,19 +265,29 @@ def test_a_stream_goes_on_with_what_was_sent_ahead_without_a_gap_while_frames_ar
         due = 0.04 * (i + 1) + (0.15 if i == 15 else late.uniform(0.0, 0.03))
         simulation.run_until(max(due, simulation.now))
     played = sounded(name, simulation.reports)[0]
-    strengths = [np.abs(played[first : first + rate // 100]).max() for first in range(rate // 10, len(played) - rate // 20, rate // 100)]
+    strengths = [
+        np.abs(played[first : first + rate // 100]).max()
+        for first in range(rate // 10, len(played) - rate // 20, rate // 100)
+    ]
     assert min(strengths) > 0.3, "each period of 10 ms has its crest, less where two of them meet"
 
 
 @pytest.mark.parametrize(
     ("name", "transport", "gap"),
-    [("xbox", "bt", 0.101), ("switch-pro", "usb", 0.051), ("switch-pro", "bt", 0.061), ("steam-controller", "usb", 0.041)],
+    [
+        ("xbox", "bt", 0.101),
+        ("switch-pro", "usb", 0.051),
+        ("switch-pro", "bt", 0.061),
+        ("steam-controller", "usb", 0.041),
+    ],
 )
 def test_a_steady_drive_is_refreshed_before_the_device_lets_go(name, transport, gap):
     simulation = Simulation(pacing(name, transport)).run_until(1.0)
     start = simulation.now
     for i in range(25):
-        simulation.play(tone(0.04, frequency=200.0, start=0.04 * i, rows=len(PROFILES[name].actuators)))
+        simulation.play(
+            tone(0.04, frequency=200.0, start=0.04 * i, rows=len(PROFILES[name].actuators))
+        )
     times = [time for time, _ in simulation.written if time >= start]
     assert max(later - earlier for earlier, later in pairwise(times)) <= gap
 
@@ -238,12 +297,15 @@ def test_sequence_numbers_count_every_report():
     for i in range(40):
         simulation.play(tone(0.02, amplitude=0.3 + 0.01 * i))
     assert len(simulation.reports) > 20
-    assert [data[1] >> 4 for data in simulation.reports] == [i % 16 for i in range(len(simulation.reports))]
+    assert [data[1] >> 4 for data in simulation.reports] == [
+        i % 16 for i in range(len(simulation.reports))
+    ]
 
 
 @pytest.mark.parametrize("moment", np.arange(0.0, 0.1, 0.007))
 def test_a_slow_device_does_not_miss_an_impact_between_two_commands(moment):
-    """An impact of 20 ms is felt on a pad that is written to every 50 ms, at whatever time it comes."""
+    """An impact of 20 ms is felt on a pad that is written to every 50 ms, at whatever time it
+    comes."""
     block = np.zeros((1, round(0.2 * RATE)))
     start = round(moment * RATE)
     block[:, start : start + 160] = tone(0.02, 150.0, 0.9, rows=1)
@@ -332,13 +394,22 @@ def test_ceilings_and_the_limit_on_full_drive_hold_for_what_is_written():
 
 def sounded(name, reports):
     if name == "dualsense-pcm":
-        packets = [np.frombuffer(data, np.int8)[13:77].reshape(-1, 2).T for data in reports if data[0] == 0x32]
+        packets = [
+            np.frombuffer(data, np.int8)[13:77].reshape(-1, 2).T
+            for data in reports
+            if data[0] == 0x32
+        ]
     else:
-        packets = [np.frombuffer(data, np.int8)[2:].reshape(2, -1) for data in reports if data[0] == 0x88]
+        packets = [
+            np.frombuffer(data, np.int8)[2:].reshape(2, -1) for data in reports if data[0] == 0x88
+        ]
     return np.concatenate(packets, axis=1) / 127.0
 
 
-@pytest.mark.parametrize(("name", "transport", "rate"), [("dualsense-pcm", "bt", 3000), ("steam-controller-pcm", "usb", 8000)])
+@pytest.mark.parametrize(
+    ("name", "transport", "rate"),
+    [("dualsense-pcm", "bt", 3000), ("steam-controller-pcm", "usb", 8000)],
+)
 def test_a_stream_plays_every_sample_in_time(name, transport, rate):
     simulation = Simulation(pacing(name, transport, slew=10_000.0))
     for i in range(50):
@@ -347,7 +418,8 @@ def test_a_stream_plays_every_sample_in_time(name, transport, rate):
     times = [time for time, data in simulation.written if data[0] != 0x86]
     frames = played.shape[1] / len(times)
     assert (times[-1] - times[0]) / (len(times) - 1) == pytest.approx(frames / rate, rel=1e-3)
-    # The sine goes on through all packets: a fit of its amplitude and phase leaves no more than the rounding to 8 bits.
+    # The sine goes on through all packets: a fit of its amplitude and phase leaves no more than the
+    # rounding to 8 bits.
     clean = played[0, 100:-100]
     phase = 2 * math.pi * 100.0 * np.arange(len(clean)) / rate
     basis = np.stack([np.sin(phase), np.cos(phase)], axis=1)
@@ -356,7 +428,9 @@ def test_a_stream_plays_every_sample_in_time(name, transport, rate):
     assert np.abs(basis @ fit - clean).max() <= 1.5 / 127
 
 
-@pytest.mark.parametrize(("name", "transport"), [("dualsense-pcm", "bt"), ("steam-controller-pcm", "usb")])
+@pytest.mark.parametrize(
+    ("name", "transport"), [("dualsense-pcm", "bt"), ("steam-controller-pcm", "usb")]
+)
 def test_a_stream_that_runs_dry_goes_to_silence_without_a_jump_and_stops(name, transport):
     simulation = Simulation(pacing(name, transport, slew=10_000.0))
     simulation.play(tone(0.043, 40.0, 0.9))
@@ -371,13 +445,17 @@ def test_a_stream_that_runs_dry_goes_to_silence_without_a_jump_and_stops(name, t
 
 
 def test_a_stream_is_scaled_and_not_clipped():
-    simulation = Simulation(pacing("steam-controller-pcm", "usb", slew=10_000.0, sustained_maximum=1.0))
+    simulation = Simulation(
+        pacing("steam-controller-pcm", "usb", slew=10_000.0, sustained_maximum=1.0)
+    )
     for i in range(10):
         simulation.play(tone(0.04, 200.0, 3.0, start=0.04 * i))
     played = sounded("steam-controller-pcm", simulation.reports)[0]
     spectrum = np.abs(np.fft.rfft(played[400:2000] * np.hanning(1600)))
     assert np.abs(played).max() <= 1.0
-    assert spectrum[3 * 40] < 0.02 * spectrum[40], "a clipped sine would have a third harmonic of up to a third"
+    assert spectrum[3 * 40] < 0.02 * spectrum[40], (
+        "a clipped sine would have a third harmonic of up to a third"
+    )
 
 
 def test_a_block_that_comes_early_cuts_off_the_one_before_and_the_newest_is_played_whole():
@@ -387,7 +465,9 @@ def test_a_block_that_comes_early_cuts_off_the_one_before_and_the_newest_is_play
     played = sounded("steam-controller-pcm", Simulation(paced).run_until(2.0).reports)
     loud = np.flatnonzero(np.abs(played[0]) > 0.45)
     assert loud[0] <= 0.06 * RATE
-    assert loud[-1] - loud[0] == pytest.approx(WATCHDOG * RATE, abs=0.03 * RATE), "played until the watchdog took over"
+    assert loud[-1] - loud[0] == pytest.approx(WATCHDOG * RATE, abs=0.03 * RATE), (
+        "played until the watchdog took over"
+    )
     assert np.abs(np.diff(played, axis=1)).max() <= 0.2
 
 
@@ -403,7 +483,8 @@ def test_the_actuation_is_of_the_familys_kind(name, transport):
 
 @pytest.mark.slow
 def test_half_an_hour_of_frames_does_not_drift_from_the_picture():
-    """Frames of 333 or 334 samples at 24 a second, each sent as its picture comes; a knock is felt just as late in every minute."""
+    """Frames of 333 or 334 samples at 24 a second, each sent as its picture comes; a knock is felt
+    just as late in every minute."""
     paced = pacing("dualsense-pcm", "bt")
     simulation = Simulation(paced)
     edges = np.ceil(np.arange(30 * 60 * 24 + 1) / 24 * RATE - 1e-6).astype(int)
@@ -421,8 +502,13 @@ def test_half_an_hour_of_frames_does_not_drift_from_the_picture():
         simulation.written.clear()
         paced.accept(block, start)
         simulation.run_until(start + 0.040)
-        packets = ((time, np.abs(np.frombuffer(data, np.int8)[13:77:2].astype(int))) for time, data in simulation.written)
+        packets = (
+            (time, np.abs(np.frombuffer(data, np.int8)[13:77:2].astype(int)))
+            for time, data in simulation.written
+        )
         time, left = next((time, left) for time, left in packets if left.max() > 10)
         lags.append(time + int(np.argmax(left > 10)) / 3000 - start)
     assert len(lags) == 30
-    assert max(lags) - min(lags) <= 2 / 3000, "within a sample of the device, and one of the frame's rounding"
+    assert max(lags) - min(lags) <= 2 / 3000, (
+        "within a sample of the device, and one of the frame's rounding"
+    )

@@ -19,14 +19,27 @@ from hypothesis import strategies as st
 
 PAIR = [(0.0, 0.0), (1.0, 0.0)]
 VEST = list(DEVICES["Tactot"]["VestBack"])
-LAYOUTS = {"pair": PAIR, "diagonal": [(0, 0), (3, 2)], "vest": VEST, "ring": [(np.cos(k), np.sin(k)) for k in range(6)]}
+LAYOUTS = {
+    "pair": PAIR,
+    "diagonal": [(0, 0), (3, 2)],
+    "vest": VEST,
+    "ring": [(np.cos(k), np.sin(k)) for k in range(6)],
+}
 unit = st.floats(0, 1)
 
 
 def device(positions, part="middle_back.L"):
     actuators = tuple(
         Actuator(
-            f"m{k}", (part,), "ERM", (30.0, 250.0), 0.05, 1.0, (), Calibration(), position=None if at is None else tuple(map(float, at))
+            f"m{k}",
+            (part,),
+            "ERM",
+            (30.0, 250.0),
+            0.05,
+            1.0,
+            (),
+            Calibration(),
+            position=None if at is None else tuple(map(float, at)),
         )
         for k, at in enumerate(positions)
     )
@@ -69,12 +82,16 @@ def test_at_an_actuator_it_plays_alone_and_between_rows_and_columns_the_four_abo
     for k, place in enumerate(VEST):
         assert shares(positions, np.array(place)) == pytest.approx(np.eye(20)[k], abs=1e-12)
     middle = shares(positions, np.array([0.5, 0.125]))
-    assert np.flatnonzero(middle > 1e-12).tolist() == [1, 2, 5, 6] and middle[[1, 2, 5, 6]] == pytest.approx(0.25)
+    assert np.flatnonzero(middle > 1e-12).tolist() == [1, 2, 5, 6] and middle[
+        [1, 2, 5, 6]
+    ] == pytest.approx(0.25)
 
 
 def test_blocks_join_without_a_step():
     mapping, places = mapped(VEST), [np.array([[x, 0.4]]) for x in (0.1, 0.5, 0.9)]
-    blocks = [mapping.blocks(np.ones((1, 100)), *pair)["vest"] for pair in itertools.pairwise(places)]
+    blocks = [
+        mapping.blocks(np.ones((1, 100)), *pair)["vest"] for pair in itertools.pairwise(places)
+    ]
     joined = np.concatenate(blocks, axis=1) ** 2
     assert np.abs(np.diff(joined, axis=1)).max() < 0.02
 
@@ -84,8 +101,12 @@ def test_without_positions_all_play_alike_as_before():
     for positions in ([None, None], [None, (0, 0)]):
         mapping = mapped(positions)
         assert mapping.blocks(np.ones((1, 2)), place, place)["vest"].tolist() == [[1, 1], [1, 1]]
-    assert not mapped([None, None]).pans and not any(map_listeners({}, {"d": profile("dualsense")}).pans for _ in "x")
-    assert mapped(PAIR).blocks(np.ones((1, 2)))["vest"].tolist() == [[1, 1], [1, 1]], "no place is known"
+    assert not mapped([None, None]).pans and not any(
+        map_listeners({}, {"d": profile("dualsense")}).pans for _ in "x"
+    )
+    assert mapped(PAIR).blocks(np.ones((1, 2)))["vest"].tolist() == [[1, 1], [1, 1]], (
+        "no place is known"
+    )
 
 
 def test_a_profile_of_the_users_own_may_have_positions(tmp_path):
@@ -94,7 +115,9 @@ def test_a_profile_of_the_users_own_may_have_positions(tmp_path):
     document = json.loads((BUILT_IN / "dualsense.json").read_text())
     for actuator, x in zip(document["actuators"], (0, 1), strict=True):
         actuator["position"], actuator["body_parts"] = [x, 0], ["belly"]
-    assert [item.position for item in parse_profile(json.dumps(document).encode(), "pad.json").actuators] == [(0, 0), (1, 0)]
+    assert [
+        item.position for item in parse_profile(json.dumps(document).encode(), "pad.json").actuators
+    ] == [(0, 0), (1, 0)]
     document["actuators"][0]["position"] = [0]
     with pytest.raises(ValueError, match="/actuators/0/position"):
         parse_profile(json.dumps(document).encode(), "pad.json")
@@ -107,7 +130,11 @@ def traced(places, **listener):
     index = {name: k for k, name in enumerate(sorted(item.name for item in objects))}
     heard = Listener("l", "back", (0, 0, 1), radius=0.1, **listener)
     sources = tuple(Source(f"s{k}", f"o{k}", place) for k, place in enumerate(places))
-    return Tracer().step(Frame(1, 0.0, objects, sources, (heard,), contacts=ContactSet.from_contacts(contacts, index)))
+    return Tracer().step(
+        Frame(
+            1, 0.0, objects, sources, (heard,), contacts=ContactSet.from_contacts(contacts, index)
+        )
+    )
 
 
 def test_where_a_contact_arrives_in_the_volume():
@@ -123,9 +150,16 @@ def test_several_arrivals_count_by_their_power():
     result = traced([(0.1, 0, 1), (-0.1, 0, 1)])
     assert result.arrivals()[0] == pytest.approx((0.5, 0.5))
     quiet = dataclasses.replace(result, amplitudes=result.amplitudes * [[1.0], [0.5]])
-    assert quiet.arrivals()[0, 0] == pytest.approx(0.2), "4 of 5 parts of the power come from the left"
+    assert quiet.arrivals()[0, 0] == pytest.approx(0.2), (
+        "4 of 5 parts of the power come from the left"
+    )
 
 
 def test_a_moving_contact_moves_the_pan_smoothly():
     places = [traced([(x, 0, 1)]).arrivals()[0, 0] for x in np.linspace(0.15, -0.15, 61)]
-    assert np.all(np.diff(places) >= 0) and np.abs(np.diff(places)).max() < 0.03 and places[0] == 0 and places[-1] == 1
+    assert (
+        np.all(np.diff(places) >= 0)
+        and np.abs(np.diff(places)).max() < 0.03
+        and places[0] == 0
+        and places[-1] == 1
+    )

@@ -1,4 +1,5 @@
-"""Built-in profiles against an independent validator, and broken ones: one line with the place, and the others go on."""
+"""Built-in profiles against an independent validator, and broken ones: one line with the place, and
+the others go on."""
 
 import json
 import math
@@ -7,7 +8,13 @@ from itertools import pairwise
 import jsonschema
 import pytest
 from haptic_tracing.core.devices.families.registry import FAMILIES
-from haptic_tracing.core.devices.profiles import BUILT_IN, Calibration, load_profiles, parse_profile, profile
+from haptic_tracing.core.devices.profiles import (
+    BUILT_IN,
+    Calibration,
+    load_profiles,
+    parse_profile,
+    profile,
+)
 from haptic_tracing.core.formats.io.schema import SCHEMAS
 from haptic_tracing.core.scene.body import PAPER_LISTENERS
 
@@ -21,11 +28,17 @@ def test_built_in_profiles_are_valid_and_named_like_their_file(file):
     jsonschema.Draft7Validator(SCHEMA).validate(json.loads(file.read_text()))
     loaded = parse_profile(file.read_bytes(), file)
     assert loaded.name == file.stem
-    assert all(part in PAPER_LISTENERS for actuator in loaded.actuators for part in actuator.body_parts)
-    assert {channel.name for actuator in loaded.actuators for channel in actuator.channels} <= set(loaded.family.channels)
+    assert all(
+        part in PAPER_LISTENERS for actuator in loaded.actuators for part in actuator.body_parts
+    )
+    assert {channel.name for actuator in loaded.actuators for channel in actuator.channels} <= set(
+        loaded.family.channels
+    )
     for actuator in loaded.actuators:
         takes = [channel.takes for channel in actuator.channels]
-        assert all(lower[1] == upper[0] for lower, upper in pairwise(takes)), "a gap or overlap between channels"
+        assert all(lower[1] == upper[0] for lower, upper in pairwise(takes)), (
+            "a gap or overlap between channels"
+        )
 
 
 def test_every_family_has_a_profile_and_all_load():
@@ -57,7 +70,13 @@ def changed(**changes):
     return json.dumps(document)
 
 
-NESTED = ("description", "actuators__0__body_parts", "actuators__0__body_parts__0", "actuators__0__position", "sustained")
+NESTED = (
+    "description",
+    "actuators__0__body_parts",
+    "actuators__0__body_parts__0",
+    "actuators__0__position",
+    "sustained",
+)
 
 
 @pytest.mark.parametrize(
@@ -74,16 +93,31 @@ NESTED = ("description", "actuators__0__body_parts", "actuators__0__body_parts__
         (changed(name="Über"), "/name: must match"),
         (changed(actuators=[]), "/actuators: must have at least 1 items"),
         (changed(actuators__0__band=[400, 20]), "/actuators/0/band: 400.0 Hz is not below 20.0 Hz"),
-        (changed(actuators__1__channels__0__takes=[10, 10]), "/actuators/1/channels/0/takes: 10.0 Hz is not below 10.0 Hz"),
+        (
+            changed(actuators__1__channels__0__takes=[10, 10]),
+            "/actuators/1/channels/0/takes: 10.0 Hz is not below 10.0 Hz",
+        ),
         (changed(actuators__0__band=[20]), "/actuators/0/band: must have at least 2 items"),
         (changed(actuators__0__safe_maximum=1.5), "/actuators/0/safe_maximum: must be at most 1"),
         (changed(actuators__0__latency=-1), "/actuators/0/latency: must be at least 0"),
         (changed(actuators__0__kind="piezo"), "/actuators/0/kind: must be "),
-        (changed(actuators__0__body_parts=["tail"]), "/actuators/0/body_parts/0: body part 'tail' is unknown"),
-        (changed(actuators__0__channels__0__name="middle"), "/actuators/0/channels/0/name: dualsense has no channel 'middle'"),
-        (changed(actuators__1__channels__0__name="left"), "/actuators/1/channels/0/name: channel 'left' is used twice"),
+        (
+            changed(actuators__0__body_parts=["tail"]),
+            "/actuators/0/body_parts/0: body part 'tail' is unknown",
+        ),
+        (
+            changed(actuators__0__channels__0__name="middle"),
+            "/actuators/0/channels/0/name: dualsense has no channel 'middle'",
+        ),
+        (
+            changed(actuators__1__channels__0__name="left"),
+            "/actuators/1/channels/0/name: channel 'left' is used twice",
+        ),
         (changed(actuators__1__name="left grip"), "/actuators/1/name: 'left grip' is used twice"),
-        (changed(minimum_interval=0.001), "/minimum_interval: 0.001 s is faster than the device allows"),
+        (
+            changed(minimum_interval=0.001),
+            "/minimum_interval: 0.001 s is faster than the device allows",
+        ),
         (changed(actuators__0__wattage=3), "/actuators/0/wattage: unknown key"),
         (changed(**{"w" * 5000: 3}), "/www"),
         (changed(family="t" * 5000), "/family: "),
@@ -118,7 +152,12 @@ def test_broken_files_do_not_keep_the_others_from_loading(tmp_path):
     profiles, problems = load_profiles([BUILT_IN, tmp_path])
     assert profiles["dualsense"].title == "My DualSense"
     assert set(profiles) == {file.stem for file in FILES}
-    assert [problem.split(":")[0].rsplit("/", 1)[1] for problem in problems] == ["broken.json", "folder.json", "latin.json", "twice.json"]
+    assert [problem.split(":")[0].rsplit("/", 1)[1] for problem in problems] == [
+        "broken.json",
+        "folder.json",
+        "latin.json",
+        "twice.json",
+    ]
     assert "is used by another file" in problems[-1]
 
 
@@ -127,7 +166,10 @@ def test_an_unknown_profile_is_named():
         profile("toaster")
 
 
-@pytest.mark.parametrize(("field", "value"), [("gain", -1), ("gain", math.nan), ("floor", 1.0), ("floor", math.nan), ("exponent", 0.0)])
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("gain", -1), ("gain", math.nan), ("floor", 1.0), ("floor", math.nan), ("exponent", 0.0)],
+)
 def test_calibrations_out_of_range_are_refused(field, value):
     with pytest.raises(ValueError, match=field):
         Calibration(**{field: value})

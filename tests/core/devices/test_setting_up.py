@@ -1,4 +1,5 @@
-"""What is said to a pad once, when it is opened, and what its answers change: pads that answer as SDL's drivers expect it."""
+"""What is said to a pad once, when it is opened, and what its answers change: pads that answer as
+SDL's drivers expect it."""
 
 import pytest
 from haptic_tracing.core.devices.families.family import Interface
@@ -6,7 +7,8 @@ from haptic_tracing.core.devices.families.registry import families_of, family
 
 
 class Pad:
-    """A pad that answers. answers: an input report for each output report that begins with the key's bytes; features: by report id."""
+    """A pad that answers. answers: an input report for each output report that begins with the
+    key's bytes; features: by report id."""
 
     def __init__(self, answers=None, features=None, inputs=()):
         self.answers, self.features = answers or {}, features or {}
@@ -44,7 +46,9 @@ def test_a_switch_pad_that_answers_is_told_everything_once(transport):
     pad = Pad({**ACKNOWLEDGED, b"\x01": VIBRATION_CONFIRMED})
     assert prepared("switch-pro", pad, interface(0x057E, 0x2009, transport)) is None
     *handshake, vibration = pad.written
-    assert [report[:2].hex() for report in handshake] == (["8002", "8003", "8002", "8004"] if transport == "usb" else [])
+    assert [report[:2].hex() for report in handshake] == (
+        ["8002", "8003", "8002", "8004"] if transport == "usb" else []
+    )
     assert (vibration[0], vibration[10:12].hex()) == (1, "4801")
     assert {len(report) for report in pad.written} == {64 if transport == "usb" else 49}
 
@@ -53,7 +57,15 @@ def test_a_switch_pad_that_refuses_is_asked_again_and_then_driven_all_the_same()
     refused = bytes([0x21]) + bytes(12) + bytes([0x00, 0x48]) + bytes(49)
     pad = Pad({bytes([0x80, 2]): ACKNOWLEDGED[bytes([0x80, 2])], b"\x01": refused})
     assert prepared("switch-pro", pad, interface(0x057E, 0x2009)) is None
-    assert [report[:2].hex() for report in pad.written] == ["8002", "8003", "8003", "8002", "8004", "0100", "0100"]
+    assert [report[:2].hex() for report in pad.written] == [
+        "8002",
+        "8003",
+        "8003",
+        "8002",
+        "8004",
+        "0100",
+        "0100",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -78,9 +90,13 @@ def test_an_8bitdo_pad_is_driven_only_if_it_says_that_it_rumbles(product, pad, r
             prepared("8bitdo", pad, interface(0x2DC8, product))
 
 
-@pytest.mark.parametrize(("abilities", "rumbles"), [(0x01, True), (0xFF, True), (0xFE, False), (None, True)])
+@pytest.mark.parametrize(
+    ("abilities", "rumbles"), [(0x01, True), (0xFF, True), (0xFE, False), (None, True)]
+)
 def test_an_sinput_pad_is_asked_for_its_features(abilities, rumbles):
-    answers = {} if abilities is None else {bytes([3, 2]): bytes([2, 2, 1, 0, abilities]) + bytes(59)}
+    answers = (
+        {} if abilities is None else {bytes([3, 2]): bytes([2, 2, 1, 0, abilities]) + bytes(59)}
+    )
     pad = Pad(answers)
     if rumbles:
         assert prepared("sinput", pad, interface(0x2E8A, 0x10C6)) is None
@@ -91,7 +107,15 @@ def test_an_sinput_pad_is_asked_for_its_features(abilities, rumbles):
 
 
 @pytest.mark.parametrize(
-    ("vendor", "product"), [(0x2E8A, 0x10C6), (0x2E8A, 0x10DF), (0x2E8A, 0x10DD), (0x2E8A, 0x10E0), (0x2E8A, 0x10E5), (0x38D2, 0x1014)]
+    ("vendor", "product"),
+    [
+        (0x2E8A, 0x10C6),
+        (0x2E8A, 0x10DF),
+        (0x2E8A, 0x10DD),
+        (0x2E8A, 0x10E0),
+        (0x2E8A, 0x10E5),
+        (0x38D2, 0x1014),
+    ],
 )
 def test_sinput_pads_are_those_that_sdl_knows(vendor, product):
     assert [found.name for found in families_of(interface(vendor, product))] == ["sinput"]

@@ -1,4 +1,5 @@
-"""Sound cards with a made-up PortAudio: which channels are felt where, samples without a gap, and errors in words."""
+"""Sound cards with a made-up PortAudio: which channels are felt where, samples without a gap, and
+errors in words."""
 
 import sys
 from types import SimpleNamespace
@@ -46,7 +47,13 @@ class PortAudio:
 
     def __init__(self, *cards, rate=48_000.0, hosts=("ALSA",)):
         self.cards = [
-            {"name": name, "hostapi": host, "max_output_channels": channels, "default_samplerate": rate} for name, channels, host in cards
+            {
+                "name": name,
+                "hostapi": host,
+                "max_output_channels": channels,
+                "default_samplerate": rate,
+            }
+            for name, channels, host in cards
         ]
         self.hosts, self.streams, self.closed, self.broken = hosts, [], 0, False
 
@@ -84,12 +91,16 @@ def test_each_card_is_listed_once_and_a_dualsense_knows_its_grips():
         hosts=("MME", "Windows WASAPI"),
     )
     cards = sound_cards(module)
-    assert [(card.title, card.index, [actuator.name for actuator in card.actuators]) for card in cards] == [
+    assert [
+        (card.title, card.index, [actuator.name for actuator in card.actuators]) for card in cards
+    ] == [
         ("Speakers", 1, ["channel 1", "channel 2"]),
         ("DualSense Wireless Controller", 2, ["left grip", "right grip"]),
     ]
     mapping = map_listeners(
-        {"L": "hand.L", "R": "hand.R", "seat": ""}, {"pad": cards[1], "cushion": cards[0]}, chosen={"seat": [Place("cushion", "channel 2")]}
+        {"L": "hand.L", "R": "hand.R", "seat": ""},
+        {"pad": cards[1], "cushion": cards[0]},
+        chosen={"seat": [Place("cushion", "channel 2")]},
     )
     assert mapping.weights["pad"].tolist() == [[1, 0, 0], [0, 1, 0]]
     assert mapping.weights["cushion"].tolist() == [[0, 0, 0], [0, 0, 1]]
@@ -133,9 +144,12 @@ def test_without_a_fresh_block_it_is_silent_by_itself_and_rest_is_silence_at_onc
 
 def test_gain_ceiling_and_full_drive_are_limited(started):
     module = PortAudio(("Cushion", 1, 0), rate=8000.0)
-    output = started(module, adjustment=Adjustment({"channel 1": Calibration(gain=4.0)}, ceiling=0.25))
+    output = started(
+        module, adjustment=Adjustment({"channel 1": Calibration(gain=4.0)}, ceiling=0.25)
+    )
     (stream,) = module.streams
-    square = np.tile([1.0, 1.0, -1.0, -1.0], 84)[None]  # of 2 kHz: a steady value would not be played
+    # Of 2 kHz: a steady value would not be played.
+    square = np.tile([1.0, 1.0, -1.0, -1.0], 84)[None]
     for _ in range(40):
         output.send(square)
         heard = stream.heard(336)
@@ -145,7 +159,9 @@ def test_gain_ceiling_and_full_drive_are_limited(started):
     for _ in range(24 * 60):
         output.send(square)
         loudest.append(float(stream.heard(336).max()))
-    assert max(loudest) == pytest.approx(1.0) and loudest[-1] == pytest.approx(0.7, abs=0.01), "0.7 for as long as it lasts"
+    assert max(loudest) == pytest.approx(1.0) and loudest[-1] == pytest.approx(0.7, abs=0.01), (
+        "0.7 for as long as it lasts"
+    )
 
 
 @pytest.mark.slow

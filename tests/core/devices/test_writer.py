@@ -1,4 +1,5 @@
-"""Writer threads with devices that are slow, fail or vanish. Waits are on events, never on a length of time that has to suffice."""
+"""Writer threads with devices that are slow, fail or vanish. Waits are on events, never on a length
+of time that has to suffice."""
 
 import os
 import subprocess
@@ -19,14 +20,17 @@ RATE = 8000
 
 
 def quick(name="dualsense"):
-    """A profile whose device takes reports as fast as they come, so that tests do not wait for its pace."""
+    """A profile whose device takes reports as fast as they come, so that tests do not wait for its
+    pace."""
     device = profile(name)
     pace = dict.fromkeys(device.family.transports, 1e-4)
     return replace(device, family=replace(device.family, minimum_interval=pace))
 
 
 def wave(seconds=0.05, amplitude=1.0, rows=2):
-    return np.tile(amplitude * np.sin(2 * np.pi * 200.0 * np.arange(round(seconds * RATE)) / RATE), (rows, 1))
+    return np.tile(
+        amplitude * np.sin(2 * np.pi * 200.0 * np.arange(round(seconds * RATE)) / RATE), (rows, 1)
+    )
 
 
 def playing(output):
@@ -166,7 +170,9 @@ def test_eight_devices_at_once_and_all_stop_together(started):
         playing(output)
     until(lambda: all(sounding(pad) for pad in pads))
     assert stop_all(60.0)
-    assert all(pad.written[-2:] == [ZERO, RELEASE] and pad.opened == pad.closed == 1 for pad in pads)
+    assert all(
+        pad.written[-2:] == [ZERO, RELEASE] and pad.opened == pad.closed == 1 for pad in pads
+    )
     assert len(set().union(*(pad.writers for pad in pads))) == 8
 
 
@@ -252,7 +258,9 @@ def test_the_watchdog_needs_nobody(started):
 def test_an_error_in_the_thread_still_silences_the_device(started):
     pad = FakePad()
     device = quick()
-    broken = replace(device.family, release=lambda transport, sequence: (), encode=Once(device.family.encode))
+    broken = replace(
+        device.family, release=lambda transport, sequence: (), encode=Once(device.family.encode)
+    )
     output = started(FakeHid(pad), replace(device, family=broken))
     until(lambda: (output.send(wave()), output.status.state == "failed")[-1])
     assert output.status.message == "ZeroDivisionError: an error of the program"
@@ -293,7 +301,10 @@ def test_two_outputs_share_two_devices_and_a_third_is_told(started):
 
 
 def test_of_interfaces_alike_the_one_that_emits_input_is_opened():
-    pads = [FakePad(f"/dev/{i}".encode(), vendor=0x28DE, product=0x1205, number=i, usage=(0xFF00, 1)) for i in range(3)]
+    pads = [
+        FakePad(f"/dev/{i}".encode(), vendor=0x28DE, product=0x1205, number=i, usage=(0xFF00, 1))
+        for i in range(3)
+    ]
     pads[1].input = [1, 2, 3]
     hid = FakeHid(*pads)
     assert len(connected(hid)) == 1 and len(connected(hid)[0].interfaces) == 3
@@ -304,7 +315,10 @@ def test_of_interfaces_alike_the_one_that_emits_input_is_opened():
 
 
 def test_the_grips_two_interfaces_are_two_joycons():
-    left, right = (FakePad(f"/dev/{side}".encode(), 0x057E, 0x200E, number) for side, number in (("left", 1), ("right", 0)))
+    left, right = (
+        FakePad(f"/dev/{side}".encode(), 0x057E, 0x200E, number)
+        for side, number in (("left", 1), ("right", 0))
+    )
     hid = FakeHid(left, right)
     for name, path in (("joycon-left", b"/dev/left"), ("joycon-right", b"/dev/right")):
         opened = open_device(hid, family(name))
@@ -316,11 +330,21 @@ def test_the_grips_two_interfaces_are_two_joycons():
 def test_a_module_of_the_same_name_from_another_package_is_refused(tmp_path):
     """The package ``hid`` has a class ``Device`` and no function ``device``."""
     name = "hidraw" if sys.platform.startswith("linux") else "hid"
-    (tmp_path / f"{name}.py").write_text("class Device: ...\ndef enumerate(vid=0, pid=0): return []\n")
+    (tmp_path / f"{name}.py").write_text(
+        "class Device: ...\ndef enumerate(vid=0, pid=0): return []\n"
+    )
     program = "from haptic_tracing.core.devices.connection import hid_module\nhid_module()"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
-    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
-    assert f"the Python module {name} is not that of the package hidapi" in done.stderr.splitlines()[-1]
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=environment, capture_output=True, text=True
+    )
+    assert (
+        f"the Python module {name} is not that of the package hidapi"
+        in done.stderr.splitlines()[-1]
+    )
 
 
 def test_the_real_module_is_the_one_that_sees_bluetooth():
@@ -339,7 +363,10 @@ def test_nothing_connected_is_said_in_one_line():
         ({"adjustment": {"delay": -0.1}}, "delay -0.1"),
         ({"adjustment": {"delay": 5.0}}, "delay 5.0"),
         ({"adjustment": {"ceiling": 1.5}}, "ceiling 1.5"),
-        ({"adjustment": {"calibrations": {"left wing": Calibration()}}}, "unknown actuator: 'left wing'"),
+        (
+            {"adjustment": {"calibrations": {"left wing": Calibration()}}},
+            "unknown actuator: 'left wing'",
+        ),
     ],
 )
 def test_options_out_of_range_are_refused(options, message):

@@ -1,4 +1,5 @@
-"""The real ``hidraw`` module that writes down every report and when it was written. It can be pickled, for the guard process."""
+"""The real ``hidraw`` module that writes down every report and when it was written. It can be
+pickled, for the guard process."""
 
 import json
 import time
@@ -10,7 +11,8 @@ from haptic_tracing.core.devices.connection import hid_module
 
 @dataclass(frozen=True)
 class TimedHid:
-    """folder: gets one file per device node, a line of JSON per report: seconds of `time.perf_counter`, bytes as hexadecimal."""
+    """folder: gets one file per device node, a line of JSON per report: seconds of
+    `time.perf_counter`, bytes as hexadecimal."""
 
     folder: str
 

@@ -1,4 +1,5 @@
-"""What runs inside umockdev: the real ``hidraw`` module on devices that are made up. Prints one JSON object.
+"""What runs inside umockdev: the real ``hidraw`` module on devices that are made up. Prints one
+JSON object.
 
 Called as ``umockdev-run ... -- python umockdev_scenes.py SCENE [ARGUMENT ...]``.
 """
@@ -56,8 +57,12 @@ class Recorder:
 
 
 def loud(device):
-    """The device with ceilings of 0.5 on its first actuator and 0.25 on its second: a loud signal then has exact levels."""
-    actuators = tuple(replace(actuator, safe_maximum=top) for actuator, top in zip(device.actuators, (0.5, 0.25), strict=True))
+    """The device with ceilings of 0.5 on its first actuator and 0.25 on its second: a loud signal
+    then has exact levels."""
+    actuators = tuple(
+        replace(actuator, safe_maximum=top)
+        for actuator, top in zip(device.actuators, (0.5, 0.25), strict=True)
+    )
     return replace(device, actuators=actuators)
 
 
@@ -71,7 +76,8 @@ def play(output, seconds, rows, *frequencies):
 
 
 def serial_of(number):
-    """The serial number of the device behind ``/dev/hidraw<number>``, where there is one of each family."""
+    """The serial number of the device behind ``/dev/hidraw<number>``, where there is one of each
+    family."""
     return f"a0:ab:51:00:01:{number:02x}"
 
 
@@ -117,7 +123,12 @@ def scene_play(name, *frequencies):
     wait_until(lambda: output.status.state == "open")
     play(output, 0.6, 2, *map(float, frequencies))
     done = output.stop()
-    return {"done": done, "captured": NODE.read_bytes().hex(), "features": recorder.features, **status_of(output)}
+    return {
+        "done": done,
+        "captured": NODE.read_bytes().hex(),
+        "features": recorder.features,
+        **status_of(output),
+    }
 
 
 def scene_watchdog(name):
@@ -150,10 +161,12 @@ GROUP_ENDINGS = ("kill", "freeze")
 
 
 def scene_ends(ending, folder, *names, group=None):
-    """A program that plays on devices and ends in the middle of it: what was written to each node, with seconds after that, how long
-    what has to silence the devices had waited for a processor by then, and when the guard ended.
+    """A program that plays on devices and ends in the middle of it: what was written to each node,
+    with seconds after that, how long what has to silence the devices had waited for a processor by
+    then, and when the guard ended.
 
-    ending: a signal, ``exit``, ``process group`` (SIGKILL to all of it), or what is done to the control ``group`` of the program.
+    ending: a signal, ``exit``, ``process group`` (SIGKILL to all of it), or what is done to the
+    control ``group`` of the program.
     """
     program = f"""
 import sys; sys.path[0] = {HERE!r}
@@ -173,7 +186,13 @@ for i in range(100):
     time.sleep(0.04)
     if i == 12 and {ending!r} == "exit": os._exit(3)
 """
-    child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True, start_new_session=True)
+    child = subprocess.Popen(
+        [sys.executable, "-c", program],
+        cwd=HERE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
     child.stdout.readline()
     (guard,) = children(child.pid)
     time.sleep(0.09)
@@ -183,16 +202,22 @@ for i in range(100):
         os.killpg(child.pid, signal.SIGKILL)
     elif ending != "exit":
         child.send_signal(signal.Signals[ending])
-    while ending != "freeze" and state_of(child.pid) not in "TZX":  # a busy machine may let it run on for a while
+    while (
+        ending != "freeze" and state_of(child.pid) not in "TZX"
+    ):  # a busy machine may let it run on for a while
         pass
     ended = time.perf_counter()
-    # The guard's thread that watches the program wakes a device's thread; umockdev answers what is no write to a node.
+    # The guard's thread that watches the program wakes a device's thread; umockdev answers what is
+    # no write to a node.
     chains, waits = [Waits(guard, 2), Waits(os.getppid(), 1)], []
     while time.perf_counter() < ended + (1.0 if ending == "freeze" else 0.6):
         time.sleep(0.01)
         waits.append((time.perf_counter() - ended, sum(chain.until_now() for chain in chains)))
     nodes = sorted(path.name for path in Path(folder).iterdir())
-    reports = {node: [(seconds - ended, data.hex()) for seconds, data in reports_of(folder, node)] for node in nodes}
+    reports = {
+        node: [(seconds - ended, data.hex()) for seconds, data in reports_of(folder, node)]
+        for node in nodes
+    }
     child.kill()
     if ending == "freeze":
         (group / "cgroup.freeze").write_text("0")
@@ -202,7 +227,8 @@ for i in range(100):
 
 
 def scene_group_ends(ending, folder, *names):
-    """What `scene_ends` returns for a program in a control group of its own, and what is left of the guard's."""
+    """What `scene_ends` returns for a program in a control group of its own, and what is left of
+    the guard's."""
     around = Path(os.environ["CONTROL_GROUPS"])
     group = around / f"program-{os.getpid()}"
     group.mkdir()
@@ -223,16 +249,20 @@ def state_of(process):
 
 
 def scene_lock(name, folder):
-    """A program that plays, and holds Python's lock for 300 ms in the middle of it, as a heavy operator does.
+    """A program that plays, and holds Python's lock for 300 ms in the middle of it, as a heavy
+    operator does.
 
-    told: when the guard had been told of samples, and until when they last. waited: for a processor while the lock was held.
+    told: when the guard had been told of samples, and until when they last. waited: for a processor
+    while the lock was held.
     """
     import ctypes
 
     output = DeviceOutput(replace(profile(name), slew=10_000.0), hid=TimedHid(folder))
     output.start()
     wait_until(lambda: output.status.state == "open")
-    wave = np.tile(0.5 * np.sin(2 * np.pi * 200.0 * np.arange(4000) / RATE), (len(output.profile.actuators), 1))
+    wave = np.tile(
+        0.5 * np.sin(2 * np.pi * 200.0 * np.arange(4000) / RATE), (len(output.profile.actuators), 1)
+    )
     (guard,) = children()
     told = []
     began = time.perf_counter()
@@ -260,14 +290,18 @@ def scene_lock(name, folder):
 
 
 def scene_guard_fails(how, folder, *names):
-    """The guard itself is killed or stopped while it plays; then the devices are connected again and play.
+    """The guard itself is killed or stopped while it plays; then the devices are connected again
+    and play.
 
     Returns seconds since then: of the reports, of the statuses, and of connecting again.
     """
     devices = [replace(profile(name), slew=10_000.0) for name in names]
 
     def started():
-        outputs = [DeviceOutput(device, serial=serial_of(i), hid=TimedHid(folder)) for i, device in enumerate(devices)]
+        outputs = [
+            DeviceOutput(device, serial=serial_of(i), hid=TimedHid(folder))
+            for i, device in enumerate(devices)
+        ]
         for output in outputs:
             output.start()
         return outputs
@@ -275,7 +309,12 @@ def scene_guard_fails(how, folder, *names):
     def play_all(outputs):
         for _ in range(20):
             for output in outputs:
-                output.send(np.tile(0.5 * np.sin(2 * np.pi * 200.0 * np.arange(320) / RATE), (len(output.profile.actuators), 1)))
+                output.send(
+                    np.tile(
+                        0.5 * np.sin(2 * np.pi * 200.0 * np.arange(320) / RATE),
+                        (len(output.profile.actuators), 1),
+                    )
+                )
             time.sleep(0.02)
 
     outputs = started()
@@ -304,7 +343,10 @@ def scene_guard_fails(how, folder, *names):
         "messages": messages,
         "stopped": stopped,
         "guards": len(children()),
-        "reports": {node: [(seconds - failed, data.hex()) for seconds, data in written] for node, written in reports.items()},
+        "reports": {
+            node: [(seconds - failed, data.hex()) for seconds, data in written]
+            for node, written in reports.items()
+        },
     }
 
 
@@ -348,7 +390,9 @@ def guards():
     return [
         int(path.name)
         for path in Path("/proc").iterdir()
-        if path.name.isdigit() and "guard_process" in command_of(path) and f"{os.getpid()}]" in command_of(path)
+        if path.name.isdigit()
+        and "guard_process" in command_of(path)
+        and f"{os.getpid()}]" in command_of(path)
     ]
 
 
@@ -377,7 +421,9 @@ ctypes.PyDLL(None).usleep(900_000)
 time.sleep(1.0)
 print(json.dumps({{"state": output.status.state, "same guard": children() == before}}), flush=True)
 """
-    child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
+    child = subprocess.Popen(
+        [sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True
+    )
     child.stdout.readline()
     child.send_signal(signal.SIGSTOP)
     time.sleep(2.0)
@@ -400,7 +446,11 @@ def scene_nothing_left(name):
 def children(parent=None):
     """The processes that this one, or another, has started."""
     parent = parent or os.getpid()
-    return [int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit() and parent_of(path) == parent]
+    return [
+        int(path.name)
+        for path in Path("/proc").iterdir()
+        if path.name.isdigit() and parent_of(path) == parent
+    ]
 
 
 def parent_of(process):
@@ -411,7 +461,8 @@ def parent_of(process):
 
 
 def scene_stuck(name):
-    """A device that takes no more reports: a terminal that nobody reads, whose buffer fills up. The program ends while a write blocks."""
+    """A device that takes no more reports: a terminal that nobody reads, whose buffer fills up. The
+    program ends while a write blocks."""
     program = f"""
 from umockdev_scenes import *
 output = DeviceOutput(profile({name!r}))
@@ -427,7 +478,8 @@ print(json.dumps([output.stop(0.1), output.status.state, output.status.writing_f
 
 
 def scene_unplug(name):
-    """The kernel takes the open node away while it is played: the module's own write fails until the device is opened again."""
+    """The kernel takes the open node away while it is played: the module's own write fails until
+    the device is opened again."""
     output = DeviceWriter(loud(profile(name)))
     output.start()
     wait_until(lambda: output.status.state == "open")
@@ -437,12 +489,24 @@ def scene_unplug(name):
         if link.exists() and str(link.readlink()).endswith("dev/hidraw0"):
             os.close(int(link.name))
     # Only a change is written, so only a change shows that the device is gone.
-    wait_until(lambda: (play(output, 0.02, 2, 200.0), output.silence(), time.sleep(0.02), output.status.losses == 1)[-1])
+    wait_until(
+        lambda: (
+            play(output, 0.02, 2, 200.0),
+            output.silence(),
+            time.sleep(0.02),
+            output.status.losses == 1,
+        )[-1]
+    )
     lost = status_of(output)
     wait_until(lambda: output.status.state == "open")
     play(output, 0.2, 2, 200.0)
     after = status_of(output)
-    return {"lost": lost, "after": after, "done": output.stop(), "captured": NODE.read_bytes().hex()}
+    return {
+        "lost": lost,
+        "after": after,
+        "done": output.stop(),
+        "captured": NODE.read_bytes().hex(),
+    }
 
 
 def become_nobody():
@@ -469,9 +533,12 @@ def scene_no_permission(name):
 
 
 def scene_force_feedback(ending):
-    """A pad that the kernel drives, while it can't be opened as a HID device: found, played, paused, and after the program has ended."""
+    """A pad that the kernel drives, while it can't be opened as a HID device: found, played,
+    paused, and after the program has ended."""
     kernel = Kernel()
-    Path(os.environ["UMOCKDEV_DIR"], "dev", "hidraw0").unlink(missing_ok=True)  # as a sandbox hides it
+    Path(os.environ["UMOCKDEV_DIR"], "dev", "hidraw0").unlink(
+        missing_ok=True
+    )  # as a sandbox hides it
     found = look()
     program = f"""
 import sys; sys.path[0] = {HERE!r}
@@ -488,7 +555,9 @@ if {ending!r} == "stop": output.stop()
 play(output, 30.0 if {ending!r} == "kill" else 0.0, 1, 60.0)
 time.sleep(60.0)
 """
-    child = subprocess.Popen([sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True)
+    child = subprocess.Popen(
+        [sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True
+    )
     assert child.stdout.readline() == "plays\n"
     if ending == "kill":
         child.kill()
@@ -500,7 +569,13 @@ time.sleep(60.0)
     child.kill()
     child.wait()
     keys = [[device.key, device.title, device.kind, device.permission] for device in found.devices]
-    return {"found": keys, "strangers": found.strangers, "usual": kernel.usual, "silent": silent, "effects": len(effects)}
+    return {
+        "found": keys,
+        "strangers": found.strangers,
+        "usual": kernel.usual,
+        "silent": silent,
+        "effects": len(effects),
+    }
 
 
 if __name__ == "__main__":

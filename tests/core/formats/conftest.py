@@ -22,12 +22,17 @@ def impact_samples(seconds, times, frequency=150.0, decay=0.03):
     samples = np.zeros(len(time))
     for begin in times:
         since = time - begin
-        samples += np.where(since >= 0, np.exp(-np.maximum(since, 0) / decay) * np.sin(2 * math.pi * frequency * since), 0.0)
+        samples += np.where(
+            since >= 0,
+            np.exp(-np.maximum(since, 0) / decay) * np.sin(2 * math.pi * frequency * since),
+            0.0,
+        )
     return samples
 
 
 def study_tracks(seconds=5.0):
-    """Ten listeners on a bench: a jackhammer through the ground, and crates that fall; each feels it as strongly as the way allows."""
+    """Ten listeners on a bench: a jackhammer through the ground, and crates that fall; each feels
+    it as strongly as the way allows."""
     times = [0.5, 0.708, 0.917, 1.125, 1.333]
     hammer, crates = jackhammer(seconds), impact_samples(seconds, times)
     gains = np.geomspace(0.03, 0.4, len(PAPER_LISTENERS))

@@ -26,7 +26,9 @@ def ascending(values):
 
 def check_hjif(document, listeners, duration):
     assert document["timescale"] == 1000
-    assert {avatar["id"] for avatar in document["avatars"]} >= {perception["avatar_id"] for perception in document["perceptions"]}
+    assert {avatar["id"] for avatar in document["avatars"]} >= {
+        perception["avatar_id"] for perception in document["perceptions"]
+    }
     (perception,) = document["perceptions"]
     assert "effect_semantic_scheme" not in perception  # the reference software refuses it
     devices = [device["id"] for device in perception["reference_devices"]]
@@ -37,7 +39,10 @@ def check_hjif(document, listeners, duration):
     assert [channel["id"] for channel in channels] == list(range(listeners))
     assert document["level"] == (1 if listeners <= 127 else 2)
     for channel in channels:
-        assert channel.get("reference_device_id", devices[:1] and devices[0]) in [*devices, *([] if devices else [[]])]
+        assert channel.get("reference_device_id", devices[:1] and devices[0]) in [
+            *devices,
+            *([] if devices else [[]]),
+        ]
         assert len(channel["bands"]) <= 7
         for band in channel["bands"]:
             assert band["band_type"] in ("VectorialWave", "Transient") and "curve_type" not in band
@@ -45,15 +50,33 @@ def check_hjif(document, listeners, duration):
             assert ascending([effect["position"] for effect in band["effects"]])
             for effect in band["effects"]:
                 positions = [keyframe["relative_position"] for keyframe in effect["keyframes"]]
-                assert ascending(positions) and len(set(positions)) == len(positions) and positions[-1] <= 65535
-                assert effect["effect_type"] == "Basis" and effect["position"] + positions[-1] <= 1000 * duration + 50
+                assert (
+                    ascending(positions)
+                    and len(set(positions)) == len(positions)
+                    and positions[-1] <= 65535
+                )
+                assert (
+                    effect["effect_type"] == "Basis"
+                    and effect["position"] + positions[-1] <= 1000 * duration + 50
+                )
                 if band["band_type"] == "VectorialWave":
                     first, last = effect["keyframes"][0], effect["keyframes"][-1]
-                    # Players disagree on what holds before the first key and after the last: there is one at either end.
-                    assert {"amplitude_modulation", "frequency_modulation"} <= first.keys() & last.keys()
+                    # Players disagree on what holds before the first key and after the last: there
+                    # is one at either end.
+                    assert {
+                        "amplitude_modulation",
+                        "frequency_modulation",
+                    } <= first.keys() & last.keys()
                     for keyframe in effect["keyframes"]:
-                        frequency = keyframe.get("frequency_modulation", first["frequency_modulation"])
-                        assert band["lower_frequency_limit"] <= frequency <= band["upper_frequency_limit"] and frequency > 0
+                        frequency = keyframe.get(
+                            "frequency_modulation", first["frequency_modulation"]
+                        )
+                        assert (
+                            band["lower_frequency_limit"]
+                            <= frequency
+                            <= band["upper_frequency_limit"]
+                            and frequency > 0
+                        )
 
 
 def check_haptic(document, duration):
@@ -77,7 +100,11 @@ def check_haps(document, duration):
         for note in melody["m_notes"]:
             assert note["m_startingPoint"] + note["m_length"] <= duration + 0.05
             if number == 0:
-                assert note["m_hapticEffect"] == {"m_type": 0} and note["m_length"] == 0.022 and note["m_priority"] == 0
+                assert (
+                    note["m_hapticEffect"] == {"m_type": 0}
+                    and note["m_length"] == 0.022
+                    and note["m_priority"] == 0
+                )
                 continue
             assert note["m_priority"] == 1
             for name in ("m_amplitudeModulation", "m_frequencyModulation"):
@@ -101,7 +128,9 @@ def check_ahap(document, duration):
         else:
             points = entry["ParameterCurve"]["ParameterCurveControlPoints"]
             assert 1 <= len(points) <= 16
-            assert points[0]["Time"] == 0 and ascending([point["Time"] for point in points])  # relative to the curve
+            assert points[0]["Time"] == 0 and ascending(
+                [point["Time"] for point in points]
+            )  # relative to the curve
             assert all(0 <= point["ParameterValue"] <= 1 for point in points)
             assert entry["ParameterCurve"]["Time"] + points[-1]["Time"] <= duration + 0.1
     assert all(end <= start + 1e-6 for (_, end), (start, _) in pairwise(sounding))
@@ -117,14 +146,23 @@ def check_tact(document, duration):
         indices = {motor["index"] for motor in layouts[position]}
         end = 0
         for feedback in mode["dotMode"]["feedback"]:
-            assert end <= feedback["startTime"] < feedback["endTime"] <= effect["offsetTime"] <= 1000 * duration + 20
+            assert (
+                end
+                <= feedback["startTime"]
+                < feedback["endTime"]
+                <= effect["offsetTime"]
+                <= 1000 * duration + 20
+            )
             end = feedback["endTime"]
             assert {point["index"] for point in feedback["pointList"]} <= indices
 
 
 def check_hla(document, duration):
     assert len(document["Timings"]) == len(document["Amplitudes"])
-    assert document["Duration"] == sum(document["Timings"]) and abs(document["Duration"] - 1000 * duration) <= 20
+    assert (
+        document["Duration"] == sum(document["Timings"])
+        and abs(document["Duration"] - 1000 * duration) <= 20
+    )
 
 
 def check_wyvrn(document, folder):
@@ -135,14 +173,26 @@ def check_wyvrn(document, folder):
 
 
 def check_wav(data, channels, count, rate):
-    assert data[:4] == b"RIFF" and data[8:16] == b"WAVEfmt " and struct.unpack("<I", data[4:8])[0] == len(data) - 8
-    size, tag, wave_channels, wave_rate, bytes_a_second, frame, bits, extra = struct.unpack("<IHHIIHHH", data[16:38])
+    assert (
+        data[:4] == b"RIFF"
+        and data[8:16] == b"WAVEfmt "
+        and struct.unpack("<I", data[4:8])[0] == len(data) - 8
+    )
+    size, tag, wave_channels, wave_rate, bytes_a_second, frame, bits, extra = struct.unpack(
+        "<IHHIIHHH", data[16:38]
+    )
     assert (size, tag, wave_channels, wave_rate, extra) == (40, 0xFFFE, channels, rate, 22)
     assert frame == channels * bits // 8 and bytes_a_second == rate * frame
     code = struct.unpack("<H", data[44:46])[0]
-    assert code == {16: 1, 32: 3}[bits] and data[46:60] == bytes.fromhex("000000001000800000aa00389b71")
+    assert code == {16: 1, 32: 3}[bits] and data[46:60] == bytes.fromhex(
+        "000000001000800000aa00389b71"
+    )
     place = data.index(b"data", 60)
-    assert struct.unpack("<I", data[place + 4 : place + 8])[0] == len(data) - place - 8 == count * frame
+    assert (
+        struct.unpack("<I", data[place + 4 : place + 8])[0]
+        == len(data) - place - 8
+        == count * frame
+    )
 
 
 def check_ohm(data, folder, masks):
@@ -153,7 +203,9 @@ def check_ohm(data, folder, masks):
     assert channels == len(masks) and len(data) == 138 + 40 * channels
     for number, mask in enumerate(masks):
         place = 138 + 40 * number + 32
-        assert struct.unpack("<f", data[place : place + 4]) == (1.0,) and struct.unpack(">I", data[place + 4 : place + 8]) == (mask,)
+        assert struct.unpack("<f", data[place : place + 4]) == (1.0,) and struct.unpack(
+            ">I", data[place + 4 : place + 8]
+        ) == (mask,)
 
 
 def check_file(path, tracks):
@@ -163,7 +215,10 @@ def check_file(path, tracks):
     if suffix in VALIDATORS:
         document = json.loads(path.read_bytes())
         if path.stat().st_size < LARGE:
-            errors = [f"{list(error.path)}: {error.message[:200]}" for error in VALIDATORS[suffix].iter_errors(document)]
+            errors = [
+                f"{list(error.path)}: {error.message[:200]}"
+                for error in VALIDATORS[suffix].iter_errors(document)
+            ]
             assert not errors, (path.name, errors[:3])
         else:
             validate(document, SCHEMAS[suffix], path)

@@ -1,4 +1,5 @@
-"""A page in Chromium without a window, driven by DevTools messages over a pipe. It reaches no network but this machine."""
+"""A page in Chromium without a window, driven by DevTools messages over a pipe. It reaches no
+network but this machine."""
 
 from __future__ import annotations
 
@@ -19,27 +20,49 @@ class Page:
     """A page that is open; ``run`` evaluates a script in it."""
 
     def __init__(self, path: Path, profile: Path, size: tuple[int, int] = (1280, 760)) -> None:
-        program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+        program = (
+            shutil.which("chromium")
+            or shutil.which("chromium-browser")
+            or shutil.which("google-chrome")
+        )
         assert program is not None, "Chromium is missing: packaging/system_packages test"
         ours, theirs = os.pipe(), os.pipe()
         (self._read, self._write), ends = (theirs[0], ours[1]), (ours[0], theirs[1])
         read, write = (fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in ends)
         # The browser reads from descriptor 3 and writes to 4.
-        command = ["bash", "-c", f'exec "$0" "$@" 3<&{read} 4>&{write}', program, "--headless=new", "--no-sandbox", "--disable-gpu"]
-        command += [f"--user-data-dir={profile}", "--mute-audio", "--no-first-run", "--remote-debugging-pipe", "about:blank"]
+        command = [
+            "bash",
+            "-c",
+            f'exec "$0" "$@" 3<&{read} 4>&{write}',
+            program,
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+        ]
+        command += [
+            f"--user-data-dir={profile}",
+            "--mute-audio",
+            "--no-first-run",
+            "--remote-debugging-pipe",
+            "about:blank",
+        ]
         command += [
             f"--window-size={size[0]},{size[1]}",
             "--autoplay-policy=no-user-gesture-required",
             "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
         ]
-        self._process = subprocess.Popen(command, pass_fds=(read, write), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self._process = subprocess.Popen(
+            command, pass_fds=(read, write), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
         for end in (*ends, read, write):
             os.close(end)
         self._timer = threading.Timer(LIMIT, self._process.kill)
         self._timer.start()
         self._asked, self._received = 0, b""
         target = self.ask("Target.createTarget", url=path.as_uri())["targetId"]
-        self._session = self.ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self._session = self.ask("Target.attachToTarget", targetId=target, flatten=True)[
+            "sessionId"
+        ]
         # A promise of the blank page that comes first would end with it.
         while self.run("location.protocol + document.readyState") != "file:complete":
             time.sleep(0.05)
@@ -57,7 +80,12 @@ class Page:
     def ask(self, method: str, session: str | None = None, **parameters: object) -> dict:
         """The answer to a DevTools command."""
         self._asked += 1
-        message = {"id": self._asked, "method": method, "params": parameters, **({"sessionId": session} if session else {})}
+        message = {
+            "id": self._asked,
+            "method": method,
+            "params": parameters,
+            **({"sessionId": session} if session else {}),
+        }
         os.write(self._write, json.dumps(message).encode() + b"\0")
         while True:
             text, ended, rest = self._received.partition(b"\0")
@@ -74,7 +102,13 @@ class Page:
 
     def run(self, script: str) -> object:
         """The value that a promise of ``script`` gives."""
-        answer = self.ask("Runtime.evaluate", self._session, expression=script, awaitPromise=True, returnByValue=True)
+        answer = self.ask(
+            "Runtime.evaluate",
+            self._session,
+            expression=script,
+            awaitPromise=True,
+            returnByValue=True,
+        )
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 

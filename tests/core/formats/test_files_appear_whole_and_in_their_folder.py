@@ -1,4 +1,5 @@
-"""Files appear whole or not at all, under names that every system takes, and never outside the chosen folder."""
+"""Files appear whole or not at all, under names that every system takes, and never outside the
+chosen folder."""
 
 import errno
 import json
@@ -21,15 +22,29 @@ from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import given
 from hypothesis import strategies as st
 
-# Names that Windows keeps for devices, with any ending (Microsoft: Naming Files, Paths, and Namespaces).
-RESERVED = {"con", "prn", "aux", "nul", "conin$", "conout$", *(f"{port}{digit}" for port in ("com", "lpt") for digit in "0123456789¹²³")}
+# Names that Windows keeps for devices, with any ending (Microsoft: Naming Files, Paths, and
+# Namespaces).
+RESERVED = {
+    "con",
+    "prn",
+    "aux",
+    "nul",
+    "conin$",
+    "conout$",
+    *(f"{port}{digit}" for port in ("com", "lpt") for digit in "0123456789¹²³"),
+}
 FORBIDDEN = set('<>:"/\\|?*') | {chr(code) for code in range(32)}
 
 
 @given(st.text(st.characters(), max_size=300))
 def test_every_name_becomes_a_file_name_that_windows_takes(name):
     stem = file_stem(name)
-    assert stem and not FORBIDDEN & set(stem) and not stem.startswith((" ", "-")) and not stem.endswith((" ", "."))
+    assert (
+        stem
+        and not FORBIDDEN & set(stem)
+        and not stem.startswith((" ", "-"))
+        and not stem.endswith((" ", "."))
+    )
     assert stem.split(".")[0].rstrip(" ").casefold() not in RESERVED
     assert stem not in (".", "..") and Path(stem).name == stem
     assert len(stem.encode()) <= 255
@@ -73,7 +88,11 @@ def test_file_stems_are_unique_for_every_file_system(names):
 
 @pytest.mark.parametrize("name", [form for form in registry.FORMATS if form != "scene"])
 def test_hostile_names_stay_in_the_folder(tmp_path, name):
-    listeners = (ListenerTrack("../../up", "hand.L"), ListenerTrack("NUL", "ear.L"), ListenerTrack("nul", "belly"))
+    listeners = (
+        ListenerTrack("../../up", "hand.L"),
+        ListenerTrack("NUL", "ear.L"),
+        ListenerTrack("nul", "belly"),
+    )
     tracks = Tracks(listeners, 8000, np.zeros((3, 800)))
     folder = tmp_path / "chosen"
     folder.mkdir()
@@ -83,7 +102,10 @@ def test_hostile_names_stay_in_the_folder(tmp_path, name):
     assert list(tmp_path.iterdir()) == [folder]
 
 
-@pytest.mark.parametrize("failure", [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt(), MemoryError()])
+@pytest.mark.parametrize(
+    "failure",
+    [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt(), MemoryError()],
+)
 def test_a_failure_while_writing_leaves_what_was_there(tmp_path, failure):
     path = tmp_path / "scene.json"
     path.write_text("what was there")
@@ -122,10 +144,22 @@ REFUSED = 77
 
 @pytest.fixture(scope="module")
 def full_disks(tmp_path_factory):
-    """The folder and the exit code of a process for each format and each largest file that the system allows it."""
-    cases = {(name, most): tmp_path_factory.mktemp("full") for name in registry.FORMATS for most in (1, 1000)}
-    command = [sys.executable, "-c", WRITER.replace("REFUSED", str(REFUSED)), *(f"{n} {m} {f}" for (n, m), f in cases.items())]
-    codes = map(int, subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    """The folder and the exit code of a process for each format and each largest file that the
+    system allows it."""
+    cases = {
+        (name, most): tmp_path_factory.mktemp("full")
+        for name in registry.FORMATS
+        for most in (1, 1000)
+    }
+    command = [
+        sys.executable,
+        "-c",
+        WRITER.replace("REFUSED", str(REFUSED)),
+        *(f"{n} {m} {f}" for (n, m), f in cases.items()),
+    ]
+    codes = map(
+        int, subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+    )
     return {case: (folder, code) for (case, folder), code in zip(cases.items(), codes, strict=True)}
 
 
@@ -134,13 +168,19 @@ def full_disks(tmp_path_factory):
 @pytest.mark.parametrize("name", list(registry.FORMATS))
 @pytest.mark.parametrize("most", [1, 1000])
 def test_a_disk_that_takes_no_more_gets_no_half_file(full_disks, name, most):
-    """The system itself refuses to let any file grow beyond ``most`` bytes, in the midst of writing."""
+    """The system itself refuses to let any file grow beyond ``most`` bytes, in the midst of
+    writing."""
     folder, code = full_disks[name, most]
     left = [path for path in folder.rglob("*") if path.is_file()]
-    # What is there is whole: small side files, written before the large one that the disk did not take.
+    # What is there is whole: small side files, written before the large one that the disk did not
+    # take.
     assert code == REFUSED and all(path.suffix != ".part" for path in left), (left, code)
     for path in left:
-        assert json.loads(path.read_bytes()) if path.suffix != ".ohm" else path.read_bytes().startswith(b"OHM ")
+        assert (
+            json.loads(path.read_bytes())
+            if path.suffix != ".ohm"
+            else path.read_bytes().startswith(b"OHM ")
+        )
 
 
 KILLED = """
@@ -157,9 +197,16 @@ with atomic_file(sys.argv[1]) as file:
 def test_a_crash_while_writing_leaves_what_was_there(tmp_path):
     path = tmp_path / "scene.json"
     path.write_text("what was there")
-    assert subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False).returncode == -signal.SIGKILL
+    assert (
+        subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False).returncode
+        == -signal.SIGKILL
+    )
     assert path.read_text() == "what was there"
-    assert all(other.name.startswith(".") and other.suffix == ".part" for other in tmp_path.iterdir() if other != path)
+    assert all(
+        other.name.startswith(".") and other.suffix == ".part"
+        for other in tmp_path.iterdir()
+        if other != path
+    )
 
 
 HELD = """
@@ -181,7 +228,9 @@ with staging(folder) as place, atomic_file(folder / "scene.json") as file:
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Windows has no such signal")
 def test_what_a_killed_export_left_goes_with_the_next_one(tmp_path):
     """What another process is still writing stays."""
-    child = subprocess.Popen([sys.executable, "-c", HELD, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    child = subprocess.Popen(
+        [sys.executable, "-c", HELD, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
     with child:
         assert child.stdout.readline() == b"written\n"
         (tmp_path / "mine.part").write_text("no name of ours")
@@ -193,7 +242,11 @@ def test_what_a_killed_export_left_goes_with_the_next_one(tmp_path):
         child.wait(timeout=60)
     assert child.returncode == -signal.SIGKILL and unfinished < set(tmp_path.iterdir())
     registry.write("scene", Export("second", HapticScene()), tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["first.json", "mine.part", "second.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "first.json",
+        "mine.part",
+        "second.json",
+    ]
 
 
 def test_a_folder_in_the_way(tmp_path):
@@ -205,7 +258,10 @@ def test_a_folder_in_the_way(tmp_path):
 
 def test_a_reader_sees_the_old_file_or_the_new_one(tmp_path):
     path = tmp_path / "scene.json"
-    scenes = [HapticScene(tuple(HapticObject(f"{version}.{k}", 0, 1) for k in range(200))) for version in range(8)]
+    scenes = [
+        HapticScene(tuple(HapticObject(f"{version}.{k}", 0, 1) for k in range(200)))
+        for version in range(8)
+    ]
     write_scene(scenes[0], path)
 
     def keep_writing():

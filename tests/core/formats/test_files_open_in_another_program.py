@@ -1,4 +1,5 @@
-"""Windows refuses to replace a file that another program has open: the system's own refusal there, injected elsewhere."""
+"""Windows refuses to replace a file that another program has open: the system's own refusal there,
+injected elsewhere."""
 
 import sys
 import threading
@@ -63,7 +64,10 @@ def test_a_file_that_stays_open_is_written_beside_it_and_said(tmp_path, opened):
     (tmp_path / "scene (2).json").write_bytes(b"somebody's")
     with (
         opened(path),
-        pytest.raises(atomic.WrittenBeside, match=r"scene.json is open in another program: the new file is scene \(3\).json"),
+        pytest.raises(
+            atomic.WrittenBeside,
+            match=r"scene.json is open in another program: the new file is scene \(3\).json",
+        ),
     ):
         atomic.write_bytes(path, b"after")
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {
@@ -90,10 +94,17 @@ def test_of_several_files_all_are_replaced_or_none(tmp_path, opened, held):
     for name in (names[held], names[0]):
         (tmp_path / name).write_bytes(b"before")
     before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
-    with opened(tmp_path / names[held]), pytest.raises(atomic.WrittenBeside, match=r"nothing was replaced, the new files are in .*a \(2\)"):
+    with (
+        opened(tmp_path / names[held]),
+        pytest.raises(
+            atomic.WrittenBeside, match=r"nothing was replaced, the new files are in .*a \(2\)"
+        ),
+    ):
         staged(tmp_path, names)
     beside = {tmp_path / "a (2)" / name: b"after" for name in names}
-    assert {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()} == before | beside
+    assert {
+        file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()
+    } == before | beside
     staged(tmp_path, names)
     assert all((tmp_path / name).read_bytes() == b"after" for name in names)
     assert not list(tmp_path.glob(".*"))
@@ -112,4 +123,7 @@ def test_another_fault_in_the_midst_leaves_all_files_as_they_were(tmp_path, monk
     monkeypatch.setattr(Path, "replace", replace)
     with pytest.raises(OSError, match="Input/output error"):
         staged(tmp_path, ["a", "b", "c"])
-    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {"a": b"before", "b": b"before"}
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {
+        "a": b"before",
+        "b": b"before",
+    }

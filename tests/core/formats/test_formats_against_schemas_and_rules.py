@@ -19,7 +19,9 @@ from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-spec = importlib.util.spec_from_file_location("format_rules", Path(__file__).with_name("format_rules.py"))
+spec = importlib.util.spec_from_file_location(
+    "format_rules", Path(__file__).with_name("format_rules.py")
+)
 rules = importlib.util.module_from_spec(spec)
 sys.modules["format_rules"] = rules
 spec.loader.exec_module(rules)
@@ -60,7 +62,9 @@ def test_two_writings_are_the_same_bytes(study, written_study, tmp_path):
     write_all(study, tmp_path)
     for path in folder.rglob("*"):
         if path.is_file():
-            assert path.read_bytes() == (tmp_path / path.relative_to(folder)).read_bytes(), path.name
+            assert path.read_bytes() == (tmp_path / path.relative_to(folder)).read_bytes(), (
+                path.name
+            )
 
 
 @st.composite
@@ -73,7 +77,10 @@ def generated_tracks(draw):
     time = np.arange(max(round(seconds * rate), 1)) / rate
     kinds = {
         "silence": lambda: np.zeros(len(time)),
-        "tone": lambda: random.uniform(0, 1) * np.sin(2 * np.pi * random.uniform(10, 400) * time + random.uniform(0, 6)),
+        "tone": lambda: (
+            random.uniform(0, 1)
+            * np.sin(2 * np.pi * random.uniform(10, 400) * time + random.uniform(0, 6))
+        ),
         "noise": lambda: random.uniform(0, 0.3) * random.standard_normal(len(time)),
         "clipping": lambda: 3 * np.sin(2 * np.pi * 50 * time),
         "constant": lambda: np.full(len(time), 0.5),
@@ -81,12 +88,16 @@ def generated_tracks(draw):
     }
     samples = np.array([kinds[draw(st.sampled_from(sorted(kinds)))]() for _ in range(count)])
     parts = ["", *[part.name for part in BODY_PARTS]]
-    impacts = draw(st.one_of(st.sampled_from([0, 1, 10]), st.integers(0, 100 if count > 4 else 10_000)))
+    impacts = draw(
+        st.one_of(st.sampled_from([0, 1, 10]), st.integers(0, 100 if count > 4 else 10_000))
+    )
     listeners = tuple(
         ListenerTrack(
             f"listener {number}",
             parts[number % len(parts)],
-            np.column_stack([np.sort(random.uniform(0, time[-1], impacts)), random.uniform(0, 1, impacts)]),
+            np.column_stack(
+                [np.sort(random.uniform(0, time[-1], impacts)), random.uniform(0, 1, impacts)]
+            ),
         )
         for number in range(count)
     )
@@ -94,15 +105,26 @@ def generated_tracks(draw):
 
 
 @pytest.mark.slow
-@settings(max_examples=10, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(
+    max_examples=10,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
 @given(generated_tracks())
 def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
     folder = tmp_path_factory.mktemp("generated")
-    worn = any(BODY_PART[item.body_part].bhaptics in POSITIONS for item in tracks.listeners if item.body_part in BODY_PART)
+    worn = any(
+        BODY_PART[item.body_part].bhaptics in POSITIONS
+        for item in tracks.listeners
+        if item.body_part in BODY_PART
+    )
     if not worn:
         with pytest.raises(ValueError, match="give one such a body part"):
             write_all(tracks, folder, ["tact"])
-    for result in write_all(tracks, folder, [name for name in FORMATS if worn or name != "tact"]).values():
+    for result in write_all(
+        tracks, folder, [name for name in FORMATS if worn or name != "tact"]
+    ).values():
         for path in result.files:
             rules.check_file(path, tracks)
             if path.suffix in registry.READERS and ".transients" not in path.name:
@@ -113,9 +135,12 @@ def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
 @pytest.mark.slow
 @pytest.mark.parametrize(("count", "formats"), [(1, FORMATS), (127, ["hjif"]), (128, FORMATS)])
 def test_many_listeners(tmp_path, count, formats):
-    """One, and more than an hjif file of level 1 may have, 127: the only limit on their number that a format knows."""
+    """One, and more than an hjif file of level 1 may have, 127: the only limit on their number that
+    a format knows."""
     time = np.arange(400) / 8000
-    listeners = tuple(ListenerTrack(f"listener {number}", BODY_PARTS[number % 25].name) for number in range(count))
+    listeners = tuple(
+        ListenerTrack(f"listener {number}", BODY_PARTS[number % 25].name) for number in range(count)
+    )
     tracks = Tracks(listeners, 8000, np.sin(2 * np.pi * (40 + np.arange(count))[:, None] * time))
     for result in write_all(tracks, tmp_path, formats).values():
         for path in result.files:
@@ -131,7 +156,9 @@ def test_ten_minutes_and_two_thousand_impacts(tmp_path):
     ring = np.exp(-np.arange(200) / 30) * np.sin(2 * np.pi * 0.15 * np.arange(200)) * 0.4
     for first in np.rint(impacts[:, 0] * rate).astype(int):
         samples[0, first : first + 200] += ring[: len(time) - first]
-    tracks = Tracks((ListenerTrack("hand", "hand.L", impacts), ListenerTrack("ear", "ear.L")), rate, samples)
+    tracks = Tracks(
+        (ListenerTrack("hand", "hand.L", impacts), ListenerTrack("ear", "ear.L")), rate, samples
+    )
     for result in write_all(tracks, tmp_path).values():
         for path in result.files:
             rules.check_file(path, tracks)
@@ -150,12 +177,17 @@ def test_options_of_formats(study, tmp_path):
     registry.write("hjif", export, tmp_path, {"profile": "Simple Parametric", "transients": False})
     document = json.loads((tmp_path / "scene.hjif").read_bytes())
     assert document["profile"] == "Simple Parametric" and document["timescale"] == 1000
-    assert {band["band_type"] for c in document["perceptions"][0]["channels"] for band in c["bands"]} == {"VectorialWave"}
+    assert {
+        band["band_type"] for c in document["perceptions"][0]["channels"] for band in c["bands"]
+    } == {"VectorialWave"}
     registry.write("wav", export, tmp_path, {"encoding": "float32", "sample_rate": 2000})
     half = Tracks(study.listeners, 2000, study.samples[:, ::4])
     rules.check_wav((tmp_path / "scene.wav").read_bytes(), 10, half.count, 2000)
     for chosen, message in [
-        ({"profile": "Baseline"}, "profile: must be one of Main, Simple Parametric, not 'Baseline'"),
+        (
+            {"profile": "Baseline"},
+            "profile: must be one of Main, Simple Parametric, not 'Baseline'",
+        ),
         ({"error": 2.0}, "error: must be a number from 0.001 to 0.5, not 2.0"),
         ({"error": float("nan")}, "error: must be a number from"),
         ({"transients": 1}, "transients: must be true or false, not 1"),
@@ -169,7 +201,10 @@ def test_options_of_formats(study, tmp_path):
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_without_a_listener_there_is_nothing_to_write(tmp_path, name):
-    for export in (Export("scene", SCENE), Export("scene", SCENE, Tracks((), 8000, np.zeros((0, 10))))):
+    for export in (
+        Export("scene", SCENE),
+        Export("scene", SCENE, Tracks((), 8000, np.zeros((0, 10)))),
+    ):
         with pytest.raises(ValueError, match="there is no listener"):
             registry.write(name, export, tmp_path)
         with pytest.raises(ValueError, match="there is no listener"):
@@ -179,10 +214,20 @@ def test_without_a_listener_there_is_nothing_to_write(tmp_path, name):
 
 def test_losses_say_what_is_cut_and_who_is_nowhere():
     time = np.arange(800) / 8000
-    tracks = Tracks((ListenerTrack("tail"), ListenerTrack("hand", "hand.L")), 8000, np.array([2 * np.sin(300 * time), 0 * time]))
+    tracks = Tracks(
+        (ListenerTrack("tail"), ListenerTrack("hand", "hand.L")),
+        8000,
+        np.array([2 * np.sin(300 * time), 0 * time]),
+    )
     export = Export("scene", SCENE, tracks)
-    assert any(re.search(r"\d+ samples beyond full scale are cut", loss) for loss in registry.losses("wav", export))
-    assert not any("full scale are cut" in loss for loss in registry.losses("wav", export, {"encoding": "float32"}))
+    assert any(
+        re.search(r"\d+ samples beyond full scale are cut", loss)
+        for loss in registry.losses("wav", export)
+    )
+    assert not any(
+        "full scale are cut" in loss
+        for loss in registry.losses("wav", export, {"encoding": "float32"})
+    )
     assert "the place of listeners on no known body part: tail" in registry.losses("hjif", export)
     assert any("tail" in loss for loss in registry.losses("tact", export))
     with pytest.raises(ValueError, match="format 'midi' is unknown"):
@@ -200,14 +245,19 @@ def test_csv_and_npz_hold_the_samples(study, written_study):
     np.testing.assert_allclose(table[:, 1:].T, study.samples, atol=2.1e-5)
     arrays = np.load(folder / "scene.npz")
     np.testing.assert_array_equal(arrays["samples"], study.samples.astype(np.float32))
-    assert arrays["names"].tolist() == [listener.name for listener in study.listeners] and arrays["sample_rate"] == 8000
+    assert (
+        arrays["names"].tolist() == [listener.name for listener in study.listeners]
+        and arrays["sample_rate"] == 8000
+    )
     assert len(arrays["impacts"]) == 5 * len(study.listeners)
 
 
 def test_wav_reads_back_exactly_with_names_and_body_parts(study, tmp_path):
     registry.write("wav", Export("scene", SCENE, study), tmp_path, {"encoding": "float32"})
     channels = registry.read(tmp_path / "scene.wav").channels
-    assert [(c.name, c.body_part) for c in channels] == [(track.name, track.body_part) for track in study.listeners]
+    assert [(c.name, c.body_part) for c in channels] == [
+        (track.name, track.body_part) for track in study.listeners
+    ]
     np.testing.assert_array_equal([c.samples for c in channels], study.samples.astype(np.float32))
 
 

@@ -1,4 +1,5 @@
-"""What exports say that they lose, against an evaluation of the written files by whole-signal spectra (Parseval) and by definition."""
+"""What exports say that they lose, against an evaluation of the written files by whole-signal
+spectra (Parseval) and by definition."""
 
 import json
 
@@ -25,13 +26,18 @@ def blows():
 SIGNALS = {
     "noise": noise(),
     "tone": 0.5 * np.sin(2 * np.pi * 60 * TIME),
-    "low and high": 0.3 * np.sin(2 * np.pi * 3 * TIME) + 0.3 * np.sin(2 * np.pi * 100 * TIME) + 0.3 * np.sin(2 * np.pi * 1500 * TIME),
+    "low and high": 0.3 * np.sin(2 * np.pi * 3 * TIME)
+    + 0.3 * np.sin(2 * np.pi * 100 * TIME)
+    + 0.3 * np.sin(2 * np.pi * 1500 * TIME),
     "blows": blows(),
 }
 
 
 def tracks_of(*rows, impacts=()):
-    listeners = tuple(ListenerTrack(f"listener {k}", "hand.L", np.array(impacts).reshape(-1, 2)) for k in range(len(rows)))
+    listeners = tuple(
+        ListenerTrack(f"listener {k}", "hand.L", np.array(impacts).reshape(-1, 2))
+        for k in range(len(rows))
+    )
     return Tracks(listeners, RATE, np.array(rows))
 
 
@@ -57,7 +63,9 @@ def test_lost_power_of_waves(tmp_path, name, signal):
     lost = band_power(source - again, low, high) / inside
     assert found.lost_within == pytest.approx(lost, rel=0.1, abs=0.01)
     assert found.beyond == pytest.approx(1 - inside / band_power(source, 0, RATE), abs=0.01)
-    assert found.level == pytest.approx(10 * np.log10(band_power(again, low, high) / inside), abs=0.2)
+    assert found.level == pytest.approx(
+        10 * np.log10(band_power(again, low, high) / inside), abs=0.2
+    )
     assert any(f"from {low:g} to {high:g} Hz" in loss for loss in written.losses)
 
 
@@ -81,7 +89,8 @@ def test_a_known_error_is_measured_by_band():
 @pytest.mark.parametrize("piece", [len(TIME), 2997])
 @pytest.mark.parametrize("late", [0, 7, -12])
 def test_late_onsets_are_measured(late, piece):
-    """At a rate of the decoded signal with no whole number of samples in a millisecond, in one piece and in many."""
+    """At a rate of the decoded signal with no whole number of samples in a millisecond, in one
+    piece and in many."""
     tracks = tracks_of(blows(), impacts=[(t, 0.8) for t in np.arange(0, 6, 0.4)])
     measured = Comparison(tracks, Measures(Kind.WAVE))
     played = np.roll(blows(), late * RATE // 1000)
@@ -106,7 +115,8 @@ def test_the_listener_who_loses_most_is_named():
 
 @pytest.mark.parametrize("loud", [1.0, 0.003])
 def test_missing_and_invented_onsets_are_named(loud):
-    """Of a listener beside a louder one, the third blow is left out, and one is played that was not there."""
+    """Of a listener beside a louder one, the third blow is left out, and one is played that was not
+    there."""
     blow = blows()[: int(0.4 * RATE)]
     original, played = np.zeros(len(TIME)), np.zeros(len(TIME))
     for onset, own, other in ((0.5, 1, 1), (1.5, 1, 1), (2.5, 1, 0), (3.5, 1, 0.5), (4.5, 0, 1)):
@@ -139,13 +149,18 @@ def test_a_steady_push_counts_in_no_level():
 def test_silence_has_no_losses(tmp_path):
     for name in registry.FORMATS:
         if name != "scene":
-            assert registry.write(name, Export("one", tracks=tracks_of(0 * TIME)), tmp_path).fidelity is None
+            assert (
+                registry.write(name, Export("one", tracks=tracks_of(0 * TIME)), tmp_path).fidelity
+                is None
+            )
 
 
 def test_levels_of_formats_without_waves(tmp_path):
     """Their strength is that of the sine with the same power."""
     for name in ("haptic", "ahap", "hla", "tact"):
-        found = registry.write(name, Export("one", tracks=tracks_of(SIGNALS["tone"])), tmp_path).fidelity
+        found = registry.write(
+            name, Export("one", tracks=tracks_of(SIGNALS["tone"])), tmp_path
+        ).fidelity
         assert abs(found.level) < 0.5, name
 
 
@@ -158,16 +173,21 @@ IN_A_ROW = tuple((0.5 + 0.01 * k, 0.3 + 0.05 * (k % 3)) for k in range(30))
 @pytest.mark.parametrize(("hertz", "decay"), [(60, 0.1), (80, 0.015), (150, 0.03), (300, 0.008)])
 @pytest.mark.parametrize("blows", [REBOUNDS, IN_A_ROW])
 def test_emphases_keep_the_level_and_the_onsets(tmp_path, blows, hertz, decay, beside, gain):
-    """Blows alone or beside a tone, of a loud and of a quiet listener; the level is that of the energy of the file as it is read, above
-    1 Hz: blows in a row push steadily as well."""
+    """Blows alone or beside a tone, of a loud and of a quiet listener; the level is that of the
+    energy of the file as it is read, above 1 Hz: blows in a row push steadily as well."""
     since = [np.maximum(TIME - time, 0) for time, _ in blows]
-    waves = [strength * np.exp(-t / decay) * np.sin(2 * np.pi * hertz * t) for t, (_, strength) in zip(since, blows, strict=True)]
+    waves = [
+        strength * np.exp(-t / decay) * np.sin(2 * np.pi * hertz * t)
+        for t, (_, strength) in zip(since, blows, strict=True)
+    ]
     samples = gain * np.clip(sum(waves) + beside * np.sin(2 * np.pi * 60 * TIME), -1, 1)
     tracks = tracks_of(samples, impacts=[(time, gain * strength) for time, strength in blows])
     written = registry.write("haptic", Export("blows", tracks=tracks), tmp_path)
     played = registry.read(written.files[0]).channels[0].at_rate(RATE)
     played = np.pad(played, (0, len(TIME)))[: len(TIME)]
-    assert 10 * np.log10(band_power(played, 1, RATE) / band_power(samples, 1, RATE)) == pytest.approx(0, abs=1)
+    assert 10 * np.log10(
+        band_power(played, 1, RATE) / band_power(samples, 1, RATE)
+    ) == pytest.approx(0, abs=1)
     (listener,) = written.fidelity.listeners
     assert listener.level == pytest.approx(0, abs=1) and listener.missing == listener.invented == ()
     assert sum("emphasis" in point for point in amplitudes(written.files[0])) >= len(REBOUNDS)
@@ -179,12 +199,15 @@ def amplitudes(path):
 
 @pytest.mark.parametrize("form", ["haptic", "ahap"])
 def test_the_steady_part_of_a_train_of_pulses_is_not_played(tmp_path, form):
-    """Of pulses of a tenth of the period, a tenth of the power is steady; before the train begins, nothing plays."""
+    """Of pulses of a tenth of the period, a tenth of the power is steady; before the train begins,
+    nothing plays."""
     train = 0.5 * (np.arange(len(TIME)) % 320 < 32) * (TIME >= 2.0)
     written = registry.write(form, Export("train", tracks=tracks_of(train)), tmp_path)
     played = registry.read(written.files[0]).channels[0].at_rate(RATE)
     settled = slice(3 * RATE, 5 * RATE)
-    assert 10 * np.log10(np.mean(played[settled] ** 2) / np.var(train[settled])) == pytest.approx(0, abs=0.4)
+    assert 10 * np.log10(np.mean(played[settled] ** 2) / np.var(train[settled])) == pytest.approx(
+        0, abs=0.4
+    )
     assert written.fidelity.level == pytest.approx(0, abs=0.4)
     assert np.abs(played[: int(1.9 * RATE)]).max(initial=0.0) < 1e-3
 
@@ -203,9 +226,14 @@ def test_quiet_listeners_keep_level_and_frequency(tmp_path, form):
 
 @pytest.mark.parametrize("impacts", [(), ((0.5, 0.8),)])
 def test_no_ahap_pattern_is_empty(tmp_path, impacts):
-    """Of a silent listener, and of one who feels nothing but an impact, which is then the only file."""
-    samples = np.where((TIME >= 0.5) & (TIME < 0.51) & bool(impacts), 0.8 * np.sin(2 * np.pi * 200 * TIME), 0)
-    written = registry.write("ahap", Export("one", tracks=tracks_of(samples, impacts=impacts)), tmp_path)
+    """Of a silent listener, and of one who feels nothing but an impact, which is then the only
+    file."""
+    samples = np.where(
+        (TIME >= 0.5) & (TIME < 0.51) & bool(impacts), 0.8 * np.sin(2 * np.pi * 200 * TIME), 0
+    )
+    written = registry.write(
+        "ahap", Export("one", tracks=tracks_of(samples, impacts=impacts)), tmp_path
+    )
     (path,) = written.files
     (event,) = (entry["Event"] for entry in json.loads(path.read_text())["Pattern"])
     assert event["EventType"] == ("HapticTransient" if impacts else "HapticContinuous")

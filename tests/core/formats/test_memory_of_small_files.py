@@ -1,4 +1,5 @@
-"""Small files whose content would be large: read or refused within 64 MB and 50 times their size."""
+"""Small files whose content would be large: read or refused within 64 MB and 50 times their
+size."""
 
 import json
 import tracemalloc
@@ -14,7 +15,8 @@ CORPUS = Path(__file__).parent / "corpus"
 
 
 def read(path):
-    """What is in a file, None if it is refused in one line that names it; within the memory for its size."""
+    """What is in a file, None if it is refused in one line that names it; within the memory for its
+    size."""
     tracemalloc.start()
     try:
         return registry.read(path)
@@ -29,10 +31,19 @@ def read(path):
 
 def ahap(path, points, events):
     curve = {"ParameterID": "HapticIntensityControl", "Time": 0.0}
-    curve["ParameterCurveControlPoints"] = [{"Time": time, "ParameterValue": value} for time, value in points]
+    curve["ParameterCurveControlPoints"] = [
+        {"Time": time, "ParameterValue": value} for time, value in points
+    ]
     pattern = [{"ParameterCurve": curve}]
     pattern += [
-        {"Event": {"EventType": "HapticContinuous", "Time": start, "EventDuration": length, "EventParameters": []}}
+        {
+            "Event": {
+                "EventType": "HapticContinuous",
+                "Time": start,
+                "EventDuration": length,
+                "EventParameters": [],
+            }
+        }
         for start, length in events
     ]
     path.write_text(json.dumps({"Version": 1.0, "Pattern": pattern}))
@@ -41,12 +52,20 @@ def ahap(path, points, events):
 
 def test_a_curve_between_huge_values_is_that_within_the_limits(tmp_path):
     """700 bytes that took gigabytes: the curve is of use only where it is between 0 and 1."""
-    path = ahap(tmp_path / "x.ahap", [(0, -1e6), (1, 1e6), (2, -1e6), (3, 0.25), (4, 0.75), (5, 3.0)], [(0, 6)])
+    path = ahap(
+        tmp_path / "x.ahap",
+        [(0, -1e6), (1, 1e6), (2, -1e6), (3, 0.25), (4, 0.75), (5, 3.0)],
+        [(0, 6)],
+    )
     (channel,) = read(path).channels
     times = np.array([0.4, 0.6, 1.0, 1.4, 1.6, 2.5, 3.0, 3.5, 4.0, 4.05, 4.2, 5.0])
-    expected = np.clip(np.interp(times, [0, 1, 2, 3, 4, 5], [-1e6, 1e6, -1e6, 0.25, 0.75, 3.0]), 0, 1) ** 2
+    expected = (
+        np.clip(np.interp(times, [0, 1, 2, 3, 4, 5], [-1e6, 1e6, -1e6, 0.25, 0.75, 3.0]), 0, 1) ** 2
+    )
     (carrier,) = channel.carriers
-    assert np.interp(times, carrier.amplitude_times, carrier.amplitudes) == pytest.approx(expected, abs=0.001)
+    assert np.interp(times, carrier.amplitude_times, carrier.amplitudes) == pytest.approx(
+        expected, abs=0.001
+    )
 
 
 def test_many_events_that_share_a_long_curve_are_refused(tmp_path):
@@ -84,10 +103,25 @@ def test_wavelets_of_any_block_and_place(tmp_path, values):
 def test_an_effect_of_many_keys_that_is_referred_to_often_is_refused(tmp_path):
     document = json.loads((CORPUS / "good.hjif").read_bytes())
     (perception, *_) = document["perceptions"]
-    keys = [{"relative_position": k, "amplitude_modulation": k % 2, "frequency_modulation": 100} for k in range(5000)]
-    perception["effect_library"] = [{"id": 1, "effect_type": "Basis", "position": 0, "phase": 0, "base_signal": "Sine", "keyframes": keys}]
+    keys = [
+        {"relative_position": k, "amplitude_modulation": k % 2, "frequency_modulation": 100}
+        for k in range(5000)
+    ]
+    perception["effect_library"] = [
+        {
+            "id": 1,
+            "effect_type": "Basis",
+            "position": 0,
+            "phase": 0,
+            "base_signal": "Sine",
+            "keyframes": keys,
+        }
+    ]
     (band, *_) = perception["channels"][0]["bands"]
-    band |= {"band_type": "VectorialWave", "effects": [{"id": 1, "effect_type": "Reference", "position": k} for k in range(5000)]}
+    band |= {
+        "band_type": "VectorialWave",
+        "effects": [{"id": 1, "effect_type": "Reference", "position": k} for k in range(5000)],
+    }
     path = tmp_path / "x.hjif"
     path.write_text(json.dumps(document))
     assert read(path) is None
@@ -95,20 +129,34 @@ def test_an_effect_of_many_keys_that_is_referred_to_often_is_refused(tmp_path):
 
 def tact(path, feedback, length, positions=("VestFront", "VestBack"), kind="dotMode"):
     document = json.loads((CORPUS / "good.tact").read_bytes())
-    modes = {"mode": "DOT_MODE", "dotMode": {"feedback": []}, "pathMode": {"feedback": []}} | {kind: {"feedback": feedback}}
+    modes = {"mode": "DOT_MODE", "dotMode": {"feedback": []}, "pathMode": {"feedback": []}} | {
+        kind: {"feedback": feedback}
+    }
     modes["mode"] = "DOT_MODE" if kind == "dotMode" else "PATH_MODE"
-    effect = {"name": "x", "startTime": 0, "offsetTime": length, "modes": dict.fromkeys(positions, modes)}
+    effect = {
+        "name": "x",
+        "startTime": 0,
+        "offsetTime": length,
+        "modes": dict.fromkeys(positions, modes),
+    }
     document["project"]["tracks"] = [{"enable": True, "effects": [effect]}]
     path.write_text(json.dumps(document))
     return path
 
 
 def dots(start, end, index=0):
-    return {"startTime": start, "endTime": end, "playbackType": "FADE_IN", "pointList": [{"index": index, "intensity": 0.5}]}
+    return {
+        "startTime": start,
+        "endTime": end,
+        "playbackType": "FADE_IN",
+        "pointList": [{"index": index, "intensity": 0.5}],
+    }
 
 
 def test_the_index_of_a_motor_may_be_a_whole_number_with_a_point(tmp_path):
-    one, other = (read(tact(tmp_path / "x.tact", [dots(0, 400, index)], 400)).channels for index in (2, 2.0))
+    one, other = (
+        read(tact(tmp_path / "x.tact", [dots(0, 400, index)], 400)).channels for index in (2, 2.0)
+    )
     assert [channel.name for channel in one] == [channel.name for channel in other] != []
     times = np.arange(0.0, 0.4, 0.001)
     for a, b in zip(one, other, strict=True):
@@ -117,11 +165,16 @@ def test_the_index_of_a_motor_may_be_a_whole_number_with_a_point(tmp_path):
 
 def test_an_hour_of_a_vest_is_read(tmp_path):
     assert read(tact(tmp_path / "x.tact", [dots(0, 3_600_000)], 3_600_000)).channels
-    path = [{"x": 0.1, "y": 0.2, "intensity": 1, "time": 0}, {"x": 0.9, "y": 0.2, "intensity": 1, "time": 3_600_000}]
+    path = [
+        {"x": 0.1, "y": 0.2, "intensity": 1, "time": 0},
+        {"x": 0.9, "y": 0.2, "intensity": 1, "time": 3_600_000},
+    ]
     moved = [{"movingPattern": "CONST_TDM", "playbackType": "NONE", "pointList": path}]
     assert read(tact(tmp_path / "x.tact", moved, 3_600_000, kind="pathMode")).channels
 
 
 def test_many_short_effects_in_an_hour_are_read_at_once(tmp_path):
     """Each looks at its own steps alone."""
-    assert read(tact(tmp_path / "x.tact", [dots(20 * k, 20 * k + 40) for k in range(500)], 3_600_000)).channels
+    assert read(
+        tact(tmp_path / "x.tact", [dots(20 * k, 20 * k + 40) for k in range(500)], 3_600_000)
+    ).channels

@@ -43,11 +43,19 @@ warmth = st.builds(
     st.just(THERMAL),
     st.dictionaries(
         st.sampled_from(NAMES),
-        st.fixed_dictionaries({}, optional={name: quantity(item) for name, item in THERMAL.quantities.items()}).filter(bool),
+        st.fixed_dictionaries(
+            {}, optional={name: quantity(item) for name, item in THERMAL.quantities.items()}
+        ).filter(bool),
     ),
     st.dictionaries(st.sampled_from(NAMES), functions),
-    st.dictionaries(st.text(min_size=1, max_size=9), st.tuples(st.sampled_from(NAMES), quantity(THERMAL.source_value)), max_size=3).map(
-        lambda found: tuple(Emitter(name, on, (0.1, 0.2, 0.3), value) for name, (on, value) in sorted(found.items()))
+    st.dictionaries(
+        st.text(min_size=1, max_size=9),
+        st.tuples(st.sampled_from(NAMES), quantity(THERMAL.source_value)),
+        max_size=3,
+    ).map(
+        lambda found: tuple(
+            Emitter(name, on, (0.1, 0.2, 0.3), value) for name, (on, value) in sorted(found.items())
+        )
     ),
     st.booleans(),
 )
@@ -74,12 +82,19 @@ def test_files_without_the_section_are_as_they_were(tmp_path):
 
 def test_what_is_felt_is_the_closed_form(tmp_path):
     stone = {"conductivity": 2.8, "thickness": 0.3}
-    thermal = ModalityScene(THERMAL, {"bench": stone, "hearth": stone}, {}, (Emitter("fire", "hearth", (0, 0, 0), 60.0),))
+    thermal = ModalityScene(
+        THERMAL,
+        {"bench": stone, "hearth": stone},
+        {},
+        (Emitter("fire", "hearth", (0, 0, 0), 60.0),),
+    )
     write_export(Export("a", BENCH, modalities=(thermal,)), tmp_path / "a.json")
     export = read_export(tmp_path / "a.json")
     felt = export.modalities[0].felt_in(export.scene)
     m = math.sqrt(20 / (2.8 * 0.3))
-    assert felt.values[0] == pytest.approx(60 * math.exp(-m * 1.2) * JOINT / (JOINT + 2.8 * m), rel=1e-12)
+    assert felt.values[0] == pytest.approx(
+        60 * math.exp(-m * 1.2) * JOINT / (JOINT + 2.8 * m), rel=1e-12
+    )
 
 
 FIRE = {"name": "fire", "object": "hearth", "position": [0, 0, 0], "value": 60}

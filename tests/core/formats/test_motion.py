@@ -1,4 +1,5 @@
-"""Motions: what was packed comes back to the last digit, by a decoder written from the words of the schema too; broken ones say why."""
+"""Motions: what was packed comes back to the last digit, by a decoder written from the words of the
+schema too; broken ones say why."""
 
 import base64
 import json
@@ -16,13 +17,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-tables = st.integers(1, 20).flatmap(lambda n: arrays(np.int64, (n, 7), elements=st.integers(-(10**14), 10**14)))
+tables = st.integers(1, 20).flatmap(
+    lambda n: arrays(np.int64, (n, 7), elements=st.integers(-(10**14), 10**14))
+)
 
 
 def by_the_words_of_the_schema(text, count):
     """One number after the other, with Python's own integers."""
     data = zlib.decompress(base64.b64decode(text))
-    numbers = [sum(data[plane * 7 * count + k] << (8 * plane) for plane in range(8)) for k in range(7 * count)]
+    numbers = [
+        sum(data[plane * 7 * count + k] << (8 * plane) for plane in range(8))
+        for k in range(7 * count)
+    ]
     numbers = [n // 2 if n % 2 == 0 else -(n + 1) // 2 for n in numbers]
     columns = []
     for c in range(7):
@@ -44,11 +50,22 @@ def test_tables_come_back(table):
 def rolling(names, frames, seed=0):
     """Objects that go round and turn, each in its own way."""
     random = np.random.default_rng(seed)
-    phase, speed, radius = random.uniform(0, 6, len(names)), random.uniform(0.5, 3, len(names)), random.uniform(0.5, 5, len(names))
+    phase, speed, radius = (
+        random.uniform(0, 6, len(names)),
+        random.uniform(0.5, 3, len(names)),
+        random.uniform(0.5, 5, len(names)),
+    )
     for number in range(1, frames + 1):
         angle = phase + speed * number / 24
-        turned = [np.cos(angle / 2), np.zeros_like(angle), 0.6 * np.sin(angle / 2), 0.8 * np.sin(angle / 2)]
-        rows = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.abs(np.sin(3 * angle)), *turned])
+        turned = [
+            np.cos(angle / 2),
+            np.zeros_like(angle),
+            0.6 * np.sin(angle / 2),
+            0.8 * np.sin(angle / 2),
+        ]
+        rows = np.column_stack(
+            [radius * np.cos(angle), radius * np.sin(angle), np.abs(np.sin(3 * angle)), *turned]
+        )
         yield RecordedFrame(number, poses=Poses(tuple(names), np.rint(rows * 1e5).astype(np.int64)))
 
 
@@ -63,24 +80,35 @@ def exported(frames, count, tmp_path, name):
 def test_a_long_recording_comes_back_the_same(tmp_path):
     export, size = exported(300, 100, tmp_path, "many.json")
     document = json.loads((tmp_path / "many.json").read_bytes())
-    assert len(document["motions"]) == 100 and not any("poses" in frame for frame in document["frames"])
+    assert len(document["motions"]) == 100 and not any(
+        "poses" in frame for frame in document["frames"]
+    )
     again = read_export(tmp_path / "many.json")
     assert again.recording == export.recording
     write_export(again, tmp_path / "again.json")
-    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "many.json").read_bytes() and size < 30_000 * 14
+    assert (tmp_path / "again.json").read_bytes() == (
+        tmp_path / "many.json"
+    ).read_bytes() and size < 30_000 * 14
 
 
 def test_a_thousand_objects_that_all_move_over_3600_frames_stay_under_50_mb(tmp_path):
-    """As many frames as tell the size of all: a tenth, in which the beginnings of the motions weigh more than in all of them."""
+    """As many frames as tell the size of all: a tenth, in which the beginnings of the motions weigh
+    more than in all of them."""
     _, size = exported(360, 1000, tmp_path, "all.json")
-    print(f"\n3,600 frames, 1,000 objects, all of them moving in every frame: {10 * size / 1e6:.1f} MB")
+    print(
+        "\n3,600 frames, 1,000 objects, all of them moving in every frame: "
+        f"{10 * size / 1e6:.1f} MB"
+    )
     assert 10 * size < 50e6
 
 
 def test_few_poses_stay_readable_and_fine_ones_exact():
     few = tuple(RecordedFrame(n, poses={"a": (n, 0, 0, 1, 0, 0, 0)}) for n in range(100))
     assert packed(few) == ([], few)
-    fine = tuple(RecordedFrame(n, poses={str(k): (k / 3, 0, 0, 1, 0, 0, 0) for k in range(300)}) for n in range(100))
+    fine = tuple(
+        RecordedFrame(n, poses={str(k): (k / 3, 0, 0, 1, 0, 0, 0) for k in range(300)})
+        for n in range(100)
+    )
     assert packed(fine) == ([], fine)
 
 
@@ -99,7 +127,12 @@ def test_what_moves_for_a_moment_stands_in_the_frames():
         assert {**poses[frame.number], **rest.poses} == frame.poses
 
 
-GOOD = {"object": "a", "frame": 1, "count": 2, "poses": encoded(np.array([[0, 0, 0, 1, 0, 0, 0]] * 2))}
+GOOD = {
+    "object": "a",
+    "frame": 1,
+    "count": 2,
+    "poses": encoded(np.array([[0, 0, 0, 1, 0, 0, 0]] * 2)),
+}
 BOMB = base64.b64encode(zlib.compress(bytes(50_000_000))).decode()
 
 
@@ -114,8 +147,14 @@ BOMB = base64.b64encode(zlib.compress(bytes(50_000_000))).decode()
         ([{**GOOD, "poses": BOMB}], "/motions/0/poses: does not hold 2 poses"),
         ([{**GOOD, "poses": "%"}], "/motions/0/poses: is not base64"),
         ([{**GOOD, "poses": "AAAA"}], "/motions/0/poses: is not compressed by zlib"),
-        ([{**GOOD, "poses": encoded(np.zeros((2, 7), dtype=np.int64))}], "/motions/0/poses: a quaternion of length 0 is no rotation"),
-        ([{**GOOD, "poses": encoded(np.full((2, 7), 10**15))}], "/motions/0/poses: beyond 1e9 metres"),
+        (
+            [{**GOOD, "poses": encoded(np.zeros((2, 7), dtype=np.int64))}],
+            "/motions/0/poses: a quaternion of length 0 is no rotation",
+        ),
+        (
+            [{**GOOD, "poses": encoded(np.full((2, 7), 10**15))}],
+            "/motions/0/poses: beyond 1e9 metres",
+        ),
         ([GOOD, GOOD], "/motions: 'a' has two poses in frame 1"),
         ([{**GOOD, "frame": 2}], "/motions: frame 3 is not among the frames"),
         ([{**GOOD, "frame": 0}], "/motions: frame 0 is not among the frames"),
@@ -149,5 +188,7 @@ def test_a_pose_for_a_frame_stands_in_one_place(tmp_path):
         "frames": [{"frame": 1, "poses": {"a": [0, 0, 0, 1, 0, 0, 0]}}, {"frame": 2}],
     }
     (tmp_path / "bad.json").write_text(json.dumps(document))
-    with pytest.raises(FormatError, match="/frames/0/poses/a: a motion has a pose for this frame, too"):
+    with pytest.raises(
+        FormatError, match="/frames/0/poses/a: a motion has a pose for this frame, too"
+    ):
         read_export(tmp_path / "bad.json")

@@ -1,4 +1,5 @@
-"""Integers written with a point, the least times and the largest samples that files can hold, and side-cars that are no files."""
+"""Integers written with a point, the least times and the largest samples that files can hold, and
+side-cars that are no files."""
 
 import json
 import os
@@ -35,23 +36,35 @@ def test_integers_may_be_written_with_a_point(tmp_path):
     crate = HapticObject("crate", 0.3, 0.8, pose=Pose())
     frames = [RecordedFrame(number) for number in (1, 2, 3)]
     tracks = Tracks((ListenerTrack("hand", "hand.L"),), 8000, np.zeros((1, 80)))
-    write_export(Export("a", HapticScene((crate,)), tracks, Recording(24, 1, tuple(frames))), tmp_path / "a.json", tracks="inline")
+    write_export(
+        Export("a", HapticScene((crate,)), tracks, Recording(24, 1, tuple(frames))),
+        tmp_path / "a.json",
+        tracks="inline",
+    )
     document = json.loads((tmp_path / "a.json").read_text())
     poses = encoded(np.array([[k, 0, 0, 100_000, 0, 0, 0] for k in range(3)]))
     document["motions"] = [{"object": "crate", "frame": 1, "count": 3, "poses": poses}]
     document["settings"]["max_connections"] = 7
     document["objects"].append({"name": "rock", "kappa": 0, "rho": 1, "shape": TETRAHEDRON})
     looped = {"signal": "loop", "of": {"signal": "impulse", "width": 1}, "count": 3}
-    document["sources"] = [{"name": "drum", "object": "rock", "position": [0, 0, 0], "signal": looped}]
+    document["sources"] = [
+        {"name": "drum", "object": "rock", "position": [0, 0, 0], "signal": looped}
+    ]
     (tmp_path / "b.json").write_text(json.dumps(document))
     (tmp_path / "c.json").write_text(json.dumps(with_points(document)))
     expected, found = read_export(tmp_path / "b.json"), read_export(tmp_path / "c.json")
     assert found.scene == expected.scene and found.recording == expected.recording
     for export, name in ((expected, "d.json"), (found, "e.json")):
         write_export(export, tmp_path / name, tracks="inline")
-    assert json.loads((tmp_path / "d.json").read_text()) == json.loads((tmp_path / "e.json").read_text())
-    first, second = (next(iter(traced(export.scene, export.recording))) for export in (expected, found))
-    assert [source.signal for source in first.sources] == [source.signal for source in second.sources]
+    assert json.loads((tmp_path / "d.json").read_text()) == json.loads(
+        (tmp_path / "e.json").read_text()
+    )
+    first, second = (
+        next(iter(traced(export.scene, export.recording))) for export in (expected, found)
+    )
+    assert [source.signal for source in first.sources] == [
+        source.signal for source in second.sources
+    ]
 
 
 LEAST_TIME = 5e-324
@@ -60,14 +73,32 @@ KEYS = [LEAST_TIME, 0.5]
 
 def haptic(times):
     points = [{"time": time, "amplitude": 0.5} for time in (0.0, *times)]
-    envelopes = {"amplitude": points, "frequency": [{"time": time, "frequency": 0.5} for time in (0.0, *times)]}
-    return {"version": {"major": 1, "minor": 0, "patch": 0}, "metadata": {}, "signals": {"continuous": {"envelopes": envelopes}}}
+    envelopes = {
+        "amplitude": points,
+        "frequency": [{"time": time, "frequency": 0.5} for time in (0.0, *times)],
+    }
+    return {
+        "version": {"major": 1, "minor": 0, "patch": 0},
+        "metadata": {},
+        "signals": {"continuous": {"envelopes": envelopes}},
+    }
 
 
 def ahap(times):
     points = [{"Time": time, "ParameterValue": 0.5} for time in (0.0, *times)]
-    curve = {"ParameterCurve": {"ParameterID": "HapticIntensityControl", "Time": 0.0, "ParameterCurveControlPoints": points}}
-    event = {"Time": LEAST_TIME, "EventType": "HapticContinuous", "EventDuration": 0.5, "EventParameters": []}
+    curve = {
+        "ParameterCurve": {
+            "ParameterID": "HapticIntensityControl",
+            "Time": 0.0,
+            "ParameterCurveControlPoints": points,
+        }
+    }
+    event = {
+        "Time": LEAST_TIME,
+        "EventType": "HapticContinuous",
+        "EventDuration": 0.5,
+        "EventParameters": [],
+    }
     return {"Version": 1.0, "Pattern": [{"Event": event}, curve]}
 
 
@@ -75,15 +106,32 @@ def haps(times):
     keys = [{"m_time": time, "m_value": 0.5} for time in (0.0, *times)]
     effect = {
         "m_amplitudeModulation": {"m_extrapolationStrategy": 0, "m_keyframes": keys},
-        "m_frequencyModulation": {"m_extrapolationStrategy": 0, "m_keyframes": [{**key, "m_value": 90.0} for key in keys]},
+        "m_frequencyModulation": {
+            "m_extrapolationStrategy": 0,
+            "m_keyframes": [{**key, "m_value": 90.0} for key in keys],
+        },
     }
-    note = {"m_startingPoint": LEAST_TIME, "m_length": 0.5, "m_priority": 1, "m_gain": 1.0, "m_hapticEffect": effect}
+    note = {
+        "m_startingPoint": LEAST_TIME,
+        "m_length": 0.5,
+        "m_priority": 1,
+        "m_gain": 1.0,
+        "m_hapticEffect": effect,
+    }
     melody = {"m_mute": 0, "m_gain": 1.0, "m_notes": [note]}
-    vibration = {"m_loop": 0, "m_maximum": 1.0, "m_gain": 1.0, "m_signalEvaluationMethod": 3, "m_melodies": [melody]}
+    vibration = {
+        "m_loop": 0,
+        "m_maximum": 1.0,
+        "m_gain": 1.0,
+        "m_signalEvaluationMethod": 3,
+        "m_melodies": [melody],
+    }
     return {"m_version": "5", "m_gain": 1.0, "m_length_unit": 7, "m_vibration": vibration}
 
 
-@pytest.mark.parametrize(("suffix", "make"), [(".haptic", haptic), (".ahap", ahap), (".haps", haps)])
+@pytest.mark.parametrize(
+    ("suffix", "make"), [(".haptic", haptic), (".ahap", ahap), (".haps", haps)]
+)
 def test_keys_at_the_least_time_give_numbers(tmp_path, suffix, make):
     path = tmp_path / f"least{suffix}"
     path.write_text(json.dumps(make(KEYS)))
@@ -97,9 +145,21 @@ def test_samples_of_any_size_are_no_vibration_or_are_cut(tmp_path, value):
     samples = np.full(800, 0.25, dtype="<f4")
     samples[400] = value
     data = samples.tobytes()
-    head = b"RIFF" + (36 + len(data)).to_bytes(4, "little") + b"WAVEfmt " + (16).to_bytes(4, "little")
-    head += (3).to_bytes(2, "little") + (1).to_bytes(2, "little") + (8000).to_bytes(4, "little") + (32000).to_bytes(4, "little")
-    head += (4).to_bytes(2, "little") + (32).to_bytes(2, "little") + b"data" + len(data).to_bytes(4, "little")
+    head = (
+        b"RIFF" + (36 + len(data)).to_bytes(4, "little") + b"WAVEfmt " + (16).to_bytes(4, "little")
+    )
+    head += (
+        (3).to_bytes(2, "little")
+        + (1).to_bytes(2, "little")
+        + (8000).to_bytes(4, "little")
+        + (32000).to_bytes(4, "little")
+    )
+    head += (
+        (4).to_bytes(2, "little")
+        + (32).to_bytes(2, "little")
+        + b"data"
+        + len(data).to_bytes(4, "little")
+    )
     (tmp_path / "loud.wav").write_bytes(head + data)
     try:
         (channel,) = registry.read(tmp_path / "loud.wav").channels
@@ -119,7 +179,11 @@ def test_a_pipe_beside_a_file_does_not_hang(tmp_path, name):
     path = tmp_path / name
     if name == "scene.json":
         tracks = {"sample_rate": 8000, "file": "scene.tracks.wav", "listeners": [{"name": "hand"}]}
-        path.write_text(json.dumps({"format": "haptic-scene", "version": "1.1", "objects": [], "tracks": tracks}))
+        path.write_text(
+            json.dumps(
+                {"format": "haptic-scene", "version": "1.1", "objects": [], "tracks": tracks}
+            )
+        )
         os.mkfifo(tmp_path / "scene.tracks.wav")
         with pytest.raises(FormatError, match="not a regular file"):
             read_export(path)

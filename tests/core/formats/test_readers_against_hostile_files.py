@@ -1,4 +1,5 @@
-"""Readers against what may come: broken, truncated and hostile files give one clear error, in bounded time and memory."""
+"""Readers against what may come: broken, truncated and hostile files give one clear error, in
+bounded time and memory."""
 
 import copy
 import gzip
@@ -34,18 +35,38 @@ def corpus(tmp_path_factory):
     """A small good file of each kind that can be read."""
     folder = tmp_path_factory.mktemp("corpus")
     time = np.arange(1600) / 8000
-    tracks = Tracks((ListenerTrack("hand", "hand.L", [[0.05, 0.5]]),), 8000, 0.5 * np.sin(2 * np.pi * 80 * time)[None])
+    tracks = Tracks(
+        (ListenerTrack("hand", "hand.L", [[0.05, 0.5]]),),
+        8000,
+        0.5 * np.sin(2 * np.pi * 80 * time)[None],
+    )
     scene = HapticScene((HapticObject("ground", 0.2, 0.9),), sources=(Source("hammer", "ground"),))
     export = Export("small", scene, tracks)
-    files = [path for name in ("wav", "hjif", "haptic", "ahap", "wyvrn", "tact") for path in registry.write(name, export, folder).files]
-    good = {path.suffix: path for path in files if path.suffix in registry.READERS and ".transients" not in path.name}
-    everything = haptic_scene.read_export(Path(__file__).parent / "corpus" / "good-devices-and-warmth.json")
-    haptic_scene.write_export(replace(everything, tracks=tracks), folder / "small.scene.json", tracks="inline")
+    files = [
+        path
+        for name in ("wav", "hjif", "haptic", "ahap", "wyvrn", "tact")
+        for path in registry.write(name, export, folder).files
+    ]
+    good = {
+        path.suffix: path
+        for path in files
+        if path.suffix in registry.READERS and ".transients" not in path.name
+    }
+    everything = haptic_scene.read_export(
+        Path(__file__).parent / "corpus" / "good-devices-and-warmth.json"
+    )
+    haptic_scene.write_export(
+        replace(everything, tracks=tracks), folder / "small.scene.json", tracks="inline"
+    )
     return {**good, ".json": folder / "small.scene.json"}
 
 
 def read(path):
-    return haptic_scene.read_export(path) if path.name.endswith((".json", ".json.gz")) else registry.read(path)
+    return (
+        haptic_scene.read_export(path)
+        if path.name.endswith((".json", ".json.gz"))
+        else registry.read(path)
+    )
 
 
 def outcome(path):
@@ -57,12 +78,17 @@ def outcome(path):
 
 
 def is_fine(path, result, error):
-    """Whether the error is one line that names the file and the reason, or what was read is made of finite numbers."""
+    """Whether the error is one line that names the file and the reason, or what was read is made of
+    finite numbers."""
     if error is not None:
-        return str(error).startswith(f"{path}: ") and str(error).isprintable() and bool(error.reason)
+        return (
+            str(error).startswith(f"{path}: ") and str(error).isprintable() and bool(error.reason)
+        )
     channels = getattr(result, "channels", ())
     return all(np.isfinite(channel.duration) for channel in channels) and all(
-        np.isfinite(values_at(carrier, np.array([carrier.start]))).all() for channel in channels for carrier in channel.carriers
+        np.isfinite(values_at(carrier, np.array([carrier.start]))).all()
+        for channel in channels
+        for carrier in channel.carriers
     )
 
 
@@ -90,7 +116,11 @@ def test_damaged_bytes(corpus, tmp_path, suffix, data):
         case "cut":
             bad = good[:place]
         case "flip":
-            bad = good[:place] + bytes([good[place] ^ data.draw(st.integers(1, 255))]) + good[place + 1 :]
+            bad = (
+                good[:place]
+                + bytes([good[place] ^ data.draw(st.integers(1, 255))])
+                + good[place + 1 :]
+            )
         case "insert":
             bad = good[:place] + data.draw(st.binary(min_size=1, max_size=8)) + good[place:]
         case "repeat":
@@ -107,7 +137,13 @@ ODD = [*WORDS, None, True, -1, 0, 0.5, 1e9, -1e9, 1e308, 10**40, [], {}, [0], [[
 
 def places(document, path=()):
     yield path
-    items = document.items() if isinstance(document, dict) else enumerate(document) if isinstance(document, list) else ()
+    items = (
+        document.items()
+        if isinstance(document, dict)
+        else enumerate(document)
+        if isinstance(document, list)
+        else ()
+    )
     for key, value in items:
         yield from places(value, (*path, key))
 
@@ -163,7 +199,11 @@ def test_what_is_no_json_document_says_so(tmp_path, suffix, data, reason):
 
 
 def test_brackets_in_strings_are_text(tmp_path):
-    document = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": '\\"[[' + "[{" * 110 + "\\", "kappa": 0, "rho": 1}]}
+    document = {
+        "format": "haptic-scene",
+        "version": "1.0",
+        "objects": [{"name": '\\"[[' + "[{" * 110 + "\\", "kappa": 0, "rho": 1}],
+    }
     (tmp_path / "odd.json").write_text(json.dumps(document))
     assert read_scene(tmp_path / "odd.json").objects[0].name.startswith('\\"[[')
 
@@ -171,13 +211,17 @@ def test_brackets_in_strings_are_text(tmp_path):
 @pytest.mark.slow
 def test_a_zip_bomb_is_not_unpacked(tmp_path):
     path = tmp_path / "bomb.json.gz"
-    path.write_bytes(40 * gzip.compress(b" " * (16 << 20), compresslevel=9))  # a gzip file may have several members
+    path.write_bytes(
+        40 * gzip.compress(b" " * (16 << 20), compresslevel=9)
+    )  # a gzip file may have several members
     assert path.stat().st_size < 1 << 20
     with pytest.raises(FormatError, match=r"bomb\.json\.gz: larger than 256 MiB"):
         read_scene(path)
 
 
-@pytest.mark.parametrize("data", [b"\x1f\x8b\x08", b"no gzip at all", gzip.compress(b"{}" * 5000, mtime=0)[:-20], b""])
+@pytest.mark.parametrize(
+    "data", [b"\x1f\x8b\x08", b"no gzip at all", gzip.compress(b"{}" * 5000, mtime=0)[:-20], b""]
+)
 def test_broken_gzip_files(tmp_path, data):
     path = tmp_path / "broken.json.gz"
     path.write_bytes(data)
@@ -220,7 +264,14 @@ def test_a_file_of_countless_long_effects_is_not_rendered(corpus, tmp_path):
 
 def wav(form=b"", data=b"\0\0" * 8, size=None):
     form = form or struct.pack("<HHIIHH", 1, 1, 8000, 16000, 2, 16)
-    chunks = b"WAVEfmt " + struct.pack("<I", len(form)) + form + b"data" + struct.pack("<I", len(data) if size is None else size) + data
+    chunks = (
+        b"WAVEfmt "
+        + struct.pack("<I", len(form))
+        + form
+        + b"data"
+        + struct.pack("<I", len(data) if size is None else size)
+        + data
+    )
     return b"RIFF" + struct.pack("<I", len(chunks)) + chunks
 
 
@@ -234,7 +285,10 @@ def wav(form=b"", data=b"\0\0" * 8, size=None):
         wav(form=struct.pack("<HHIIHH", 1, 0, 8000, 0, 0, 16)),
         wav(form=struct.pack("<HHIIHH", 1, 65535, 8000, 0, 2, 16)),
         wav(form=struct.pack("<HHIIHH", 85, 1, 8000, 16000, 2, 16)),
-        wav(form=struct.pack("<HHIIHH", 3, 1, 8000, 32000, 4, 32), data=struct.pack("<f", float("nan"))),
+        wav(
+            form=struct.pack("<HHIIHH", 3, 1, 8000, 32000, 4, 32),
+            data=struct.pack("<f", float("nan")),
+        ),
         wav().replace(b"fmt ", b"abcd"),
     ],
 )

@@ -1,7 +1,8 @@
-"""The corpus of files that readers were fuzzed with: good ones read; bad ones, and what any of them becomes when bytes are changed, give
-one clear error, or are read as something finite.
+"""The corpus of files that readers were fuzzed with: good ones read; bad ones, and what any of them
+becomes when bytes are changed, give one clear error, or are read as something finite.
 
-A file that ever broke a reader comes here, called ``bad-...``, or ``good-...`` where it should have been read.
+A file that ever broke a reader comes here, called ``bad-...``, or ``good-...`` where it should have
+been read.
 """
 
 from pathlib import Path
@@ -15,13 +16,21 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 CORPUS = Path(__file__).with_name("corpus")
-FILES = sorted(p.name for p in CORPUS.iterdir() if p.name.endswith((".json.gz", *registry.READERS, ".json")) and ".wav." not in p.name)
+FILES = sorted(
+    p.name
+    for p in CORPUS.iterdir()
+    if p.name.endswith((".json.gz", *registry.READERS, ".json")) and ".wav." not in p.name
+)
 GOOD = [name for name in FILES if name.startswith("good")]
 BAD = [name for name in FILES if name.startswith("bad")]
 
 
 def read(path):
-    return haptic_scene.read_export(path) if path.name.endswith((".json", ".json.gz")) else registry.read(path)
+    return (
+        haptic_scene.read_export(path)
+        if path.name.endswith((".json", ".json.gz"))
+        else registry.read(path)
+    )
 
 
 def finite(result):
@@ -35,7 +44,9 @@ def finite(result):
 
 def test_there_are_files_of_every_kind():
     for suffix in (*registry.READERS, ".json", ".json.gz"):
-        assert any(name.endswith(suffix) for name in GOOD) and any(name.endswith(suffix) for name in BAD), suffix
+        assert any(name.endswith(suffix) for name in GOOD) and any(
+            name.endswith(suffix) for name in BAD
+        ), suffix
 
 
 @pytest.mark.parametrize("name", GOOD)
@@ -50,7 +61,12 @@ def test_bad_files_give_one_clear_error(name):
     with pytest.raises(FormatError) as caught:
         read(CORPUS / name)
     text = str(caught.value)
-    assert text.startswith(f"{CORPUS / name}: ") and text.isprintable() and caught.value.reason and len(text) < 500
+    assert (
+        text.startswith(f"{CORPUS / name}: ")
+        and text.isprintable()
+        and caught.value.reason
+        and len(text) < 500
+    )
 
 
 @pytest.mark.slow
@@ -67,7 +83,11 @@ def test_changed_bytes(tmp_path, name, data):
             case "cut":
                 del content[place : place + data.draw(st.integers(1, 20))]
             case "insert":
-                content[place:place] = data.draw(st.sampled_from([b"0", b"-", b"e9", b"[", b"{", b'"', b",", b"\xff", b"\x00" * 4]))
+                content[place:place] = data.draw(
+                    st.sampled_from(
+                        [b"0", b"-", b"e9", b"[", b"{", b'"', b",", b"\xff", b"\x00" * 4]
+                    )
+                )
             case "copy":
                 content[place:place] = content[place : place + 30]
         if not content:

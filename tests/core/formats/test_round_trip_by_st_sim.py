@@ -1,6 +1,8 @@
-"""What an importer reads back against what was written, by ST-SIM (vibromaf), and against an evaluation of the files of our own.
+"""What an importer reads back against what was written, by ST-SIM (vibromaf), and against an
+evaluation of the files of our own.
 
-ST-SIM compares blocks of 512 samples; it has no value where the source is silent, so that only blocks in which it sounds are compared.
+ST-SIM compares blocks of 512 samples; it has no value where the source is silent, so that only
+blocks in which it sounds are compared.
 """
 
 import json
@@ -34,26 +36,40 @@ def similarity(source, again):
 
 WAVES = {".wav", ".hjif", ".haptic", ".haps", ".ahap"}
 """What has a channel for each listener when it is read back."""
-OPTIONS = {"scene": {"tracks": "inline"}, "haptic": {"points": 0}}  # 0: breakpoints follow the wave, which ST-SIM compares
+OPTIONS = {
+    "scene": {"tracks": "inline"},
+    "haptic": {"points": 0},
+}  # 0: breakpoints follow the wave, which ST-SIM compares
 
 
 def read_back(files, suffix):
     """The channels of the files that can be imported, in the order of writing."""
-    paths = [path for path in files if path.name.endswith(suffix) and ".transients." not in path.name]
-    return [channel for path in paths for channel in registry.read(path).channels] if suffix in WAVES else []
+    paths = [
+        path for path in files if path.name.endswith(suffix) and ".transients." not in path.name
+    ]
+    return (
+        [channel for path in paths for channel in registry.read(path).channels]
+        if suffix in WAVES
+        else []
+    )
 
 
 @pytest.mark.slow
 def test_the_study_scene_comes_back_as_it_was(study, tmp_path):
     rows = []
     for name in registry.FORMATS:
-        written = registry.write(name, Export("study", SCENE, study), tmp_path, OPTIONS.get(name, {}))
+        written = registry.write(
+            name, Export("study", SCENE, study), tmp_path, OPTIONS.get(name, {})
+        )
         again = (
             list(read_export(written.files[0]).tracks.samples)
             if name == "scene"
             else [channel.at_rate(8000) for channel in read_back(written.files, named(name).suffix)]
         )
-        scores = [similarity(source, samples) for source, samples in zip(study.samples, again, strict=bool(again))]
+        scores = [
+            similarity(source, samples)
+            for source, samples in zip(study.samples, again, strict=bool(again))
+        ]
         size = sum(path.stat().st_size for path in written.files)
         rows.append((name, len(written.files), size, scores))
     print("\nformat   files       bytes  ST-SIM mean    min")
@@ -85,7 +101,10 @@ def test_signals_in_hjif(tmp_path, name):
     assert similarity(SIGNALS[name], channel.at_rate(8000)) > 0.95
 
 
-@pytest.mark.parametrize(("samples", "most"), [(SIGNALS["tone"], 60), (0.5 * ((np.arange(20 * 8000) / 320) % 1.0 < 0.1), 1500)])
+@pytest.mark.parametrize(
+    ("samples", "most"),
+    [(SIGNALS["tone"], 60), (0.5 * ((np.arange(20 * 8000) / 320) % 1.0 < 0.1), 1500)],
+)
 def test_what_is_steady_takes_few_keyframes(tmp_path, samples, most):
     """A tone, and a jackhammer of 25 blows a second for 20 seconds."""
     tracks = Tracks((ListenerTrack("hand", "hand.L"),), 8000, samples[None])
@@ -109,9 +128,22 @@ def evaluated(document, count):
             first, last = (8 * (effect["position"] + keys[k]["relative_position"]) for k in (0, -1))
             # Sixteen steps a sample, each with the frequency in its middle.
             fine = (np.arange((last - first) * 16) + 0.5) / 16 / 8
-            known = [[k["relative_position"], k["frequency_modulation"]] for k in keys if "frequency_modulation" in k]
-            levels = [[k["relative_position"], k["amplitude_modulation"]] for k in keys if "amplitude_modulation" in k]
-            phase = effect["phase"] + np.concatenate([[0], np.cumsum(np.interp(fine, *np.array(known).T)) * 2 * np.pi / 8000 / 16])[:-1:16]
+            known = [
+                [k["relative_position"], k["frequency_modulation"]]
+                for k in keys
+                if "frequency_modulation" in k
+            ]
+            levels = [
+                [k["relative_position"], k["amplitude_modulation"]]
+                for k in keys
+                if "amplitude_modulation" in k
+            ]
+            phase = (
+                effect["phase"]
+                + np.concatenate(
+                    [[0], np.cumsum(np.interp(fine, *np.array(known).T)) * 2 * np.pi / 8000 / 16]
+                )[:-1:16]
+            )
             wave = np.interp(np.arange(last - first) / 8, *np.array(levels).T) * np.sin(phase)
             samples[first : min(last, count)] += wave[: max(count - first, 0)]
     return samples
@@ -119,7 +151,9 @@ def evaluated(document, count):
 
 def test_reading_hjif_against_adding_up_the_phase(tmp_path):
     samples = SIGNALS["sweep"] * 0.5 + SIGNALS["bursts"] * 0.3
-    tracks = Tracks((ListenerTrack("hand", "hand.L", np.array([[1.0, 0.3], [2.0, 0.3]])),), 8000, samples[None])
+    tracks = Tracks(
+        (ListenerTrack("hand", "hand.L", np.array([[1.0, 0.3], [2.0, 0.3]])),), 8000, samples[None]
+    )
     (path,) = registry.write("hjif", Export("one", SCENE, tracks), tmp_path).files
     (channel,) = registry.read(path).channels
     expected = evaluated(json.loads(path.read_bytes()), len(TIME))
@@ -134,4 +168,6 @@ def test_a_template_plays_what_was_read(tmp_path, form, name):
     (channel,) = read_back(written.files, named(form).suffix)
     expected = channel.at_rate(8000)
     played = channel.to_signal().sample(0, len(expected), 8000.0)
-    np.testing.assert_allclose(played, expected, atol=1e-6 if len(channel.carriers) <= 100 else 0.02)
+    np.testing.assert_allclose(
+        played, expected, atol=1e-6 if len(channel.carriers) <= 100 else 0.02
+    )

@@ -1,4 +1,5 @@
-"""The haptic scene file: the schema against the draft's own meta-schema, our validator against `jsonschema`, files against files."""
+"""The haptic scene file: the schema against the draft's own meta-schema, our validator against
+`jsonschema`, files against files."""
 
 import copy
 import gzip
@@ -9,7 +10,16 @@ from itertools import permutations
 
 import jsonschema
 import pytest
-from haptic_tracing.core.contacts.shapes import Box, Capsule, Compound, Cone, ConvexHull, Cylinder, Mesh, Sphere
+from haptic_tracing.core.contacts.shapes import (
+    Box,
+    Capsule,
+    Compound,
+    Cone,
+    ConvexHull,
+    Cylinder,
+    Mesh,
+    Sphere,
+)
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.io.schema import load_schema, validate
 from haptic_tracing.core.formats.scene.scene_json import (
@@ -21,7 +31,15 @@ from haptic_tracing.core.formats.scene.scene_json import (
     scene_to_dict,
     write_scene,
 )
-from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, HapticTracing, Identity, Linear, Spectrum
+from haptic_tracing.core.scene.functions import (
+    Constant,
+    Exponential,
+    Expression,
+    HapticTracing,
+    Identity,
+    Linear,
+    Spectrum,
+)
 from haptic_tracing.core.scene.values import (
     Contact,
     HapticObject,
@@ -78,7 +96,11 @@ functions = st.one_of(
     st.builds(Constant, gain_value=st.floats(0, 2), spectrum=spectra),
     st.builds(Exponential, alpha=st.floats(0, 10), spectrum=spectra),
     st.builds(Linear, range=length, spectrum=spectra),
-    st.builds(Expression, expression=st.sampled_from(["x * exp(-d)", "1 / (1 + d)", "x * min(rho, kappa)"]), spectrum=spectra),
+    st.builds(
+        Expression,
+        expression=st.sampled_from(["x * exp(-d)", "1 / (1 + d)", "x * min(rho, kappa)"]),
+        spectrum=spectra,
+    ),
 )
 rotations = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: math.hypot(*q) > 0.01)
 poses = st.builds(Pose, position=vectors, rotation=rotations)
@@ -91,22 +113,32 @@ solids = st.one_of(
     st.just(ConvexHull(points=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])),
     st.just(Mesh(points=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 2]])),
 )
-shapes = st.one_of(solids, st.builds(Compound, children=st.lists(st.tuples(solids, poses), min_size=1, max_size=2).map(tuple)))
+shapes = st.one_of(
+    solids,
+    st.builds(
+        Compound, children=st.lists(st.tuples(solids, poses), min_size=1, max_size=2).map(tuple)
+    ),
+)
 swept = Sine(Automation([0, 1], [40, 80])) * Keyed(Automation([0, 2], [1, 0]))
 signals = st.sampled_from(
     [
         Sine(60.0),
         swept,
         Loop(DecayingSine(150.0, 0.03), count=3) + Pulse(25.0, duty=0.2) * Adsr(hold=0.5),
-        Delay(Sampled([0.0, 1.0, 0.0], 100.0), 0.5) >> Noise(seed=2**64 - 1) * SIGNAL_KINDS["constant"](0.5, 0.1),
-        Gain(Triangle(30.0), Automation([0, 1], [0, 1])) * Decay(0.5) + Square(40.0) * 0.1 + Saw(50.0) + Impulse(0.01),
+        Delay(Sampled([0.0, 1.0, 0.0], 100.0), 0.5)
+        >> Noise(seed=2**64 - 1) * SIGNAL_KINDS["constant"](0.5, 0.1),
+        Gain(Triangle(30.0), Automation([0, 1], [0, 1])) * Decay(0.5)
+        + Square(40.0) * 0.1
+        + Saw(50.0)
+        + Impulse(0.01),
     ]
 )
 
 
 unique_names = st.lists(names, min_size=2, max_size=4, unique=True)
 few_names = st.lists(names, max_size=2, unique=True)
-# Made once and not in every drawing, which would take longer than to draw; objects are numbers until their names are drawn.
+# Made once and not in every drawing, which would take longer than to draw; objects are numbers
+# until their names are drawn.
 members = {
     HapticObject: st.fixed_dictionaries(
         {
@@ -182,17 +214,30 @@ def scenes(draw):
         return None if number is None else object_names[number]
 
     return HapticScene(
-        objects=tuple(HapticObject(name=name, **draw(members[HapticObject])) for name in object_names),
+        objects=tuple(
+            HapticObject(name=name, **draw(members[HapticObject])) for name in object_names
+        ),
         contacts=tuple(
-            Contact(objects=tuple(object_names[k] for k in draw(two_objects[count])), **draw(members[Contact]))
+            Contact(
+                objects=tuple(object_names[k] for k in draw(two_objects[count])),
+                **draw(members[Contact]),
+            )
             for _ in range(draw(up_to_three))
         ),
         sources=tuple(
-            Source(name=name, object=object_names[draw(some_object[count])], second_object=second_object(), **draw(members[Source]))
+            Source(
+                name=name,
+                object=object_names[draw(some_object[count])],
+                second_object=second_object(),
+                **draw(members[Source]),
+            )
             for name in draw(few_names)
         ),
         listeners=tuple(
-            Listener(name=name, object=object_names[draw(some_object[count])], **draw(members[Listener])) for name in draw(few_names)
+            Listener(
+                name=name, object=object_names[draw(some_object[count])], **draw(members[Listener])
+            )
+            for name in draw(few_names)
         ),
         settings=draw(some_settings),
         extras=draw(extras),
@@ -235,14 +280,28 @@ def test_the_schema_knows_every_signal_with_every_parameter():
     assert definition["properties"]["signal"]["enum"] == list(SIGNAL_KINDS)
     for kind, cls in SIGNAL_KINDS.items():
         parameters = json_fields(cls)
-        conditions = [(entry["if"]["properties"]["signal"], entry["then"]) for entry in definition["allOf"]]
-        (rule,) = (then for condition, then in conditions if kind in condition.get("enum", [condition.get("const")]))
-        assert set(rule["propertyNames"]["enum"]) == {"signal", *parameters} <= {"signal", *definition["properties"]}
-        assert set(rule.get("required", [])) == {key for key, entry in parameters.items() if entry.default is MISSING}
+        conditions = [
+            (entry["if"]["properties"]["signal"], entry["then"]) for entry in definition["allOf"]
+        ]
+        (rule,) = (
+            then
+            for condition, then in conditions
+            if kind in condition.get("enum", [condition.get("const")])
+        )
+        assert (
+            set(rule["propertyNames"]["enum"])
+            == {"signal", *parameters}
+            <= {"signal", *definition["properties"]}
+        )
+        assert set(rule.get("required", [])) == {
+            key for key, entry in parameters.items() if entry.default is MISSING
+        }
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 @given(scenes())
 def test_writing_and_reading_gives_the_same_scene_and_again_the_same_bytes(tmp_path_factory, scene):
     folder = tmp_path_factory.mktemp("scene")
@@ -256,34 +315,58 @@ def test_writing_and_reading_gives_the_same_scene_and_again_the_same_bytes(tmp_p
 
 
 def test_automatic_strategies_keep_their_meaning(tmp_path):
-    """In 1.0 ``auto``, the default, is all paths for persistent sources and the best path for temporary ones; in 1.1 the best path."""
-    bare = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, "rho": 1}]}
+    """In 1.0 ``auto``, the default, is all paths for persistent sources and the best path for
+    temporary ones; in 1.1 the best path."""
+    bare = {
+        "format": "haptic-scene",
+        "version": "1.0",
+        "objects": [{"name": "a", "kappa": 0, "rho": 1}],
+    }
     for form in (bare, {**bare, "settings": {}}, {**bare, "settings": {"strategy": "auto"}}):
         read = scene_from_dict(form, "scene.json").settings
         assert read == Settings(strategy=Strategy.AS_IN_THE_PAPER)
-        assert scene_to_dict(HapticScene(settings=read))["settings"]["strategy"] == "as_in_the_paper"
-    write_scene(HapticScene(settings=Settings(strategy=Strategy.AUTO, max_connections=7)), tmp_path / "scene.json")
+        assert (
+            scene_to_dict(HapticScene(settings=read))["settings"]["strategy"] == "as_in_the_paper"
+        )
+    write_scene(
+        HapticScene(settings=Settings(strategy=Strategy.AUTO, max_connections=7)),
+        tmp_path / "scene.json",
+    )
     read = read_scene(tmp_path / "scene.json").settings
     assert (read.strategy, read.max_connections) == (Strategy.AUTO, 7)
 
 
 def test_older_versions_are_migrated_step_by_step(tmp_path, monkeypatch):
-    """As the next versions will have it: a version says how to become a later one, and what none can read says which it can."""
+    """As the next versions will have it: a version says how to become a later one, and what none
+    can read says which it can."""
 
     def from_half(document):
-        return {**document, "version": "0.9", "objects": [{"kappa": 0.1, **form} for form in document["objects"]]}
+        return {
+            **document,
+            "version": "0.9",
+            "objects": [{"kappa": 0.1, **form} for form in document["objects"]],
+        }
 
     def from_nine(document):
-        objects = [{"name": form["name"], "kappa": form["kappa"], "rho": 1 - form["loss"]} for form in document["objects"]]
+        objects = [
+            {"name": form["name"], "kappa": form["kappa"], "rho": 1 - form["loss"]}
+            for form in document["objects"]
+        ]
         return {**document, "version": "1.0", "objects": objects}
 
     monkeypatch.setitem(MIGRATIONS, "0.5", from_half)
     monkeypatch.setitem(MIGRATIONS, "0.9", from_nine)
     path = tmp_path / "old.json"
-    path.write_text(json.dumps({"format": "haptic-scene", "version": "0.5", "objects": [{"name": "a", "loss": 0.25}]}))
+    path.write_text(
+        json.dumps(
+            {"format": "haptic-scene", "version": "0.5", "objects": [{"name": "a", "loss": 0.25}]}
+        )
+    )
     assert read_scene(path).objects == (HapticObject("a", 0.1, 0.75),)
     path.write_text(json.dumps({"format": "haptic-scene", "version": "0.1", "objects": []}))
-    with pytest.raises(FormatError, match=r'/version: this reads version "0.5" to "1.1", not "0.1"'):
+    with pytest.raises(
+        FormatError, match=r'/version: this reads version "0.5" to "1.1", not "0.1"'
+    ):
         read_scene(path)
 
 
@@ -296,13 +379,17 @@ def newer(document):
 
 
 @pytest.mark.slow
-@settings(max_examples=50, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=50, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 @given(scenes())
 def test_a_newer_version_is_read_as_far_as_it_is_known(scene):
     document = scene_to_dict(scene)
     read, unknown = current_document(newer(document), "a.json")
     assert scene_of(read, "a.json") == scene
-    assert set(unknown) == {"/weather", "/settings/quantum"} | ({"/objects/*/colour"} if scene.objects else set())
+    assert set(unknown) == {"/weather", "/settings/quantum"} | (
+        {"/objects/*/colour"} if scene.objects else set()
+    )
 
 
 @pytest.mark.parametrize("version", ["2.0", "1.x", "1", 1.2, None, "", "1.0.1", ["1.1"]])
@@ -313,26 +400,61 @@ def test_other_versions_are_refused(version):
 
 def test_a_newer_version_has_no_other_faults():
     with pytest.raises(FormatError, match="/objects/0/kappa: must be at most 1, got 2"):
-        current_document(newer({"format": "haptic-scene", "objects": [{"name": "a", "kappa": 2, "rho": 1}]}), "a.json")
+        current_document(
+            newer({"format": "haptic-scene", "objects": [{"name": "a", "kappa": 2, "rho": 1}]}),
+            "a.json",
+        )
     many = {f"key{k}": k for k in range(1000)}
     with pytest.raises(FormatError, match="unknown key"):
         current_document(newer({"format": "haptic-scene", "objects": [], **many}), "a.json")
 
 
 def test_a_1_0_file_means_what_it_meant():
-    old = {"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0.25, "rho": 0.5}], "settings": {"mode": "MD"}}
+    old = {
+        "format": "haptic-scene",
+        "version": "1.0",
+        "objects": [{"name": "a", "kappa": 0.25, "rho": 0.5}],
+        "settings": {"mode": "MD"},
+    }
     scene = scene_from_dict(old, "a.json")
     assert scene.objects == (HapticObject("a", 0.25, 0.5),) and scene.settings.mode == "MD"
     assert scene_to_dict(scene)["version"] == "1.1"
 
 
 ODD_SHAPES = [{"function": "linear"}, {"type": "box"}, {"pose": {}}]
-ODD = [*ODD_SHAPES, None, True, -1, 0, 0.5, 1.0, 2, 2.5, 1e300, 10**30, "", "x", "identity", "box", "HT", [], [0], [0, 0, 0], {}]
+ODD = [
+    *ODD_SHAPES,
+    None,
+    True,
+    -1,
+    0,
+    0.5,
+    1.0,
+    2,
+    2.5,
+    1e300,
+    10**30,
+    "",
+    "x",
+    "identity",
+    "box",
+    "HT",
+    [],
+    [0],
+    [0, 0, 0],
+    {},
+]
 
 
 def places(document, path=()):
     yield path
-    items = document.items() if isinstance(document, dict) else enumerate(document) if isinstance(document, list) else ()
+    items = (
+        document.items()
+        if isinstance(document, dict)
+        else enumerate(document)
+        if isinstance(document, list)
+        else ()
+    )
     for key, value in items:
         yield from places(value, (*path, key))
 
@@ -356,7 +478,9 @@ def mutate(document, data):
 
 
 @pytest.mark.slow
-@settings(max_examples=75, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=75, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 @given(scenes(), st.data())
 def test_our_validator_and_jsonschema_agree_on_mutated_scenes(scene, data):
     """Four times of each scene, as scenes take longest to generate."""
@@ -373,7 +497,11 @@ def test_our_validator_and_jsonschema_agree_on_mutated_scenes(scene, data):
 
 
 def test_keys_that_look_like_paths_are_found(tmp_path):
-    document = scene_to_dict(HapticScene(objects=(HapticObject("a", 0, 1, extras={"a.b[0]": {"a": 1}, "a": {"b[0]": [1e301]}}),)))
+    document = scene_to_dict(
+        HapticScene(
+            objects=(HapticObject("a", 0, 1, extras={"a.b[0]": {"a": 1}, "a": {"b[0]": [1e301]}}),)
+        )
+    )
     with pytest.raises(FormatError) as caught:
         scene_from_dict(document, "scene.json")
     assert caught.value.pointer == "/objects/0/extras/a/b[0]/0"

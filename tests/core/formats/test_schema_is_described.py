@@ -1,4 +1,5 @@
-"""The schema of haptic scenes says what each property means, its examples are scenes, and its page is that of today's schema."""
+"""The schema of haptic scenes says what each property means, its examples are scenes, and its page
+is that of today's schema."""
 
 import importlib.util
 import json
@@ -17,7 +18,8 @@ CONDITIONS = {"if", "then", "else", "allOf"}
 
 
 def properties(value, path=()):
-    """(path, definition) of every property that is defined; conditions only restrict what is defined elsewhere."""
+    """(path, definition) of every property that is defined; conditions only restrict what is
+    defined elsewhere."""
     if isinstance(value, dict):
         for key, member in value.items():
             if key == "properties":
@@ -31,13 +33,27 @@ def properties(value, path=()):
 def test_every_property_is_described():
     found = dict(properties(SCHEMA))
     assert len(found) > 180
-    undescribed = ["/".join(path) for path, definition in found.items() if len(definition.get("description", "")) < 6]
+    undescribed = [
+        "/".join(path)
+        for path, definition in found.items()
+        if len(definition.get("description", "")) < 6
+    ]
     assert undescribed == []
 
 
 def test_a_property_without_a_description_is_found():
-    schema = {"properties": {"a": {"type": "object", "description": "Something.", "properties": {"b": {"type": "number"}}}}}
-    assert [path for path, definition in properties(schema) if "description" not in definition] == [("a", "b")]
+    schema = {
+        "properties": {
+            "a": {
+                "type": "object",
+                "description": "Something.",
+                "properties": {"b": {"type": "number"}},
+            }
+        }
+    }
+    assert [path for path, definition in properties(schema) if "description" not in definition] == [
+        ("a", "b")
+    ]
 
 
 def test_the_examples_are_valid():
@@ -47,7 +63,9 @@ def test_the_examples_are_valid():
     names = [name for name, definition in SCHEMA["$defs"].items() if "examples" in definition]
     assert {"object", "contact", "source", "listener", "rules", "frame"} <= set(names)
     for name in names:
-        validator = jsonschema.Draft202012Validator({"$ref": f"#/$defs/{name}", "$defs": SCHEMA["$defs"]})
+        validator = jsonschema.Draft202012Validator(
+            {"$ref": f"#/$defs/{name}", "$defs": SCHEMA["$defs"]}
+        )
         for example in SCHEMA["$defs"][name]["examples"]:
             validator.validate(example)
 
@@ -55,27 +73,45 @@ def test_the_examples_are_valid():
 def test_a_choice_of_earlier_versions_has_no_effect():
     (document,) = SCHEMA["examples"]
     for value in (False, True):
-        assert scene_from_dict({**document, "rules": {"patch_points": value}}, "old") == scene_from_dict(document, "example")
+        assert scene_from_dict(
+            {**document, "rules": {"patch_points": value}}, "old"
+        ) == scene_from_dict(document, "example")
 
 
 def test_choices_are_those_of_the_core():
     rules, item = SCHEMA["$defs"]["rules"]["properties"], SCHEMA["$defs"]["object"]["properties"]
     assert set(rules) == {*ContactSettings.__dataclass_fields__, "patch_points"}
-    assert rules["energy"]["enum"] == list(ImpactEnergy) and set(rules["templates"]["enum"]) == set(ImpactTemplates)
-    assert item["motion"]["enum"] == list(Motion) and SCHEMA["$defs"]["impact_material"]["enum"] == ["", *IMPACT_MATERIALS]
-    assert {key: value["const"] for key, value in SCHEMA["properties"]["convention"]["properties"].items()} == CONVENTION
+    assert rules["energy"]["enum"] == list(ImpactEnergy) and set(rules["templates"]["enum"]) == set(
+        ImpactTemplates
+    )
+    assert item["motion"]["enum"] == list(Motion) and SCHEMA["$defs"]["impact_material"][
+        "enum"
+    ] == ["", *IMPACT_MATERIALS]
+    assert {
+        key: value["const"]
+        for key, value in SCHEMA["properties"]["convention"]["properties"].items()
+    } == CONVENTION
 
 
 @pytest.mark.parametrize("path", sorted(SCHEMAS.glob("*.json")), ids=lambda path: path.name)
 def test_every_schema_has_an_address(path):
-    assert json.loads(path.read_text("utf-8"))["$id"] == f"https://haptic-tracing.org/schemas/{path.name}"
+    assert (
+        json.loads(path.read_text("utf-8"))["$id"]
+        == f"https://haptic-tracing.org/schemas/{path.name}"
+    )
 
 
 def test_the_published_schema_its_page_and_the_table_of_formats_are_those_of_the_core():
-    spec = importlib.util.spec_from_file_location("write_schema_page", ROOT / "docs" / "write_schema_page.py")
+    spec = importlib.util.spec_from_file_location(
+        "write_schema_page", ROOT / "docs" / "write_schema_page.py"
+    )
     writer = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(writer)
-    assert (ROOT / "docs" / "schema.md").read_text("utf-8") == writer.page(), "run python docs/write_schema_page.py"
+    assert (ROOT / "docs" / "schema.md").read_text("utf-8") == writer.page(), (
+        "run python docs/write_schema_page.py"
+    )
     formats = (ROOT / "docs" / "formats.md").read_text("utf-8")
     assert formats == writer.formats(formats), "run python docs/write_schema_page.py"
-    assert (ROOT / "docs" / writer.NAME).read_text("utf-8") == writer.document(), "run python docs/write_schema_page.py"
+    assert (ROOT / "docs" / writer.NAME).read_text("utf-8") == writer.document(), (
+        "run python docs/write_schema_page.py"
+    )

@@ -14,7 +14,9 @@ from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tr
 from haptic_tracing.core.formats.tracks.web import decoded, encoded
 from haptic_tracing.core.scene.values import HapticScene
 
-spec = importlib.util.spec_from_file_location("headless_chromium", Path(__file__).with_name("headless_chromium.py"))
+spec = importlib.util.spec_from_file_location(
+    "headless_chromium", Path(__file__).with_name("headless_chromium.py")
+)
 headless_chromium = importlib.util.module_from_spec(spec)
 sys.modules["headless_chromium"] = headless_chromium
 spec.loader.exec_module(headless_chromium)
@@ -71,11 +73,16 @@ const brightest = () => {
 
 @pytest.fixture(scope="module")
 def tone():
-    """12 s: silence, from 0.3 to 8 s a tone of 40 Hz on the left hand, from 9 s on one of 300 Hz on the right hand."""
+    """12 s: silence, from 0.3 to 8 s a tone of 40 Hz on the left hand, from 9 s on one of 300 Hz on
+    the right hand."""
     time = np.arange(12 * RATE) / RATE
     low = 0.8 * np.sin(2 * np.pi * 40 * time) * ((time > 0.3) & (time < 8))
     high = 0.8 * np.sin(2 * np.pi * 300 * time) * (time > 9)
-    return Tracks((ListenerTrack("left hand", "hand.L"), ListenerTrack(HOSTILE, "hand.R")), RATE, np.array([low, high]))
+    return Tracks(
+        (ListenerTrack("left hand", "hand.L"), ListenerTrack(HOSTILE, "hand.R")),
+        RATE,
+        np.array([low, high]),
+    )
 
 
 @pytest.mark.slow
@@ -84,21 +91,38 @@ def test_the_page_plays_in_chromium(tmp_path, tone):
     written = registry.write("web", Export("a <b> & ride", HapticScene(), tone), tmp_path)
     page = written.files[0].read_text("utf-8")
     driven = tmp_path / "driven.html"
-    driven.write_text(page.replace("</head>", PAD + "</head>").replace("</body>", DRIVER + "</body>"), "utf-8")
+    driven.write_text(
+        page.replace("</head>", PAD + "</head>").replace("</body>", DRIVER + "</body>"), "utf-8"
+    )
     with headless_chromium.Page(driven, tmp_path / "profile") as opened:
         found = json.loads(
-            opened.run("new Promise((done) => setInterval(() => document.body.dataset.found && done(document.body.dataset.found), 50))")
+            opened.run(
+                "new Promise((done) => setInterval(() => document.body.dataset.found && "
+                "done(document.body.dataset.found), 50))"
+            )
         )
     assert found["before"] == [0, "Play", 0]
-    assert found["playing"][1] == "Pause" and 0.6 <= found["playing"][0] <= 7 and found["lit"] > found["dark"] + 60
+    assert (
+        found["playing"][1] == "Pause"
+        and 0.6 <= found["playing"][0] <= 7
+        and found["lit"] > found["dark"] + 60
+    )
     kind, effect, _ = found["low"]
-    assert kind == "dual-rumble" and 0 < effect["duration"] <= 200  # it ends by itself where a page hangs
+    assert (
+        kind == "dual-rumble" and 0 < effect["duration"] <= 200
+    )  # it ends by itself where a page hangs
     assert 1 >= effect["strongMagnitude"] > max(0.5, 2 * effect["weakMagnitude"])
     assert found["paused"][1] == "Play" and found["stopped"] == "reset" and found["silent"]
     assert found["sought"] == 9.5
-    assert 1 >= found["high"][1]["weakMagnitude"] > max(0.5, 2 * found["high"][1]["strongMagnitude"])
+    assert (
+        1 >= found["high"][1]["weakMagnitude"] > max(0.5, 2 * found["high"][1]["strongMagnitude"])
+    )
     assert found["end"] == [12, "Play"]
-    assert found["names"] == ["left hand", HOSTILE] and found["options"] == ["All", "left hand", HOSTILE]
+    assert found["names"] == ["left hand", HOSTILE] and found["options"] == [
+        "All",
+        "left hand",
+        HOSTILE,
+    ]
     assert found["title"] == found["heading"] == "a <b> & ride" and found["images"] == 0
     assert found["pad"] == "Pad: made-up pad"
 
@@ -110,7 +134,11 @@ def test_the_page_loads_nothing(tmp_path, tone):
     document, _, script = rest.partition("</script>")
     assert json.loads(document)["listeners"][1]["name"] == HOSTILE and "<" not in document
     loads = r"""(https?:)?//[\w.]|src=["']|href=|@import|url\(|fetch\(|XMLHttp|WebSocket"""
-    assert not re.search(loads, around + script) and "default-src 'none'" in around and page.count("<script") == 2
+    assert (
+        not re.search(loads, around + script)
+        and "default-src 'none'" in around
+        and page.count("<script") == 2
+    )
     assert path.name == "ride.html" and [p.name for p in tmp_path.iterdir()] == ["ride.html"]
 
 
@@ -124,8 +152,13 @@ def test_two_and_a_half_minutes_of_ten_listeners_stay_below_5_mb(tmp_path):
 
 
 def test_bytes_keep_a_sample_to_3_percent():
-    samples = np.concatenate([np.geomspace(1e-3, 1, 400), -np.geomspace(1e-3, 1, 400), [0.0, 2.0, -2.0]])
+    samples = np.concatenate(
+        [np.geomspace(1e-3, 1, 400), -np.geomspace(1e-3, 1, 400), [0.0, 2.0, -2.0]]
+    )
     again = decoded(encoded(samples))
     expected = np.clip(samples, -1, 1)
-    assert np.abs(again - expected).max() <= 0.023 and (np.abs(again - expected) <= 0.03 * np.abs(expected) + 9e-5).all()
+    assert (
+        np.abs(again - expected).max() <= 0.023
+        and (np.abs(again - expected) <= 0.03 * np.abs(expected) + 9e-5).all()
+    )
     assert decoded(encoded(np.zeros(3))).tolist() == [0, 0, 0]

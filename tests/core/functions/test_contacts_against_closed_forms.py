@@ -1,4 +1,5 @@
-"""Functions of contacts: impedance, a soft layer, the pressing force; alone, by a table of a scene, and in a file."""
+"""Functions of contacts: impedance, a soft layer, the pressing force; alone, by a table of a scene,
+and in a file."""
 
 from __future__ import annotations
 
@@ -14,10 +15,26 @@ from haptic_tracing.core.formats.scene.scene_json import scene_of, scene_to_dict
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene.functions import Constant, Expression, Impedance, NormalForce, Physical, Resilient, Wave
+from haptic_tracing.core.scene.functions import (
+    Constant,
+    Expression,
+    Impedance,
+    NormalForce,
+    Physical,
+    Resilient,
+    Wave,
+)
 from haptic_tracing.core.scene.rule_table import Rule, RuleTable, Side
 from haptic_tracing.core.scene.rules import ContactSettings, Motion
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Pose,
+    Settings,
+    Source,
+)
 from haptic_tracing.core.tracer import Tracer
 
 LOSSLESS = {"wave": Wave.ROD, "loss_factor": 0.0}
@@ -39,9 +56,16 @@ def test_impedances_pass_the_root_of_the_power_of_a_plane_wave():
     """1 - r^2 of the power, r = (Z1 - Z2) / (Z1 + Z2) (any textbook of acoustics)."""
     one, other = 5100.0 * 7850.0, 60.0 * 1100.0
     reflected = (one - other) / (one + other)
-    assert propagate(graph_of_scene(pair(Impedance())), Settings(threshold=0)).gain[0, 0] == pytest.approx(math.sqrt(1 - reflected**2))
+    assert propagate(graph_of_scene(pair(Impedance())), Settings(threshold=0)).gain[
+        0, 0
+    ] == pytest.approx(math.sqrt(1 - reflected**2))
     assert propagate(graph_of_scene(pair(Impedance(), STEEL, STEEL)), Settings()).gain[0, 0] == 1.0
-    assert propagate(graph_of_scene(pair(Impedance(), STEEL, Constant(gain_value=1.0))), Settings()).gain[0, 0] == 1.0
+    assert (
+        propagate(
+            graph_of_scene(pair(Impedance(), STEEL, Constant(gain_value=1.0))), Settings()
+        ).gain[0, 0]
+        == 1.0
+    )
 
 
 def test_a_soft_layer_is_a_mass_on_a_spring():
@@ -64,7 +88,9 @@ def test_far_above_the_resonance_it_falls_by_so_many_decibels_per_octave(fall_of
 def test_the_gain_of_a_layer_is_that_of_its_highest_band():
     layer = Resilient(stiffness=1e4, load=20.0)
     found = propagate(graph_of_scene(pair(layer, STEEL, STEEL)), Settings(threshold=0))
-    bands = [layer.transmissibility(math.sqrt(low * 2 * low)) for low in (20, 40, 80, 160, 320)] + [layer.transmissibility(800.0)]
+    bands = [layer.transmissibility(math.sqrt(low * 2 * low)) for low in (20, 40, 80, 160, 320)] + [
+        layer.transmissibility(800.0)
+    ]
     assert found.band_gain[0, 0, :5] == pytest.approx(bands[:5], rel=1e-9)
     assert found.gain[0, 0] == pytest.approx(max(bands), rel=1e-9)
 
@@ -72,12 +98,43 @@ def test_the_gain_of_a_layer_is_that_of_its_highest_band():
 def standing(transmission, mass=5.0, motion=Motion.DYNAMIC) -> HapticScene:
     """A box of ``mass`` on a floor."""
     objects = (
-        HapticObject("box", 0, 1, STEEL, Box((0.2, 0.2, 0.2)), Pose((0, 0, 0.1)), mass, motion=motion, material="Steel"),
-        HapticObject("floor", 0, 1, RUBBER, Box((4, 4, 0.2)), Pose((0, 0, -0.1)), motion=Motion.STATIC, material="Rubber"),
+        HapticObject(
+            "box",
+            0,
+            1,
+            STEEL,
+            Box((0.2, 0.2, 0.2)),
+            Pose((0, 0, 0.1)),
+            mass,
+            motion=motion,
+            material="Steel",
+        ),
+        HapticObject(
+            "floor",
+            0,
+            1,
+            RUBBER,
+            Box((4, 4, 0.2)),
+            Pose((0, 0, -0.1)),
+            motion=Motion.STATIC,
+            material="Rubber",
+        ),
     )
-    scene = HapticScene(objects, (), (Source("s", "floor", (1.0, 0, 0)),), (Listener("l", "box", (0, 0, 0.2)),), Settings(threshold=0))
-    rules = ContactSettings(transmission_table=RuleTable((Rule((Side(material="Rub*"), Side(object="box")), transmission),)))
-    return HapticScene(scene.objects, (), scene.sources, scene.listeners, scene.settings, rules=rules)
+    scene = HapticScene(
+        objects,
+        (),
+        (Source("s", "floor", (1.0, 0, 0)),),
+        (Listener("l", "box", (0, 0, 0.2)),),
+        Settings(threshold=0),
+    )
+    rules = ContactSettings(
+        transmission_table=RuleTable(
+            (Rule((Side(material="Rub*"), Side(object="box")), transmission),)
+        )
+    )
+    return HapticScene(
+        scene.objects, (), scene.sources, scene.listeners, scene.settings, rules=rules
+    )
 
 
 def traced(scene: HapticScene) -> float:
@@ -85,12 +142,18 @@ def traced(scene: HapticScene) -> float:
     return float(Tracer(scene.rules).step(frame).propagation.gain[0, 0])
 
 
-@pytest.mark.parametrize(("exponent", "mass"), [(1 / 3, 5.0), (1.0, 5.0), (1.0, 0.5), (1 / 3, 1000.0)])
+@pytest.mark.parametrize(
+    ("exponent", "mass"), [(1 / 3, 5.0), (1.0, 5.0), (1.0, 0.5), (1 / 3, 1000.0)]
+)
 def test_the_heavier_presses_more(exponent, mass):
     expected = min(1.0, mass * 9.81 / 100.0) ** exponent
-    assert traced(standing(NormalForce(reference=100.0, exponent=exponent), mass)) == pytest.approx(expected, rel=1e-4)
+    assert traced(standing(NormalForce(reference=100.0, exponent=exponent), mass)) == pytest.approx(
+        expected, rel=1e-4
+    )
     formula = f"min(1, force / 100) ** {exponent!r}"
-    assert traced(standing(Expression(expression=formula), mass)) == pytest.approx(expected, rel=1e-4)
+    assert traced(standing(Expression(expression=formula), mass)) == pytest.approx(
+        expected, rel=1e-4
+    )
 
 
 def test_an_unknown_force_passes_everything():
@@ -103,7 +166,10 @@ def test_rules_hold_for_contacts_that_are_found_and_survive_a_file():
     assert [found.transmissions[k] for k in found.transmission] == [Constant(gain_value=0.25)]
     document = scene_to_dict(scene)
     assert document["rules"]["transmission_table"] == [
-        {"between": [{"material": "Rub*"}, {"object": "box"}], "transmission": {"function": "constant", "gain": 0.25}}
+        {
+            "between": [{"material": "Rub*"}, {"object": "box"}],
+            "transmission": {"function": "constant", "gain": 0.25},
+        }
     ]
     assert scene_of(document, "scene.json").rules == scene.rules
     assert traced(scene) == pytest.approx(0.25)
@@ -130,6 +196,8 @@ def test_forces_are_only_computed_where_a_function_asks():
 
 def test_a_force_that_is_not_known_is_said():
     frame = frame_of(standing(NormalForce(), mass=None), 1, 0.0, True)
-    assert [m.cause for m in Tracer(standing(NormalForce(), mass=None).rules).step(frame).warnings] == [Cause.FORCE_UNKNOWN]
+    assert [
+        m.cause for m in Tracer(standing(NormalForce(), mass=None).rules).step(frame).warnings
+    ] == [Cause.FORCE_UNKNOWN]
     known = frame_of(standing(NormalForce()), 1, 0.0, True)
     assert Tracer(standing(NormalForce()).rules).step(known).warnings == ()

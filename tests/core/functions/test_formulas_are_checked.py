@@ -14,7 +14,14 @@ def _check(source, **contact):
 
 
 @pytest.mark.parametrize(
-    "source", ["x * exp(-0.2 * d)", "exp(-d)", "x * min(1, 1 / (1 + d))", "where(d < 2, x, 0.5 * x)", "(1 - kappa) * rho"]
+    "source",
+    [
+        "x * exp(-0.2 * d)",
+        "exp(-d)",
+        "x * min(1, 1 / (1 + d))",
+        "where(d < 2, x, 0.5 * x)",
+        "(1 - kappa) * rho",
+    ],
 )
 def test_good_formulas_have_nothing_wrong(source):
     assert _check(source) is None
@@ -33,7 +40,9 @@ def test_the_column_is_that_of_the_word_that_is_wrong(source, word):
     assert finding.column == source.index(word), finding
 
 
-@pytest.mark.parametrize(("source", "column"), [("x * exp(", 7), ("x * ", 3), (" x +", 4), ("", 0), ("x * * d", 4)])
+@pytest.mark.parametrize(
+    ("source", "column"), [("x * exp(", 7), ("x * ", 3), (" x +", 4), ("", 0), ("x * * d", 4)]
+)
 def test_what_is_not_finished_is_marked_near_its_end(source, column):
     assert abs(_check(source).column - column) <= 1
 
@@ -59,7 +68,15 @@ def test_contact_values_are_zero_inside_an_object():
 
 
 @pytest.mark.parametrize(
-    "source", ["9**9**9**9", "(" * 400 + "1" + ")" * 400, "-" * 450 + "1", "1" + "0" * 450, "x" * (MAX_LENGTH + 1), "e**e**e**e**e**d"]
+    "source",
+    [
+        "9**9**9**9",
+        "(" * 400 + "1" + ")" * 400,
+        "-" * 450 + "1",
+        "1" + "0" * 450,
+        "x" * (MAX_LENGTH + 1),
+        "e**e**e**e**e**d",
+    ],
 )
 def test_huge_formulas_are_answered_at_once(source):
     assert _check(source) is not None or _check(source) is None

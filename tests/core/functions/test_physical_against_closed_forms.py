@@ -1,4 +1,5 @@
-"""Spreading and damping of vibration in bodies: lossy waves by their complex wave numbers, monotony, bounds, bands."""
+"""Spreading and damping of vibration in bodies: lossy waves by their complex wave numbers,
+monotony, bounds, bands."""
 
 import cmath
 import math
@@ -28,7 +29,8 @@ def gain(function, distance, kappa=K0[0], rho=K0[1]):
 @pytest.mark.parametrize("wave", [Wave.ROD, Wave.SURFACE, Wave.SOLID])
 @pytest.mark.parametrize("frequency", [30.0, 100.0, 300.0])
 def test_damping_is_that_of_a_lossy_wave(wave, frequency):
-    """A modulus E (1 + i eta) gives the wave number k = (omega / c) / sqrt(1 + i eta); the amplitude falls by its imaginary part."""
+    """A modulus E (1 + i eta) gives the wave number k = (omega / c) / sqrt(1 + i eta); the
+    amplitude falls by its imaginary part."""
     eta, speed = 0.02, 900.0
     k = 2 * math.pi * frequency / speed / cmath.sqrt(1 + 1j * eta)
     function = Physical(wave=wave, loss_factor=eta, phase_speed=speed, material_k=MATERIAL_K)
@@ -37,20 +39,35 @@ def test_damping_is_that_of_a_lossy_wave(wave, frequency):
 
 @pytest.mark.parametrize("frequency", [30.0, 100.0, 300.0])
 def test_damping_of_bending_waves(frequency):
-    """k^4 = omega^2 m'' / (B (1 + i eta)), B = E h^3 / (12 (1 - nu^2)), so that the amplitude falls by eta / 4 of k."""
+    """k^4 = omega^2 m'' / (B (1 + i eta)), B = E h^3 / (12 (1 - nu^2)), so that the amplitude falls
+    by eta / 4 of k."""
     eta, speed, thickness, nu = 0.02, 3400.0, 0.2, 0.3
     density = 2300.0
     stiffness = density * speed**2 * thickness**3 / 12  # with the plate's own longitudinal speed
-    k = (complex((2 * math.pi * frequency) ** 2 * density * thickness) / (stiffness * (1 + 1j * eta))) ** 0.25
-    function = Physical(wave=Wave.PLATE, loss_factor=eta, phase_speed=speed, thickness=thickness, material_k=MATERIAL_K)
+    k = (
+        complex((2 * math.pi * frequency) ** 2 * density * thickness) / (stiffness * (1 + 1j * eta))
+    ) ** 0.25
+    function = Physical(
+        wave=Wave.PLATE,
+        loss_factor=eta,
+        phase_speed=speed,
+        thickness=thickness,
+        material_k=MATERIAL_K,
+    )
     assert nu == 0.3
-    assert float(function.damping(frequency, *K0)) == pytest.approx(-k.imag, rel=0.01)  # 1.8 is 2 pi / sqrt(12) rounded
+    # 1.8 is 2 pi / sqrt(12) rounded.
+    assert float(function.damping(frequency, *K0)) == pytest.approx(-k.imag, rel=0.01)
 
 
-@pytest.mark.parametrize(("wave", "per_doubling"), [(Wave.ROD, 0.0), (Wave.PLATE, 3.01), (Wave.SURFACE, 3.01), (Wave.SOLID, 6.02)])
+@pytest.mark.parametrize(
+    ("wave", "per_doubling"),
+    [(Wave.ROD, 0.0), (Wave.PLATE, 3.01), (Wave.SURFACE, 3.01), (Wave.SOLID, 6.02)],
+)
 def test_spreading_in_decibels_per_doubling_of_distance(wave, per_doubling):
     function = Physical(wave=wave, loss_factor=0.0, material_k=MATERIAL_K, reference_distance=0.001)
-    assert 20 * math.log10(gain(function, 10.0) / gain(function, 20.0)) == pytest.approx(per_doubling, abs=0.01)
+    assert 20 * math.log10(gain(function, 10.0) / gain(function, 20.0)) == pytest.approx(
+        per_doubling, abs=0.01
+    )
 
 
 SIZES = st.floats(1e-4, 50)
@@ -59,9 +76,17 @@ SIZES = st.floats(1e-4, 50)
 @settings(max_examples=300, deadline=None)
 @given(SIZES, SIZES, st.floats(0.01, 3), st.lists(st.floats(0, 100), min_size=3, max_size=3))
 def test_a_wave_spreads_until_it_fills_the_body(one, other, radius, distances):
-    """By the formula of the documentation; its cost is 0 at 0, non-decreasing and concave, hence a metric."""
+    """By the formula of the documentation; its cost is 0 at 0, non-decreasing and concave, hence a
+    metric."""
     c, b = sorted((one, other))
-    function = Physical(wave=Wave.BOUNDED, loss_factor=0.0, material_k=MATERIAL_K, thickness=c, extent=b, reference_distance=radius)
+    function = Physical(
+        wave=Wave.BOUNDED,
+        loss_factor=0.0,
+        material_k=MATERIAL_K,
+        thickness=c,
+        extent=b,
+        reference_distance=radius,
+    )
     through, width = max(c - radius, 0.0), max(radius, c)
     over = max(b - width, 0.0)
 
@@ -70,7 +95,9 @@ def test_a_wave_spreads_until_it_fills_the_body(one, other, radius, distances):
 
     for d in distances:
         volume = min(d, through)
-        expected = (1 + volume / radius) ** -1 * (1 + (min(d, through + over) - volume) / width) ** -0.5
+        expected = (1 + volume / radius) ** -1 * (
+            1 + (min(d, through + over) - volume) / width
+        ) ** -0.5
         assert gain(function, d) == pytest.approx(expected, rel=1e-12)
     near, middle, far = sorted(distances)
     assert cost(0.0) == 0.0
@@ -81,11 +108,22 @@ def test_a_wave_spreads_until_it_fills_the_body(one, other, radius, distances):
 
 
 @settings(max_examples=300, deadline=None)
-@given(st.sampled_from(sorted(set(DAMPING) - {"flesh"})), st.tuples(SIZES, SIZES, SIZES), st.integers(0, 2), st.floats(0.1, 30))
+@given(
+    st.sampled_from(sorted(set(DAMPING) - {"flesh"})),
+    st.tuples(SIZES, SIZES, SIZES),
+    st.integers(0, 2),
+    st.floats(0.1, 30),
+)
 def test_a_hundredth_of_a_size_moves_no_level_by_a_tenth_of_a_decibel(name, size, which, distance):
-    """But for what lies 20 dB and more down by damping alone, which is proportional to the root of a thickness."""
-    changed = tuple(length * 1.01 if number == which else length for number, length in enumerate(size))
-    levels = [20 * math.log10(max(gain(physical(name, one), distance, *OWN[name]), 1e-300)) for one in (size, changed)]
+    """But for what lies 20 dB and more down by damping alone, which is proportional to the root of
+    a thickness."""
+    changed = tuple(
+        length * 1.01 if number == which else length for number, length in enumerate(size)
+    )
+    levels = [
+        20 * math.log10(max(gain(physical(name, one), distance, *OWN[name]), 1e-300))
+        for one in (size, changed)
+    ]
     damped = 8.686 * physical(name, size).material_damping(BAND_CENTRES[0]) * distance
     assert abs(levels[0] - levels[1]) < max(0.1, 0.0051 * damped)
 
@@ -109,8 +147,18 @@ PARAMETERS = st.builds(
 
 
 @settings(max_examples=300, deadline=None)
-@given(PARAMETERS, st.floats(0, 1), st.floats(0, 1), st.floats(0, 1), st.floats(0, 1), st.floats(0, 1e4), st.floats(0, 1e4))
-def test_never_above_one_and_monotonic(function, kappa, other_kappa, rho, other_rho, distance, other_distance):
+@given(
+    PARAMETERS,
+    st.floats(0, 1),
+    st.floats(0, 1),
+    st.floats(0, 1),
+    st.floats(0, 1),
+    st.floats(0, 1e4),
+    st.floats(0, 1e4),
+)
+def test_never_above_one_and_monotonic(
+    function, kappa, other_kappa, rho, other_rho, distance, other_distance
+):
     (kappa, worse), (weaker, rho) = sorted((kappa, other_kappa)), sorted((rho, other_rho))
     near, far = sorted((distance, other_distance))
     value = gain(function, near, kappa, rho)
@@ -138,7 +186,13 @@ def test_the_materials_own_coefficients_change_nothing():
 
 def test_bands_of_a_body_follow_the_formula():
     """One object, source and listener 4 m apart."""
-    function = Physical(wave=Wave.SURFACE, loss_factor=0.06, phase_speed=200.0, material_k=MATERIAL_K, reference_distance=1.0)
+    function = Physical(
+        wave=Wave.SURFACE,
+        loss_factor=0.06,
+        phase_speed=200.0,
+        material_k=MATERIAL_K,
+        reference_distance=1.0,
+    )
     scene = HapticScene(
         objects=(HapticObject("ground", *K0, propagation=function),),
         sources=(Source("drill", "ground", (0, 0, 0)),),
@@ -146,7 +200,9 @@ def test_bands_of_a_body_follow_the_formula():
         settings=Settings(threshold=0.0),
     )
     result = propagate(graph_of_scene(scene), scene.settings)
-    assert result.gain[0, 0] == pytest.approx(5**-0.5 * math.exp(-math.pi * BAND_CENTRES[0] * 0.06 / 200 * 4), rel=1e-12)
+    assert result.gain[0, 0] == pytest.approx(
+        5**-0.5 * math.exp(-math.pi * BAND_CENTRES[0] * 0.06 / 200 * 4), rel=1e-12
+    )
     for band, centre in enumerate(BAND_CENTRES):
         wanted = 5**-0.5 * math.exp(-math.pi * centre * 0.06 / 200 * 4)
         assert result.band_gain[0, 0, band] == pytest.approx(wanted, rel=1e-12)
@@ -154,7 +210,14 @@ def test_bands_of_a_body_follow_the_formula():
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("wave", "ether"), ("loss_factor", -1.0), ("phase_speed", 0.0), ("thickness", math.nan), ("material_k", 1.0), ("extent", -1.0)],
+    [
+        ("wave", "ether"),
+        ("loss_factor", -1.0),
+        ("phase_speed", 0.0),
+        ("thickness", math.nan),
+        ("material_k", 1.0),
+        ("extent", -1.0),
+    ],
 )
 def test_bad_parameters_are_named(key, value):
     with pytest.raises(ValueError, match=key):
@@ -182,19 +245,31 @@ def test_a_part_of_a_body_moves_as_a_whole_up_to_its_published_resonance(part, p
 
 
 def test_a_body_in_one_mesh_loses_from_sole_to_crown_what_its_parts_lose():
-    """Heights of ankle, knee, hip and crown by Drillis and Contini (1966), in parts of the body's, as printed by Winter."""
+    """Heights of ankle, knee, hip and crown by Drillis and Contini (1966), in parts of the body's,
+    as printed by Winter."""
     joints = (0.0, 0.039, 0.285, 0.53, 1.0)
-    parts = [physical("flesh", (0.1, 0.1, 0.3), part=part) for part in ("foot", "lower_leg", "upper_leg", "hips")]
+    parts = [
+        physical("flesh", (0.1, 0.1, 0.3), part=part)
+        for part in ("foot", "lower_leg", "upper_leg", "hips")
+    ]
     whole = physical("flesh", (0.5, 0.3, 1.75))
     for frequency in (80.0, 150.0, 250.0, 500.0):
-        along = sum(part.material_damping(frequency) * (high - low) for part, low, high in zip(parts, joints, joints[1:], strict=False))
+        along = sum(
+            part.material_damping(frequency) * (high - low)
+            for part, low, high in zip(parts, joints, joints[1:], strict=False)
+        )
         assert whole.material_damping(frequency) == pytest.approx(along, rel=0.02)
 
 
 def test_thin_flesh_is_skin():
-    """What Shah and others (2019) measured: there at 4 cm, far weaker beyond 8 cm, as the high frequencies lose more."""
+    """What Shah and others (2019) measured: there at 4 cm, far weaker beyond 8 cm, as the high
+    frequencies lose more."""
     skin = physical("flesh", (0.3, 0.1, 0.003))
-    level = [20 * math.log10(float(skin.spreading(np.array(d)))) - 8.686 * skin.material_damping(160.0) * d for d in (0.04, 0.08, 0.12)]
+    level = [
+        20 * math.log10(float(skin.spreading(np.array(d))))
+        - 8.686 * skin.material_damping(160.0) * d
+        for d in (0.04, 0.08, 0.12)
+    ]
     assert level[0] > -20 > -25 > level[1] > level[2] + 8
     assert skin.material_damping(240.0) > 1.4 * skin.material_damping(160.0)
 

@@ -1,4 +1,5 @@
-"""Materials: enough of them, within their ranges, different from each other; guesses from names, shapes and masses."""
+"""Materials: enough of them, within their ranges, different from each other; guesses from names,
+shapes and masses."""
 
 import math
 
@@ -39,18 +40,23 @@ def test_values_make_a_function(material):
     assert 0.02 < material.k < 0.95
     assert material.conductivity > 0
     assert len(material.band_decays) == BAND_COUNT
-    function = HapticTracing(spectrum=Spectrum(band_decays=material.band_decays, wave_speed=material.wave_speed))
+    function = HapticTracing(
+        spectrum=Spectrum(band_decays=material.band_decays, wave_speed=material.wave_speed)
+    )
     assert 0 < function.gain(1.0, material.kappa, material.rho, 0.1) < 1
     assert material.words[0] == material.name
 
 
 def test_no_word_means_two_materials():
-    words = [word for material in MATERIALS.values() for word in (*material.words, *material.things)]
+    words = [
+        word for material in MATERIALS.values() for word in (*material.words, *material.things)
+    ]
     assert len(words) == len(set(words))
 
 
 def test_absorption_is_that_of_a_lossy_plane_wave():
-    """exp(i k x) with k = (omega / c) (1 + i eta / 2): the amplitude falls by the imaginary part."""
+    """exp(i k x) with k = (omega / c) (1 + i eta / 2): the amplitude falls by the imaginary
+    part."""
     eta, speed = 0.06, 200.0
     k = 2 * math.pi * 100.0 / (speed * (1 - 1j * eta) ** 0.5)
     assert absorption(eta, speed) == pytest.approx(abs(k.imag) * (1 + eta**2) ** 0.5, rel=5e-3)
@@ -58,7 +64,9 @@ def test_absorption_is_that_of_a_lossy_plane_wave():
 
 def test_bands_fall_with_frequency():
     decays = MATERIALS["rubber"].band_decays
-    assert [d / f for d, f in zip(decays, BAND_CENTRES, strict=True)] == pytest.approx([decays[0] / BAND_CENTRES[0]] * BAND_COUNT)
+    assert [d / f for d, f in zip(decays, BAND_CENTRES, strict=True)] == pytest.approx(
+        [decays[0] / BAND_CENTRES[0]] * BAND_COUNT
+    )
 
 
 @pytest.mark.parametrize(
@@ -88,7 +96,11 @@ def test_shape_and_mass_tell_where_no_name_does():
 
 @settings(derandomize=True, deadline=None)
 @example([], (16.0, 3e4, 2e5), 2e-313)
-@given(st.lists(st.text(max_size=30), max_size=3), st.tuples(*[st.floats(0, 1e6)] * 3), st.none() | st.floats(0, 1e9))
+@given(
+    st.lists(st.text(max_size=30), max_size=3),
+    st.tuples(*[st.floats(0, 1e6)] * 3),
+    st.none() | st.floats(0, 1e9),
+)
 def test_anything_may_be_guessed_at(names, size, mass):
     found = guess(names, size, mass)
     assert found is None or found.name in MATERIALS

@@ -1,4 +1,5 @@
-"""Warmth against the differential equation of the plates, solved by finite differences, and against closed forms."""
+"""Warmth against the differential equation of the plates, solved by finite differences, and against
+closed forms."""
 
 import math
 from dataclasses import replace
@@ -35,12 +36,14 @@ def test_conduction_solves_the_fin_equation(k, t, h):
 
 
 def _plates(k, t, h, first, second, step):
-    """Temperatures of two plates that meet at a joint, the first kept at 1 at its start: finite differences."""
+    """Temperatures of two plates that meet at a joint, the first kept at 1 at its start: finite
+    differences."""
     n1, n2 = round(first / step), round(second / step)
     n = n1 + n2
     main = np.full(n, -2 * k * t / step**2 - 2 * h)
     side = np.full(n - 1, k * t / step**2)
-    joint = 1 / (1 / JOINT + step / k) * t / step  # half a cell of plate on either side of the joint
+    # Half a cell of plate on either side of the joint.
+    joint = 1 / (1 / JOINT + step / k) * t / step
     side[n1 - 1] = joint
     main[n1 - 1] += k * t / step**2 - joint
     main[n1] += k * t / step**2 - joint
@@ -65,7 +68,9 @@ def _bench(values, temperature=60.0):
     contacts = ContactSet.from_contacts((contact,), {"bench": 0, "hearth": 1})
     emitters = (Emitter("fire", "hearth", (0, 0, 0), temperature),)
     fire = ModalityScene(THERMAL, values, {}, emitters)
-    return fire.felt(("bench", "hearth"), contacts, [Listener("seat", "bench", (1.2, 0, 0))], Settings())
+    return fire.felt(
+        ("bench", "hearth"), contacts, [Listener("seat", "bench", (1.2, 0, 0))], Settings()
+    )
 
 
 def test_a_fire_is_felt_through_a_stone_bench():
@@ -87,18 +92,25 @@ def test_cold_sources_and_many_sources_add_up():
 
 def test_an_author_may_choose_another_function_of_the_modality():
     contacts = ContactSet.empty()
-    emitters, listeners = (Emitter("fire", "a", (0, 0, 0), 10.0),), [Listener("skin", "a", (2, 0, 0))]
+    emitters, listeners = (
+        (Emitter("fire", "a", (0, 0, 0), 10.0),),
+        [Listener("skin", "a", (2, 0, 0))],
+    )
     fire = ModalityScene(THERMAL, {}, {"a": {"function": "linear", "range": 4.0}}, emitters)
     felt = fire.felt(("a",), contacts, listeners, Settings())
     assert felt.values[0] == pytest.approx(5.0)
     with pytest.raises(ValueError, match="function: unknown 'haptic_tracing'"):
-        replace(fire, forms={"a": {"function": "haptic_tracing"}}).felt(("a",), contacts, listeners, Settings())
+        replace(fire, forms={"a": {"function": "haptic_tracing"}}).felt(
+            ("a",), contacts, listeners, Settings()
+        )
     with pytest.raises(ValueError, match="sampled"):
         ModalityScene(VIBROTACTILE).felt((), contacts, [], Settings())
 
 
 def test_nothing_is_felt_where_nobody_emits():
-    felt = ModalityScene(THERMAL).felt(("a",), ContactSet.empty(), [Listener("skin", "a")], Settings())
+    felt = ModalityScene(THERMAL).felt(
+        ("a",), ContactSet.empty(), [Listener("skin", "a")], Settings()
+    )
     assert felt.values.tolist() == [0.0]
 
 
@@ -120,9 +132,14 @@ def test_modalities_are_consistent_data(modality):
 
 def test_a_third_modality_is_one_value():
     """The example of the documentation, as it stands there."""
-    text = (Path(haptic_tracing.__file__).parent / "docs" / "functions.md").read_text(encoding="utf-8")
+    text = (Path(haptic_tracing.__file__).parent / "docs" / "functions.md").read_text(
+        encoding="utf-8"
+    )
     source = text.split("```python\n")[1].split("```")[0]
-    names = {"__name__": "haptic_tracing.core.modalities", "__package__": "haptic_tracing.core.modalities"}
+    names = {
+        "__name__": "haptic_tracing.core.modalities",
+        "__package__": "haptic_tracing.core.modalities",
+    }
     exec(compile(source, "functions.md", "exec"), names)
     wind = names["WIND"]
     contact = Contact(("hall", "room"), ((2, 0, 0), (2, 0, 0)))

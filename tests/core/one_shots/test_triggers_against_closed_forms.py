@@ -1,4 +1,5 @@
-"""Sources that play once per trigger: the moments of triggers, and what is heard, against closed forms."""
+"""Sources that play once per trigger: the moments of triggers, and what is heard, against closed
+forms."""
 
 import math
 from dataclasses import replace
@@ -15,7 +16,16 @@ from haptic_tracing.core.scene.functions import Identity, Physical
 from haptic_tracing.core.scene.functions.modulation import Spectrum
 from haptic_tracing.core.scene.impact_rule import ImpactRule
 from haptic_tracing.core.scene.rule_table import Rule, RuleTable, Side
-from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, SourceKind, Trigger
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    Listener,
+    Pose,
+    Settings,
+    Source,
+    SourceKind,
+    Trigger,
+)
 from haptic_tracing.core.signals import Constant, DecayingSine, Impulse, Noise
 from haptic_tracing.core.tracer import Frame, Tracer
 
@@ -41,15 +51,30 @@ def still(bell, listeners=(SKIN,)):
 
 
 def falling(bell, height, size=0.5, listeners=(SKIN,), names=("crate",)):
-    """A crate whose origin falls freely from ``height`` metres, and a plate far away on which the bell is."""
+    """A crate whose origin falls freely from ``height`` metres, and a plate far away on which the
+    bell is."""
     crates = [HapticObject(name, 0.3, 0.8, shape=Box((size,) * 3), mass=12.0) for name in names]
     objects = (replace(PLATE, shape=Box((1, 1, 0.1)), pose=Pose((50.0, 0.0, 0.0))), *crates)
-    bodies = (Body("plate", objects[0].shape, None, Motion.STATIC), *(Body(c.name, c.shape, c.mass) for c in crates))
+    bodies = (
+        Body("plate", objects[0].shape, None, Motion.STATIC),
+        *(Body(c.name, c.shape, c.mass) for c in crates),
+    )
 
     def make(number, time):
-        poses = [objects[0].pose, *(Pose((3.0 * k, 0.0, height - G * time**2 / 2)) for k in range(len(crates)))]
+        poses = [
+            objects[0].pose,
+            *(Pose((3.0 * k, 0.0, height - G * time**2 / 2)) for k in range(len(crates))),
+        ]
         moved = tuple(replace(item, pose=pose) for item, pose in zip(objects, poses, strict=True))
-        return Frame(number, time, moved, (bell,), listeners, bodies=bodies, transforms=np.array([pose_matrix(pose) for pose in poses]))
+        return Frame(
+            number,
+            time,
+            moved,
+            (bell,),
+            listeners,
+            bodies=bodies,
+            transforms=np.array([pose_matrix(pose) for pose in poses]),
+        )
 
     return make
 
@@ -59,14 +84,22 @@ def onsets(results):
 
 
 def heard(results, listener=0):
-    return np.concatenate([result.block[listener] for result in results if result.block is not None])
+    return np.concatenate(
+        [result.block[listener] for result in results if result.block is not None]
+    )
 
 
 def test_at_given_times_the_signal_is_heard_as_it_is():
-    results = play(range(25), still(source(Trigger("times", (0.1003, 0.5, 0.52), (1.0, 0.25, 0.5)), amplitude=0.8)))
-    expected = 0.8 * sum(s * KNOCK.sample(0, 8000, 8000.0, t) for t, s in ((0.1003, 1.0), (0.5, 0.25), (0.52, 0.5)))
+    results = play(
+        range(25),
+        still(source(Trigger("times", (0.1003, 0.5, 0.52), (1.0, 0.25, 0.5)), amplitude=0.8)),
+    )
+    expected = 0.8 * sum(
+        s * KNOCK.sample(0, 8000, 8000.0, t) for t, s in ((0.1003, 1.0), (0.5, 0.25), (0.52, 0.5))
+    )
     np.testing.assert_allclose(heard(results), expected, atol=1e-12)
-    assert [item.kind for item in results[13].sources] == [SourceKind.TEMPORARY] * 2  # the two that have just begun
+    # The two that have just begun.
+    assert [item.kind for item in results[13].sources] == [SourceKind.TEMPORARY] * 2
     assert results[0].sources == () and results[24].sources == ()
 
 
@@ -80,11 +113,16 @@ def test_without_a_trigger_a_source_is_silent_and_one_that_needs_none_is_not():
 
 @pytest.mark.parametrize("first", [1, 7, 12])
 def test_a_part_has_the_bits_of_the_whole_from_the_length_of_the_signal_on(first):
-    bell = source(Trigger("times", (0.05, 0.3, 0.61)), Trigger("passing", object="crate", size=(9, 9, 0), pose=Pose((0, 0, 3.0))))
+    bell = source(
+        Trigger("times", (0.05, 0.3, 0.61)),
+        Trigger("passing", object="crate", size=(9, 9, 0), pose=Pose((0, 0, 3.0))),
+    )
     whole = play(range(30), falling(bell, 5.0))
     back = math.ceil(KNOCK.duration * RATE) + 4
     part = play(range(max(first - back, 0), 30), falling(bell, 5.0))
-    for one, other in zip(whole[max(first, back) :], part[max(first, back) - max(first - back, 0) :], strict=True):
+    for one, other in zip(
+        whole[max(first, back) :], part[max(first, back) - max(first - back, 0) :], strict=True
+    ):
         assert one.shots == other.shots and one.sources == other.sources
         np.testing.assert_array_equal(one.block, other.block)
 
@@ -97,9 +135,15 @@ def test_a_body_that_falls_freely_passes_a_plane_when_mechanics_says(height):
 
 
 def test_a_region_that_is_turned_is_entered_through_its_corner():
-    """A cube of edge 1 on its edge: a quarter of a turn about x puts its uppermost edge at sqrt(1/2)."""
+    """A cube of edge 1 on its edge: a quarter of a turn about x puts its uppermost edge at
+    sqrt(1/2)."""
     half = math.pi / 8
-    cube = Trigger("passing", object="crate", size=(1, 1, 1), pose=Pose((0, 0, 0), (math.cos(half), math.sin(half), 0, 0)))
+    cube = Trigger(
+        "passing",
+        object="crate",
+        size=(1, 1, 1),
+        pose=Pose((0, 0, 0), (math.cos(half), math.sin(half), 0, 0)),
+    )
     found = onsets(play(range(30), falling(source(cube), 4.0)))
     assert found == pytest.approx([math.sqrt(2 * (4.0 - math.sqrt(0.5)) / G)], abs=1e-9)
 
@@ -129,16 +173,35 @@ def test_a_plane_that_is_passed_between_two_frames_is_not_missed():
     wall = Trigger("passing", object="bullet", size=(0, 2, 2), pose=Pose((100.0, 0, 1.0)))
     bell, bullet = source(wall), HapticObject("bullet", 0.3, 0.8)
     results = play(
-        range(10), lambda n, t: Frame(n, t, (PLATE, replace(bullet, pose=Pose((900.0 * t, 0.5, 1.5)))), (bell,), (SKIN,), contacts=None)
+        range(10),
+        lambda n, t: Frame(
+            n,
+            t,
+            (PLATE, replace(bullet, pose=Pose((900.0 * t, 0.5, 1.5)))),
+            (bell,),
+            (SKIN,),
+            contacts=None,
+        ),
     )
     assert onsets(results) == pytest.approx([100 / 900], abs=1e-9)
 
 
 def test_on_being_hit_it_plays_at_the_blow_as_the_rule_of_the_two_says():
     bell = Source("bell", "ground", (1.0, 0.0, 0.0), 0.8, signal=KNOCK, triggers=(Trigger("hit"),))
-    ground = HapticObject("ground", 0.2, 0.9, Identity(), shape=Box((40, 40, 1)), pose=Pose((0, 0, -0.5)), material="Stone")
+    ground = HapticObject(
+        "ground",
+        0.2,
+        0.9,
+        Identity(),
+        shape=Box((40, 40, 1)),
+        pose=Pose((0, 0, -0.5)),
+        material="Stone",
+    )
     crate = HapticObject("crate", 0.3, 0.8, shape=Box((0.5, 0.5, 0.5)), mass=12.0)
-    bodies = (Body("ground", ground.shape, None, Motion.STATIC, material="Stone"), Body("crate", crate.shape, 12.0))
+    bodies = (
+        Body("ground", ground.shape, None, Motion.STATIC, material="Stone"),
+        Body("crate", crate.shape, 12.0),
+    )
     rule = ImpactRule(gain=(0.0, 0.5), bend=0.5, pitch=(1.0, 2.0))
     table = RuleTable((Rule((Side(material="Stone"), Side()), rule),))
     fall, drop = 0.515, G * 0.515**2 / 2
@@ -165,7 +228,10 @@ def test_on_being_hit_it_plays_at_the_blow_as_the_rule_of_the_two_says():
         assert shot.onset == pytest.approx(fall, abs=1e-3)
         assert shot.strength == pytest.approx(12.0 * G * drop / 1000.0, rel=5e-3)
         sources = {item.name: item for result in results for item in result.sources}
-        assert len(sources) == (2 if impacts else 1) and any(result.impacts for result in results) == impacts
+        assert (
+            len(sources) == (2 if impacts else 1)
+            and any(result.impacts for result in results) == impacts
+        )
         played = sources[shot.name]
         assert played.amplitude == pytest.approx(0.8 * 0.5 * math.sqrt(shot.strength))
         assert played.signal.pitch == pytest.approx(1.0 + math.sqrt(shot.strength), rel=0.01)
@@ -176,10 +242,15 @@ def test_a_level_plays_where_it_rises_above_0_with_its_height():
     levels = [0.0, 0.0, 0.5, 0.7, 0.0, -1.0, 2.0, 0.0]
 
     def make(number, time):
-        return Frame(number, time, (PLATE,), (source(Trigger("level", value=levels[number])),), (SKIN,))
+        return Frame(
+            number, time, (PLATE,), (source(Trigger("level", value=levels[number])),), (SKIN,)
+        )
 
     results = play(range(len(levels)), make)
-    assert {(shot.onset, shot.strength) for result in results for shot in result.shots} == {(2 / RATE, 0.5), (6 / RATE, 1.0)}
+    assert {(shot.onset, shot.strength) for result in results for shot in result.shots} == {
+        (2 / RATE, 0.5),
+        (6 / RATE, 1.0),
+    }
 
 
 def test_a_frame_that_is_come_to_again_has_the_shots_that_it_had():
@@ -190,9 +261,14 @@ def test_a_frame_that_is_come_to_again_has_the_shots_that_it_had():
     frame = 11  # both sound
     assert len(results[frame].shots) == 2
     again = tracer.step(replace(make(frame, frame / RATE), continuous=False, recall=True))
-    assert again.sources == results[frame].sources and again.amplitudes.tolist() == results[frame].amplitudes.tolist()
+    assert (
+        again.sources == results[frame].sources
+        and again.amplitudes.tolist() == results[frame].amplitudes.tolist()
+    )
     bell = replace(bell, triggers=(gate,))
-    edited = tracer.step(replace(falling(bell, 4.0)(frame, frame / RATE), continuous=False, recall=True))
+    edited = tracer.step(
+        replace(falling(bell, 4.0)(frame, frame / RATE), continuous=False, recall=True)
+    )
     assert [shot.on for shot in edited.shots] == ["passing"]
 
 
@@ -227,7 +303,12 @@ DISTANCES = (1.0, 5.0, 10.0, 20.0, 34.3)
 
 
 def front(frames, blast, decay=DECAY, rate=RATE):
-    function = Physical(loss_factor=0.0, absorption=decay, reference_distance=RADIUS, spectrum=Spectrum(wave_speed=SPEED))
+    function = Physical(
+        loss_factor=0.0,
+        absorption=decay,
+        reference_distance=RADIUS,
+        spectrum=Spectrum(wave_speed=SPEED),
+    )
     air = HapticObject("air", 0.3, 0.8, function, medium=True)
     decay_of_k = replace(function, material_k=0.56)  # (1 - 0.3) 0.8: the decay is as it is given
     air = replace(air, propagation=decay_of_k)
@@ -249,20 +330,29 @@ def test_a_front_arrives_after_distance_over_speed_and_falls_with_the_distance()
         level = RADIUS / (RADIUS + d) * math.exp(-DECAY * d)
         assert samples.max() == pytest.approx(level, rel=5e-3)
     gains = next(result.amplitudes[0] for result in results if result.sources)
-    np.testing.assert_allclose(gains, [RADIUS / (RADIUS + d) * math.exp(-DECAY * d) for d in DISTANCES], rtol=1e-9)
+    np.testing.assert_allclose(
+        gains, [RADIUS / (RADIUS + d) * math.exp(-DECAY * d) for d in DISTANCES], rtol=1e-9
+    )
 
 
 def test_a_front_reaches_objects_in_the_medium_when_it_is_there():
     """Two panes on either side, touched by the air at 3.43 and 6.86 m, which pass everything on."""
-    function = Physical(loss_factor=0.0, reference_distance=RADIUS, spectrum=Spectrum(wave_speed=SPEED))
+    function = Physical(
+        loss_factor=0.0, reference_distance=RADIUS, spectrum=Spectrum(wave_speed=SPEED)
+    )
     air = HapticObject("air", 0.3, 0.8, function, medium=True)
     panes = tuple(HapticObject(f"pane {k}", 0.3, 0.8, Identity()) for k in (1, 2))
     places = ((3.43, 0.0, 0.0), (0.0, -6.86, 0.0))
-    contacts = tuple(Contact(("air", pane.name), (place, place)) for pane, place in zip(panes, places, strict=True))
+    contacts = tuple(
+        Contact(("air", pane.name), (place, place))
+        for pane, place in zip(panes, places, strict=True)
+    )
     touching = ContactSet.from_contacts(contacts, {"air": 0, "pane 1": 1, "pane 2": 2})
     hands = tuple(Listener(f"hand {k}", f"pane {k}", (9.0, 9.0, 9.0)) for k in (1, 2))
     blast = Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger("times", (0.05,)),))
-    results = play(range(6), lambda n, t: Frame(n, t, (air, *panes), (blast,), hands, contacts=touching))
+    results = play(
+        range(6), lambda n, t: Frame(n, t, (air, *panes), (blast,), hands, contacts=touching)
+    )
     for k, d in enumerate((3.43, 6.86)):
         samples = heard(results, k)
         assert np.argmax(samples) == pytest.approx((0.05 + d / SPEED + 0.002) * 8000.0, abs=1)
@@ -271,7 +361,13 @@ def test_a_front_reaches_objects_in_the_medium_when_it_is_there():
 
 def test_what_is_short_is_felt_far_away_long_after_it_was_played():
     """At 34.3 m a blow of 4 ms comes 2.4 frames late, when its source has long been silent."""
-    results = front(range(9), Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger("times", (0.1,)),)), decay=0.0)
+    results = front(
+        range(9),
+        Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger("times", (0.1,)),)),
+        decay=0.0,
+    )
     assert [bool(result.sources) for result in results] == [False] * 3 + [True] * 3 + [False] * 3
     far = heard(results, -1)
-    assert np.sum(far) == pytest.approx(np.sum(heard(results, 0)) * (RADIUS + 1.0) / (RADIUS + 34.3), rel=3e-3)
+    assert np.sum(far) == pytest.approx(
+        np.sum(heard(results, 0)) * (RADIUS + 1.0) / (RADIUS + 34.3), rel=3e-3
+    )

@@ -1,4 +1,5 @@
-"""Triggers in scene files: they come back as they were, play as they did, and what is wrong with one is said with its place."""
+"""Triggers in scene files: they come back as they were, play as they did, and what is wrong with
+one is said with its place."""
 
 import json
 from dataclasses import replace
@@ -13,7 +14,14 @@ from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording, traced
 from haptic_tracing.core.formats.scene.scene_json import read_scene, scene_from_dict, scene_to_dict
 from haptic_tracing.core.scene.functions import Identity
-from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener, Pose, Source, Trigger
+from haptic_tracing.core.scene.values import (
+    HapticObject,
+    HapticScene,
+    Listener,
+    Pose,
+    Source,
+    Trigger,
+)
 from haptic_tracing.core.signals import DecayingSine
 from haptic_tracing.core.signals.wav import WavFile
 
@@ -27,8 +35,18 @@ TRIGGERS = (
 
 
 def scene(*triggers):
-    ground = HapticObject("ground", 0.2, 0.9, Identity(), shape=Box((40, 40, 1)), pose=Pose((0, 0, -0.5)), motion="static")
-    crate = HapticObject("crate", 0.3, 0.8, shape=Box((0.5, 0.5, 0.5)), mass=12.0, pose=Pose((0, 0, 1.55)))
+    ground = HapticObject(
+        "ground",
+        0.2,
+        0.9,
+        Identity(),
+        shape=Box((40, 40, 1)),
+        pose=Pose((0, 0, -0.5)),
+        motion="static",
+    )
+    crate = HapticObject(
+        "crate", 0.3, 0.8, shape=Box((0.5, 0.5, 0.5)), mass=12.0, pose=Pose((0, 0, 1.55))
+    )
     bell = Source("bell", "ground", (1.0, 0.0, 0.0), 0.8, signal=KNOCK, triggers=triggers)
     return HapticScene((ground, crate), sources=(bell,), listeners=(Listener("skin", "ground"),))
 
@@ -36,7 +54,11 @@ def scene(*triggers):
 def fall():
     """The crate falls freely for 0.515 s, to the ground."""
     height = [0.25 + max(1.30 - G * (n / 24) ** 2 / 2, 0.0) for n in range(25)]
-    return Recording(24.0, 0, tuple(RecordedFrame(n, {"crate": (0, 0, z, 1, 0, 0, 0)}) for n, z in enumerate(height)))
+    return Recording(
+        24.0,
+        0,
+        tuple(RecordedFrame(n, {"crate": (0, 0, z, 1, 0, 0, 0)}) for n, z in enumerate(height)),
+    )
 
 
 def test_a_file_keeps_triggers(tmp_path):
@@ -47,21 +69,43 @@ def test_a_file_keeps_triggers(tmp_path):
 
 def test_what_happens_in_a_file_plays_from_the_file_alone_as_from_its_moments(tmp_path):
     results = list(traced(scene(*TRIGGERS), fall()))
-    shots = sorted({shot for result in results for shot in result.shots}, key=lambda shot: shot.onset)
+    shots = sorted(
+        {shot for result in results for shot in result.shots}, key=lambda shot: shot.onset
+    )
     # Given; passed when a free fall is there; given; hit.
-    assert [shot.onset for shot in shots] == pytest.approx([0.1, (2 * 0.55 / G) ** 0.5, (2 * 1.3 / G) ** 0.5, 0.55], abs=1e-3)
-    times = Trigger("times", *zip(*((shot.onset, shot.strength, shot.by) for shot in shots), strict=True))
+    assert [shot.onset for shot in shots] == pytest.approx(
+        [0.1, (2 * 0.55 / G) ** 0.5, (2 * 1.3 / G) ** 0.5, 0.55], abs=1e-3
+    )
+    times = Trigger(
+        "times", *zip(*((shot.onset, shot.strength, shot.by) for shot in shots), strict=True)
+    )
     write_export(Export("bells", scene(times), recording=fall()), tmp_path / "bells.json")
     export = read_export(tmp_path / "bells.json")
     for first, second in zip(results, traced(export.scene, export.recording), strict=True):
-        assert [(s.name, s.amplitude) for s in first.sources] == [(s.name, s.amplitude) for s in second.sources]
+        assert [(s.name, s.amplitude) for s in first.sources] == [
+            (s.name, s.amplitude) for s in second.sources
+        ]
         if first.block is not None:
             np.testing.assert_allclose(second.block, first.block, atol=1e-12)
 
 
 def test_the_command_line_plays_the_triggers_of_a_still_scene(tmp_path):
     write_export(Export("bells", scene(TRIGGERS[0])), tmp_path / "bells.json")
-    assert main(["export", str(tmp_path / "bells.json"), "--to", "wav", "--out", str(tmp_path), "--seconds", "1"]) == 0
+    assert (
+        main(
+            [
+                "export",
+                str(tmp_path / "bells.json"),
+                "--to",
+                "wav",
+                "--out",
+                str(tmp_path),
+                "--seconds",
+                "1",
+            ]
+        )
+        == 0
+    )
     (path,) = tmp_path.glob("*.wav")
     wav = WavFile(path.open("rb"))
     expected = 0.8 * KNOCK.sample(0, 4000, wav.rate, 0.1)
@@ -78,7 +122,12 @@ def test_the_command_line_plays_the_triggers_of_a_still_scene(tmp_path):
         ("/sources/0/triggers/0", {"on": "hit", "times": [1]}),
         (
             "/sources/0/triggers/0/pose/rotation",
-            {"on": "passing", "object": "crate", "size": [1, 1, 0], "pose": {"rotation": [0, 0, 0, 0]}},
+            {
+                "on": "passing",
+                "object": "crate",
+                "size": [1, 1, 0],
+                "pose": {"rotation": [0, 0, 0, 0]},
+            },
         ),
     ],
 )

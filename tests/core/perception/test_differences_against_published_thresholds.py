@@ -1,9 +1,16 @@
-"""Which differences of amplitude are felt, against Israr, Tan and Reed, J. Acoust. Soc. Am. 120 (2006) 2789, doi 10.1121/1.2354022."""
+"""Which differences of amplitude are felt, against Israr, Tan and Reed, J. Acoust. Soc. Am. 120
+(2006) 2789, doi 10.1121/1.2354022."""
 
 import pytest
-from haptic_tracing.core.perception import DIFFERENCE_THRESHOLDS, MASKED_DIFFERENCE_THRESHOLD, are_felt_alike, are_felt_different
+from haptic_tracing.core.perception import (
+    DIFFERENCE_THRESHOLDS,
+    MASKED_DIFFERENCE_THRESHOLD,
+    are_felt_alike,
+    are_felt_different,
+)
 
-# Lowest and highest of those from 2 to 300 Hz, in decibels, by the level above the threshold of feeling.
+# Lowest and highest of those from 2 to 300 Hz, in decibels, by the level above the threshold of
+# feeling.
 PUBLISHED = {20: (1.82, 2.98), 35: (1.65, 2.71)}
 MASKED = {20: 3.63, 35: 3.72}
 
@@ -20,4 +27,6 @@ def test_between_the_thresholds_it_depends(sign):
     for decibels in (1.7, 2.3, 2.9):
         assert not are_felt_alike(sign * decibels) and not are_felt_different(sign * decibels)
     assert are_felt_different(sign * 3.0) and not are_felt_alike(sign * 3.0)
-    assert not are_felt_different(sign * 3.0, masked=True) and are_felt_different(sign * 3.8, masked=True)
+    assert not are_felt_different(sign * 3.0, masked=True) and are_felt_different(
+        sign * 3.8, masked=True
+    )

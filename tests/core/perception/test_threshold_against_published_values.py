@@ -4,14 +4,31 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.perception import BEST_FREQUENCY, BEST_LEVEL, dominant_frequency, sensation_level, threshold_level
+from haptic_tracing.core.perception import (
+    BEST_FREQUENCY,
+    BEST_LEVEL,
+    dominant_frequency,
+    sensation_level,
+    threshold_level,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 RATE = 8000.0
 
 # Decibels above the threshold at 250 Hz, of the reference software of ISO/IEC 23090-31.
-PUBLISHED = {20: 39.9, 40: 31.5, 60: 24.4, 80: 18.6, 100: 13.8, 150: 5.5, 200: 1.2, 300: 1.0, 400: 7.9, 500: 19.1}
+PUBLISHED = {
+    20: 39.9,
+    40: 31.5,
+    60: 24.4,
+    80: 18.6,
+    100: 13.8,
+    150: 5.5,
+    200: 1.2,
+    300: 1.0,
+    400: 7.9,
+    500: 19.1,
+}
 
 
 @pytest.mark.parametrize(("frequency", "above"), PUBLISHED.items())
@@ -39,7 +56,10 @@ def test_sensation_level_of_a_sine_is_its_level_over_the_threshold(frequency, am
 
 def test_energies_of_tones_add_up():
     time = np.arange(8000) / RATE
-    tones = [10 ** (float(threshold_level(f)) / 20) * np.sin(2 * math.pi * f * time) for f in (60.0, 250.0)]
+    tones = [
+        10 ** (float(threshold_level(f)) / 20) * np.sin(2 * math.pi * f * time)
+        for f in (60.0, 250.0)
+    ]
     for tone in tones:
         assert sensation_level(tone, RATE) == pytest.approx(0, abs=0.05)
     assert sensation_level(sum(tones), RATE) == pytest.approx(10 * math.log10(2), abs=0.05)

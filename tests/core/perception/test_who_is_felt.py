@@ -29,12 +29,25 @@ TWENTY = [
 def sounding(sources, listener=None, function=None, settings=None):
     """Sources and a listener at the origin of one object that passes everything on."""
     heard = listener or Listener("palm", "plate")
-    scene = HapticScene((HapticObject("plate", 0, 1, function or Constant(gain_value=1.0)),), (), tuple(sources), (heard,))
-    return Sounding(0.0, scene.sources, scene.listeners, propagate(graph_of_scene(scene), settings or Settings(threshold=0.0)))
+    scene = HapticScene(
+        (HapticObject("plate", 0, 1, function or Constant(gain_value=1.0)),),
+        (),
+        tuple(sources),
+        (heard,),
+    )
+    return Sounding(
+        0.0,
+        scene.sources,
+        scene.listeners,
+        propagate(graph_of_scene(scene), settings or Settings(threshold=0.0)),
+    )
 
 
 def tones(levels):
-    return [Source(f"tone {hertz} Hz", "plate", amplitude=10 ** (level / 20), signal=Sine(float(hertz))) for hertz, level in levels]
+    return [
+        Source(f"tone {hertz} Hz", "plate", amplitude=10 ** (level / 20), signal=Sine(float(hertz)))
+        for hertz, level in levels
+    ]
 
 
 def expected(levels):
@@ -42,11 +55,18 @@ def expected(levels):
     sensation = {hertz: level - float(threshold_level(float(hertz))) for hertz, level in levels}
     found = {}
     for hertz, level in sensation.items():
-        others = {h: 10 ** (v / 10) for h, v in sensation.items() if h != hertz and hertz / 1.6 < h < hertz * 1.6}
+        others = {
+            h: 10 ** (v / 10)
+            for h, v in sensation.items()
+            if h != hertz and hertz / 1.6 < h < hertz * 1.6
+        }
         rest = sum(others.values())
         raised = 10 * math.log10(1 + 10 ** (level / 10) / rest) if rest else math.inf
         hidden = level > 0 and rest > 1 and raised <= 3.72
-        found[f"tone {hertz} Hz"] = level, f"tone {max(others, key=others.get)} Hz" if hidden else ""
+        found[f"tone {hertz} Hz"] = (
+            level,
+            f"tone {max(others, key=others.get)} Hz" if hidden else "",
+        )
     return found
 
 
@@ -61,10 +81,16 @@ def test_of_20_sources_those_are_felt_that_the_definition_says():
         assert item.state == ("weak" if level <= 0 else "masked" if masker else "felt")
     assert felt.counts() == tuple(
         sum(state(*one) for one in wanted.values())
-        for state in (lambda v, m: v > 0 and not m, lambda v, m: v > 0 and bool(m), lambda v, m: v <= 0)
+        for state in (
+            lambda v, m: v > 0 and not m,
+            lambda v, m: v > 0 and bool(m),
+            lambda v, m: v <= 0,
+        )
     )
     assert min(felt.counts()) >= 2, "there are some of each"
-    assert [item.state for item in felt.sources] == sorted((item.state for item in felt.sources), key=["felt", "masked", "weak"].index)
+    assert [item.state for item in felt.sources] == sorted(
+        (item.state for item in felt.sources), key=["felt", "masked", "weak"].index
+    )
 
 
 def test_alone_each_is_felt_or_weak_and_distant_frequencies_hide_nothing():
@@ -73,7 +99,10 @@ def test_alone_each_is_felt_or_weak_and_distant_frequencies_hide_nothing():
     apart = felt_sources(sounding(tones([(40, -3), (250, -3)])), 0)
     assert [item.state for item in apart.sources] == ["felt", "felt"]
     near = felt_sources(sounding(tones([(240, -20), (250, -3)])), 0)
-    assert [(item.source.name, item.masker) for item in near.sources] == [("tone 250 Hz", ""), ("tone 240 Hz", "tone 250 Hz")]
+    assert [(item.source.name, item.masker) for item in near.sources] == [
+        ("tone 250 Hz", ""),
+        ("tone 240 Hz", "tone 250 Hz"),
+    ]
 
 
 def test_what_does_not_arrive_is_not_counted():
@@ -86,17 +115,22 @@ def test_what_does_not_arrive_is_not_counted():
     [(0.0, 12.0), (-39.9, 12.0), (20 * math.log10(0.0075), 6.0), (-46.1, 0.0)],
 )
 def test_what_has_a_higher_priority_turns_the_rest_down_by_the_stated_amount(level, turned_down):
-    """In full from -40 dB at the listener, fading in over the 6 dB below; half of the amplitudes between, half of the decibels."""
+    """In full from -40 dB at the listener, fading in over the 6 dB below; half of the amplitudes
+    between, half of the decibels."""
     sources = [
         Source("alarm", "plate", amplitude=10 ** (level / 20), signal=Sine(250.0), priority=2.0),
         Source("motor", "plate", amplitude=0.2, signal=Sine(60.0)),
         Source("fan", "plate", amplitude=0.2, signal=Sine(90.0), priority=0.5),
     ]
     heard = Listener("palm", "plate", ducking=12.0)
-    samples, free = (source_samples(sounding(sources, item), 0, 0.5, RATE) for item in (heard, Listener("palm", "plate")))
+    samples, free = (
+        source_samples(sounding(sources, item), 0, 0.5, RATE)
+        for item in (heard, Listener("palm", "plate"))
+    )
     assert samples[0].tobytes() == free[0].tobytes()
     np.testing.assert_allclose(samples[1], free[1] * 10 ** (-turned_down / 20), rtol=1e-12)
-    np.testing.assert_allclose(samples[2], free[2] * 10 ** (-12.0 / 20), rtol=1e-12)  # the motor has a higher priority than the fan
+    # The motor has a higher priority than the fan.
+    np.testing.assert_allclose(samples[2], free[2] * 10 ** (-12.0 / 20), rtol=1e-12)
 
 
 def test_the_mix_has_what_is_turned_down():
@@ -115,13 +149,20 @@ def test_the_mix_has_what_is_turned_down():
 
 def test_bands_and_delays_stay_those_of_the_paths():
     """What the sources give one by one adds up to the mix."""
-    function = Physical(wave=Wave.SURFACE, loss_factor=0.3, phase_speed=150.0, reference_distance=0.3, extent=1.0)
-    sources = [Source(f"s{k}", "plate", (0.3 * k, 0.0, 0.5), 0.02, signal=Sine(40.0 * k)) for k in range(1, 6)]
+    function = Physical(
+        wave=Wave.SURFACE, loss_factor=0.3, phase_speed=150.0, reference_distance=0.3, extent=1.0
+    )
+    sources = [
+        Source(f"s{k}", "plate", (0.3 * k, 0.0, 0.5), 0.02, signal=Sine(40.0 * k))
+        for k in range(1, 6)
+    ]
     state = sounding(sources, Listener("palm", "plate", ducking=6.0), function)
     renderer = Renderer(listener_mixes(state.listeners), RATE)
     voices = source_voices(state)
     renderer.render_frame(0.0, 0.0, voices)
-    assert source_samples(state, 0, 0.25, RATE).sum(axis=0) == pytest.approx(renderer.render_frame(0.0, 0.25, voices)[0], abs=1e-9)
+    assert source_samples(state, 0, 0.25, RATE).sum(axis=0) == pytest.approx(
+        renderer.render_frame(0.0, 0.25, voices)[0], abs=1e-9
+    )
 
 
 def test_a_ducking_out_of_range_is_refused():

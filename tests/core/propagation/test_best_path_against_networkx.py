@@ -1,4 +1,5 @@
-"""The best path against NetworkX: the largest product over its simple paths, and its Dijkstra for functions that are metrics."""
+"""The best path against NetworkX: the largest product over its simple paths, and its Dijkstra for
+functions that are metrics."""
 
 from __future__ import annotations
 
@@ -9,20 +10,49 @@ import pytest
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import Identity, Linear
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    Strategy,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from path_reference import AMPLIFYING, METRIC, OTHER, REFERENCES, connected_scene, meets, networkx_paths, recursive_paths, scenes
+from path_reference import (
+    AMPLIFYING,
+    METRIC,
+    OTHER,
+    REFERENCES,
+    connected_scene,
+    meets,
+    networkx_paths,
+    recursive_paths,
+    scenes,
+)
 
-LIMITS = st.tuples(st.sampled_from([None, 0, 1, 2, 3, 5, 7]), st.sampled_from([0.0, 1e-3, 0.1, 0.6, 1.0]))
+LIMITS = st.tuples(
+    st.sampled_from([None, 0, 1, 2, 3, 5, 7]), st.sampled_from([0.0, 1e-3, 0.1, 0.6, 1.0])
+)
 
 
-def check(scene: HapticScene, max_connections: int | None, threshold: float, reference: str = "networkx") -> None:
+def check(
+    scene: HapticScene, max_connections: int | None, threshold: float, reference: str = "networkx"
+) -> None:
     graph = graph_of_scene(scene)
-    result = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=max_connections, threshold=threshold))
+    result = propagate(
+        graph,
+        Settings(strategy=Strategy.BEST_PATH, max_connections=max_connections, threshold=threshold),
+    )
     for column in range(len(graph.listeners)):
         paths = list(REFERENCES[reference](graph, 0, column))
-        kept = {path: math.prod(gains) for path, gains in paths if meets(gains, max_connections, threshold) and math.prod(gains) > 0}
+        kept = {
+            path: math.prod(gains)
+            for path, gains in paths
+            if meets(gains, max_connections, threshold) and math.prod(gains) > 0
+        }
         best = max(kept.values(), default=0.0)
         assert result.gain[0, column] == pytest.approx(best, rel=1e-9, abs=0)
         without_limits = max((math.prod(gains) for _, gains in paths), default=0.0)
@@ -83,8 +113,12 @@ def test_equals_dijkstra_on_the_explicit_graph(scene):
     explicit = graph.to_networkx()
     for edge in explicit.edges.values():
         edge["cost"] = -math.log(edge["gain"]) if edge["gain"] > 0 else math.inf
-    explicit.remove_edges_from([ends for ends, edge in explicit.edges.items() if edge["cost"] == math.inf])
-    result = propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0))
+    explicit.remove_edges_from(
+        [ends for ends, edge in explicit.edges.items() if edge["cost"] == math.inf]
+    )
+    result = propagate(
+        graph, Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0)
+    )
     for column, target in enumerate(graph.listener_nodes.tolist()):
         costs = [
             networkx.dijkstra_path_length(explicit, root, target, "cost")
@@ -96,12 +130,18 @@ def test_equals_dijkstra_on_the_explicit_graph(scene):
 
 
 def test_way_back_through_an_entry_of_another_path():
-    check(connected_scene(961, (OTHER[0], Identity()), most_objects=8, extra=5, size=2.5), None, 0.0, "recursion")
+    check(
+        connected_scene(961, (OTHER[0], Identity()), most_objects=8, extra=5, size=2.5),
+        None,
+        0.0,
+        "recursion",
+    )
 
 
 @pytest.mark.parametrize("way_back", [False, True])
 def test_cheapest_walk_that_crosses_a_contact_twice_is_no_path(way_back):
-    """The linear function passes 3 m of the plank only in two halves, by way of the box on it and the loop on top of that."""
+    """The linear function passes 3 m of the plank only in two halves, by way of the box on it and
+    the loop on top of that."""
     objects = (
         HapticObject("plank", 0.0, 1.0, Linear(range=2.0)),
         HapticObject("box", 0.0, 1.0, Identity()),
@@ -114,6 +154,8 @@ def test_cheapest_walk_that_crosses_a_contact_twice_is_no_path(way_back):
     ]
     if way_back:
         contacts.append(Contact(("box", "plank"), ((1.75, 0, 0), (1.75, 0, 0))))
-    scene = HapticScene(objects, tuple(contacts), (Source("s", "plank"),), (Listener("l", "plank", (3.0, 0, 0)),))
+    scene = HapticScene(
+        objects, tuple(contacts), (Source("s", "plank"),), (Listener("l", "plank", (3.0, 0, 0)),)
+    )
     check(scene, None, 0.0)
     check(scene, 9, 0.0)

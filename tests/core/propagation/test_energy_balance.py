@@ -1,4 +1,5 @@
-"""Statistical energy analysis: conservation, reciprocity, closed forms, and the limits of the documented derivation."""
+"""Statistical energy analysis: conservation, reciprocity, closed forms, and the limits of the
+documented derivation."""
 
 from __future__ import annotations
 
@@ -10,10 +11,24 @@ import pytest
 from energy_reference import energy_gain
 from haptic_tracing.core.contacts.shapes import Box, rotation_matrix
 from haptic_tracing.core.graph.haptic_graph import ObjectTable, graph_of_scene
-from haptic_tracing.core.propagation import conjugate_gradients, energy_balance, propagate, subsystems
+from haptic_tracing.core.propagation import (
+    conjugate_gradients,
+    energy_balance,
+    propagate,
+    subsystems,
+)
 from haptic_tracing.core.propagation.conjugate_gradients import PowerBalance, solve
 from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, Identity, Linear
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Pose,
+    Settings,
+    Source,
+    Strategy,
+)
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene
@@ -36,7 +51,9 @@ def pair_of_objects(a, b, transmission=None) -> HapticScene:
     )
 
 
-@pytest.mark.parametrize(("a", "b", "t"), [(0.5, 0.5, 1.0), (0.9, 0.1, 0.5), (1.0, 1.0, 1.0), (0.01, 0.02, 0.1)])
+@pytest.mark.parametrize(
+    ("a", "b", "t"), [(0.5, 0.5, 1.0), (0.9, 0.1, 0.5), (1.0, 1.0, 1.0), (0.01, 0.02, 0.1)]
+)
 def test_two_objects_in_closed_form(a, b, t):
     """E_b = C / (Λ_a Λ_b + C (Λ_a + Λ_b))."""
     scene = pair_of_objects(Constant(gain_value=a), Constant(gain_value=b), Constant(gain_value=t))
@@ -55,22 +72,34 @@ def test_strong_damping_leaves_the_gain_of_the_path():
 
 
 def test_without_contacts_the_function_itself():
-    scene = HapticScene((HapticObject("a", 0.2, 0.9),), (), (Source("s", "a"),), (Listener("l", "a", (2.0, 0, 0)),))
+    scene = HapticScene(
+        (HapticObject("a", 0.2, 0.9),), (), (Source("s", "a"),), (Listener("l", "a", (2.0, 0, 0)),)
+    )
     assert gain(scene) == pytest.approx(0.72 * math.exp(-0.72 * 2), rel=1e-12)
 
 
 def test_lossless_ring_is_no_trap():
-    """Energy that has crossed an object once is spent: a closed ring without losses holds a finite energy."""
+    """Energy that has crossed an object once is spent: a closed ring without losses holds a finite
+    energy."""
     objects = tuple(HapticObject(name, 0, 1, Identity()) for name in "abc")
     ring = tuple(Contact(pair, (ORIGIN, ORIGIN)) for pair in ("ab", "bc", "ca"))
     scene = HapticScene(
-        objects, tuple(dataclasses.replace(c, objects=tuple(c.objects)) for c in ring), (Source("s", "a"),), (Listener("l", "b"),)
+        objects,
+        tuple(dataclasses.replace(c, objects=tuple(c.objects)) for c in ring),
+        (Source("s", "a"),),
+        (Listener("l", "b"),),
     )
-    assert gain(scene) == pytest.approx(0.5, rel=1e-12)  # Λ = C = 1: 3 E_b = E_a + E_c, E_b = E_c, 3 E_a = 1 + 2 E_b
+    # Λ = C = 1: 3 E_b = E_a + E_c, E_b = E_c, 3 E_a = 1 + 2 E_b.
+    assert gain(scene) == pytest.approx(0.5, rel=1e-12)
 
 
 def test_parts_that_do_not_touch_and_objects_that_block():
-    objects = (HapticObject("a", 0.1, 0.9), HapticObject("wall", 1.0, 0.9), HapticObject("b", 0.1, 0.9), HapticObject("far", 0.1, 0.9))
+    objects = (
+        HapticObject("a", 0.1, 0.9),
+        HapticObject("wall", 1.0, 0.9),
+        HapticObject("b", 0.1, 0.9),
+        HapticObject("far", 0.1, 0.9),
+    )
     contacts = (Contact(("a", "wall"), (ORIGIN, ORIGIN)), Contact(("wall", "b"), (ORIGIN, ORIGIN)))
     for listener in ("wall", "b", "far"):
         scene = HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", listener),))
@@ -83,15 +112,19 @@ def test_parts_that_do_not_touch_and_objects_that_block():
 @example(1, 4.0, False, 2)  # regions of an object that lets nothing through over their size
 @example(1, 4.0, False, energy_balance.DENSE)
 @example(7334, 20.0, False, 2)  # hardly anything arrives: powers near the smallest number
-@example(7676, 8.0, False, 2)  # regions by a function without a closed form, whose length counts to the last digits
+# Regions by a function without a closed form, whose length counts to the last digits.
+@example(7676, 8.0, False, 2)
 def test_within_its_bound_of_the_definition(seed, size, shaped, dense):
-    """The documented equations once more in plain loops, with large objects in regions, whose couplings are a matrix from ``dense`` of them
-    on; 0 exactly where nothing arrives."""
+    """The documented equations once more in plain loops, with large objects in regions, whose
+    couplings are a matrix from ``dense`` of them on; 0 exactly where nothing arrives."""
     scene = connected_scene(seed, (*METRIC, *OTHER), size=size, refined=True, extra=4)
     if shaped:
         random = np.random.default_rng(seed)
         pose = Pose(tuple(random.uniform(0, size, 3)), tuple(random.normal(size=4)))
-        objects = tuple(dataclasses.replace(item, shape=Box(tuple(random.uniform(0.1, size, 3))), pose=pose) for item in scene.objects)
+        objects = tuple(
+            dataclasses.replace(item, shape=Box(tuple(random.uniform(0.1, size, 3))), pose=pose)
+            for item in scene.objects
+        )
         scene = dataclasses.replace(scene, objects=objects)
     graph = graph_of_scene(scene)
     with pytest.MonkeyPatch.context() as patch:
@@ -106,31 +139,57 @@ def test_within_its_bound_of_the_definition(seed, size, shaped, dense):
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
-@given(SEEDS, st.integers(1, 60), st.floats(0.5, 1000), st.sampled_from([1e-2, 1e-6, 1e-12]), st.booleans())
+@given(
+    SEEDS,
+    st.integers(1, 60),
+    st.floats(0.5, 1000),
+    st.sampled_from([1e-2, 1e-6, 1e-12]),
+    st.booleans(),
+)
 def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, dense):
-    """Against LAPACK: certified errors, energy conserved but for what leaks, no energy above what is put in, reciprocity; also where the
-    couplings among the middle half are given as a matrix."""
+    """Against LAPACK: certified errors, energy conserved but for what leaks, no energy above what
+    is put in, reciprocity; also where the couplings among the middle half are given as a matrix."""
     random = np.random.default_rng(seed)
-    matrix = np.triu(random.uniform(0, strongest, (count, count)) * (random.uniform(size=(count, count)) < 0.3), 1)
+    matrix = np.triu(
+        random.uniform(0, strongest, (count, count)) * (random.uniform(size=(count, count)) < 0.3),
+        1,
+    )
     matrix = matrix + matrix.T
     part = slice(count // 4, count // 4 + count // 2) if dense else slice(0, 0)
     sparse = matrix.copy()
     sparse[part, part] = 0.0
-    blocks = [(part.start, np.stack([matrix[part, part], 0.5 * matrix[part, part]]))] if dense else []
+    blocks = (
+        [(part.start, np.stack([matrix[part, part], 0.5 * matrix[part, part]]))] if dense else []
+    )
     row, column = np.nonzero(sparse)
-    damping, leak = random.uniform(1, 5, (2, count)), random.uniform(0, 1, (2, count)) * (random.uniform(size=count) < 0.2)
+    damping, leak = (
+        random.uniform(1, 5, (2, count)),
+        random.uniform(0, 1, (2, count)) * (random.uniform(size=count) < 0.2),
+    )
     coupling = np.stack([matrix[row, column], 0.5 * matrix[row, column]])
     power = np.broadcast_to(np.eye(count)[None], (2, count, count)).copy()
-    found = solve(PowerBalance(damping, leak, row, column, coupling, blocks), power, lambda energy: np.full(energy.shape[:2], wanted))
+    found = solve(
+        PowerBalance(damping, leak, row, column, coupling, blocks),
+        power,
+        lambda energy: np.full(energy.shape[:2], wanted),
+    )
     for system, factor in enumerate((1.0, 0.5)):
-        full = np.diag(damping[system] + leak[system] + factor * matrix.sum(axis=1)) - factor * matrix
+        full = (
+            np.diag(damping[system] + leak[system] + factor * matrix.sum(axis=1)) - factor * matrix
+        )
         exact = np.linalg.solve(full, power[system])
         doubt = found.doubt[system]
         assert np.all(np.abs(found.energy[system] - exact) <= doubt[:, None] + 1e-14)
         assert doubt.max() <= wanted + 1e-11
-        assert np.allclose(((damping[system] + leak[system]) * found.energy[system]).sum(axis=1), 1, atol=count * 6 * doubt.max() + 1e-12)
+        assert np.allclose(
+            ((damping[system] + leak[system]) * found.energy[system]).sum(axis=1),
+            1,
+            atol=count * 6 * doubt.max() + 1e-12,
+        )
         assert np.all(found.energy[system].max(axis=1) <= 1 + doubt)
-        assert np.all(np.abs(found.energy[system] - found.energy[system].T) <= doubt[:, None] + doubt + 1e-14)
+        assert np.all(
+            np.abs(found.energy[system] - found.energy[system].T) <= doubt[:, None] + doubt + 1e-14
+        )
 
 
 def test_columns_do_not_depend_on_each_other():
@@ -139,10 +198,19 @@ def test_columns_do_not_depend_on_each_other():
     count = 200
     row = np.sort(random.integers(0, count, 900))
     column = random.integers(0, count, 900)
-    both = np.unique(np.concatenate([np.column_stack([row, column]), np.column_stack([column, row])]), axis=0)
+    both = np.unique(
+        np.concatenate([np.column_stack([row, column]), np.column_stack([column, row])]), axis=0
+    )
     both = both[both[:, 0] != both[:, 1]]
     block = 0.01 * (np.ones((1, 60, 60)) - np.eye(60))
-    balance = PowerBalance(np.ones((1, count)), np.zeros((1, count)), both[:, 0], both[:, 1], np.full((1, len(both)), 0.7), [(30, block)])
+    balance = PowerBalance(
+        np.ones((1, count)),
+        np.zeros((1, count)),
+        both[:, 0],
+        both[:, 1],
+        np.full((1, len(both)), 0.7),
+        [(30, block)],
+    )
     power = np.zeros((1, 3, count))
     power[0, [0, 1, 2], [5, 50, 150]] = 1.0
     goals = np.array([1e-3, 1e-13, 1e-7])
@@ -158,22 +226,37 @@ def test_columns_do_not_depend_on_each_other():
 def test_reciprocity(seed):
     """Source and listener exchanged, through objects of any kind."""
     scene = connected_scene(seed, (*METRIC, *OTHER), size=4.0, extra=4, listeners=1)
-    source, listener = dataclasses.replace(scene.sources[0], second_object=None, second_position=None), scene.listeners[0]
+    source, listener = (
+        dataclasses.replace(scene.sources[0], second_object=None, second_position=None),
+        scene.listeners[0],
+    )
     there = dataclasses.replace(scene, sources=(source,))
     back = dataclasses.replace(
-        scene, sources=(Source("s", listener.object, listener.position),), listeners=(Listener("l", source.object, source.position),)
+        scene,
+        sources=(Source("s", listener.object, listener.position),),
+        listeners=(Listener("l", source.object, source.position),),
     )
     one, other = (propagate(graph_of_scene(item), CHOSEN) for item in (there, back))
-    assert abs(one.gain[0, 0] - other.gain[0, 0]) <= one.error_bound[0, 0] + other.error_bound[0, 0] + 1e-12
+    assert (
+        abs(one.gain[0, 0] - other.gain[0, 0])
+        <= one.error_bound[0, 0] + other.error_bound[0, 0] + 1e-12
+    )
 
 
 @pytest.mark.parametrize("points", [2, 8])
 def test_refining_a_patch_changes_nothing(points):
     def scene(count: int) -> HapticScene:
-        patch = tuple(Contact(("a", "b"), ((1, 0, 0), (1, 0, 0)), share=1 / count) for _ in range(count))
-        other = (Contact(("b", "c"), ((1, 0.5, 0), (1, 0.5, 0))), Contact(("a", "c"), ((0, 0.3, 0), (0, 0.3, 0))))
+        patch = tuple(
+            Contact(("a", "b"), ((1, 0, 0), (1, 0, 0)), share=1 / count) for _ in range(count)
+        )
+        other = (
+            Contact(("b", "c"), ((1, 0.5, 0), (1, 0.5, 0))),
+            Contact(("a", "c"), ((0, 0.3, 0), (0, 0.3, 0))),
+        )
         objects = tuple(HapticObject(name, 0.2, 0.9) for name in "abc")
-        return HapticScene(objects, patch + other, (Source("s", "a"),), (Listener("l", "c", (1, 1, 0)),))
+        return HapticScene(
+            objects, patch + other, (Source("s", "a"),), (Listener("l", "c", (1, 1, 0)),)
+        )
 
     assert gain(scene(points)) == pytest.approx(gain(scene(1)), rel=1e-12)
 
@@ -181,7 +264,11 @@ def test_refining_a_patch_changes_nothing(points):
 @pytest.mark.parametrize("extent", [4.0, 10.65, 1e4])
 @pytest.mark.parametrize(
     ("function", "length"),
-    [(Linear(range=3.0), 3 - 3 / math.e), (Expression(expression="x / (1 + d)"), math.e - 1), (Expression(expression="exp(-d**2)"), 1.0)],
+    [
+        (Linear(range=3.0), 3 - 3 / math.e),
+        (Expression(expression="x / (1 + d)"), math.e - 1),
+        (Expression(expression="exp(-d**2)"), 1.0),
+    ],
 )
 def test_length_over_which_a_function_without_a_closed_form_damps(function, length, extent):
     """Exact to rounding, also where that length is a tiny part of the object's extent."""
@@ -193,7 +280,10 @@ def test_length_over_which_a_function_without_a_closed_form_damps(function, leng
 def row_of_pillars(ground: HapticObject) -> list[float]:
     """Gains from the first of 20 pillars, a metre apart on a ground, to each of the others."""
     pillars = tuple(HapticObject(f"p{i:02d}", 0.0, 1.0, Identity()) for i in range(20))
-    contacts = tuple(Contact(("ground", p.name), ((float(i), 0, 0), (float(i), 0, 0))) for i, p in enumerate(pillars))
+    contacts = tuple(
+        Contact(("ground", p.name), ((float(i), 0, 0), (float(i), 0, 0)))
+        for i, p in enumerate(pillars)
+    )
     heard = tuple(Listener(f"l{i:02d}", p.name, (float(i), 0, 1)) for i, p in enumerate(pillars))
     scene = HapticScene((ground, *pillars), contacts, (Source("s", "p00"),), heard)
     return propagate(graph_of_scene(scene), CHOSEN).gain[0, 1:].tolist()
@@ -202,7 +292,9 @@ def row_of_pillars(ground: HapticObject) -> list[float]:
 @pytest.mark.parametrize("shape", [None, Box((30, 30, 1))])
 def test_large_ground_is_felt_by_distance(shape):
     """Between far ends of a ground that damps over a metre, less arrives than between near ones."""
-    gains = row_of_pillars(HapticObject("ground", 0, 1, Exponential(alpha=1.0), shape=shape, pose=Pose((9.0, 0, -0.5))))
+    gains = row_of_pillars(
+        HapticObject("ground", 0, 1, Exponential(alpha=1.0), shape=shape, pose=Pose((9.0, 0, -0.5)))
+    )
     assert gains == sorted(gains, reverse=True)
     assert gains[-1] < 1e-4
 
@@ -210,7 +302,8 @@ def test_large_ground_is_felt_by_distance(shape):
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(SEEDS)
 def test_moving_everything_together_changes_nothing(seed):
-    """Regions go with the object's shape: turned and moved by any amount, a large ground divides a pile as before."""
+    """Regions go with the object's shape: turned and moved by any amount, a large ground divides a
+    pile as before."""
     random = np.random.default_rng(seed)
     turn = Pose((0, 0, 0), tuple(random.normal(size=4)))
     rotation = rotation_matrix(turn.rotation)
@@ -221,24 +314,44 @@ def test_moving_everything_together_changes_nothing(seed):
         ground = HapticObject("ground", 0.1, 0.9, shape=Box((8, 8, 1)), pose=pose)
         boxes = tuple(HapticObject(f"b{k:02d}", 0.2, 0.8) for k in range(12))
         places = [tuple((matrix @ spot + by).tolist()) for spot in spots]
-        contacts = tuple(Contact(("ground", box.name), (place, place)) for box, place in zip(boxes, places, strict=True))
-        heard = tuple(Listener(f"l{k:02d}", box.name, place) for k, (box, place) in enumerate(zip(boxes, places, strict=True)))
+        contacts = tuple(
+            Contact(("ground", box.name), (place, place))
+            for box, place in zip(boxes, places, strict=True)
+        )
+        heard = tuple(
+            Listener(f"l{k:02d}", box.name, place)
+            for k, (box, place) in enumerate(zip(boxes, places, strict=True))
+        )
         return HapticScene((ground, *boxes), contacts, (Source("s", "b00", places[0]),), heard)
 
     here = propagate(graph_of_scene(scene(np.eye(3), np.zeros(3), Pose())), CHOSEN)
-    there = propagate(graph_of_scene(scene(rotation, shift, Pose(tuple(shift), turn.rotation))), CHOSEN)
+    there = propagate(
+        graph_of_scene(scene(rotation, shift, Pose(tuple(shift), turn.rotation))), CHOSEN
+    )
     assert np.allclose(here.gain, there.gain, rtol=1e-9)
 
 
 def test_a_contact_that_parts_fades_out():
-    """From weight 1 down to none at all no step is larger than its part of the whole change, also on an object in regions."""
+    """From weight 1 down to none at all no step is larger than its part of the whole change, also
+    on an object in regions."""
     objects = tuple(HapticObject(name, 0.1, 0.9) for name in ("a", "b", "c", "ground"))
 
     def scene(weight: float) -> HapticScene:
-        places = {("a", "b"): (0.0, 0, 0.5), ("b", "c"): (0.4, 0, 0.9), ("a", "ground"): (0.0, 0, 0), ("c", "ground"): (3.0, 0, 0)}
+        places = {
+            ("a", "b"): (0.0, 0, 0.5),
+            ("b", "c"): (0.4, 0, 0.9),
+            ("a", "ground"): (0.0, 0, 0),
+            ("c", "ground"): (3.0, 0, 0),
+        }
         contacts = tuple(Contact(pair, (place, place)) for pair, place in places.items())
-        contacts += (Contact(("b", "ground"), ((1.8, 0.5, 0), (1.8, 0.5, 0)), weight=weight),) if weight > 0 else ()
-        return HapticScene(objects, contacts, (Source("s", "a", (0, 0, 0.2)),), (Listener("l", "c", (3, 0, 0.5)),))
+        contacts += (
+            (Contact(("b", "ground"), ((1.8, 0.5, 0), (1.8, 0.5, 0)), weight=weight),)
+            if weight > 0
+            else ()
+        )
+        return HapticScene(
+            objects, contacts, (Source("s", "a", (0, 0, 0.2)),), (Listener("l", "c", (3, 0, 0.5)),)
+        )
 
     weights = np.concatenate([np.linspace(1, 0.01, 100), np.geomspace(0.01, 1e-6, 30), [0.0]])
     levels = 20 * np.log10([gain(scene(float(weight))) for weight in weights])
@@ -250,18 +363,32 @@ def test_hub_of_10000_contacts_and_special_functions():
     """One object with 10,000 contacts: few regions, a certified answer."""
     count = 10_000
     places = np.random.default_rng(3).uniform(0, 50, (count, 3)) * [1, 1, 0]
-    objects = (HapticObject("ground", 0, 1, Linear(range=5.0)), *(HapticObject(f"p{i}", 0.3, 0.9) for i in range(count)))
-    contacts = tuple(Contact(("ground", f"p{i}"), (tuple(p), tuple(p))) for i, p in enumerate(places.tolist()))
-    scene = HapticScene(objects, contacts, (Source("s", "p0"),), (Listener("l", "p1"), Listener("m", "p0", (1, 1, 1))))
+    objects = (
+        HapticObject("ground", 0, 1, Linear(range=5.0)),
+        *(HapticObject(f"p{i}", 0.3, 0.9) for i in range(count)),
+    )
+    contacts = tuple(
+        Contact(("ground", f"p{i}"), (tuple(p), tuple(p))) for i, p in enumerate(places.tolist())
+    )
+    scene = HapticScene(
+        objects,
+        contacts,
+        (Source("s", "p0"),),
+        (Listener("l", "p1"), Listener("m", "p0", (1, 1, 1))),
+    )
     graph = graph_of_scene(scene)
     result = propagate(graph, CHOSEN)
     assert result.gain[0, 1] > 0
     assert ((result.error_bound > 0) & (result.error_bound < 1e-6)).all()
-    assert energy_balance.energy_gains(graph, np.ones((1, 2), dtype=np.bool_)).subsystems < count + 3 * subsystems.REGIONS
+    assert (
+        energy_balance.energy_gains(graph, np.ones((1, 2), dtype=np.bool_)).subsystems
+        < count + 3 * subsystems.REGIONS
+    )
 
 
 def test_only_what_signals_reach_is_assembled():
-    """Of a chain of 1,000 objects only the beginning; what is not, and what is too small for a number, is not claimed to be 0."""
+    """Of a chain of 1,000 objects only the beginning; what is not, and what is too small for a
+    number, is not claimed to be 0."""
     objects = tuple(HapticObject(f"o{k:04d}", 0, 1, Constant(gain_value=0.5)) for k in range(1000))
     contacts = tuple(Contact((f"o{k:04d}", f"o{k + 1:04d}"), (ORIGIN, ORIGIN)) for k in range(999))
     heard = tuple(Listener(f"l{k}", f"o{k:04d}") for k in (1, 5, 900))
@@ -271,20 +398,29 @@ def test_only_what_signals_reach_is_assembled():
     result = propagate(graph, CHOSEN)
     assert result.gain[0, 2] == 0
     assert 0 < result.error_bound[0, 2] <= 1e-6
-    matrix = 6 * np.eye(1000) - np.eye(1000, k=1) - np.eye(1000, k=-1)  # a damping of 4, two neighbours
+    # A damping of 4, two neighbours.
+    matrix = 6 * np.eye(1000) - np.eye(1000, k=1) - np.eye(1000, k=-1)
     matrix[0, 0] = matrix[-1, -1] = 5
     exact = np.sqrt(np.linalg.solve(matrix, np.eye(1000)[0]))
     for column, number in ((0, 1), (1, 5)):
-        assert abs(result.gain[0, column] - exact[number]) <= result.error_bound[0, column] <= 0.002 * exact[number] + 1e-6
+        assert (
+            abs(result.gain[0, column] - exact[number])
+            <= result.error_bound[0, column]
+            <= 0.002 * exact[number] + 1e-6
+        )
 
 
 def test_strong_coupling_reaches_beyond_the_first_hops(monkeypatch):
     """Where much flows on, more is assembled, until what lies beyond can't matter."""
     objects = tuple(HapticObject(f"o{k:03d}", 0, 1, Identity()) for k in range(120))
     contacts = tuple(
-        Contact((f"o{k:03d}", f"o{k + 1:03d}"), (place, place)) for k in range(119) for place in [(0, 0, float(n)) for n in range(10)]
+        Contact((f"o{k:03d}", f"o{k + 1:03d}"), (place, place))
+        for k in range(119)
+        for place in [(0, 0, float(n)) for n in range(10)]
     )
-    graph = graph_of_scene(HapticScene(objects, contacts, (Source("s", "o000"),), (Listener("l", "o030"),)))
+    graph = graph_of_scene(
+        HapticScene(objects, contacts, (Source("s", "o000"),), (Listener("l", "o030"),))
+    )
     whole = propagate(graph, CHOSEN)
     monkeypatch.setattr(energy_balance, "HOPS", 2)
     step_by_step = propagate(graph, CHOSEN)
@@ -302,13 +438,19 @@ def test_gains_too_small_for_their_squares():
 
 @pytest.mark.parametrize("weight", [1e-30, 1e-200, 1e-310])
 def test_contact_that_hardly_touches(weight):
-    """Alone in its region of a large object its mass has no finite reciprocal: nothing overflows, and it is as if it were gone."""
-    objects = (HapticObject("ground", 0, 1, Exponential(alpha=2.0)), *(HapticObject(name, 0.1, 0.9) for name in "ab"))
+    """Alone in its region of a large object its mass has no finite reciprocal: nothing overflows,
+    and it is as if it were gone."""
+    objects = (
+        HapticObject("ground", 0, 1, Exponential(alpha=2.0)),
+        *(HapticObject(name, 0.1, 0.9) for name in "ab"),
+    )
     near = Contact(("a", "ground"), (ORIGIN, ORIGIN))
     far = Contact(("b", "ground"), ((3.0, 0, 0), (3.0, 0, 0)), weight=weight)
     listener = (Listener("l", "ground", (0.2, 0, 0)), Listener("m", "b", (3.0, 0, 1.0)))
     both, one = (
-        propagate(graph_of_scene(HapticScene(objects, contacts, (Source("s", "a"),), listener)), CHOSEN)
+        propagate(
+            graph_of_scene(HapticScene(objects, contacts, (Source("s", "a"),), listener)), CHOSEN
+        )
         for contacts in ((near, far), (near,))
     )
     assert np.all(np.abs(both.gain - one.gain) <= both.error_bound + one.error_bound + 1e-12)

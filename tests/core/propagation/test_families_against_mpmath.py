@@ -1,4 +1,5 @@
-"""Every family of the benchmarks, judged by mpmath: best path, sum over all paths, energies and bounds of walks, to 1e-12."""
+"""Every family of the benchmarks, judged by mpmath: best path, sum over all paths, energies and
+bounds of walks, to 1e-12."""
 
 from __future__ import annotations
 
@@ -15,12 +16,22 @@ from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.exact.step_graph import build_step_graph, walk_sums
 from haptic_tracing.core.scene.functions import Constant, Exponential
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    Strategy,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import connected_scene, recursive_paths
 
-spec = importlib.util.spec_from_file_location("benchmark_families", Path(__file__).parents[3] / "benchmarks" / "families.py")
+spec = importlib.util.spec_from_file_location(
+    "benchmark_families", Path(__file__).parents[3] / "benchmarks" / "families.py"
+)
 assert spec is not None
 assert spec.loader is not None
 families = importlib.util.module_from_spec(spec)
@@ -66,16 +77,22 @@ def test_paths(name):
     graph = SMALL[name].graph()
     best = propagate(graph, Settings(strategy=Strategy.BEST_PATH, **FREE))
     total = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE))
-    limited = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=13, threshold=0.0, tolerance=0.0))
+    limited = propagate(
+        graph,
+        Settings(strategy=Strategy.ALL_PATHS, max_connections=13, threshold=0.0, tolerance=0.0),
+    )
     with mpmath.workdps(40):
         cache: dict[tuple[int, int], mpmath.mpf] = {}
         for column in range(len(graph.listeners)):
             gains, few = [], []
             for path, _ in recursive_paths(graph, 0, column):
                 product = mpmath.mpf(1)
-                for a, b in zip(path[::2], path[1::2], strict=True):  # the transmissions between are 1
+                # The transmissions between are 1.
+                for a, b in zip(path[::2], path[1::2], strict=True):
                     if (a, b) not in cache:
-                        cache[a, b] = exact_gain(graph.table.objects[graph.node_object[a]], length(graph, a, b))
+                        cache[a, b] = exact_gain(
+                            graph.table.objects[graph.node_object[a]], length(graph, a, b)
+                        )
                     product *= cache[a, b]
                 gains.append(product)
                 if len(path) <= 14:
@@ -88,7 +105,8 @@ def test_paths(name):
 
 @pytest.mark.parametrize("name", LARGER)
 def test_energies(name):
-    """Within the certified bound of the documented equations, written down a second time; and well within a hundredth of a decibel."""
+    """Within the certified bound of the documented equations, written down a second time; and well
+    within a hundredth of a decibel."""
     graph = LARGER[name].graph()
     result = propagate(graph, Settings(strategy=Strategy.ENERGY_BALANCE))
     with mpmath.workdps(30):
@@ -103,15 +121,26 @@ def test_energies(name):
 def test_energies_from_authored_numbers(seed, count):
     """The documented equations once more, for objects small enough to be one subsystem each."""
     random = np.random.default_rng(seed)
-    functions = [Exponential(alpha=float(random.uniform(0, 0.05))), Constant(gain_value=float(random.uniform(0.01, 1)))]
-    objects = tuple(HapticObject(f"o{i}", 0.0, 1.0, functions[random.integers(2)]) for i in range(count))
+    functions = [
+        Exponential(alpha=float(random.uniform(0, 0.05))),
+        Constant(gain_value=float(random.uniform(0.01, 1))),
+    ]
+    objects = tuple(
+        HapticObject(f"o{i}", 0.0, 1.0, functions[random.integers(2)]) for i in range(count)
+    )
     edges = [(i, int(random.integers(i))) for i in range(1, count)] + [(0, count - 1)]
     contacts = tuple(
-        Contact((f"o{a}", f"o{b}"), (p := tuple(random.uniform(0, 1, 3).tolist()), p), Constant(gain_value=float(random.uniform(0.1, 1))))
+        Contact(
+            (f"o{a}", f"o{b}"),
+            (p := tuple(random.uniform(0, 1, 3).tolist()), p),
+            Constant(gain_value=float(random.uniform(0.1, 1))),
+        )
         for a, b in edges
     )
     ends = [(float(random.uniform()), float(random.uniform()), 0.5) for _ in range(2)]
-    scene = HapticScene(objects, contacts, (Source("s", "o0", ends[0]),), (Listener("l", f"o{count - 1}", ends[1]),))
+    scene = HapticScene(
+        objects, contacts, (Source("s", "o0", ends[0]),), (Listener("l", f"o{count - 1}", ends[1]),)
+    )
     graph = graph_of_scene(scene)
     with mpmath.workdps(40):
 
@@ -122,9 +151,14 @@ def test_energies_from_authored_numbers(seed, count):
             return mpmath.mpf(function.gain_value) ** 2
 
         def apart(a, b) -> mpmath.mpf:
-            return mpmath.sqrt(sum((mpmath.mpf(x) - mpmath.mpf(y)) ** 2 for x, y in zip(a, b, strict=True)))
+            return mpmath.sqrt(
+                sum((mpmath.mpf(x) - mpmath.mpf(y)) ** 2 for x, y in zip(a, b, strict=True))
+            )
 
-        places = [[c.positions[0] for c, edge in zip(contacts, edges, strict=True) if index in edge] for index in range(count)]
+        places = [
+            [c.positions[0] for c, edge in zip(contacts, edges, strict=True) if index in edge]
+            for index in range(count)
+        ]
         damping, middles = [], []
         for index, here in enumerate(places):
             pairs = [apart(a, b) ** 2 for k, a in enumerate(here) for b in here[:k]]
@@ -150,25 +184,40 @@ def test_energies_from_authored_numbers(seed, count):
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6))
 def test_walks(seed):
-    """The bound of all walks is none too small, and not larger than rounding and its own remainder make it."""
-    graph = graph_of_scene(connected_scene(seed, (Exponential(alpha=0.4), Constant(gain_value=0.3), Constant(gain_value=0.1)), extra=3))
+    """The bound of all walks is none too small, and not larger than rounding and its own remainder
+    make it."""
+    graph = graph_of_scene(
+        connected_scene(
+            seed,
+            (Exponential(alpha=0.4), Constant(gain_value=0.3), Constant(gain_value=0.1)),
+            extra=3,
+        )
+    )
     entries = np.flatnonzero(graph.partner >= 0)
-    paths = build_step_graph(graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist())
+    paths = build_step_graph(
+        graph, entries, list(graph.sources[0].nodes), graph.listener_nodes.tolist()
+    )
     count = len(paths.nodes)
     with mpmath.workdps(40):
         step = mpmath.zeros(count, count)
         ends = mpmath.zeros(count, paths.listeners)
         for rows, matrix in ((paths.steps, step), (paths.ends, ends)):
             for entry in range(count):
-                for place in range(int(rows.start[entry]), int(rows.start[entry] + rows.size[entry])):
+                for place in range(
+                    int(rows.start[entry]), int(rows.start[entry] + rows.size[entry])
+                ):
                     matrix[entry, int(rows.to[place])] += mpmath.mpf(float(rows.gain[place, 0]))
         term = total = ends
         for k in range(1, 6):
             term = step * term
             total = total + term
             got = walk_sums(paths, k)
-            assert all(close(got[i, j], total[i, j]) for i in range(count) for j in range(paths.listeners))
-        largest = np.abs(np.linalg.eigvals(np.array(step.tolist(), dtype=np.float64).reshape(count, count))).max(initial=0.0)
+            assert all(
+                close(got[i, j], total[i, j]) for i in range(count) for j in range(paths.listeners)
+            )
+        largest = np.abs(
+            np.linalg.eigvals(np.array(step.tolist(), dtype=np.float64).reshape(count, count))
+        ).max(initial=0.0)
         bound = walk_sums(paths, 1000)
         if largest < 0.9:
             exact = (mpmath.eye(count) - step) ** -1 * ends

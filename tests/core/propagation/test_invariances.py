@@ -23,7 +23,12 @@ def several_sources(scene: HapticScene, seed: int) -> HapticScene:
     random = Random(seed)
     names = [item.name for item in scene.objects]
     sources = tuple(
-        Source(f"s{k}", random.choice(names), (random.random(), random.random(), 0.0), kind=random.choice(["persistent", "temporary"]))
+        Source(
+            f"s{k}",
+            random.choice(names),
+            (random.random(), random.random(), 0.0),
+            kind=random.choice(["persistent", "temporary"]),
+        )
         for k in range(random.randint(1, 4))
     )
     return dataclasses.replace(scene, sources=sources)
@@ -33,19 +38,28 @@ def several_sources(scene: HapticScene, seed: int) -> HapticScene:
 @settings(max_examples=120, deadline=None, derandomize=True)
 @given(SEEDS, STRATEGIES, LIMITS, st.sampled_from(list(Mode)))
 def test_order_of_input_bit_by_bit(seed, strategy, limits, mode):
-    scene = several_sources(connected_scene(seed, (*METRIC, *OTHER), listeners=4, refined=True), seed)
+    scene = several_sources(
+        connected_scene(seed, (*METRIC, *OTHER), listeners=4, refined=True), seed
+    )
     random = Random(seed + 1)
 
     def shuffled(items):
         return tuple(random.sample(list(items), len(items)))
 
     contacts = tuple(
-        dataclasses.replace(c, objects=c.objects[::-1], positions=c.positions[::-1], normal=tuple(-x for x in c.normal))
+        dataclasses.replace(
+            c,
+            objects=c.objects[::-1],
+            positions=c.positions[::-1],
+            normal=tuple(-x for x in c.normal),
+        )
         if random.random() < 0.5
         else c
         for c in shuffled(scene.contacts)
     )
-    other = HapticScene(shuffled(scene.objects), contacts, shuffled(scene.sources), shuffled(scene.listeners))
+    other = HapticScene(
+        shuffled(scene.objects), contacts, shuffled(scene.sources), shuffled(scene.listeners)
+    )
     chosen = Settings(mode=mode, strategy=strategy, max_connections=limits[0], threshold=limits[1])
     graphs = graph_of_scene(scene), graph_of_scene(other)
     results = [propagate(graph, chosen) for graph in graphs]
@@ -68,14 +82,19 @@ def test_order_of_input_bit_by_bit(seed, strategy, limits, mode):
 @given(SEEDS, STRATEGIES, LIMITS)
 def test_source_and_listener_exchanged(seed, strategy, limits):
     scene = connected_scene(seed, (*METRIC[:3], *OTHER), listeners=1, refined=True)
-    source, listener = dataclasses.replace(scene.sources[0], second_object=None, second_position=None), scene.listeners[0]
+    source, listener = (
+        dataclasses.replace(scene.sources[0], second_object=None, second_position=None),
+        scene.listeners[0],
+    )
     forth = dataclasses.replace(scene, sources=(source,))
     back = dataclasses.replace(
         scene,
         sources=(Source("s", listener.object, listener.position),),
         listeners=(Listener("l", source.object, source.position),),
     )
-    chosen = Settings(strategy=strategy, max_connections=limits[0], threshold=limits[1], tolerance=0.0)
+    chosen = Settings(
+        strategy=strategy, max_connections=limits[0], threshold=limits[1], tolerance=0.0
+    )
     gains = [propagate(graph_of_scene(each), chosen).gain[0, 0] for each in (forth, back)]
     assert gains[0] == pytest.approx(gains[1], rel=1e-12, abs=1e-15)
 
@@ -87,11 +106,18 @@ def test_more_listeners_change_nothing(seed, strategy, extra):
     scene = connected_scene(seed, METRIC[:3], listeners=1, extra=3)
     random = Random(seed)
     more = tuple(
-        Listener(f"m{k}", random.choice(scene.objects).name, (random.random(), random.random(), random.random())) for k in range(extra)
+        Listener(
+            f"m{k}",
+            random.choice(scene.objects).name,
+            (random.random(), random.random(), random.random()),
+        )
+        for k in range(extra)
     )
     chosen = Settings(strategy=strategy, max_connections=None, threshold=0.0, tolerance=0.0)
     alone = propagate(graph_of_scene(scene), chosen)
-    together = propagate(graph_of_scene(dataclasses.replace(scene, listeners=(*scene.listeners, *more))), chosen)
+    together = propagate(
+        graph_of_scene(dataclasses.replace(scene, listeners=(*scene.listeners, *more))), chosen
+    )
     assert together.gain[0, 0] == pytest.approx(alone.gain[0, 0], rel=1e-12)
 
 
@@ -110,7 +136,10 @@ def test_scene_moved_by_a_power_of_two(seed, strategy):
 
         return HapticScene(
             scene.objects,
-            tuple(dataclasses.replace(c, positions=tuple(map(moved, c.positions))) for c in scene.contacts),
+            tuple(
+                dataclasses.replace(c, positions=tuple(map(moved, c.positions)))
+                for c in scene.contacts
+            ),
             tuple(Source("s", s.object, moved(s.position)) for s in scene.sources),
             tuple(Listener(k.name, k.object, moved(k.position)) for k in scene.listeners),
         )

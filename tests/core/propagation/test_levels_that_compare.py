@@ -1,4 +1,5 @@
-"""Levels of the default strategy and of the energy balance: bounded, independent of cut-offs, steady, local, and made by the ways shown."""
+"""Levels of the default strategy and of the energy balance: bounded, independent of cut-offs,
+steady, local, and made by the ways shown."""
 
 from __future__ import annotations
 
@@ -11,7 +12,15 @@ from haptic_tracing.benchmarks.families import pile
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import Identity
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    Strategy,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from level_properties import (
@@ -58,16 +67,24 @@ def test_piles(strategy, seed):
 @pytest.mark.parametrize("has_shape", [True, False])
 @pytest.mark.parametrize("count", [100, 1000])
 def test_a_body_far_away_on_the_same_ground_changes_no_level(strategy, has_shape, count):
-    """One body more, 27 to 200 m from the middle of a pile, which is 6 to 19 m wide: under 0.5 dB."""
+    """One body more, 27 to 200 m from the middle of a pile, which is 6 to 19 m wide: under 0.5
+    dB."""
     family = pile(count)
     objects, names = family.table.objects, family.table.names
     contacts = family.contacts.to_contacts(names)
 
     def gains(far: float | None) -> np.ndarray:
         place = (far or 0.0, 0.0, 0.0)
-        more = (replace(objects[-1], name="object far"),), (Contact((names[0], "object far"), (place, place)),)
+        more = (
+            (replace(objects[-1], name="object far"),),
+            (Contact((names[0], "object far"), (place, place)),),
+        )
         added = more if far else ((), ())
-        graph = graph_of_scene(HapticScene((*objects, *added[0]), (*contacts, *added[1]), family.sources, family.listeners))
+        graph = graph_of_scene(
+            HapticScene(
+                (*objects, *added[0]), (*contacts, *added[1]), family.sources, family.listeners
+            )
+        )
         if has_shape:
             centre = graph.frames.centre.copy()
             centre[0] = 9.0, 9.0, -1.0
@@ -98,13 +115,20 @@ def test_between_the_best_way_and_the_power_sum_of_all(seed):
     found = traced(scene, Strategy.AUTO, threshold=0.0).gain
     for column in range(len(graph.listeners)):
         products = [math.prod(gains) for _, gains in recursive_paths(graph, 0, column)]
-        assert max(products, default=0.0) * (1 - 1e-9) <= found[0, column] <= math.hypot(*products) * (1 + 1e-9)
+        assert (
+            max(products, default=0.0) * (1 - 1e-9)
+            <= found[0, column]
+            <= math.hypot(*products) * (1 + 1e-9)
+        )
 
 
 def test_sums_in_the_same_piles_have_none_of_this():
-    """What the default is not: in a dense pile a sum over paths is above its source, and set by its threshold, and says so."""
+    """What the default is not: in a dense pile a sum over paths is above its source, and set by its
+    threshold, and says so."""
     scene = pile_scene(1, 60)
-    coarse, fine = (traced(scene, Strategy.ALL_PATHS, threshold=threshold) for threshold in (1e-2, 3e-3))
+    coarse, fine = (
+        traced(scene, Strategy.ALL_PATHS, threshold=threshold) for threshold in (1e-2, 3e-3)
+    )
     assert coarse.limited.all() and fine.limited.all()
     heard = coarse.gain > 0
     assert np.median(fine.gain[heard] / coarse.gain[heard]) > 1.5
@@ -113,9 +137,17 @@ def test_sums_in_the_same_piles_have_none_of_this():
 
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_two_objects_with_several_ways_between_them(count):
-    """Ways without loss, side by side: the default is one of them, the balance shares the energy and is not above it."""
+    """Ways without loss, side by side: the default is one of them, the balance shares the energy
+    and is not above it."""
     objects = HapticObject("a", 0, 1, Identity()), HapticObject("b", 0, 1, Identity())
-    scene = HapticScene(objects, (Contact(("a", "b"), (PLACE, PLACE)),) * count, (Source("s", "a"),), (Listener("l", "b"),))
+    scene = HapticScene(
+        objects,
+        (Contact(("a", "b"), (PLACE, PLACE)),) * count,
+        (Source("s", "a"),),
+        (Listener("l", "b"),),
+    )
     assert traced(scene, Strategy.AUTO).gain[0, 0] == 1.0
     balance = traced(scene, Strategy.ENERGY_BALANCE)
-    assert balance.gain[0, 0] == pytest.approx(math.sqrt(count / (1 + 2 * count)), abs=balance.error_bound[0, 0] + 1e-12)
+    assert balance.gain[0, 0] == pytest.approx(
+        math.sqrt(count / (1 + 2 * count)), abs=balance.error_bound[0, 0] + 1e-12
+    )

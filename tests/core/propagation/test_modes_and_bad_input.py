@@ -11,19 +11,41 @@ from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.graph.haptic_graph import NoGain, ObjectTable, build_graph, graph_of_scene
 from haptic_tracing.core.propagation import objects_on, propagate
 from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, Identity
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Mode, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Mode,
+    Settings,
+    Source,
+    Strategy,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import connected_scene
 
 SCENE = HapticScene(
-    objects=(HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8), HapticObject("kite", 0.5, 0.5)),
+    objects=(
+        HapticObject("ground", 0.2, 0.9),
+        HapticObject("bench", 0.1, 0.8),
+        HapticObject("kite", 0.5, 0.5),
+    ),
     contacts=(Contact(("ground", "bench"), ((1, 0, 0), (1, 0, 0))),),
-    sources=(Source("drill", "ground"), Source("bump", "bench", (1, 0, 0), kind="temporary", second_object="ground")),
-    listeners=(Listener("seat", "bench", (1.2, 0, 0.4)), Listener("hand", "kite", (0, 0, 3)), Listener("foot", "ground", (0, 1, 0))),
+    sources=(
+        Source("drill", "ground"),
+        Source("bump", "bench", (1, 0, 0), kind="temporary", second_object="ground"),
+    ),
+    listeners=(
+        Listener("seat", "bench", (1.2, 0, 0.4)),
+        Listener("hand", "kite", (0, 0, 3)),
+        Listener("foot", "ground", (0, 1, 0)),
+    ),
 )
 GRAPH = graph_of_scene(SCENE)
-LINE = np.array([[math.dist(s.position, k.position) for k in SCENE.listeners] for s in SCENE.sources])
+LINE = np.array(
+    [[math.dist(s.position, k.position) for k in SCENE.listeners] for s in SCENE.sources]
+)
 
 
 @pytest.mark.parametrize("strategy", list(Strategy))
@@ -52,21 +74,32 @@ def test_nearest_listener_on_the_graph():
 def test_nearest_listener_ties_go_by_name():
     listeners = (Listener("right", "ground", (1, 0, 0)), Listener("left", "ground", (-1, 0, 0)))
     scene = HapticScene(SCENE.objects, (), (Source("s", "ground"),), listeners)
-    assert propagate(graph_of_scene(scene), Settings(mode=Mode.SD)).gain[0].tolist() == [0, pytest.approx(math.exp(-0.2))]
+    assert propagate(graph_of_scene(scene), Settings(mode=Mode.SD)).gain[0].tolist() == [
+        0,
+        pytest.approx(math.exp(-0.2)),
+    ]
 
 
 def test_automatic_strategies():
     """Automatic is the best path for every source; the paper's pair is one strategy away."""
     assert propagate(GRAPH, Settings()).strategy == ("best_path", "best_path")
-    assert propagate(GRAPH, Settings(strategy=Strategy.AS_IN_THE_PAPER)).strategy == ("all_paths", "best_path")
+    assert propagate(GRAPH, Settings(strategy=Strategy.AS_IN_THE_PAPER)).strategy == (
+        "all_paths",
+        "best_path",
+    )
 
 
 @pytest.mark.parametrize("strategy", list(Strategy))
 def test_nearest_listener_by_best_path_whatever_the_strategy(strategy):
-    """Mode SD is the largest product of gains by distance alone, also between objects that touch each other all around."""
+    """Mode SD is the largest product of gains by distance alone, also between objects that touch
+    each other all around."""
     names = ["a", "b", "c", "d"]
     objects = tuple(HapticObject(name, 0.0, 1.0) for name in names)
-    contacts = tuple(Contact((one, other), ((0, 0, 0), (0, 0, 0))) for k, one in enumerate(names) for other in names[:k])
+    contacts = tuple(
+        Contact((one, other), ((0, 0, 0), (0, 0, 0)))
+        for k, one in enumerate(names)
+        for other in names[:k]
+    )
     scene = HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", "b", (1, 0, 0)),))
     result = propagate(graph_of_scene(scene), Settings(mode=Mode.SD, strategy=strategy))
     assert result.strategy == ("best_path",)
@@ -76,15 +109,25 @@ def test_nearest_listener_by_best_path_whatever_the_strategy(strategy):
 def test_automatic_strategy_has_no_limit_of_connections():
     """Through 40 objects in a row, which takes 79 connections."""
     objects = tuple(HapticObject(f"o{k:02d}", 0, 1, Identity()) for k in range(40))
-    contacts = tuple(Contact((f"o{k:02d}", f"o{k + 1:02d}"), ((k, 0, 0), (k, 0, 0))) for k in range(39))
-    graph = graph_of_scene(HapticScene(objects, contacts, (Source("s", "o00"),), (Listener("l", "o39"),)))
+    contacts = tuple(
+        Contact((f"o{k:02d}", f"o{k + 1:02d}"), ((k, 0, 0), (k, 0, 0))) for k in range(39)
+    )
+    graph = graph_of_scene(
+        HapticScene(objects, contacts, (Source("s", "o00"),), (Listener("l", "o39"),))
+    )
     assert propagate(graph, Settings()).gain[0, 0] == 1
     assert propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0] == 0
-    assert propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=79)).gain[0, 0] == 1
+    assert (
+        propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=79)).gain[0, 0] == 1
+    )
 
 
 def test_nothing_to_do():
-    for scene in (HapticScene(), HapticScene(SCENE.objects, SCENE.contacts), HapticScene(SCENE.objects, (), SCENE.sources)):
+    for scene in (
+        HapticScene(),
+        HapticScene(SCENE.objects, SCENE.contacts),
+        HapticScene(SCENE.objects, (), SCENE.sources),
+    ):
         for strategy in Strategy:
             for mode in Mode:
                 result = propagate(graph_of_scene(scene), Settings(mode=mode, strategy=strategy))
@@ -126,12 +169,16 @@ def test_settings_name_what_is_wrong(argument, value):
 def test_contacts_name_what_is_wrong(change, message):
     table = ObjectTable.of(SCENE.objects, 0.1)
     contacts = ContactSet.from_contacts(SCENE.contacts, table.index())
-    arrays = {key: getattr(contacts, key) for key in ContactSet.__slots__} | {key: np.array(value) for key, value in change.items()}
+    arrays = {key: getattr(contacts, key) for key in ContactSet.__slots__} | {
+        key: np.array(value) for key, value in change.items()
+    }
     with pytest.raises(ValueError, match=f"^{message}"):
         build_graph(table, ContactSet(**arrays), SCENE.sources, SCENE.listeners)
 
 
-@pytest.mark.parametrize(("kind", "value"), [("sources", Source("s", "moon")), ("listeners", Listener("l", "moon"))])
+@pytest.mark.parametrize(
+    ("kind", "value"), [("sources", Source("s", "moon")), ("listeners", Listener("l", "moon"))]
+)
 def test_unknown_objects_are_named(kind, value):
     table = ObjectTable.of(SCENE.objects, 0.1)
     ends = {"sources": (), "listeners": (), kind: (value,)}
@@ -139,12 +186,17 @@ def test_unknown_objects_are_named(kind, value):
         build_graph(table, ContactSet.empty(), ends["sources"], ends["listeners"])
 
 
-@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
+@pytest.mark.parametrize(
+    "strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE]
+)
 @pytest.mark.parametrize("formula", ["1 - d", "1 / (d - 2)", "log(d - 5)"])
 def test_expression_without_a_gain_is_named(strategy, formula):
     """At a distance of 2 m these are negative, infinite, or nothing at all."""
     scene = HapticScene(
-        (HapticObject("odd", 0, 1, Expression(expression=formula)),), (), (Source("s", "odd"),), (Listener("l", "odd", (2, 0, 0)),)
+        (HapticObject("odd", 0, 1, Expression(expression=formula)),),
+        (),
+        (Source("s", "odd"),),
+        (Listener("l", "odd", (2, 0, 0)),),
     )
     with pytest.raises(NoGain, match=r"^object 'odd': expression: ") as error:
         propagate(graph_of_scene(scene), Settings(strategy=strategy))
@@ -154,7 +206,8 @@ def test_expression_without_a_gain_is_named(strategy, formula):
 @pytest.mark.parametrize("strategy", list(Strategy))
 @pytest.mark.parametrize("localise", [0.0, 0.25, 1.0])
 def test_localise_blends_towards_the_nearest_listener(strategy, localise):
-    """What others than the nearest feel goes down with it; the nearest feels what it always does."""
+    """What others than the nearest feel goes down with it; the nearest feels what it always
+    does."""
     plain = propagate(GRAPH, Settings(strategy=strategy))
     result = propagate(GRAPH, Settings(strategy=strategy, localise=localise))
     for row, line in enumerate(LINE):
@@ -167,7 +220,10 @@ def test_localise_blends_towards_the_nearest_listener(strategy, localise):
 
 def test_localise_is_for_haptic_tracing_alone():
     for mode in (Mode.SD, Mode.MD, Mode.MN):
-        assert np.array_equal(propagate(GRAPH, Settings(mode=mode, localise=0.7)).gain, propagate(GRAPH, Settings(mode=mode)).gain)
+        assert np.array_equal(
+            propagate(GRAPH, Settings(mode=mode, localise=0.7)).gain,
+            propagate(GRAPH, Settings(mode=mode)).gain,
+        )
     with pytest.raises(ValueError, match="localise"):
         Settings(localise=1.5)
 
@@ -179,14 +235,19 @@ def test_distances_that_are_none(distance):
         table.gain(0, np.array([1.0, distance]))
 
 
-@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
+@pytest.mark.parametrize(
+    "strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE]
+)
 @pytest.mark.parametrize("far", [1e160, 1e300])
 def test_distances_whose_squares_are_no_numbers(strategy, far):
     """Identity carries over them, and nothing else does."""
     for function, gain in ((Identity(), 1.0), (Exponential(alpha=1e-100), 0.0)):
         scene = HapticScene(
             (HapticObject("a", 0, 1, function), HapticObject("b", 0, 1, function)),
-            (Contact(("a", "b"), ((far, 0, 0), (far, -far, far))), Contact(("a", "b"), ((0, 0, far), (0, -far, far)))),
+            (
+                Contact(("a", "b"), ((far, 0, 0), (far, -far, far))),
+                Contact(("a", "b"), ((0, 0, far), (0, -far, far))),
+            ),
             (Source("s", "a", (-far, far, 0)),),
             (Listener("l", "b", (-far, 0, -far)),),
         )
@@ -198,20 +259,41 @@ def test_distances_whose_squares_are_no_numbers(strategy, far):
             assert 0 <= result.gain[0, 0] <= 2 * gain
 
 
-TINY = (Constant(gain_value=1e-200), Exponential(alpha=1e6), Identity(), Constant(gain_value=0.6), Constant(gain_value=0.0))
+TINY = (
+    Constant(gain_value=1e-200),
+    Exponential(alpha=1e6),
+    Identity(),
+    Constant(gain_value=0.6),
+    Constant(gain_value=0.0),
+)
 
 
 @pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6), st.sampled_from(list(Strategy)))
 def test_gains_at_the_ends_of_what_numbers_can_say(seed, strategy):
-    """Products far below the smallest number, weights next to none: no warning of NumPy, and all that is no sum between 0 and 1."""
+    """Products far below the smallest number, weights next to none: no warning of NumPy, and all
+    that is no sum between 0 and 1."""
     scene = connected_scene(
-        seed, TINY, (Constant(gain_value=1e-160), Identity(), Constant(gain_value=0.0)), extra=8, size=1e4, refined=True
+        seed,
+        TINY,
+        (Constant(gain_value=1e-160), Identity(), Constant(gain_value=0.0)),
+        extra=8,
+        size=1e4,
+        refined=True,
     )
     random = np.random.default_rng(seed)
-    contacts = tuple(replace(contact, weight=float(random.choice([1.0, 0.5, 1e-300]))) for contact in scene.contacts)
-    result = propagate(graph_of_scene(replace(scene, contacts=contacts)), Settings(strategy=strategy), budget=3000)
-    assert np.isfinite(result.gain).all() and (result.gain >= 0).all() and (result.error_bound >= 0).all()
+    contacts = tuple(
+        replace(contact, weight=float(random.choice([1.0, 0.5, 1e-300])))
+        for contact in scene.contacts
+    )
+    result = propagate(
+        graph_of_scene(replace(scene, contacts=contacts)), Settings(strategy=strategy), budget=3000
+    )
+    assert (
+        np.isfinite(result.gain).all()
+        and (result.gain >= 0).all()
+        and (result.error_bound >= 0).all()
+    )
     if strategy not in (Strategy.ALL_PATHS, Strategy.AS_IN_THE_PAPER):
         assert (result.gain <= 1).all() and (result.error_bound <= 1).all()

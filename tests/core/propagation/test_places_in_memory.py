@@ -1,4 +1,5 @@
-"""Bit by bit the same result wherever the arrays lie in memory, however their elements are spaced there, and whoever computes."""
+"""Bit by bit the same result wherever the arrays lie in memory, however their elements are spaced
+there, and whoever computes."""
 
 from __future__ import annotations
 
@@ -10,7 +11,15 @@ from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, ObjectTable, build_graph
 from haptic_tracing.core.propagation import Propagation, propagate
 from haptic_tracing.core.scene.functions import Exponential, HapticTracing, Spectrum
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    Strategy,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene
@@ -21,7 +30,9 @@ OFFSETS = st.integers(1, 7).map(lambda words: 8 * words)
 LIMITS = st.sampled_from([(None, 0.0), (32, 1e-3), (9, 0.0)])
 CORE = Settings(strategy=Strategy.ENERGY_BALANCE)
 STRATEGIES = st.sampled_from([Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
-BANDED = Exponential(alpha=0.3, spectrum=Spectrum(band_gains=(1.0, 0.9, 0.8, 0.7, 0.6, 0.5), wave_speed=340.0))
+BANDED = Exponential(
+    alpha=0.3, spectrum=Spectrum(band_gains=(1.0, 0.9, 0.8, 0.7, 0.6, 0.5), wave_speed=340.0)
+)
 
 
 def moved(array: np.ndarray, offset: int) -> np.ndarray:
@@ -64,7 +75,9 @@ def assert_same_bits(a: Propagation, b: Propagation) -> None:
 def graph_from(scene: HapticScene, place) -> HapticGraph:
     table = ObjectTable.of(scene.objects, scene.settings.epsilon)
     contacts = elsewhere(ContactSet.from_contacts(scene.contacts, table.index()), place)
-    return elsewhere(build_graph(elsewhere(table, place), contacts, scene.sources, scene.listeners), place)
+    return elsewhere(
+        build_graph(elsewhere(table, place), contacts, scene.sources, scene.listeners), place
+    )
 
 
 @pytest.mark.slow
@@ -80,17 +93,31 @@ def test_same_bits_at_every_offset(seed, strategy, limits, offset, bands):
 
 
 def heap(count: int = 120) -> HapticScene:
-    """Enough boxes on a ground that all is done in arrays, and energies have a core to be solved as a matrix."""
+    """Enough boxes on a ground that all is done in arrays, and energies have a core to be solved as
+    a matrix."""
     random = np.random.default_rng(3)
     spots = random.uniform(0, 2, (count, 3))
     names = [f"box {k:03d}" for k in range(count)]
-    boxes = [HapticObject(name, 0.1, 0.9, BANDED if k % 9 == 0 else HapticTracing()) for k, name in enumerate(names)]
+    boxes = [
+        HapticObject(name, 0.1, 0.9, BANDED if k % 9 == 0 else HapticTracing())
+        for k, name in enumerate(names)
+    ]
     objects = [HapticObject("ground", 0.2, 0.9), *boxes]
-    contacts = [Contact(("ground", name), (tuple(spot),) * 2) for name, spot in zip(names, spots.tolist(), strict=True)]
-    near = [(a, b) for a in range(count) for b in range(a) if np.linalg.norm(spots[a] - spots[b]) < 0.5]
-    contacts += [Contact((names[a], names[b]), (tuple(((spots[a] + spots[b]) / 2).tolist()),) * 2) for a, b in near]
+    contacts = [
+        Contact(("ground", name), (tuple(spot),) * 2)
+        for name, spot in zip(names, spots.tolist(), strict=True)
+    ]
+    near = [
+        (a, b) for a in range(count) for b in range(a) if np.linalg.norm(spots[a] - spots[b]) < 0.5
+    ]
+    contacts += [
+        Contact((names[a], names[b]), (tuple(((spots[a] + spots[b]) / 2).tolist()),) * 2)
+        for a, b in near
+    ]
     sources = tuple(Source(f"s{k}", names[k], tuple(spots[k].tolist())) for k in range(3))
-    listeners = tuple(Listener(f"l{k}", names[-1 - k], tuple(spots[-1 - k].tolist())) for k in range(10))
+    listeners = tuple(
+        Listener(f"l{k}", names[-1 - k], tuple(spots[-1 - k].tolist())) for k in range(10)
+    )
     return HapticScene(tuple(objects), tuple(contacts), sources, listeners)
 
 
@@ -101,16 +128,22 @@ def test_same_bits_in_a_heap():
         chosen = Settings(strategy=strategy, threshold=0.1)
         expected = propagate(graph_from(scene, np.copy), chosen)
         assert np.count_nonzero(expected.gain) > 10
-        for place in (*(lambda array, offset=offset: moved(array, offset) for offset in (8, 40)), spaced):
+        for place in (
+            *(lambda array, offset=offset: moved(array, offset) for offset in (8, 40)),
+            spaced,
+        ):
             assert_same_bits(propagate(graph_from(scene, place), chosen), expected)
 
 
 @pytest.mark.slow
 def test_same_bits_with_any_number_of_threads():
-    """Libraries for linear algebra divide large products among threads: energies with a core of some hundred subsystems."""
+    """Libraries for linear algebra divide large products among threads: energies with a core of
+    some hundred subsystems."""
     code = (
-        "from test_places_in_memory import CORE, heap; from haptic_tracing.core.graph.haptic_graph import graph_of_scene;"
-        "from haptic_tracing.core.propagation import propagate; print(propagate(graph_of_scene(heap(400)), CORE).gain.tobytes().hex())"
+        "from test_places_in_memory import CORE, heap; from "
+        "haptic_tracing.core.graph.haptic_graph import graph_of_scene;"
+        "from haptic_tracing.core.propagation import propagate; "
+        "print(propagate(graph_of_scene(heap(400)), CORE).gain.tobytes().hex())"
     )
     found = [printed(code, __file__, threads) for threads in (1, 2, 5)]
     assert found[0] == found[1] == found[2] != ""

@@ -13,17 +13,37 @@ from haptic_tracing.core.graph.object_frames import ObjectFrames
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.reuse import Inputs
 from haptic_tracing.core.scene.functions import Exponential
-from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Pose, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    Listener,
+    Pose,
+    Settings,
+    Source,
+    Strategy,
+)
 
 TURNED = (float(np.cos(0.3)), 0.0, 0.0, float(np.sin(0.3)))
 
 
 def inputs(pose: Pose) -> Inputs:
-    """Posts on a floor that damps within half a metre and lies in ``pose``; everything else stays where it is."""
+    """Posts on a floor that damps within half a metre and lies in ``pose``; everything else stays
+    where it is."""
     floor = HapticObject("floor", 0, 1, Exponential(alpha=2.0), shape=Box((8, 8, 1)), pose=pose)
-    table = ObjectTable.of([floor, *(HapticObject(name, 0, 1, Exponential(alpha=2.0)) for name in "abcdef")], 0.1)
-    places = (1.3, 0.2, 0.5), (-0.4, 1.1, 0.5), (1.0, 0.5, 0.5), (0.6, 0.6, 0.5), (0.2, 0.9, 0.5), (-0.1, 0.9, 0.5)
-    touching = [Contact((name, "floor"), (at, at)) for name, at in zip("abcdef", places, strict=True)]
+    table = ObjectTable.of(
+        [floor, *(HapticObject(name, 0, 1, Exponential(alpha=2.0)) for name in "abcdef")], 0.1
+    )
+    places = (
+        (1.3, 0.2, 0.5),
+        (-0.4, 1.1, 0.5),
+        (1.0, 0.5, 0.5),
+        (0.6, 0.6, 0.5),
+        (0.2, 0.9, 0.5),
+        (-0.1, 0.9, 0.5),
+    )
+    touching = [
+        Contact((name, "floor"), (at, at)) for name, at in zip("abcdef", places, strict=True)
+    ]
     contacts = ContactSet.from_contacts(touching, table.index())
     ends = (Source("s", "a", (1.3, 0.2, 1.0)),), (Listener("l", "b", (-0.4, 1.1, 1.0)),)
     frames = ObjectFrames.of_objects(table.objects)
@@ -35,7 +55,9 @@ def gain(given: Inputs) -> float:
     return float(propagate(graph, given.settings).gain[0, 0])
 
 
-@pytest.mark.parametrize("pose", [Pose((0.3, 0, 0)), Pose((0, 0, 0), TURNED)], ids=["moved", "turned"])
+@pytest.mark.parametrize(
+    "pose", [Pose((0.3, 0, 0)), Pose((0, 0, 0), TURNED)], ids=["moved", "turned"]
+)
 def test_energy_balance_is_computed_again_when_an_object_moves_under_contacts_that_stay(pose):
     """Its regions lie elsewhere, so what the contacts couple has changed."""
     before, after = inputs(Pose()), inputs(pose)

@@ -1,4 +1,5 @@
-"""Rounding errors, judged by mpmath from the same inputs: relative error below 1e-12 wherever the answer is above 1e-300."""
+"""Rounding errors, judged by mpmath from the same inputs: relative error below 1e-12 wherever the
+answer is above 1e-300."""
 
 from __future__ import annotations
 
@@ -13,7 +14,15 @@ from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.functions import Constant, Exponential, Identity, Physical
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    Strategy,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import connected_scene, recursive_paths
@@ -24,12 +33,20 @@ SEEDS = st.integers(0, 10**6)
 
 
 def surface_wave_gain(function: Physical, k: mpmath.mpf, distance: mpmath.mpf) -> mpmath.mpf:
-    """Spreading as the root of distance up to the body's extent, damping at the centre of the lowest band, scaled by ln K / ln K0."""
+    """Spreading as the root of distance up to the body's extent, damping at the centre of the
+    lowest band, scaled by ln K / ln K0."""
     if k <= 0:
         return mpmath.mpf(distance == 0)
-    damping = mpmath.pi * mpmath.mpf(BAND_CENTRES[0]) * mpmath.mpf(function.loss_factor) / mpmath.mpf(function.phase_speed)
+    damping = (
+        mpmath.pi
+        * mpmath.mpf(BAND_CENTRES[0])
+        * mpmath.mpf(function.loss_factor)
+        / mpmath.mpf(function.phase_speed)
+    )
     damping *= mpmath.log(k) / mpmath.log(mpmath.mpf(function.material_k))
-    spread = 1 + min(distance, mpmath.mpf(function.extent)) / mpmath.mpf(function.reference_distance)
+    spread = 1 + min(distance, mpmath.mpf(function.extent)) / mpmath.mpf(
+        function.reference_distance
+    )
     return mpmath.exp(-damping * distance) / mpmath.sqrt(spread)
 
 
@@ -72,7 +89,12 @@ def test_random_scenes(seed, size, offset):
     shifted = HapticScene(
         scene.objects,
         tuple(
-            Contact(c.objects, tuple(tuple(x + offset for x in p) for p in c.positions), c.transmission, share=c.share)
+            Contact(
+                c.objects,
+                tuple(tuple(x + offset for x in p) for p in c.positions),
+                c.transmission,
+                share=c.share,
+            )
             for c in scene.contacts
         ),
         scene.sources,
@@ -98,7 +120,12 @@ def contacts_in_a_row(count: int) -> tuple[Contact, ...]:
 def chain(count: int, function, kappa: float = 0.0) -> HapticScene:
     """Objects in a row."""
     objects = tuple(HapticObject(f"{i:06d}", kappa, 1.0, function) for i in range(count))
-    return HapticScene(objects, contacts_in_a_row(count), (Source("s", "000000"),), (Listener("l", f"{count - 1:06d}"),))
+    return HapticScene(
+        objects,
+        contacts_in_a_row(count),
+        (Source("s", "000000"),),
+        (Listener("l", f"{count - 1:06d}"),),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -110,8 +137,12 @@ def chain_of_gains_near_one():
 @pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS])
 @pytest.mark.parametrize("threshold", [0.0, 1e-300])
 def test_chain_of_30000_objects(chain_of_gains_near_one, strategy, threshold):
-    """Gains close to 1, so that the answer is not tiny: the rounding error of every link would add up to 1.7e-12."""
-    result = propagate(chain_of_gains_near_one, Settings(strategy=strategy, max_connections=None, threshold=threshold))
+    """Gains close to 1, so that the answer is not tiny: the rounding error of every link would add
+    up to 1.7e-12."""
+    result = propagate(
+        chain_of_gains_near_one,
+        Settings(strategy=strategy, max_connections=None, threshold=threshold),
+    )
     with mpmath.workdps(40):
         exact = (1 - mpmath.mpf(KAPPA)) ** LONG
         assert exact > 1e-20
@@ -132,22 +163,38 @@ def test_chain_of_gains_of_one_in_a_thousand():
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
-@given(st.lists(st.tuples(st.integers(0, 10**6), st.floats(0, 1)), min_size=2, max_size=40), st.floats(0, 1e9), st.floats(0, 1e-9))
+@given(
+    st.lists(st.tuples(st.integers(0, 10**6), st.floats(0, 1)), min_size=2, max_size=40),
+    st.floats(0, 1e9),
+    st.floats(0, 1e-9),
+)
 def test_values_at_the_ends_of_their_ranges(parts, far, near):
-    """kappa = 1, rho = 0, epsilon = 0, nodes that coincide, 1e9 m and 1e-9 m: finite, in [0, 1], and a blocked way is 0 and no path."""
+    """kappa = 1, rho = 0, epsilon = 0, nodes that coincide, 1e9 m and 1e-9 m: finite, in [0, 1],
+    and a blocked way is 0 and no path."""
     objects = tuple(
-        HapticObject(f"o{i}", [0.0, 1.0, value][seed % 3], [1.0, 0.0, 1 - value][seed // 3 % 3]) for i, (seed, value) in enumerate(parts)
+        HapticObject(f"o{i}", [0.0, 1.0, value][seed % 3], [1.0, 0.0, 1 - value][seed // 3 % 3])
+        for i, (seed, value) in enumerate(parts)
     )
     spots = [(0.0, 0.0, 0.0), (far, 0.0, 0.0), (0.0, near, -far)]
-    contacts = tuple(Contact((f"o{i}", f"o{i + 1}"), (spots[seed % 3], spots[seed // 3 % 3])) for i, (seed, _) in enumerate(parts[:-1]))
+    contacts = tuple(
+        Contact((f"o{i}", f"o{i + 1}"), (spots[seed % 3], spots[seed // 3 % 3]))
+        for i, (seed, _) in enumerate(parts[:-1])
+    )
     scene = HapticScene(
-        objects, contacts, (Source("s", "o0"),), (Listener("l", f"o{len(parts) - 1}", (far, near, 0)),), Settings(epsilon=0.0)
+        objects,
+        contacts,
+        (Source("s", "o0"),),
+        (Listener("l", f"o{len(parts) - 1}", (far, near, 0)),),
+        Settings(epsilon=0.0),
     )
     graph = graph_of_scene(scene)
     blocked = any(item.kappa == 1 or item.rho == 0 for item in objects)
     for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE):
         for threshold in (0.0, 1e-3):
-            result = propagate(graph, Settings(strategy=strategy, max_connections=None, threshold=threshold, epsilon=0.0))
+            result = propagate(
+                graph,
+                Settings(strategy=strategy, max_connections=None, threshold=threshold, epsilon=0.0),
+            )
             assert 0 <= result.gain[0, 0] <= 1
             assert np.isfinite(result.error_bound).all()
             if blocked:
@@ -157,24 +204,38 @@ def test_values_at_the_ends_of_their_ranges(parts, far, near):
 
 @pytest.mark.slow
 def test_10000_contacts_on_one_object():
-    """A ground with 10,000 pebbles and two benches: what a pebble leads to is nothing, and what the bench receives is exact."""
+    """A ground with 10,000 pebbles and two benches: what a pebble leads to is nothing, and what the
+    bench receives is exact."""
     pebbles = 10_000
     random = np.random.default_rng(7)
     places = random.uniform(-5, 5, (pebbles, 3)).tolist()
-    objects = [HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8)] + [HapticObject(f"p{i}", 0, 1) for i in range(pebbles)]
+    objects = [HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8)] + [
+        HapticObject(f"p{i}", 0, 1) for i in range(pebbles)
+    ]
     contacts = [Contact(("ground", f"p{i}"), (tuple(p), tuple(p))) for i, p in enumerate(places)]
     contacts += [Contact(("ground", "bench"), ((x, 0, 0), (x, 0, 0))) for x in (1.0, 1.5)]
-    scene = HapticScene(tuple(objects), tuple(contacts), (Source("s", "ground"),), (Listener("l", "bench", (1.25, 0, 0.5)),))
+    scene = HapticScene(
+        tuple(objects),
+        tuple(contacts),
+        (Source("s", "ground"),),
+        (Listener("l", "bench", (1.25, 0, 0.5)),),
+    )
     graph = graph_of_scene(scene)
     with mpmath.workdps(40):
-        kept = graph_of_scene(HapticScene(tuple(objects[:2]), tuple(contacts[-2:]), scene.sources, scene.listeners))
+        kept = graph_of_scene(
+            HapticScene(tuple(objects[:2]), tuple(contacts[-2:]), scene.sources, scene.listeners)
+        )
         gains = [exact_path(kept, path) for path, _ in recursive_paths(kept, 0, 0)]
         assert close(propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0], max(gains))
-        assert close(propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE)).gain[0, 0], mpmath.fsum(gains))
+        assert close(
+            propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE)).gain[0, 0],
+            mpmath.fsum(gains),
+        )
 
 
 def test_gains_within_one_unit_in_the_last_place_of_each_other():
-    """Two ways whose gains differ in the last digit, or not at all: either may be taken, the gain is right to the last digits."""
+    """Two ways whose gains differ in the last digit, or not at all: either may be taken, the gain
+    is right to the last digits."""
     for gain in (0.7, math.nextafter(0.7, 1), math.nextafter(0.7, 0)):
         objects = (
             HapticObject("a", 0, 1, Identity()),
@@ -183,8 +244,15 @@ def test_gains_within_one_unit_in_the_last_place_of_each_other():
             HapticObject("d", 0, 1, Identity()),
         )
         origin = (0.0, 0.0, 0.0)
-        contacts = tuple(Contact(pair, (origin, origin)) for pair in (("a", "b"), ("b", "d"), ("a", "c"), ("c", "d")))
+        contacts = tuple(
+            Contact(pair, (origin, origin))
+            for pair in (("a", "b"), ("b", "d"), ("a", "c"), ("c", "d"))
+        )
         scene = HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", "d"),))
         graph = graph_of_scene(scene)
-        assert propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0] == pytest.approx(max(0.7, gain), rel=1e-15)
-        assert propagate(graph, Settings(strategy=Strategy.ALL_PATHS)).gain[0, 0] == pytest.approx(0.7 + gain, rel=1e-15)
+        assert propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0] == pytest.approx(
+            max(0.7, gain), rel=1e-15
+        )
+        assert propagate(graph, Settings(strategy=Strategy.ALL_PATHS)).gain[0, 0] == pytest.approx(
+            0.7 + gain, rel=1e-15
+        )

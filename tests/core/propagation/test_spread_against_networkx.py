@@ -1,4 +1,5 @@
-"""`spread` against NetworkX on the explicit graph of states: inside an object (may leave it) and just entered (may go through it)."""
+"""`spread` against NetworkX on the explicit graph of states: inside an object (may leave it) and
+just entered (may go through it)."""
 
 from __future__ import annotations
 
@@ -10,7 +11,14 @@ import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation.spread import spread
 from haptic_tracing.core.scene.functions import Constant, Exponential, HapticTracing, Linear
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,7 +30,12 @@ def graphs(draw: st.DrawFn) -> HapticGraph:
     random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     count = draw(st.integers(2, 9))
     objects = tuple(
-        HapticObject(f"o{k}", float(random.uniform(0, 0.5)), float(random.uniform(0.5, 1)), FUNCTIONS[random.integers(len(FUNCTIONS))])
+        HapticObject(
+            f"o{k}",
+            float(random.uniform(0, 0.5)),
+            float(random.uniform(0.5, 1)),
+            FUNCTIONS[random.integers(len(FUNCTIONS))],
+        )
         for k in range(count)
     )
 
@@ -32,16 +45,27 @@ def graphs(draw: st.DrawFn) -> HapticGraph:
     contacts = []
     for _ in range(draw(st.integers(0, 2 * count))):
         a, b = random.choice(count, 2, replace=False)
-        contacts.append(Contact((f"o{a}", f"o{b}"), (place(), place()), FUNCTIONS[random.integers(len(FUNCTIONS))]))
+        contacts.append(
+            Contact(
+                (f"o{a}", f"o{b}"), (place(), place()), FUNCTIONS[random.integers(len(FUNCTIONS))]
+            )
+        )
     sources = tuple(
-        Source(f"s{k}", f"o{random.integers(count)}", place(), float(random.uniform(0, 1))) for k in range(draw(st.integers(0, 3)))
+        Source(f"s{k}", f"o{random.integers(count)}", place(), float(random.uniform(0, 1)))
+        for k in range(draw(st.integers(0, 3)))
     )
-    listeners = tuple(Listener(f"l{k}", f"o{random.integers(count)}", place()) for k in range(draw(st.integers(0, 3))))
+    listeners = tuple(
+        Listener(f"l{k}", f"o{random.integers(count)}", place())
+        for k in range(draw(st.integers(0, 3)))
+    )
     return graph_of_scene(HapticScene(objects, tuple(contacts), sources, listeners))
 
 
-def strongest_by_networkx(graph: HapticGraph, threshold: float, max_connections: int | None) -> np.ndarray:
-    """Largest product at every node: shortest paths over the states (side, node, connections so far)."""
+def strongest_by_networkx(
+    graph: HapticGraph, threshold: float, max_connections: int | None
+) -> np.ndarray:
+    """Largest product at every node: shortest paths over the states (side, node, connections so
+    far)."""
     explicit = graph.to_networkx()
     most = 2 * graph.node_count if max_connections is None else max_connections
     layered = networkx.DiGraph()
@@ -49,16 +73,22 @@ def strongest_by_networkx(graph: HapticGraph, threshold: float, max_connections:
         if edge["gain"] <= 0:
             continue
         for first, second in ((a, b), (b, a)):
-            before, after = ("entered", "inside") if edge["connection"] == "intra" else ("inside", "entered")
+            before, after = (
+                ("entered", "inside") if edge["connection"] == "intra" else ("inside", "entered")
+            )
             for k in range(most):
-                layered.add_edge((before, first, k), (after, second, k + 1), cost=-math.log(edge["gain"]))
+                layered.add_edge(
+                    (before, first, k), (after, second, k + 1), cost=-math.log(edge["gain"])
+                )
     best = np.zeros(graph.node_count)
     for source in graph.sources:
         for root in source.nodes:
             best[root] = max(best[root], source.amplitude)
             if ("entered", root, 0) not in layered:
                 continue
-            for (_, node, _), cost in networkx.single_source_dijkstra_path_length(layered, ("entered", root, 0), weight="cost").items():
+            for (_, node, _), cost in networkx.single_source_dijkstra_path_length(
+                layered, ("entered", root, 0), weight="cost"
+            ).items():
                 if math.exp(-cost) >= threshold:
                     best[node] = max(best[node], source.amplitude * math.exp(-cost))
     return best
@@ -67,9 +97,15 @@ def strongest_by_networkx(graph: HapticGraph, threshold: float, max_connections:
 @pytest.mark.slow
 @settings(deadline=None, derandomize=True, max_examples=300)
 @given(graphs(), st.sampled_from((0.0, 0.01, 0.2)), st.sampled_from((None, 0, 1, 2, 3, 5)))
-def test_gain_is_the_largest_product(graph: HapticGraph, threshold: float, max_connections: int | None) -> None:
-    found = spread(graph, Settings(strategy="best_path", threshold=threshold, max_connections=max_connections))
-    assert found.amplitude == pytest.approx(strongest_by_networkx(graph, threshold, max_connections), rel=1e-9)
+def test_gain_is_the_largest_product(
+    graph: HapticGraph, threshold: float, max_connections: int | None
+) -> None:
+    found = spread(
+        graph, Settings(strategy="best_path", threshold=threshold, max_connections=max_connections)
+    )
+    assert found.amplitude == pytest.approx(
+        strongest_by_networkx(graph, threshold, max_connections), rel=1e-9
+    )
 
 
 @settings(deadline=None, derandomize=True, max_examples=120)
@@ -98,8 +134,13 @@ def test_chosen_sources_alone(graph: HapticGraph) -> None:
 
 
 def test_a_gain_above_one_is_followed() -> None:
-    objects = (HapticObject("a", 0.0, 1.0, Exponential(alpha=0.1)), HapticObject("b", 0.0, 1.0, Constant(gain_value=0.5)))
+    objects = (
+        HapticObject("a", 0.0, 1.0, Exponential(alpha=0.1)),
+        HapticObject("b", 0.0, 1.0, Constant(gain_value=0.5)),
+    )
     contact = Contact(("a", "b"), ((1, 0, 0), (1, 0, 0)), Constant(gain_value=2.0))
-    graph = graph_of_scene(HapticScene(objects, (contact,), (Source("s", "a"),), (Listener("l", "b", (2, 0, 0)),)))
+    graph = graph_of_scene(
+        HapticScene(objects, (contact,), (Source("s", "a"),), (Listener("l", "b", (2, 0, 0)),))
+    )
     found = spread(graph, Settings())
     assert found.amplitude[graph.listener_nodes[0]] == pytest.approx(math.exp(-0.1) * 2.0 * 0.5)

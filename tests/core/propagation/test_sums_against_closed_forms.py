@@ -9,7 +9,15 @@ import pytest
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import Propagation, objects_on, propagate
 from haptic_tracing.core.scene.functions import Constant, Exponential, HapticTracing, Identity
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    Strategy,
+)
 
 ONE = Identity()
 ORIGIN = (0.0, 0.0, 0.0)
@@ -33,11 +41,14 @@ def run(scene: HapticScene, strategy: Strategy = Strategy.ALL_PATHS, **limits) -
 def grid(rows: int, columns: int) -> list[tuple[int, int]]:
     number = {(i, j): j * rows + i for i in range(rows) for j in range(columns)}
     down = [(number[i, j], number[i + 1, j]) for i in range(rows - 1) for j in range(columns)]
-    return down + [(number[i, j], number[i, j + 1]) for i in range(rows) for j in range(columns - 1)]
+    return down + [
+        (number[i, j], number[i, j + 1]) for i in range(rows) for j in range(columns - 1)
+    ]
 
 
 def test_ladder_of_two_to_the_59_paths():
-    """Lossless: the sum is the number of paths. In every column but the last a path either stays in its row or changes it."""
+    """Lossless: the sum is the number of paths. In every column but the last a path either stays in
+    its row or changes it."""
     scene = scene_of(grid(2, 60), [ONE] * 120, 0, [118, 119])
     result = run(scene)
     assert result.gain[0].tolist() == pytest.approx([2.0**59, 2.0**59], rel=1e-12)
@@ -45,11 +56,18 @@ def test_ladder_of_two_to_the_59_paths():
 
 
 def test_ladder_with_losses_against_its_transfer_matrix():
-    """Through every column, crossing a rung or not: with gain g inside and t between, each of the n - 1 steps multiplies the state
-    (at this row, at the other one) by one matrix."""
+    """Through every column, crossing a rung or not: with gain g inside and t between, each of the n
+    - 1 steps multiplies the state (at this row, at the other one) by one matrix."""
     g, t, n = Fraction(7, 10), Fraction(9, 10), 60
-    scene = scene_of(grid(2, n), [Constant(gain_value=0.7)] * (2 * n), 0, [2 * n - 2, 2 * n - 1], Constant(gain_value=0.9))
-    # Within a column: straight through (g), or over the rung (g t g). The last column ends at the listener.
+    scene = scene_of(
+        grid(2, n),
+        [Constant(gain_value=0.7)] * (2 * n),
+        0,
+        [2 * n - 2, 2 * n - 1],
+        Constant(gain_value=0.9),
+    )
+    # Within a column: straight through (g), or over the rung (g t g). The last column ends at the
+    # listener.
     straight, over = g, g * t * g
     same, other = Fraction(1), Fraction(0)
     for _ in range(n - 1):
@@ -68,11 +86,18 @@ def test_wall_of_4_by_6_has_121130_paths():
 
 @pytest.mark.parametrize("arches", [1, 2, 3, 5, 7])
 def test_ground_with_arches(arches):
-    """k of m arches in any order, either way round: m! / (m - k)! 2^k paths, each through k arches and k + 1 times through the ground."""
+    """k of m arches in any order, either way round: m! / (m - k)! 2^k paths, each through k arches
+    and k + 1 times through the ground."""
     ground, arch = 0.5, 0.4
     edges = [(0, i) for i in range(1, arches + 1) for _ in range(2)]
-    result = run(scene_of(edges, [Constant(gain_value=ground)] + [Constant(gain_value=arch)] * arches, 0, [0]))
-    expected = sum(math.perm(arches, k) * 2**k * ground ** (k + 1) * arch**k for k in range(arches + 1))
+    result = run(
+        scene_of(
+            edges, [Constant(gain_value=ground)] + [Constant(gain_value=arch)] * arches, 0, [0]
+        )
+    )
+    expected = sum(
+        math.perm(arches, k) * 2**k * ground ** (k + 1) * arch**k for k in range(arches + 1)
+    )
     assert result.gain[0, 0] == pytest.approx(expected, rel=1e-12)
 
 
@@ -81,7 +106,9 @@ def test_ground_with_arches_and_limited_connections(limit):
     """Each arch costs two contacts: k arches make 4 k + 1 connections."""
     edges = [(0, i) for i in range(1, 6) for _ in range(2)]
     result = run(scene_of(edges, [Constant(gain_value=0.9)] * 6, 0, [0]), max_connections=limit)
-    expected = sum(math.perm(5, k) * 2**k * 0.9 ** (2 * k + 1) for k in range(6) if 4 * k + 1 <= limit)
+    expected = sum(
+        math.perm(5, k) * 2**k * 0.9 ** (2 * k + 1) for k in range(6) if 4 * k + 1 <= limit
+    )
     assert result.gain[0, 0] == pytest.approx(expected, rel=1e-12)
 
 
@@ -93,7 +120,12 @@ def test_bridges_multiply():
     functions = [Constant(gain_value=g)] * 6
     both = run(scene_of(edges, functions, 0, [5])).gain[0, 0]
     to_bridge = run(scene_of([*ring, (2, 3)], functions[:4], 0, [3])).gain[0, 0] / g
-    from_bridge = run(scene_of([(0, 1), *((a + 1, b + 1) for a, b in ring)], functions[:4], 0, [3])).gain[0, 0] / g
+    from_bridge = (
+        run(scene_of([(0, 1), *((a + 1, b + 1) for a, b in ring)], functions[:4], 0, [3])).gain[
+            0, 0
+        ]
+        / g
+    )
     assert both == pytest.approx(to_bridge * from_bridge, rel=1e-12)
 
 
@@ -104,19 +136,36 @@ def test_refining_a_patch_changes_no_total(strategy, points):
 
     def scene(count: int) -> HapticScene:
         objects = tuple(HapticObject(name, 0.3, 0.9) for name in "abc")
-        patch = tuple(Contact(("a", "b"), ((1, 0, 0), (1, 0, 0)), share=1 / count) for _ in range(count))
-        others = (Contact(("b", "c"), ((1, 1, 0), (1, 1, 0))), Contact(("c", "a"), ((0, 1, 0), (0, 1, 0))))
-        return HapticScene(objects, patch + others, (Source("s", "a"),), (Listener("l", "a", (0.3, 0, 0)), Listener("m", "b", (2, 0, 0))))
+        patch = tuple(
+            Contact(("a", "b"), ((1, 0, 0), (1, 0, 0)), share=1 / count) for _ in range(count)
+        )
+        others = (
+            Contact(("b", "c"), ((1, 1, 0), (1, 1, 0))),
+            Contact(("c", "a"), ((0, 1, 0), (0, 1, 0))),
+        )
+        return HapticScene(
+            objects,
+            patch + others,
+            (Source("s", "a"),),
+            (Listener("l", "a", (0.3, 0, 0)), Listener("m", "b", (2, 0, 0))),
+        )
 
     whole, refined = run(scene(1), strategy), run(scene(points), strategy)
     assert refined.gain[0].tolist() == pytest.approx(whole.gain[0].tolist(), rel=1e-12)
-    limited = run(scene(1), strategy, max_connections=9, threshold=1e-3), run(scene(points), strategy, max_connections=9, threshold=1e-3)
+    limited = (
+        run(scene(1), strategy, max_connections=9, threshold=1e-3),
+        run(scene(points), strategy, max_connections=9, threshold=1e-3),
+    )
     assert limited[1].gain[0].tolist() == pytest.approx(limited[0].gain[0].tolist(), rel=1e-12)
 
 
 def test_pebble_changes_nothing():
     """What lies on the ground without leading anywhere is on no path."""
-    objects = (HapticObject("ground", 0.2, 0.9), HapticObject("bench", 0.1, 0.8), HapticObject("pebble", 0.0, 1.0))
+    objects = (
+        HapticObject("ground", 0.2, 0.9),
+        HapticObject("bench", 0.1, 0.8),
+        HapticObject("pebble", 0.0, 1.0),
+    )
     feet = tuple(Contact(("ground", "bench"), ((x, 0, 0), (x, 0, 0))) for x in (1.0, 2.0))
     pebble = Contact(("pebble", "ground"), ((0.5, 0, 0), (0.5, 0, 0)))
     ends = (Source("s", "ground"),), (Listener("l", "bench", (1.5, 0, 0.5)),)
@@ -128,9 +177,14 @@ def test_pebble_changes_nothing():
 
 def test_path_may_use_a_rail_that_carries_further_than_soil():
     """Ground, rail, ground: the best path leaves the ground and comes back."""
-    objects = (HapticObject("soil", 0.0, 1.0, Exponential(alpha=1.0)), HapticObject("steel", 0.0, 1.0, Exponential(alpha=0.01)))
+    objects = (
+        HapticObject("soil", 0.0, 1.0, Exponential(alpha=1.0)),
+        HapticObject("steel", 0.0, 1.0, Exponential(alpha=0.01)),
+    )
     sleepers = tuple(Contact(("soil", "steel"), ((x, 0, 0), (x, 0, 0))) for x in (1.0, 9.0))
-    scene = HapticScene(objects, sleepers, (Source("s", "soil"),), (Listener("l", "soil", (10.0, 0, 0)),))
+    scene = HapticScene(
+        objects, sleepers, (Source("s", "soil"),), (Listener("l", "soil", (10.0, 0, 0)),)
+    )
     result = run(scene, Strategy.BEST_PATH)
     assert result.gain[0, 0] == pytest.approx(math.exp(-1 - 0.08 - 1), rel=1e-12)
     assert objects_on(graph_of_scene(scene), result.best_path[0, 0]) == ("soil", "steel", "soil")
@@ -138,7 +192,10 @@ def test_path_may_use_a_rail_that_carries_further_than_soil():
 
 def test_source_on_both_sides_of_its_contact():
     """An impact feeds both objects: the best of both ways, or the sum of all."""
-    objects = (HapticObject("a", 0.5, 1.0, HapticTracing()), HapticObject("b", 0.2, 1.0, HapticTracing()))
+    objects = (
+        HapticObject("a", 0.5, 1.0, HapticTracing()),
+        HapticObject("b", 0.2, 1.0, HapticTracing()),
+    )
     contact = Contact(("a", "b"), (ORIGIN, ORIGIN))
     source = Source("impact", "a", ORIGIN, second_object="b")
     scene = HapticScene(objects, (contact,), (source,), (Listener("l", "b", (1, 0, 0)),))
@@ -162,7 +219,9 @@ def test_threshold_that_is_met_exactly_goes_on(strategy):
 def test_a_source_that_nothing_joins_to_a_listener(threshold):
     """Beside one that has a path, in a scene with cycles and in one without contacts."""
     objects = tuple(HapticObject(name, 0.3, 0.9) for name in "abcd")
-    ring = tuple(Contact(pair, ((1, 0, 0), (1, 0, 0))) for pair in (("a", "b"), ("b", "c"), ("c", "a")))
+    ring = tuple(
+        Contact(pair, ((1, 0, 0), (1, 0, 0))) for pair in (("a", "b"), ("b", "c"), ("c", "a"))
+    )
     ends = (Source("s", "a"), Source("alone", "d")), (Listener("l", "b", (2, 0, 0)),)
     for contacts in (ring, ()):
         result = run(HapticScene(objects, contacts, *ends), threshold=threshold)

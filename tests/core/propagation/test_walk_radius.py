@@ -1,4 +1,5 @@
-"""The walk operator against its dense matrix: spectral radius by LAPACK, sums over walks by a linear solve."""
+"""The walk operator against its dense matrix: spectral radius by LAPACK, sums over walks by a
+linear solve."""
 
 from __future__ import annotations
 
@@ -8,12 +9,25 @@ import math
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.graph.haptic_graph import HapticGraph, ObjectTable, build_graph, graph_of_scene
+from haptic_tracing.core.graph.haptic_graph import (
+    HapticGraph,
+    ObjectTable,
+    build_graph,
+    graph_of_scene,
+)
 from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate, walk_radius
 from haptic_tracing.core.propagation.walk_radius import WalkOperator, WalkRadius
 from haptic_tracing.core.scene.functions import Constant, Exponential, Identity
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Settings, Source, Strategy
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Settings,
+    Source,
+    Strategy,
+)
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene, recursive_paths
@@ -24,7 +38,8 @@ ALL = Settings(strategy=Strategy.ALL_PATHS)
 
 
 def dense_operator(graph: HapticGraph) -> tuple[np.ndarray, np.ndarray]:
-    """The walk operator by its definition, entry by entry from the explicit graph; and the nodes of its rows."""
+    """The walk operator by its definition, entry by entry from the explicit graph; and the nodes of
+    its rows."""
     explicit = graph.to_networkx()
     nodes = np.flatnonzero(graph.partner >= 0)
     number = {node: k for k, node in enumerate(nodes.tolist())}
@@ -47,14 +62,16 @@ def radius(matrix: np.ndarray) -> float:
 @given(SEEDS, st.sampled_from([0, 2, 6]), st.sampled_from([1, 3, 24]))
 @example(949, 6, 1)  # a ring that lets nothing through
 def test_radius_of_random_scenes(seed, extra, dense):
-    """The bounds enclose the largest eigenvalue; a forest has 0. Also with the operator partly as dense matrices."""
+    """The bounds enclose the largest eigenvalue; a forest has 0. Also with the operator partly as
+    dense matrices."""
     graph = graph_of_scene(connected_scene(seed, (*METRIC, *OTHER), extra=extra, refined=True))
     matrix, _ = dense_operator(graph)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(walk_radius, "DENSE", dense)
         found = WalkOperator(graph).radius
     exact = radius(matrix)
-    assert found.low <= exact + 1e-7  # LAPACK finds the eigenvalues of a nilpotent matrix only to about this
+    # LAPACK finds the eigenvalues of a nilpotent matrix only to about this.
+    assert found.low <= exact + 1e-7
     assert exact <= found.high * (1 + 1e-9) + 1e-4 * (found.high == 0)
     if extra == 0:
         assert found.high == 0
@@ -66,7 +83,11 @@ def test_radius_of_random_scenes(seed, extra, dense):
 @given(SEEDS, st.sampled_from([0.3, 0.6, 0.9]))
 def test_radius_of_a_part_of_the_contacts_is_a_lower_bound(seed, gain):
     """All contacts are examined unless it is 1 or more."""
-    graph = graph_of_scene(connected_scene(seed, (Constant(gain_value=gain), Exponential(alpha=1.0)), extra=6, refined=True))
+    graph = graph_of_scene(
+        connected_scene(
+            seed, (Constant(gain_value=gain), Exponential(alpha=1.0)), extra=6, refined=True
+        )
+    )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(walk_radius, "EXCERPTS", (3, 5))
         found = WalkOperator(graph).radius
@@ -82,24 +103,45 @@ def test_pile_on_a_large_ground(alpha):
     generator = np.random.default_rng(3)
     places = generator.uniform(0, 8, (160, 3)) * [1, 1, 0]
     names = [f"box {k:03d}" for k in range(160)]
-    objects = tuple(HapticObject(name, 0, 1, Exponential(alpha=alpha)) for name in (*names, "ground"))
+    objects = tuple(
+        HapticObject(name, 0, 1, Exponential(alpha=alpha)) for name in (*names, "ground")
+    )
     pairs = [(name, "ground") for name in names] + list(itertools.pairwise(names))
     where = [*places, *((places[1:] + places[:-1]) / 2)]
-    contacts = tuple(Contact(pair, (tuple(place), tuple(place))) for pair, place in zip(pairs, where, strict=True))
+    contacts = tuple(
+        Contact(pair, (tuple(place), tuple(place)))
+        for pair, place in zip(pairs, where, strict=True)
+    )
     graph = graph_of_scene(HapticScene(objects, contacts))
     nodes = np.flatnonzero(graph.partner >= 0)
     apart = np.linalg.norm(graph.node_position[nodes, None] - graph.node_position[nodes], axis=2)
-    inside = (graph.node_object[nodes, None] == graph.node_object[nodes]) & ~np.eye(len(nodes), dtype=bool)
-    matrix = np.where(inside, np.exp(-alpha * apart), 0.0)[:, np.searchsorted(nodes, graph.partner[nodes])]
+    inside = (graph.node_object[nodes, None] == graph.node_object[nodes]) & ~np.eye(
+        len(nodes), dtype=bool
+    )
+    matrix = np.where(inside, np.exp(-alpha * apart), 0.0)[
+        :, np.searchsorted(nodes, graph.partner[nodes])
+    ]
     found, exact = WalkOperator(graph).radius, radius(matrix)
     assert 0.7 * exact <= found.low <= exact <= found.high
     assert found.well_posed == (exact < 1)
 
 
 def lattice(rows: int, columns: int, gain: float, share: float = 1.0) -> HapticScene:
-    objects = tuple(HapticObject(f"{i:02d} {j:02d}", 0, 1, Constant(gain_value=gain)) for i in range(rows) for j in range(columns))
-    pairs = [(f"{i:02d} {j:02d}", f"{i + 1:02d} {j:02d}") for i in range(rows - 1) for j in range(columns)]
-    pairs += [(f"{i:02d} {j:02d}", f"{i:02d} {j + 1:02d}") for i in range(rows) for j in range(columns - 1)]
+    objects = tuple(
+        HapticObject(f"{i:02d} {j:02d}", 0, 1, Constant(gain_value=gain))
+        for i in range(rows)
+        for j in range(columns)
+    )
+    pairs = [
+        (f"{i:02d} {j:02d}", f"{i + 1:02d} {j:02d}")
+        for i in range(rows - 1)
+        for j in range(columns)
+    ]
+    pairs += [
+        (f"{i:02d} {j:02d}", f"{i:02d} {j + 1:02d}")
+        for i in range(rows)
+        for j in range(columns - 1)
+    ]
     contacts = tuple(Contact(pair, (ORIGIN, ORIGIN)) for pair in pairs)
     ends = objects[0].name, objects[-1].name
     return HapticScene(objects, contacts, (Source("s", ends[0]),), (Listener("l", ends[1]),))
@@ -122,10 +164,16 @@ def test_several_parts_and_long_chains():
         names = [f"{name} {k}" for k in range(5)]
         rings.append((names, gain, [(names[k], names[k - 1]) for k in range(5)]))
     tail = [f"tail {k:03d}" for k in range(100)]
-    objects = tuple(HapticObject(n, 0, 1, Constant(gain_value=g)) for names, g, _ in (*rings, (tail, 1.0, [])) for n in names)
+    objects = tuple(
+        HapticObject(n, 0, 1, Constant(gain_value=g))
+        for names, g, _ in (*rings, (tail, 1.0, []))
+        for n in names
+    )
     pairs = [pair for _, _, ring in rings for pair in ring]
     pairs += [(tail[k], tail[k + 1]) for k in range(99)] + [(tail[0], "strong 0")]
-    graph = graph_of_scene(HapticScene(objects, tuple(Contact(pair, (ORIGIN, ORIGIN)) for pair in pairs)))
+    graph = graph_of_scene(
+        HapticScene(objects, tuple(Contact(pair, (ORIGIN, ORIGIN)) for pair in pairs))
+    )
     found = WalkOperator(graph).radius
     assert found.low <= 0.9 <= found.high
     assert found.high - found.low < 0.01
@@ -135,9 +183,16 @@ def test_hub_too_large_to_examine():
     """A sum then counts as limited, without a bound."""
     count = 60
     names = [f"p{k:02d}" for k in range(count)]
-    objects = (HapticObject("ground", 0, 1, Constant(gain_value=0.1)), *(HapticObject(n, 0, 1, Constant(gain_value=0.1)) for n in names))
-    contacts = tuple(Contact(("ground", n), ((0, 0, k), (0, 0, k))) for n in names for k in range(2))
-    graph = graph_of_scene(HapticScene(objects, contacts, (Source("s", names[0]),), (Listener("l", names[1]),)))
+    objects = (
+        HapticObject("ground", 0, 1, Constant(gain_value=0.1)),
+        *(HapticObject(n, 0, 1, Constant(gain_value=0.1)) for n in names),
+    )
+    contacts = tuple(
+        Contact(("ground", n), ((0, 0, k), (0, 0, k))) for n in names for k in range(2)
+    )
+    graph = graph_of_scene(
+        HapticScene(objects, contacts, (Source("s", names[0]),), (Listener("l", names[1]),))
+    )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(walk_radius, "PAIRS", 1000)
         result = propagate(graph, ALL)
@@ -150,8 +205,17 @@ def test_hub_too_large_to_examine():
 @given(SEEDS, st.booleans())
 @example(377980, False)  # a radius of 0.988
 def test_sums_over_walks(seed, refined):
-    """Never less than the Neumann series' closed form, and not much more where a thousand terms leave nothing that counts."""
-    graph = graph_of_scene(connected_scene(seed, (Constant(gain_value=0.3), Exponential(alpha=3.0)), extra=4, listeners=3, refined=refined))
+    """Never less than the Neumann series' closed form, and not much more where a thousand terms
+    leave nothing that counts."""
+    graph = graph_of_scene(
+        connected_scene(
+            seed,
+            (Constant(gain_value=0.3), Exponential(alpha=3.0)),
+            extra=4,
+            listeners=3,
+            refined=refined,
+        )
+    )
     operator = WalkOperator(graph)
     matrix, nodes = dense_operator(graph)
     explicit = graph.to_networkx()
@@ -172,15 +236,22 @@ def test_sums_over_walks(seed, refined):
             expected += inside(root, listener)
             for number, node in enumerate(nodes.tolist()):
                 crossing = explicit.edges[node, int(graph.partner[node])]
-                expected += inside(root, int(graph.partner[node])) * crossing["gain"] * onwards[number]
+                expected += (
+                    inside(root, int(graph.partner[node])) * crossing["gain"] * onwards[number]
+                )
         assert expected * (1 - 1e-9) <= total < math.inf
-        assert total <= expected * (1 + 1e-6) + 1e-300 or operator.radius.high > 0.95  # 0.95**1000 is 5e-23
+        # 0.95**1000 is 5e-23.
+        assert total <= expected * (1 + 1e-6) + 1e-300 or operator.radius.high > 0.95
 
 
 def ring_of_three(gain: float) -> HapticGraph:
     objects = tuple(HapticObject(name, 0, 1, Constant(gain_value=gain)) for name in "abc")
-    contacts = tuple(Contact(pair, (ORIGIN, ORIGIN)) for pair in (("a", "b"), ("b", "c"), ("c", "a")))
-    return graph_of_scene(HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", "b"),)))
+    contacts = tuple(
+        Contact(pair, (ORIGIN, ORIGIN)) for pair in (("a", "b"), ("b", "c"), ("c", "a"))
+    )
+    return graph_of_scene(
+        HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", "b"),))
+    )
 
 
 def test_ring_that_lets_nothing_through():
@@ -189,11 +260,13 @@ def test_ring_that_lets_nothing_through():
 
 @pytest.mark.parametrize("gain", [0.5, 0.97, 0.99, 0.999, 0.9999])
 def test_radius_just_below_1(gain):
-    """Also a series of more than a thousand terms has a bound. What the terms left out add is bounded as if they arrived by every contact
-    in every step; they do in every third."""
+    """Also a series of more than a thousand terms has a bound. What the terms left out add is
+    bounded as if they arrived by every contact in every step; they do in every third."""
     graph = ring_of_three(gain)
     exact = (gain**2 + gain**3) / (1 - gain**3)
-    (total,) = WalkOperator(graph).totals(graph.sources[0].nodes, graph.listener_nodes.tolist()).tolist()
+    (total,) = (
+        WalkOperator(graph).totals(graph.sources[0].nodes, graph.listener_nodes.tolist()).tolist()
+    )
     assert exact * (1 - 1e-9) <= total <= exact * (1 + 2 * gain**walk_radius.TERMS + 1e-8)
     assert math.isfinite(propagate(graph, ALL).error_bound[0, 0])
 
@@ -202,15 +275,26 @@ def test_radius_just_below_1(gain):
 def test_in_a_forest_the_bound_is_what_the_threshold_leaves_out(threshold):
     """One path leads to each listener: it is summed, or it is the bound."""
     gains = (0.9, 0.5, 0.2, 0.1, 0.6, 0.3)
-    objects = tuple(HapticObject(f"o{k}", 0, 1, Constant(gain_value=gain)) for k, gain in enumerate(gains))
+    objects = tuple(
+        HapticObject(f"o{k}", 0, 1, Constant(gain_value=gain)) for k, gain in enumerate(gains)
+    )
     contacts = tuple(Contact((f"o{k}", f"o{k + 1}"), (ORIGIN, ORIGIN)) for k in range(5))
-    scene = HapticScene(objects, contacts, (Source("s", "o0"),), tuple(Listener(f"l{k}", f"o{k}", (0, 0, 1)) for k in range(6)))
-    result = propagate(graph_of_scene(scene), Settings(strategy=Strategy.ALL_PATHS, threshold=threshold))
+    scene = HapticScene(
+        objects,
+        contacts,
+        (Source("s", "o0"),),
+        tuple(Listener(f"l{k}", f"o{k}", (0, 0, 1)) for k in range(6)),
+    )
+    result = propagate(
+        graph_of_scene(scene), Settings(strategy=Strategy.ALL_PATHS, threshold=threshold)
+    )
     assert result.statistics["walk_radius"] == 0
     for k in range(6):
         gain = math.prod(gains[: k + 1])
         found, error, limited = result.gain[0, k], result.error_bound[0, k], result.limited[0, k]
-        assert (found, error, limited) == ((pytest.approx(gain), 0, False) if gain >= threshold else (0, pytest.approx(gain), True))
+        assert (found, error, limited) == (
+            (pytest.approx(gain), 0, False) if gain >= threshold else (0, pytest.approx(gain), True)
+        )
     causes = {warning.cause for warning in result.warnings}
     assert causes == ({Cause.SUM_TRUNCATED} if result.limited.any() else set())
 
@@ -220,7 +304,11 @@ def test_in_a_forest_the_bound_is_what_the_threshold_leaves_out(threshold):
 @given(SEEDS, st.sampled_from([0.0, 1e-3, 0.03]), st.sampled_from([None, 5]))
 def test_bound_of_a_well_posed_sum_is_finite_and_kept(seed, threshold, most):
     """The sum over all paths lies within it, and what is not limited is known to the tolerance."""
-    graph = graph_of_scene(connected_scene(seed, (Constant(gain_value=0.2), Exponential(alpha=3.0)), extra=4, listeners=3))
+    graph = graph_of_scene(
+        connected_scene(
+            seed, (Constant(gain_value=0.2), Exponential(alpha=3.0)), extra=4, listeners=3
+        )
+    )
     chosen = Settings(strategy=Strategy.ALL_PATHS, threshold=threshold, max_connections=most)
     result = propagate(graph, chosen)
     if result.statistics["walk_radius"] >= 1:
@@ -238,7 +326,9 @@ def test_bound_of_a_well_posed_sum_is_finite_and_kept(seed, threshold, most):
 def test_a_known_path_is_a_floor(size):
     """Grids of gain 0.4, without limits: too many paths to sum, but the best one counts."""
     graph = graph_of_scene(lattice(size, size, 0.4))
-    result = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0), 20_000)
+    result = propagate(
+        graph, Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0), 20_000
+    )
     best = 0.4 ** (2 * size - 1)
     assert result.gain[0, 0] >= best * (1 - 1e-12)
 
@@ -250,8 +340,15 @@ def test_sum_without_limits_says_its_radius_too():
         (Source("s", "a"),),
         (Listener("l", "b"),),
     )
-    result = propagate(graph_of_scene(scene), Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0))
-    assert (result.gain[0, 0], result.error_bound[0, 0], result.limited[0, 0]) == (pytest.approx(2), 0, False)
+    result = propagate(
+        graph_of_scene(scene),
+        Settings(strategy=Strategy.ALL_PATHS, max_connections=None, threshold=0.0),
+    )
+    assert (result.gain[0, 0], result.error_bound[0, 0], result.limited[0, 0]) == (
+        pytest.approx(2),
+        0,
+        False,
+    )
     assert result.statistics["walk_radius"] == pytest.approx(1, rel=1e-6)
 
 

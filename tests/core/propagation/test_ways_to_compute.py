@@ -1,5 +1,5 @@
-"""Small graphs are computed one number at a time, larger ones in arrays, still larger ones in parts: each of these on graphs that are small
-enough for recursion over all paths."""
+"""Small graphs are computed one number at a time, larger ones in arrays, still larger ones in
+parts: each of these on graphs that are small enough for recursion over all paths."""
 
 from __future__ import annotations
 
@@ -33,9 +33,11 @@ def scene_of(seed: int) -> HapticScene:
 
 
 @cache
-def sums_and_bests(seed: int, limits: tuple[int | None, float]) -> tuple[list[float], list[float], list[float]]:
-    """By recursion: the sum and the largest of the products of all paths within the limits, and the largest without limits, for each
-    listener."""
+def sums_and_bests(
+    seed: int, limits: tuple[int | None, float]
+) -> tuple[list[float], list[float], list[float]]:
+    """By recursion: the sum and the largest of the products of all paths within the limits, and the
+    largest without limits, for each listener."""
     graph = graph_of_scene(scene_of(seed))
     sums, bests, free = [], [], []
     for column in range(len(graph.listeners)):

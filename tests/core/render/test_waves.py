@@ -1,4 +1,5 @@
-"""The waves that a timeline shows: columns are the minima and maxima of the samples in them, at every zoom."""
+"""The waves that a timeline shows: columns are the minima and maxima of the samples in them, at
+every zoom."""
 
 import numpy as np
 import pytest
@@ -9,7 +10,11 @@ RATE, PER_FRAME = 8000.0, 8000 / 24
 
 
 def noise(listeners, count):
-    return np.random.default_rng(1).integers(-FULL_SCALE, FULL_SCALE, (listeners, count)).astype(np.int16)
+    return (
+        np.random.default_rng(1)
+        .integers(-FULL_SCALE, FULL_SCALE, (listeners, count))
+        .astype(np.int16)
+    )
 
 
 @pytest.mark.parametrize("first, last", [(0, 240), (3.5, 11.25), (100, 100.7), (239, 240)])
@@ -18,14 +23,24 @@ def test_a_column_spans_its_samples(first, last):
     waves = Waves(("a", "b"), 0.0, PER_FRAME, samples, filled=True)
     edges = np.linspace(first, last, 101)
     found = waves.columns(edges)
-    step = 8 ** max(int(np.log(max((edges[1] - edges[0]) * PER_FRAME, 1)) / np.log(8)), 0)  # samples on either side that may count as well
+    # Samples on either side that may count as well.
+    step = 8 ** max(int(np.log(max((edges[1] - edges[0]) * PER_FRAME, 1)) / np.log(8)), 0)
     for k in range(100):
         start, end = edges[k] * PER_FRAME, edges[k + 1] * PER_FRAME
         inner = samples[:, int(np.ceil(start / step)) * step : int(end // step) * step]
-        outer = samples[:, int(start // step) * step : max(int(np.ceil(end / step)) * step, int(start // step) * step + step)]
-        assert (found.low[:, k] >= outer.min(axis=1)).all() and (found.high[:, k] <= outer.max(axis=1)).all()
+        outer = samples[
+            :,
+            int(start // step) * step : max(
+                int(np.ceil(end / step)) * step, int(start // step) * step + step
+            ),
+        ]
+        assert (found.low[:, k] >= outer.min(axis=1)).all() and (
+            found.high[:, k] <= outer.max(axis=1)
+        ).all()
         if inner.shape[1]:
-            assert (found.low[:, k] <= inner.min(axis=1)).all() and (found.high[:, k] >= inner.max(axis=1)).all()
+            assert (found.low[:, k] <= inner.min(axis=1)).all() and (
+                found.high[:, k] >= inner.max(axis=1)
+            ).all()
     assert found.known.all()
 
 
@@ -35,7 +50,11 @@ def test_what_is_written_frame_by_frame_is_what_was_there_at_once():
     pieces = Waves("abc", 1.0, 100.0, np.zeros_like(samples), filled=False)
     assert not pieces.columns(np.linspace(0, 90, 50)).known.any()
     for number in (*range(40, 80), *range(40)):
-        pieces.write(100 * number, samples[:, 100 * number : 100 * number + 100] / FULL_SCALE, np.full(3, -20.0))
+        pieces.write(
+            100 * number,
+            samples[:, 100 * number : 100 * number + 100] / FULL_SCALE,
+            np.full(3, -20.0),
+        )
     for edges in (np.linspace(-5, 90, 40), np.linspace(20, 30, 400)):
         a, b = whole.columns(edges), pieces.columns(edges)
         assert (a.low == b.low).all() and (a.high == b.high).all() and (a.known == b.known).all()

@@ -19,7 +19,8 @@ def test_a_train_of_pulses_has_the_power_of_its_changes(duty):
 
 @pytest.mark.parametrize("seconds", [0.01, 0.25])
 def test_a_blow_keeps_its_level(seconds):
-    """A push of 10 ms in samples that end with it, and in those of a quarter second, has nearly all of its energy."""
+    """A push of 10 ms in samples that end with it, and in those of a quarter second, has nearly all
+    of its energy."""
     push = np.where(TIME < 0.01, np.sin(2 * np.pi * 50 * TIME), 0.0)[: round(seconds * RATE)]
     change = 20 * np.log10(vibration_rms(push, RATE) / np.sqrt(np.mean(push**2)))
     assert -0.15 < change < 0

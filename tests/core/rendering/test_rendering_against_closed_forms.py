@@ -12,7 +12,16 @@ from haptic_tracing.core.render.filter_bank import bank_reach, low_pass, split_b
 from haptic_tracing.core.render.renderer import ListenerMix, Renderer
 from haptic_tracing.core.render.voices import Voice
 from haptic_tracing.core.scene.bands import BAND_EDGES
-from haptic_tracing.core.signals import Adsr, Constant, DecayingSine, Noise, Sampled, Signal, Sine, Square
+from haptic_tracing.core.signals import (
+    Adsr,
+    Constant,
+    DecayingSine,
+    Noise,
+    Sampled,
+    Signal,
+    Sine,
+    Square,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,10 +29,19 @@ RATE = 8000.0
 LOUD = 1e6
 
 
-def play(times: Sequence[float], voices: Callable[[float], list[Voice]], listeners: int = 1, sample_rate: float = RATE) -> np.ndarray:
+def play(
+    times: Sequence[float],
+    voices: Callable[[float], list[Voice]],
+    listeners: int = 1,
+    sample_rate: float = RATE,
+) -> np.ndarray:
     """All samples of frames between `times`, where `voices` says what is given at a frame's end."""
-    renderer = Renderer([ListenerMix(str(number), s_max=LOUD) for number in range(listeners)], sample_rate)
-    return np.concatenate([renderer.render_frame(start, end, voices(end)) for start, end in pairwise(times)], axis=1)
+    renderer = Renderer(
+        [ListenerMix(str(number), s_max=LOUD) for number in range(listeners)], sample_rate
+    )
+    return np.concatenate(
+        [renderer.render_frame(start, end, voices(end)) for start, end in pairwise(times)], axis=1
+    )
 
 
 def frames(count: int, per_second: float = 25.0) -> list[float]:
@@ -35,37 +53,58 @@ def gain_at(time: float) -> float:
 
 
 def smoothed(now: np.ndarray, times: Sequence[float], values: Sequence[float]) -> np.ndarray:
-    """Straight lines between keys, convolved with a Hann window over the last 8 ms, by Gauss' rule between the keys."""
+    """Straight lines between keys, convolved with a Hann window over the last 8 ms, by Gauss' rule
+    between the keys."""
     nodes, weights = np.polynomial.legendre.leggauss(20)
     edges = [now - 0.008, *(np.clip(time, now - 0.008, now) for time in times), now]
     total = np.zeros(now.shape)
     for begin, end in pairwise(edges):
         at = (begin + end) / 2 + (end - begin) / 2 * nodes[:, None]
         window = (1 - np.cos(2 * np.pi * (now - at) / 0.008)) / 0.008
-        total += (end - begin) / 2 * (weights[:, None] * window * np.interp(at, times, values)).sum(axis=0)
+        total += (
+            (end - begin)
+            / 2
+            * (weights[:, None] * window * np.interp(at, times, values)).sum(axis=0)
+        )
     return total
 
 
 def test_gains_go_straight_from_frame_to_frame_round_the_corners() -> None:
     times = frames(50)
     voice = Sine(60.0)
-    samples = play(times, lambda end: [Voice("a", voice, np.array([gain_at(end), 0.2]), amplitude=2.0)], 2)
+    samples = play(
+        times, lambda end: [Voice("a", voice, np.array([gain_at(end), 0.2]), amplitude=2.0)], 2
+    )
     now = np.arange(16_000) / RATE
     # Given at time 0 for the first time, it begins there at the first frame's gain.
     keys = [gain_at(times[1]), *(gain_at(time) for time in times[1:])]
-    assert np.abs(samples[0] - 2 * smoothed(now, times, keys) * np.sin(2 * np.pi * 60 * now)).max() < 1e-11
+    assert (
+        np.abs(samples[0] - 2 * smoothed(now, times, keys) * np.sin(2 * np.pi * 60 * now)).max()
+        < 1e-11
+    )
     assert np.abs(samples[1] - 0.4 * np.sin(2 * np.pi * 60 * now)).max() < 1e-11
 
 
 @pytest.mark.parametrize("tone", [60.0, 156.0, 252.0])
 @pytest.mark.parametrize("pattern", ["on and off", "random"])
-def test_gain_changes_at_24_frames_a_second_stay_80_decibels_below_the_tone_above_500_hertz(tone: float, pattern: str) -> None:
-    levels = np.arange(482) % 2.0 if pattern == "on and off" else np.random.default_rng(0).uniform(0, 1, 482)
+def test_gain_changes_at_24_frames_a_second_stay_80_decibels_below_the_tone_above_500_hertz(
+    tone: float, pattern: str
+) -> None:
+    levels = (
+        np.arange(482) % 2.0
+        if pattern == "on and off"
+        else np.random.default_rng(0).uniform(0, 1, 482)
+    )
     times = frames(482, 24.0)
-    keys = {round(time, 6): np.array([level]) for time, level in zip(times[1:], levels, strict=True)}
+    keys = {
+        round(time, 6): np.array([level]) for time, level in zip(times[1:], levels, strict=True)
+    }
     # 20 s, in which each of the tones has whole periods; the window is for the random gains.
     samples = play(times, lambda end: [Voice("a", Sine(tone), keys[round(end, 6)])])[0, -160_000:]
-    power = np.abs(np.fft.rfft(samples * scipy.signal.windows.blackmanharris(len(samples), sym=False))) ** 2
+    power = (
+        np.abs(np.fft.rfft(samples * scipy.signal.windows.blackmanharris(len(samples), sym=False)))
+        ** 2
+    )
     assert 10 * np.log10(power[500 * 20 :].sum() / power.sum()) < -80
 
 
@@ -88,15 +127,21 @@ def test_in_short_frames_a_source_fades_out_over_the_next_ones() -> None:
 @pytest.mark.parametrize("onset", [0.08, 0.0817263, 0.11999])
 def test_a_temporary_source_begins_at_its_onset_at_full_gain(onset: float) -> None:
     blow = DecayingSine(150.0, 0.03, 0.8)
-    samples = play(frames(20), lambda end: [Voice("blow", blow, np.array([0.7]), onset)] if end > 0.11 else [])[0]
+    samples = play(
+        frames(20), lambda end: [Voice("blow", blow, np.array([0.7]), onset)] if end > 0.11 else []
+    )[0]
     since = np.arange(6400) / RATE - onset
     sounding = (since >= 0) & (since < blow.duration)
-    expected = np.where(sounding, 0.56 * np.exp(-since / 0.03) * np.sin(2 * np.pi * 150 * since), 0.0)
+    expected = np.where(
+        sounding, 0.56 * np.exp(-since / 0.03) * np.sin(2 * np.pi * 150 * since), 0.0
+    )
     assert np.abs(samples - expected).max() < 1e-11
 
 
 def test_a_signal_that_changes_fades_over() -> None:
-    samples = play(frames(4), lambda end: [Voice("a", Constant(1.0 if end < 0.1 else 3.0), np.ones(1))])
+    samples = play(
+        frames(4), lambda end: [Voice("a", Constant(1.0 if end < 0.1 else 3.0), np.ones(1))]
+    )
     now = np.arange(1280) / RATE
     expected = smoothed(now, (0.08, 0.112), (1.0, 0.0)) + smoothed(now, (0.08, 0.12), (0.0, 3.0))
     assert np.abs(samples[0] - expected).max() < 1e-12
@@ -104,7 +149,9 @@ def test_a_signal_that_changes_fades_over() -> None:
 
 def test_struck_again_the_old_blow_fades_and_the_new_begins_at_once() -> None:
     gate = Constant(1.0, 10.0)
-    samples = play(frames(4), lambda end: [Voice("a", gate, np.ones(1), 0.0 if end < 0.1 else 0.1)])[0]
+    samples = play(
+        frames(4), lambda end: [Voice("a", gate, np.ones(1), 0.0 if end < 0.1 else 0.1)]
+    )[0]
     now = np.arange(1280) / RATE
     expected = smoothed(now, (0.08, 0.112), (1.0, 0.0)) + (now >= 0.1)
     assert np.abs(samples - expected).max() < 1e-12
@@ -115,7 +162,11 @@ def test_constant_and_moving_delays() -> None:
         return np.array([0.0123, 0.02 + 0.005 * np.sin(5 * time), 0.0])
 
     times = frames(30)
-    samples = play(times, lambda end: [Voice("a", Sine(200.0), np.array([1.0, 0.5, 0.25]), delays=delays_at(end))], 3)
+    samples = play(
+        times,
+        lambda end: [Voice("a", Sine(200.0), np.array([1.0, 0.5, 0.25]), delays=delays_at(end))],
+        3,
+    )
     now = np.arange(9600) / RATE
     for listener, gain in enumerate((1.0, 0.5, 0.25)):
         keys = [delays_at(times[1])[listener], *(delays_at(time)[listener] for time in times[1:])]
@@ -129,7 +180,14 @@ def test_a_path_that_opens_has_its_own_delay_at_once() -> None:
     unknown = float("nan")
     samples = play(
         frames(5),
-        lambda end: [Voice("a", Sine(100.0), np.array([float(end > 0.09)]), delays=np.array([0.01 if end > 0.09 else unknown]))],
+        lambda end: [
+            Voice(
+                "a",
+                Sine(100.0),
+                np.array([float(end > 0.09)]),
+                delays=np.array([0.01 if end > 0.09 else unknown]),
+            )
+        ],
     )[0]
     now = np.arange(1600) / RATE
     expected = smoothed(now, (0.08, 0.12), (0.0, 1.0)) * np.sin(2 * np.pi * 100 * (now - 0.01))
@@ -138,9 +196,15 @@ def test_a_path_that_opens_has_its_own_delay_at_once() -> None:
 
 def test_a_delayed_blow_rings_out() -> None:
     blow = DecayingSine(150.0, 0.01)
-    samples = play(frames(20), lambda end: [Voice("a", blow, np.ones(1), 0.01, delays=np.array([0.3]))])[0]
+    samples = play(
+        frames(20), lambda end: [Voice("a", blow, np.ones(1), 0.01, delays=np.array([0.3]))]
+    )[0]
     since = np.arange(6400) / RATE - 0.31
-    expected = np.where((since >= 0) & (since < blow.duration), np.exp(-since / 0.01) * np.sin(2 * np.pi * 150 * since), 0.0)
+    expected = np.where(
+        (since >= 0) & (since < blow.duration),
+        np.exp(-since / 0.01) * np.sin(2 * np.pi * 150 * since),
+        0.0,
+    )
     assert np.abs(samples - expected).max() < 1e-10
 
 
@@ -161,7 +225,12 @@ def test_bands_have_their_own_gains() -> None:
 def test_equal_gains_in_all_bands_are_one_gain(signal: Signal) -> None:
     onset = 0.04321
     plain, banded = (
-        play(frames(30), lambda end, shape=shape: [Voice("a", signal, np.full(shape, gain_at(end)), onset)] if end > 0.05 else [])
+        play(
+            frames(30),
+            lambda end, shape=shape: (
+                [Voice("a", signal, np.full(shape, gain_at(end)), onset)] if end > 0.05 else []
+            ),
+        )
         for shape in ((1,), (1, 6))
     )
     assert np.abs(plain - banded).max() < 1e-12
@@ -170,12 +239,17 @@ def test_equal_gains_in_all_bands_are_one_gain(signal: Signal) -> None:
 def test_bands_with_delays() -> None:
     signal = Sine(100.0) + Sine(30.0)
     gains = np.array([[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]])
-    samples = play(frames(50), lambda end: [Voice("a", signal, gains, -1.0, delays=np.array([0.01234]))], 1)[0]
+    samples = play(
+        frames(50), lambda end: [Voice("a", signal, gains, -1.0, delays=np.array([0.01234]))], 1
+    )[0]
     now = np.arange(16_000) / RATE - 0.01234
     offsets = np.arange(-bank_reach(RATE), bank_reach(RATE) + 1)
     expected = np.zeros(16_000)
     for frequency in (100.0, 30.0):
-        low = [low_pass(edge, RATE) @ np.cos(2 * np.pi * frequency / RATE * offsets) for edge in BAND_EDGES[1:-1]]
+        low = [
+            low_pass(edge, RATE) @ np.cos(2 * np.pi * frequency / RATE * offsets)
+            for edge in BAND_EDGES[1:-1]
+        ]
         expected += (gains[0] @ np.diff([0.0, *low, 1.0])) * np.sin(2 * np.pi * frequency * now)
     assert np.abs(samples - expected)[400:].max() < 2e-5, "from the second frame on"
 
@@ -191,7 +265,14 @@ def test_ramps_leave_no_step() -> None:
 
 
 signals = st.sampled_from(
-    [Sine(60.0), Sine(333.0) * Adsr(hold=0.1), Noise(seed=4), DecayingSine(120.0, 0.02), Sampled(np.hanning(300), 7000.0), Square(31.0)]
+    [
+        Sine(60.0),
+        Sine(333.0) * Adsr(hold=0.1),
+        Noise(seed=4),
+        DecayingSine(120.0, 0.02),
+        Sampled(np.hanning(300), 7000.0),
+        Square(31.0),
+    ]
 )
 
 
@@ -202,8 +283,11 @@ signals = st.sampled_from(
     st.integers(0, 99),
 )
 @settings(deadline=None, max_examples=100)
-def test_frames_cut_into_blocks_give_the_same(kinds: list[tuple[Signal, float, bool, bool]], cuts: list[float], seed: int) -> None:
-    """Gains, delays and priorities are functions of time here: how finely it is cut does not show."""
+def test_frames_cut_into_blocks_give_the_same(
+    kinds: list[tuple[Signal, float, bool, bool]], cuts: list[float], seed: int
+) -> None:
+    """Gains, delays and priorities are functions of time here: how finely it is cut does not
+    show."""
     random = np.random.default_rng(seed)
     whole = frames(10)
     levels = random.uniform(0, 1, (len(kinds), len(whole), 2, 6))
@@ -232,22 +316,38 @@ def test_frames_cut_into_blocks_give_the_same(kinds: list[tuple[Signal, float, b
 
 
 def test_after_a_reset_all_is_as_in_a_new_renderer() -> None:
-    listeners = [ListenerMix("a", "strongest"), ListenerMix("b", limiter=True, s_max=0.3), ListenerMix("c", "power")]
+    listeners = [
+        ListenerMix("a", "strongest"),
+        ListenerMix("b", limiter=True, s_max=0.3),
+        ListenerMix("c", "power"),
+    ]
     times = frames(40, 30 / 1.001)
     steps = [
-        (start, end, [Voice("hum", Sine(60.0), np.full(3, gain_at(end))), Voice("blow", DecayingSine(), np.ones((3, 6)), 0.2345)])
+        (
+            start,
+            end,
+            [
+                Voice("hum", Sine(60.0), np.full(3, gain_at(end))),
+                Voice("blow", DecayingSine(), np.ones((3, 6)), 0.2345),
+            ],
+        )
         for start, end in pairwise(times)
     ]
     used, new = Renderer(listeners), Renderer(listeners)
     used.render_frame(7.0, 7.3, steps[0][2])
     used.reset()
-    first, second = (np.concatenate([each.render_frame(*step) for step in steps], axis=1) for each in (used, new))
+    first, second = (
+        np.concatenate([each.render_frame(*step) for step in steps], axis=1) for each in (used, new)
+    )
     assert np.array_equal(first, second)
 
 
 def test_order_of_voices_does_not_matter() -> None:
     voices = [Voice(number, Sine(40.0 + number), np.full(1, 0.1 * number)) for number in range(12)]
-    assert np.abs(play(frames(5), lambda _: voices) - play(frames(5), lambda _: voices[::-1])).max() < 1e-12
+    assert (
+        np.abs(play(frames(5), lambda _: voices) - play(frames(5), lambda _: voices[::-1])).max()
+        < 1e-12
+    )
 
 
 class Counted(Sine):
@@ -263,7 +363,10 @@ class Counted(Sine):
 
 def test_inaudible_voices_are_not_rendered() -> None:
     Counted.counts.clear()
-    silent = [Voice("silent", Counted(50.0), np.zeros(1)), Voice("later", Counted(50.0), np.ones(1), onset=5.0)]
+    silent = [
+        Voice("silent", Counted(50.0), np.zeros(1)),
+        Voice("later", Counted(50.0), np.ones(1), onset=5.0),
+    ]
     over = Voice("over", Counted(50.0) * Constant(1.0, 0.1), np.ones(1))
     play(frames(25), lambda end: silent)
     assert Counted.counts == []
@@ -293,8 +396,14 @@ NAN = float("nan")
         (Voice("a", Sine(), np.ones(2), onset=NAN), "^onset: that of 'a'"),
         (Voice("a", Sine(), np.ones(2), priority=-1.0), "^priority: that of 'a'"),
         (Voice("a", Sine(), np.ones(2), delays=np.zeros(3)), "^delays: those of 'a' have shape"),
-        (Voice("a", Sine(), np.ones(2), delays=np.array([0.0, -1.0])), "^delays: those of 'a' must be"),
-        (Voice("a", Sine(), np.ones(2), delays=np.array([0.0, NAN])), "^delays: those of 'a' must be"),
+        (
+            Voice("a", Sine(), np.ones(2), delays=np.array([0.0, -1.0])),
+            "^delays: those of 'a' must be",
+        ),
+        (
+            Voice("a", Sine(), np.ones(2), delays=np.array([0.0, NAN])),
+            "^delays: those of 'a' must be",
+        ),
         (Voice("ok", Sine(), np.ones(2)), "^voices: key 'ok' is given twice"),
     ],
 )
@@ -305,7 +414,9 @@ def test_a_bad_voice_is_named_and_changes_nothing(voice: Voice, message: str) ->
         each.render_frame(0.0, 0.04, [good])
     with pytest.raises(ValueError, match=message):
         renderer.render_frame(0.04, 0.08, [good, voice])
-    assert np.array_equal(renderer.render_frame(0.04, 0.08, [good]), reference.render_frame(0.04, 0.08, [good]))
+    assert np.array_equal(
+        renderer.render_frame(0.04, 0.08, [good]), reference.render_frame(0.04, 0.08, [good])
+    )
 
 
 @pytest.mark.parametrize("rate", [0.0, 99.0, 1e6, NAN])

@@ -1,4 +1,5 @@
-"""What makes rendering fast gives the numbers of what is slow: tones on many paths, bands of a tone, values between samples, the sine."""
+"""What makes rendering fast gives the numbers of what is slow: tones on many paths, bands of a
+tone, values between samples, the sine."""
 
 from __future__ import annotations
 
@@ -20,14 +21,19 @@ RATE = 8000.0
 
 @given(st.integers(0, 99), st.integers(1, 5), st.integers(1, 6), st.integers(1, 700), st.booleans())
 @settings(deadline=None, derandomize=True)
-def test_tones_on_many_paths_are_sines_under_sums_of_curves(seed: int, listeners: int, voices: int, count: int, alike: bool) -> None:
+def test_tones_on_many_paths_are_sines_under_sums_of_curves(
+    seed: int, listeners: int, voices: int, count: int, alike: bool
+) -> None:
     random = np.random.default_rng(seed)
     shape, paths_shape = (listeners, voices), (1 if alike else listeners, voices)
     start, step = random.uniform(-1e5, 1e5, paths_shape), random.uniform(0, 0.5, paths_shape)
     n = np.arange(count)
     factors = random.normal(size=(4, *shape))
     curves = [np.ones(count), n / count, random.normal(size=count // 2 + 1), random.normal(size=1)]
-    gains = sum(factor[..., None] * np.pad(curve, (0, count - len(curve))) for factor, curve in zip(factors, curves, strict=True))
+    gains = sum(
+        factor[..., None] * np.pad(curve, (0, count - len(curve)))
+        for factor, curve in zip(factors, curves, strict=True)
+    )
     each = gains * np.sin(2 * np.pi * ((start % 1.0)[..., None] + step[..., None] * n))
     paths = TonePaths(start, step, factors, curves, count)
     scale = np.abs(factors).sum() * 5
@@ -42,7 +48,10 @@ def test_the_bands_of_a_steady_tone_are_the_tone_times_their_response(frequency:
     reach = bank_reach(RATE)
     samples = np.sin(2 * np.pi * frequency / RATE * np.arange(1000 + 2 * reach))
     bands = split_bands(samples, RATE)
-    assert np.abs(bands - bank_response(frequency, RATE)[:, None] * samples[reach:-reach]).max() < 1e-11
+    assert (
+        np.abs(bands - bank_response(frequency, RATE)[:, None] * samples[reach:-reach]).max()
+        < 1e-11
+    )
     assert bank_response(frequency, RATE).sum() == pytest.approx(1.0, abs=1e-15)
 
 
@@ -59,11 +68,22 @@ def test_polynomials_between_samples_hold_the_kernel(seed: int, positions: list[
 
 def test_sine_against_mpmath() -> None:
     random = np.random.default_rng(0)
-    cycles = np.concatenate([random.uniform(-1, 1, 500), random.uniform(-1e5, 1e5, 500), np.arange(-8, 9) / 8, [1e-300, -0.0]])
+    cycles = np.concatenate(
+        [
+            random.uniform(-1, 1, 500),
+            random.uniform(-1e5, 1e5, 500),
+            np.arange(-8, 9) / 8,
+            [1e-300, -0.0],
+        ]
+    )
     with mpmath.workdps(50):
-        exact = np.array([float(mpmath.sin(2 * mpmath.pi * mpmath.mpf(value))) for value in cycles.tolist()])
+        exact = np.array(
+            [float(mpmath.sin(2 * mpmath.pi * mpmath.mpf(value))) for value in cycles.tolist()]
+        )
     assert np.abs(sine(cycles) - exact).max() < 1e-15
-    assert np.abs(sine(np.arange(-4, 5) / 2)).max() < 1e-15 and sine(np.array([0.25, -0.25])).tolist() == pytest.approx([1, -1], abs=1e-15)
+    assert np.abs(sine(np.arange(-4, 5) / 2)).max() < 1e-15 and sine(
+        np.array([0.25, -0.25])
+    ).tolist() == pytest.approx([1, -1], abs=1e-15)
 
 
 LOADS: list[tuple[Signal, bool, bool]] = [
@@ -73,7 +93,8 @@ LOADS: list[tuple[Signal, bool, bool]] = [
 
 
 def voices(number: int, place: int) -> list[Voice]:
-    """Voices of frame ``number`` whose arrays begin ``place`` doubles after a multiple of 64 bytes."""
+    """Voices of frame ``number`` whose arrays begin ``place`` doubles after a multiple of 64
+    bytes."""
     random = np.random.default_rng(number)
     return [
         Voice(
@@ -106,8 +127,14 @@ def test_rendering_is_the_same_to_the_last_bit_wherever_arrays_lie_in_memory() -
     runs = []
     for place in (0, 1, 2, 3, 5, 7):
         renderer = Renderer(LISTENERS)
-        ballast = [np.empty(101 + 37 * place) for _ in range(place)]  # what the allocator gives next lies elsewhere, too
-        runs.append(np.concatenate([renderer.render_frame(k / 24, (k + 1) / 24, voices(k, place)) for k in range(12)], axis=1))
+        # What the allocator gives next lies elsewhere, too.
+        ballast = [np.empty(101 + 37 * place) for _ in range(place)]
+        runs.append(
+            np.concatenate(
+                [renderer.render_frame(k / 24, (k + 1) / 24, voices(k, place)) for k in range(12)],
+                axis=1,
+            )
+        )
         assert len(ballast) == place
     assert np.abs(runs[0]).max() > 0.5
     for run in runs[1:]:
@@ -116,11 +143,19 @@ def test_rendering_is_the_same_to_the_last_bit_wherever_arrays_lie_in_memory() -
 
 def test_a_signal_is_the_same_to_the_last_bit_wherever_frames_begin() -> None:
     """Of one voice at full gain nothing depends on the frames but where they are cut."""
-    for signal in (Sine(61.7), Sine(50.0) * Adsr() + Noise(0.2, seed=3), Sampled(np.hanning(9000), 5000.0)):
+    for signal in (
+        Sine(61.7),
+        Sine(50.0) * Adsr() + Noise(0.2, seed=3),
+        Sampled(np.hanning(9000), 5000.0),
+    ):
         voice = Voice("a", signal, np.ones(1), onset=-1.0)
         renderer = Renderer([ListenerMix("hand", s_max=10.0)])
-        whole = np.concatenate([renderer.render_frame(k / 24, (k + 1) / 24, [voice]) for k in range(24)], axis=1)[0]
+        whole = np.concatenate(
+            [renderer.render_frame(k / 24, (k + 1) / 24, [voice]) for k in range(24)], axis=1
+        )[0]
         renderer.reset()
         renderer.render_frame(0.30, 0.35, [voice])
-        later = np.concatenate([renderer.render_frame(k / 60, (k + 1) / 60, [voice]) for k in range(21, 60)], axis=1)[0]
+        later = np.concatenate(
+            [renderer.render_frame(k / 60, (k + 1) / 60, [voice]) for k in range(21, 60)], axis=1
+        )[0]
         assert later[64:].tobytes() == whole[2864:].tobytes(), "once it has faded in"

@@ -1,4 +1,5 @@
-"""What a rule makes of an impact: curves over its strength, and variations that depend on the impact alone."""
+"""What a rule makes of an impact: curves over its strength, and variations that depend on the
+impact alone."""
 
 import math
 
@@ -21,11 +22,15 @@ def test_by_default_amplitude_is_the_part_of_the_full_energy():
 @pytest.mark.parametrize("bend", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("energy", [0.05, 0.4, 1.0])
 def test_curves_go_from_weak_to_full_with_the_strength(bend, energy):
-    rule = ImpactRule(gain=(0.1, 0.9), pitch=(0.5, 2.0), decay=(0.2, 1.0), brightness=(0.0, 0.6), bend=bend)
+    rule = ImpactRule(
+        gain=(0.1, 0.9), pitch=(0.5, 2.0), decay=(0.2, 1.0), brightness=(0.0, 0.6), bend=bend
+    )
     signal, amplitude = rule.played(RING, energy, PAIR, 1.0)
     strength = energy**bend
     assert amplitude == pytest.approx(0.1 + 0.8 * strength)
-    assert (signal.decay, signal.brightness) == pytest.approx((0.2 + 0.8 * strength, 0.6 * strength))
+    assert (signal.decay, signal.brightness) == pytest.approx(
+        (0.2 + 0.8 * strength, 0.6 * strength)
+    )
     assert signal.pitch == pytest.approx(0.5 + 1.5 * strength, rel=STEP)
     assert signal.of is RING
 
@@ -42,9 +47,15 @@ def test_the_same_impact_sounds_the_same_and_others_differ():
 
 
 def test_variations_are_even_and_stay_in_their_range():
-    """Uniform, as far as the moments of 2,000 of them tell: mean and variance of uniform numbers, within five standard errors."""
+    """Uniform, as far as the moments of 2,000 of them tell: mean and variance of uniform numbers,
+    within five standard errors."""
     played = [VARIED.played(RING, 0.5, PAIR, 0.01 * number) for number in range(2000)]
-    parts = np.array([[(signal.pitch - 0.8) / 0.4, (1 - signal.decay) / 0.2, (1 - amplitude / 0.5) / 0.2] for signal, amplitude in played])
+    parts = np.array(
+        [
+            [(signal.pitch - 0.8) / 0.4, (1 - signal.decay) / 0.2, (1 - amplitude / 0.5) / 0.2]
+            for signal, amplitude in played
+        ]
+    )
     assert parts.min() >= -STEP / 0.4 * 1.2 and parts.max() <= 1 + STEP / 0.4 * 1.2
     assert parts.mean(axis=0) == pytest.approx([0.5] * 3, abs=5 * math.sqrt(1 / 12 / 2000))
     assert parts.var(axis=0) == pytest.approx([1 / 12] * 3, abs=5 * math.sqrt(1 / 180 / 2000))
@@ -53,7 +64,9 @@ def test_variations_are_even_and_stay_in_their_range():
 
 def test_pitch_and_decay_keep_what_a_template_allows():
     for number in range(50):
-        signal, amplitude = ImpactRule(variation=1.0, pitch=(0.25, 4.0), decay=(0.01, 0.01)).played(RING, number % 2, PAIR, number)
+        signal, amplitude = ImpactRule(variation=1.0, pitch=(0.25, 4.0), decay=(0.01, 0.01)).played(
+            RING, number % 2, PAIR, number
+        )
         assert isinstance(signal, Struck) and 0 <= amplitude <= 1
 
 

@@ -1,4 +1,5 @@
-"""Which row of a table counts for a pair of objects, against the order as it is defined, worked out pair by pair."""
+"""Which row of a table counts for a pair of objects, against the order as it is defined, worked out
+pair by pair."""
 
 import itertools
 
@@ -8,7 +9,13 @@ from haptic_tracing.core.scene.rule_table import Rule, RuleTable, Side
 ANVIL, HAMMER, BENCH = ("Anvil", "Steel"), ("Hammer.001", "Steel"), ("Bench [old]", "Wood")
 
 # From the least specific side to the most specific one, of those that fit the anvil.
-SIDES = (Side(), Side(material="St*"), Side(material="Steel"), Side(object="Anv?l"), Side(object="Anvil"))
+SIDES = (
+    Side(),
+    Side(material="St*"),
+    Side(material="Steel"),
+    Side(object="Anv?l"),
+    Side(object="Anvil"),
+)
 
 
 def table(*sides):
@@ -22,7 +29,11 @@ def test_the_more_specific_row_counts_wherever_it_stands(weak, strong):
 
 
 def test_the_more_specific_side_decides_before_the_other():
-    rows = ((Side(material="Steel"), Side(material="Wood")), (Side(object="Anvil"), Side()), (Side(material="Steel"), Side()))
+    rows = (
+        (Side(material="Steel"), Side(material="Wood")),
+        (Side(object="Anvil"), Side()),
+        (Side(material="Steel"), Side()),
+    )
     assert table(*rows).of(ANVIL, BENCH) == 1
     assert table(*rows).of(HAMMER, BENCH) == 0
     assert table(*rows).of(HAMMER, ANVIL) == 1

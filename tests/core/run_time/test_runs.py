@@ -1,4 +1,5 @@
-"""Runs: impacts, samples and levels of steps, against closed forms and against the tracer that Blender's frames use."""
+"""Runs: impacts, samples and levels of steps, against closed forms and against the tracer that
+Blender's frames use."""
 
 from __future__ import annotations
 
@@ -20,7 +21,9 @@ def floor_and_crate(**parts):
              "pose": {"position": [0, 0, 0.5]}}  # fmt: skip
     drill = {"name": "drill", "object": "ground", "position": [3, 0, 0]}
     hand = {"name": "hand", "object": "crate", "position": [0, 0, 1]}
-    return ht.Scene(**{"objects": [ground, crate], "sources": [drill], "listeners": [hand], **parts})
+    return ht.Scene(
+        **{"objects": [ground, crate], "sources": [drill], "listeners": [hand], **parts}
+    )
 
 
 def drop(run, height, frame_rate, seconds, **more):
@@ -34,7 +37,11 @@ def drop(run, height, frame_rate, seconds, **more):
 @pytest.mark.parametrize("frame_rate", [30, 60, 90])
 @pytest.mark.parametrize("height", [0.5, 2.0])
 def test_a_dropped_crate_hits_once_when_and_as_it_must(height, frame_rate):
-    blows = [blow for step in drop(ht.open(floor_and_crate()), height, frame_rate, 1.0) for blow in step.impacts]
+    blows = [
+        blow
+        for step in drop(ht.open(floor_and_crate()), height, frame_rate, 1.0)
+        for blow in step.impacts
+    ]
     (blow,) = blows
     assert blow.objects == ("ground", "crate")
     assert blow.time == pytest.approx(math.sqrt(2 * height / G), abs=2e-3)
@@ -44,7 +51,12 @@ def test_a_dropped_crate_hits_once_when_and_as_it_must(height, frame_rate):
 
 def test_an_impact_before_time_0_is_felt():
     run = ht.open(floor_and_crate())
-    steps = [run.step(frame / 60 - 5, {"crate": (0, 0, max(1 - G / 2 * (frame / 60) ** 2, 0) + 0.5, *STILL)}) for frame in range(40)]
+    steps = [
+        run.step(
+            frame / 60 - 5, {"crate": (0, 0, max(1 - G / 2 * (frame / 60) ** 2, 0) + 0.5, *STILL)}
+        )
+        for frame in range(40)
+    ]
     (blow,) = [blow for step in steps for blow in step.impacts]
     assert blow.time == pytest.approx(math.sqrt(2 / G) - 5, abs=2e-3)
 
@@ -54,14 +66,22 @@ def test_blocks_are_contiguous():
     assert steps[0].block.shape == (1, 0)
     for before, after in pairwise(steps[1:]):
         assert after.first_sample == before.first_sample + before.block.shape[1]
-    assert steps[-1].first_sample + steps[-1].block.shape[1] == math.ceil(steps[-1].time * 8000 - 1e-6)
+    assert steps[-1].first_sample + steps[-1].block.shape[1] == math.ceil(
+        steps[-1].time * 8000 - 1e-6
+    )
 
 
 def test_the_level_of_a_tone_is_its_rms():
-    """A tone of amplitude 0.5 over a path of gain g has the level 20 lg(0.5 g / sqrt 2); its share of the mix is the gain of the path."""
+    """A tone of amplitude 0.5 over a path of gain g has the level 20 lg(0.5 g / sqrt 2); its share
+    of the mix is the gain of the path."""
     function = {"function": "exponential", "alpha": 0.2}
     bar = {"name": "bar", "kappa": 0.1, "rho": 0.9, "propagation": function}
-    tone = {"name": "tone", "object": "bar", "amplitude": 0.5, "signal": {"signal": "sine", "frequency": 80}}
+    tone = {
+        "name": "tone",
+        "object": "bar",
+        "amplitude": 0.5,
+        "signal": {"signal": "sine", "frequency": 80},
+    }
     run = ht.open(ht.Scene(objects=[bar], sources=[tone | {"position": [0, 0, 0]}], listeners=[
         {"name": "hand", "object": "bar", "position": [2, 0, 0], "gain": 2.0}
     ]))  # fmt: skip
@@ -69,21 +89,35 @@ def test_the_level_of_a_tone_is_its_rms():
     for frame in range(60):
         step = run.step(frame / 50)
     assert step.levels["hand"].gains == {"tone": pytest.approx(gain)}
-    assert step.levels["hand"].level == pytest.approx(20 * math.log10(0.5 * gain * 2.0 / math.sqrt(2)), abs=0.01)
-    assert run.step(60 / 50, sources={"tone": {"playing": False}}).levels["hand"].gains == {"tone": 0.0}
+    assert step.levels["hand"].level == pytest.approx(
+        20 * math.log10(0.5 * gain * 2.0 / math.sqrt(2)), abs=0.01
+    )
+    assert run.step(60 / 50, sources={"tone": {"playing": False}}).levels["hand"].gains == {
+        "tone": 0.0
+    }
     for frame in range(61, 90):
         step = run.step(frame / 50)
     assert step.levels["hand"].level is None and step.levels["hand"].margin is None
-    assert run.step(90 / 50, sources={"tone": {"playing": True, "amplitude": 0.25}}).levels["hand"].gains["tone"] == pytest.approx(gain)
+    assert run.step(90 / 50, sources={"tone": {"playing": True, "amplitude": 0.25}}).levels[
+        "hand"
+    ].gains["tone"] == pytest.approx(gain)
 
 
 def test_sources_and_listeners_move_with_their_objects():
     run = ht.open(floor_and_crate())
     near = run.step(0.0).levels["hand"].gains["drill"]
-    turned = run.step(0.1, {"crate": (3, 0, 0.5, math.sqrt(0.5), 0, 0, math.sqrt(0.5))}).levels["hand"].gains["drill"]
+    turned = (
+        run.step(0.1, {"crate": (3, 0, 0.5, math.sqrt(0.5), 0, 0, math.sqrt(0.5))})
+        .levels["hand"]
+        .gains["drill"]
+    )
     alone = run.step(0.2, {"crate": (3, 0, 5, *STILL)}).levels["hand"].gains["drill"]
     assert turned > near > alone == 0.0
-    there = run.step(0.3, {"crate": (0, 0, 0.5, *STILL)}, source_positions={"drill": (0.0, 0.0, 0.0)}).levels["hand"].gains["drill"]
+    there = (
+        run.step(0.3, {"crate": (0, 0, 0.5, *STILL)}, source_positions={"drill": (0.0, 0.0, 0.0)})
+        .levels["hand"]
+        .gains["drill"]
+    )
     assert there == pytest.approx(turned, rel=1e-6)
 
 
@@ -103,7 +137,9 @@ def test_contacts_and_impacts_of_the_caller_replace_the_search():
     run = ht.open(floor_and_crate())
     far = {"crate": (0, 0, 1.2, *STILL)}  # 0.7 m above the ground
     touching = [{"objects": ["ground", "crate"], "positions": [[0, 0, 0], [0, 0, 0]]}]
-    hit = [{"objects": ["crate", "ground"], "position": [0, 0, 0], "time": 0.015, "normal_speed": 4.0}]
+    hit = [
+        {"objects": ["crate", "ground"], "position": [0, 0, 0], "time": 0.015, "normal_speed": 4.0}
+    ]
     run.step(0.0, far, contacts=touching)
     step = run.step(0.02, far, contacts=touching, impacts=hit)
     (blow,) = step.impacts
@@ -114,9 +150,13 @@ def test_contacts_and_impacts_of_the_caller_replace_the_search():
     assert np.abs(run.step(0.04, far, contacts=touching).block).max() > 0
     found = ht.open(floor_and_crate())
     found.step(0.0)
-    assert [blow.energy for blow in found.step(0.02, impacts=[hit[0] | {"normal_speed": 0.1}]).impacts] == []  # below E_min
+    assert [
+        blow.energy for blow in found.step(0.02, impacts=[hit[0] | {"normal_speed": 0.1}]).impacts
+    ] == []  # below E_min
     with pytest.raises(ValueError, match="impacts/0/objects/1: there is no object 'moon'"):
-        run.step(0.06, impacts=[{"objects": ["ground", "moon"], "position": [0, 0, 0], "energy": 50}])
+        run.step(
+            0.06, impacts=[{"objects": ["ground", "moon"], "position": [0, 0, 0], "energy": 50}]
+        )
 
 
 def test_what_is_added_and_removed_is_heard_and_gone():

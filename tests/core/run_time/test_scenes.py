@@ -1,4 +1,5 @@
-"""Scenes from files and dictionaries: gains against closed forms and NetworkX, errors that name their place."""
+"""Scenes from files and dictionaries: gains against closed forms and NetworkX, errors that name
+their place."""
 
 from __future__ import annotations
 
@@ -15,13 +16,21 @@ import pytest
 def chain(count, alpha=0.3):
     """Objects in a row, a metre each, that touch at their ends."""
     function = {"function": "exponential", "alpha": alpha}
-    objects = [{"name": f"link {k}", "kappa": 0.5, "rho": 0.5, "propagation": function} for k in range(count)]
-    contacts = [{"objects": [f"link {k - 1}", f"link {k}"], "positions": [[k, 0, 0], [k, 0, 0]]} for k in range(1, count)]
+    objects = [
+        {"name": f"link {k}", "kappa": 0.5, "rho": 0.5, "propagation": function}
+        for k in range(count)
+    ]
+    contacts = [
+        {"objects": [f"link {k - 1}", f"link {k}"], "positions": [[k, 0, 0], [k, 0, 0]]}
+        for k in range(1, count)
+    ]
     return {
         "objects": objects,
         "contacts": contacts,
         "sources": [{"name": "drill", "object": "link 0", "position": [0, 0, 0], "amplitude": 0.5}],
-        "listeners": [{"name": "hand", "object": f"link {count - 1}", "position": [count, 0, 0], "gain": 2.0}],
+        "listeners": [
+            {"name": "hand", "object": f"link {count - 1}", "position": [count, 0, 0], "gain": 2.0}
+        ],
     }
 
 
@@ -30,12 +39,18 @@ def test_a_gain_is_that_of_the_path_without_amplitude_and_gain_of_the_listener()
 
 
 def test_gains_of_a_grid_are_those_of_networkx():
-    """Slabs that touch their neighbours in a 4 x 4 grid; NetworkX searches the graph whose nodes are the ends of contacts."""
+    """Slabs that touch their neighbours in a 4 x 4 grid; NetworkX searches the graph whose nodes
+    are the ends of contacts."""
     side, alpha, loss = 4, 0.35, 0.8
     function = {"function": "exponential", "alpha": alpha}
     names = {(x, y): f"slab {x} {y}" for x in range(side) for y in range(side)}
     between = {"function": "constant", "gain": loss}
-    joints = [((x, y), (x + dx, y + dy)) for x, y in names for dx, dy in ((1, 0), (0, 1)) if (x + dx, y + dy) in names]
+    joints = [
+        ((x, y), (x + dx, y + dy))
+        for x, y in names
+        for dx, dy in ((1, 0), (0, 1))
+        if (x + dx, y + dy) in names
+    ]
     contacts = [
         {
             "objects": [names[a], names[b]],
@@ -45,10 +60,16 @@ def test_gains_of_a_grid_are_those_of_networkx():
         for a, b in joints
     ]
     scene = ht.Scene(
-        objects=[{"name": name, "kappa": 0.1, "rho": 0.9, "propagation": function} for name in names.values()],
+        objects=[
+            {"name": name, "kappa": 0.1, "rho": 0.9, "propagation": function}
+            for name in names.values()
+        ],
         contacts=contacts,
         sources=[{"name": "drill", "object": names[0, 0], "position": [-0.4, 0, 0]}],
-        listeners=[{"name": name, "object": name, "position": [x, y + 0.3, 0]} for (x, y), name in names.items()],
+        listeners=[
+            {"name": name, "object": name, "position": [x, y + 0.3, 0]}
+            for (x, y), name in names.items()
+        ],
         settings={"strategy": "best_path", "threshold": 0, "max_connections": None},
     )
     graph = networkx.Graph()
@@ -65,7 +86,9 @@ def test_gains_of_a_grid_are_those_of_networkx():
             for b, q in ends[:i]:
                 graph.add_edge(a, b, cost=alpha * math.dist(p, q))
     expected = networkx.single_source_dijkstra_path_length(graph, "drill", weight="cost")
-    assert scene.gains() == {("drill", name): pytest.approx(math.exp(-expected[name])) for name in names.values()}
+    assert scene.gains() == {
+        ("drill", name): pytest.approx(math.exp(-expected[name])) for name in names.values()
+    }
 
 
 def test_contacts_are_found_where_the_scene_lists_none(tmp_path):
@@ -75,9 +98,14 @@ def test_contacts_are_found_where_the_scene_lists_none(tmp_path):
         item["shape"] = {"type": "box", "size": [1, 1, 1]}
         item["pose"] = {"position": [k + 0.5, 0, 0]}
     path = tmp_path / "chain.json"
-    path.write_text(json.dumps({"format": "haptic-scene", "version": "1.1", **parts}), encoding="utf-8")
+    path.write_text(
+        json.dumps({"format": "haptic-scene", "version": "1.1", **parts}), encoding="utf-8"
+    )
     scene = ht.load(path)
-    assert [item.objects for item in scene.contacts()] == [("link 0", "link 1"), ("link 1", "link 2")]
+    assert [item.objects for item in scene.contacts()] == [
+        ("link 0", "link 1"),
+        ("link 1", "link 2"),
+    ]
     assert scene.gains() == {("drill", "hand"): pytest.approx(math.exp(-0.3 * 3))}
     assert ht.loads(path.read_text(encoding="utf-8")).gains() == scene.gains()
     scene.with_settings(strategy="all_paths").save(tmp_path / "saved.json")
@@ -96,5 +124,13 @@ def test_errors_name_the_place():
 
 
 def test_the_package_is_imported_without_what_is_not_needed():
-    program = "import sys, haptic_tracing as ht; ht.Scene; print(sorted({'bpy', 'fcl', 'networkx', 'hid', 'soxr'} & set(sys.modules)))"
-    assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout == "[]\n"
+    program = (
+        "import sys, haptic_tracing as ht; ht.Scene; print(sorted({'bpy', 'fcl', "
+        "'networkx', 'hid', 'soxr'} & set(sys.modules)))"
+    )
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        ).stdout
+        == "[]\n"
+    )

@@ -1,4 +1,5 @@
-"""What holds for every signal that can be built: block independence, bounds, end, and the way through JSON."""
+"""What holds for every signal that can be built: block independence, bounds, end, and the way
+through JSON."""
 
 from __future__ import annotations
 
@@ -64,7 +65,9 @@ simple = st.one_of(
     st.builds(Constant, numbers(-30, 30), seconds | st.just(math.inf)),
     st.builds(Adsr, seconds, seconds, numbers(0, 1), seconds, seconds | st.just(math.inf)),
     st.builds(
-        lambda end, values: Keyed(Automation(np.linspace(0, end, len(values)), values)), seconds, st.lists(numbers(-9, 9), min_size=2)
+        lambda end, values: Keyed(Automation(np.linspace(0, end, len(values)), values)),
+        seconds,
+        st.lists(numbers(-9, 9), min_size=2),
     ),
     st.builds(Decay, seconds),
     st.builds(Impulse, seconds, numbers(-30, 30)),
@@ -88,7 +91,13 @@ def composed(inner: st.SearchStrategy[Signal]) -> st.SearchStrategy[Signal]:
         st.builds(lambda a, b: Product((Gain(a, 1e-3), Gain(b, 1e-3))), inner, inner),
         st.builds(lambda a, b: Sum((a, b)), inner, inner),
         st.builds(lambda a, b: Sequence((finite(a), b)), inner, inner),
-        st.builds(lambda a, p, d, b: Struck(Gain(brief(a), 1e-3), p, d, b), inner, numbers(0.25, 4), numbers(0.01, 1), numbers(0, 1)),
+        st.builds(
+            lambda a, p, d, b: Struck(Gain(brief(a), 1e-3), p, d, b),
+            inner,
+            numbers(0.25, 4),
+            numbers(0.01, 1),
+            numbers(0, 1),
+        ),
         st.builds(
             lambda a, n, c: Loop(a, n, c * a.duration),
             inner.map(finite).filter(lambda a: a.duration >= MIN_SECONDS),
@@ -103,19 +112,32 @@ rates = st.sampled_from([8000.0, 1000.0, 44_100.0, 333.3])
 
 
 @pytest.mark.slow
-@given(signals, rates, numbers(-1.0, 1.0), st.integers(-500, 9000), st.lists(st.integers(0, 700), min_size=1, max_size=6))
+@given(
+    signals,
+    rates,
+    numbers(-1.0, 1.0),
+    st.integers(-500, 9000),
+    st.lists(st.integers(0, 700), min_size=1, max_size=6),
+)
 @settings(deadline=None, max_examples=300)
-def test_samples_do_not_depend_on_blocks(signal: Signal, rate: float, onset: float, start: int, sizes: list[int]) -> None:
+def test_samples_do_not_depend_on_blocks(
+    signal: Signal, rate: float, onset: float, start: int, sizes: list[int]
+) -> None:
     whole = signal.sample(start, sum(sizes), rate, onset)
     begins = start + np.cumsum([0, *sizes[:-1]])
-    blocks = [signal.sample(int(begin), size, rate, onset) for begin, size in zip(begins, sizes, strict=True)]
+    blocks = [
+        signal.sample(int(begin), size, rate, onset)
+        for begin, size in zip(begins, sizes, strict=True)
+    ]
     assert np.abs(np.concatenate(blocks) - whole).max(initial=0.0) <= 1e-12 * max(signal.peak, 1.0)
 
 
 @pytest.mark.slow
 @given(signals, rates, numbers(-1.0, 1.0))
 @settings(deadline=None, max_examples=300)
-def test_samples_are_finite_within_the_peak_and_zero_outside(signal: Signal, rate: float, onset: float) -> None:
+def test_samples_are_finite_within_the_peak_and_zero_outside(
+    signal: Signal, rate: float, onset: float
+) -> None:
     samples = signal.sample(-1000, 9000, rate, onset)
     times = np.arange(-1000, 8000) / rate - onset
     assert np.isfinite(samples).all()

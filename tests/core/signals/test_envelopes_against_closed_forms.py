@@ -44,7 +44,9 @@ def test_adsr_without_hold_never_releases() -> None:
 
 
 def test_adsr_without_attack_begins_at_full() -> None:
-    assert Adsr(attack=0.0, decay=0.1, sustain=0.0, release=0.0, hold=0.0).sample(0, 2, RATE) == pytest.approx([1.0, 1 - 1 / 800])
+    assert Adsr(attack=0.0, decay=0.1, sustain=0.0, release=0.0, hold=0.0).sample(
+        0, 2, RATE
+    ) == pytest.approx([1.0, 1 - 1 / 800])
 
 
 def test_keyed() -> None:
@@ -64,7 +66,9 @@ def test_decay_and_decaying_sine() -> None:
     within = times < Decay(0.05).duration
     assert np.abs(Decay(0.05).sample(0, 8000, RATE) - expected)[within].max() < 1e-15
     ringing = 0.7 * expected * np.sin(2 * np.pi * 150 * times)
-    assert np.abs(DecayingSine(150.0, 0.05, 0.7).sample(0, 8000, RATE) - ringing)[within].max() < 1e-12
+    assert (
+        np.abs(DecayingSine(150.0, 0.05, 0.7).sample(0, 8000, RATE) - ringing)[within].max() < 1e-12
+    )
     assert not DecayingSine(150.0, 0.05).sample(0, 8000, RATE)[~within].any()
 
 
@@ -100,7 +104,9 @@ def test_delay_and_sequence_join_at_any_time() -> None:
     tone = Sine(50.0) * Constant(1.0, 0.10007)
     both = tone >> Sine(80.0)
     times = np.arange(4000) / RATE
-    expected = np.where(times < 0.10007, np.sin(2 * np.pi * 50 * times), np.sin(2 * np.pi * 80 * (times - 0.10007)))
+    expected = np.where(
+        times < 0.10007, np.sin(2 * np.pi * 50 * times), np.sin(2 * np.pi * 80 * (times - 0.10007))
+    )
     assert np.abs(both.sample(0, 4000, RATE) - expected).max() < 1e-12
     later = Delay(Sine(80.0), 0.10007).sample(0, 4000, RATE)
     assert np.abs(later - np.where(times < 0.10007, 0.0, expected)).max() < 1e-12
@@ -125,7 +131,9 @@ def test_loop_repeats() -> None:
 
 def test_loop_crossfade_has_no_step() -> None:
     cut = Sine(50.0) * Constant(1.0, 0.107)
-    smooth, hard = (Loop(cut, crossfade=crossfade).sample(0, 16_000, RATE) for crossfade in (0.02, 0.0))
+    smooth, hard = (
+        Loop(cut, crossfade=crossfade).sample(0, 16_000, RATE) for crossfade in (0.02, 0.0)
+    )
     steepest = 2 * np.pi * 50 / RATE
     assert np.abs(np.diff(hard)).max() > 0.5
     assert np.abs(np.diff(smooth)).max() < 2 * steepest

@@ -48,10 +48,16 @@ def test_every_pair(first: str, second: str) -> None:
 
 
 def test_harder_is_higher_and_metal_rings_longest() -> None:
-    assert spectral_centroid("stone", "stone") > spectral_centroid("wood", "wood") > spectral_centroid("rubber", "rubber")
+    assert (
+        spectral_centroid("stone", "stone")
+        > spectral_centroid("wood", "wood")
+        > spectral_centroid("rubber", "rubber")
+    )
     assert spectral_centroid("stone", "metal") > spectral_centroid("fabric", "metal")
     assert effective_duration("metal", "stone") > effective_duration("wood", "stone") > 0
-    assert effective_duration("metal", "metal") == max(effective_duration(name, name) for name in IMPACT_MATERIALS)
+    assert effective_duration("metal", "metal") == max(
+        effective_duration(name, name) for name in IMPACT_MATERIALS
+    )
 
 
 def test_unknown_material_is_named() -> None:

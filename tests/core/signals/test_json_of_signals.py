@@ -1,4 +1,5 @@
-"""The JSON form of signals: what it looks like, and one clear error for what is broken or hostile."""
+"""The JSON form of signals: what it looks like, and one clear error for what is broken or
+hostile."""
 
 from __future__ import annotations
 
@@ -19,10 +20,20 @@ def nested(depth: int) -> dict[str, Any]:
 
 
 def test_form() -> None:
-    assert Sine(60).to_dict() == {"signal": "sine", "frequency": 60.0, "amplitude": 1.0, "phase": 0.0}
+    assert Sine(60).to_dict() == {
+        "signal": "sine",
+        "frequency": 60.0,
+        "amplitude": 1.0,
+        "phase": 0.0,
+    }
     assert (Sine(ramp(20, 200, 0.5)) * 0.5).to_dict() == {
         "signal": "gain",
-        "of": {"signal": "sine", "frequency": {"times": [0.0, 0.5], "values": [20.0, 200.0]}, "amplitude": 1.0, "phase": 0.0},
+        "of": {
+            "signal": "sine",
+            "frequency": {"times": [0.0, 0.5], "values": [20.0, 200.0]},
+            "amplitude": 1.0,
+            "phase": 0.0,
+        },
         "gain": 0.5,
     }
 
@@ -43,25 +54,55 @@ def test_defaults_may_be_left_out() -> None:
         ({"signal": "sine", "freq": 3}, "/freq: unknown key of sine"),
         ({"signal": "sine", "frequency": "60"}, "/frequency: must be a number, not str"),
         ({"signal": "sine", "frequency": None}, "/frequency: must be a number, not NoneType"),
-        ({"signal": "sine", "frequency": float("nan")}, "/frequency: must be from 0 to 20000, not nan"),
+        (
+            {"signal": "sine", "frequency": float("nan")},
+            "/frequency: must be from 0 to 20000, not nan",
+        ),
         ({"signal": "sine", "frequency": 10**400}, "/frequency: must be from 0 to 20000, not inf"),
-        ({"signal": "sine", "frequency": {"times": [0]}}, "/frequency: must be a number or have times and values"),
-        ({"signal": "sine", "frequency": {"times": [0], "values": ["x"]}}, "/frequency/values: must be a list of numbers"),
-        ({"signal": "sine", "frequency": {"times": [0, 1], "values": [1]}}, "/frequency/values: 1 for 2 times"),
-        ({"signal": "sine", "frequency": {"times": [0], "values": [10**400]}}, "/frequency/values: must be a list of numbers"),
-        ({"signal": "sine", "amplitude": {"signal": "sine"}}, "/amplitude: must be a number, not Sine"),
+        (
+            {"signal": "sine", "frequency": {"times": [0]}},
+            "/frequency: must be a number or have times and values",
+        ),
+        (
+            {"signal": "sine", "frequency": {"times": [0], "values": ["x"]}},
+            "/frequency/values: must be a list of numbers",
+        ),
+        (
+            {"signal": "sine", "frequency": {"times": [0, 1], "values": [1]}},
+            "/frequency/values: 1 for 2 times",
+        ),
+        (
+            {"signal": "sine", "frequency": {"times": [0], "values": [10**400]}},
+            "/frequency/values: must be a list of numbers",
+        ),
+        (
+            {"signal": "sine", "amplitude": {"signal": "sine"}},
+            "/amplitude: must be a number, not Sine",
+        ),
         ({"signal": "gain"}, "/of: missing"),
-        ({"signal": "gain", "of": {"signal": "sine", "phase": "a"}}, "/of/phase: must be a number, not str"),
+        (
+            {"signal": "gain", "of": {"signal": "sine", "phase": "a"}},
+            "/of/phase: must be a number, not str",
+        ),
         ({"signal": "sum", "of": []}, "/of: must be a tuple of at least one signal"),
-        ({"signal": "sum", "of": [{"signal": "sine"}, {"signal": "noise", "seed": 0.5}]}, "/of/1/seed: must be a whole number, not float"),
+        (
+            {"signal": "sum", "of": [{"signal": "sine"}, {"signal": "noise", "seed": 0.5}]},
+            "/of/1/seed: must be a whole number, not float",
+        ),
         ({"signal": "sum", "of": [{"signal": "sine"}, 3]}, "/of/1: must be an object"),
-        ({"signal": "sum", "of": {"signal": "sine"}}, "/of: must be a tuple of at least one signal"),
+        (
+            {"signal": "sum", "of": {"signal": "sine"}},
+            "/of: must be a tuple of at least one signal",
+        ),
         ({"signal": "sampled", "samples": [1, "a"]}, "/samples: must be a list of numbers"),
         ({"signal": "sampled", "samples": [float("inf")]}, "/samples: must be finite"),
         ({"signal": "sampled", "samples": [1], "peak": 3}, "/peak: unknown key of sampled"),
         ({"signal": "loop", "of": {"signal": "sine"}}, "/of: a looped signal must end"),
         (nested(40), ": the signal is too complex"),
-        ({"signal": "sum", "of": [{"signal": "sine"}] * 2000}, "/of/999: the signal is too complex"),
+        (
+            {"signal": "sum", "of": [{"signal": "sine"}] * 2000},
+            "/of/999: the signal is too complex",
+        ),
         pytest.param(
             {"signal": "sampled", "samples": [0] * 4_000_001},
             "/samples: the signal has more than 4000000 numbers",
@@ -86,9 +127,17 @@ def test_crossfades_cannot_multiply_the_work() -> None:
 
 
 json_values = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5) | st.sampled_from(list(SIGNAL_KINDS)),
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(max_size=5)
+    | st.sampled_from(list(SIGNAL_KINDS)),
     lambda inner: (
-        st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=3) | st.sampled_from(["signal", "of", "times", "values"]), inner)
+        st.lists(inner, max_size=4)
+        | st.dictionaries(
+            st.text(max_size=3) | st.sampled_from(["signal", "of", "times", "values"]), inner
+        )
     ),
     max_leaves=12,
 )
@@ -97,8 +146,25 @@ json_values = st.recursive(
 @st.composite
 def forms(draw: st.DrawFn) -> dict[str, Any]:
     kind = draw(st.sampled_from(list(SIGNAL_KINDS)))
-    names = ["frequency", "amplitude", "phase", "duty", "of", "track", "seed", "rate", "samples", "count", "crossfade", "gain", "hold"]
-    return {"signal": kind, **draw(st.dictionaries(st.sampled_from(names), json_values | forms(), max_size=3))}
+    names = [
+        "frequency",
+        "amplitude",
+        "phase",
+        "duty",
+        "of",
+        "track",
+        "seed",
+        "rate",
+        "samples",
+        "count",
+        "crossfade",
+        "gain",
+        "hold",
+    ]
+    return {
+        "signal": kind,
+        **draw(st.dictionaries(st.sampled_from(names), json_values | forms(), max_size=3)),
+    }
 
 
 @pytest.mark.slow

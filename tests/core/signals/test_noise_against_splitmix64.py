@@ -7,9 +7,16 @@ import pytest
 from haptic_tracing.core.signals import Noise
 from haptic_tracing.core.signals.noise import splitmix64
 
-# The outputs that Vigna's reference splitmix64.c gives for these seeds, as used to test many ports of it.
+# The outputs that Vigna's reference splitmix64.c gives for these seeds, as used to test many ports
+# of it.
 PUBLISHED = {
-    1234567: (6457827717110365317, 3203168211198807973, 9817491932198370423, 4593380528125082431, 16408922859458223821),
+    1234567: (
+        6457827717110365317,
+        3203168211198807973,
+        9817491932198370423,
+        4593380528125082431,
+        16408922859458223821,
+    ),
     0: (0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F, 0xF88BB8A8724C81EC),
 }
 
@@ -21,7 +28,9 @@ def test_published_outputs(seed: int) -> None:
 
 
 def test_samples_on_the_grid_are_the_hash() -> None:
-    expected = (splitmix64(7, np.arange(1000, dtype=np.uint64)) >> np.uint64(11)).astype(float) * 2.0**-52 - 1.0
+    expected = (splitmix64(7, np.arange(1000, dtype=np.uint64)) >> np.uint64(11)).astype(
+        float
+    ) * 2.0**-52 - 1.0
     assert np.abs(Noise(0.5, seed=7).sample(0, 1000, 8000.0) - 0.5 * expected).max() < 1e-9
 
 
@@ -46,7 +55,15 @@ def test_seeds_differ() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("seed", -1), ("seed", 2**64), ("seed", 1.5), ("rate", 0.0), ("rate", 1e6), ("amplitude", 1e9)]
+    ("name", "value"),
+    [
+        ("seed", -1),
+        ("seed", 2**64),
+        ("seed", 1.5),
+        ("rate", 0.0),
+        ("rate", 1e6),
+        ("amplitude", 1e9),
+    ],
 )
 def test_bad_arguments_are_named(name: str, value: float) -> None:
     with pytest.raises(ValueError, match=f"^{name}: "):

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 import scipy.integrate
 import scipy.signal
-from haptic_tracing.core.signals import Automation, Oscillator, Pulse, Saw, Sine, Square, Triangle, ramp
+from haptic_tracing.core.signals import (
+    Automation,
+    Oscillator,
+    Pulse,
+    Saw,
+    Sine,
+    Square,
+    Triangle,
+    ramp,
+)
 from mpmath import mp
 
 RATE = 8000.0
@@ -62,8 +71,12 @@ def test_keyed_frequency_integrates_the_keys() -> None:
         return float(np.interp(t, (0.25, 0.6), (200.0, 30.0)))
 
     for n in (500, 1600, 2500, 4500, 7999):
-        cycles, _ = scipy.integrate.quad(frequency, 0.0, times[n], points=[0.1, 0.25, 0.6], limit=200)
-        assert Sine(keys).sample(n, 1, RATE)[0] == pytest.approx(np.sin(2 * np.pi * cycles), abs=1e-9)
+        cycles, _ = scipy.integrate.quad(
+            frequency, 0.0, times[n], points=[0.1, 0.25, 0.6], limit=200
+        )
+        assert Sine(keys).sample(n, 1, RATE)[0] == pytest.approx(
+            np.sin(2 * np.pi * cycles), abs=1e-9
+        )
 
 
 def test_keyed_amplitude() -> None:
@@ -73,10 +86,18 @@ def test_keyed_amplitude() -> None:
     assert np.abs(Sine(60.0, keys).sample(0, 8000, RATE) - expected).max() < 1e-12
 
 
-@pytest.mark.parametrize("oscillator", [Square(97.0), Saw(97.0), Triangle(97.0), Pulse(97.0, duty=0.1), Pulse(97.0, duty=0.6)])
+@pytest.mark.parametrize(
+    "oscillator",
+    [Square(97.0), Saw(97.0), Triangle(97.0), Pulse(97.0, duty=0.1), Pulse(97.0, duty=0.6)],
+)
 def test_waves_are_scipys_away_from_edges(oscillator: Oscillator) -> None:
     cycles = 97.0 * np.arange(8000) / RATE
-    edges = {Square: (0.0, 0.5), Saw: (0.0,), Triangle: (0.25, 0.75), Pulse: (0.0, getattr(oscillator, "duty", 0.0))}[type(oscillator)]
+    edges = {
+        Square: (0.0, 0.5),
+        Saw: (0.0,),
+        Triangle: (0.25, 0.75),
+        Pulse: (0.0, getattr(oscillator, "duty", 0.0)),
+    }[type(oscillator)]
     far = np.ones(8000, dtype=bool)
     for edge in edges:
         far &= np.abs((cycles - edge + 0.5) % 1.0 - 0.5) > 97.0 / RATE
@@ -86,9 +107,13 @@ def test_waves_are_scipys_away_from_edges(oscillator: Oscillator) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("frequency", [3.0, 61.0, 333.0, 1999.0, 3900.0])
-@pytest.mark.parametrize("kind", [Square(), Saw(), Triangle(), Pulse(duty=0.03), Pulse(duty=0.5), Pulse(duty=0.97)])
+@pytest.mark.parametrize(
+    "kind", [Square(), Saw(), Triangle(), Pulse(duty=0.03), Pulse(duty=0.5), Pulse(duty=0.97)]
+)
 def test_waves_are_averaged_over_the_sample_period(kind: Oscillator, frequency: float) -> None:
-    oscillator = type(kind)(frequency, duty=kind.duty) if isinstance(kind, Pulse) else type(kind)(frequency)
+    oscillator = (
+        type(kind)(frequency, duty=kind.duty) if isinstance(kind, Pulse) else type(kind)(frequency)
+    )
     width = frequency / RATE
     fine = (np.arange(20_000) + 0.5) / 20_000 - 0.5
     numbers = np.arange(200)
@@ -99,7 +124,9 @@ def test_waves_are_averaged_over_the_sample_period(kind: Oscillator, frequency: 
 def test_aliases_of_a_square_stay_out_of_what_skin_feels() -> None:
     count = 1 << 16
     frequency = 61.0
-    spectrum = np.abs(np.fft.rfft(Square(frequency).sample(0, count, RATE) * np.hanning(count))) / (count / 4)
+    spectrum = np.abs(np.fft.rfft(Square(frequency).sample(0, count, RATE) * np.hanning(count))) / (
+        count / 4
+    )
     bins = np.arange(len(spectrum)) * RATE / count
     between_harmonics = np.abs(bins / frequency % 2 - 1) * frequency > 4.0
     assert 20 * np.log10(spectrum[between_harmonics & (bins < 250.0)].max()) < -68

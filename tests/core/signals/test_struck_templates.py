@@ -4,7 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.signals import CORNER, DecayingSine, Impulse, Sampled, Struck, impact_template
+from haptic_tracing.core.signals import (
+    CORNER,
+    DecayingSine,
+    Impulse,
+    Sampled,
+    Struck,
+    impact_template,
+)
 from scipy import integrate, signal
 
 RATE = 8000.0
@@ -33,7 +40,11 @@ def decay_time(template):
     return 2.0 * integrate.simpson(times * energy, x=times) / integrate.simpson(energy, x=times)
 
 
-@pytest.mark.parametrize("template", [RING, impact_template("metal", "wood"), Impulse(0.02)], ids=["ring", "metal on wood", "impulse"])
+@pytest.mark.parametrize(
+    "template",
+    [RING, impact_template("metal", "wood"), Impulse(0.02)],
+    ids=["ring", "metal on wood", "impulse"],
+)
 @pytest.mark.parametrize(("pitch", "decay"), [(1.0, 0.5), (2.0, 0.2), (0.5, 0.9)])
 def test_decay_is_an_envelope_by_the_decay_time(template, pitch, decay):
     times = np.arange(8000) / RATE
@@ -42,24 +53,36 @@ def test_decay_is_an_envelope_by_the_decay_time(template, pitch, decay):
     sounding = times < Struck(template, pitch, decay).duration
     wanted = (sampled(Struck(template, pitch)) * envelope)[sounding]
     assert (np.abs(found[sounding] - wanted) <= np.maximum(2e-3 * np.abs(wanted), 1e-3)).all()
-    assert np.abs(sampled(Struck(template, pitch))[~sounding] * envelope[~sounding]).max(initial=0.0) <= 1.1e-4 * template.peak
+    assert (
+        np.abs(sampled(Struck(template, pitch))[~sounding] * envelope[~sounding]).max(initial=0.0)
+        <= 1.1e-4 * template.peak
+    )
 
 
 def test_a_pure_ring_decays_in_its_part_of_the_time():
     """The centre in time of the energy of a ring of many periods is half its time constant."""
     ring = DecayingSine(300.0, 0.1)
-    np.testing.assert_allclose(sampled(Struck(ring, decay=0.4)), sampled(DecayingSine(300.0, 0.04)), rtol=0, atol=2e-3)
+    np.testing.assert_allclose(
+        sampled(Struck(ring, decay=0.4)), sampled(DecayingSine(300.0, 0.04)), rtol=0, atol=2e-3
+    )
 
 
 @pytest.mark.parametrize("brightness", [0.0, 0.3, 0.8])
 def test_brightness_is_a_shelf_of_first_order(brightness):
-    """The spectrum of a broad pulse, relative to what it was; SciPy has the response of the shelf."""
-    pulse = Sampled(np.concatenate([np.zeros(40), signal.windows.gaussian(81, 4.0), np.zeros(2000)]), RATE)
-    before, after = (np.fft.rfft(sampled(item, 0.25)) for item in (pulse, Struck(pulse, brightness=brightness)))
+    """The spectrum of a broad pulse, relative to what it was; SciPy has the response of the
+    shelf."""
+    pulse = Sampled(
+        np.concatenate([np.zeros(40), signal.windows.gaussian(81, 4.0), np.zeros(2000)]), RATE
+    )
+    before, after = (
+        np.fft.rfft(sampled(item, 0.25)) for item in (pulse, Struck(pulse, brightness=brightness))
+    )
     hertz = np.fft.rfftfreq(2000, 1 / RATE)
     heard = hertz < 600.0
     _, expected = signal.freqs([brightness / CORNER, 1.0], [1.0 / CORNER, 1.0], hertz[heard])
-    np.testing.assert_allclose(np.abs(after[heard] / before[heard]), np.abs(expected), rtol=0, atol=0.02)
+    np.testing.assert_allclose(
+        np.abs(after[heard] / before[heard]), np.abs(expected), rtol=0, atol=0.02
+    )
 
 
 def test_what_is_not_changed_stays_to_the_last_bit():

@@ -1,4 +1,5 @@
-"""Every reason for silence, in a scene made so that it holds; distances and decibels against closed forms."""
+"""Every reason for silence, in a scene made so that it holds; distances and decibels against closed
+forms."""
 
 import math
 from dataclasses import replace
@@ -27,8 +28,20 @@ def place(*positions):
 
 
 def frame(objects, shapes, positions, sources, listeners, settings=None, number=1):
-    bodies = tuple(Body(o.name, shape, None, Motion.KINEMATIC) for o, shape in zip(objects, shapes, strict=True))
-    return Frame(number, number / 24, objects, sources, listeners, settings or Settings(), bodies, place(*positions))
+    bodies = tuple(
+        Body(o.name, shape, None, Motion.KINEMATIC)
+        for o, shape in zip(objects, shapes, strict=True)
+    )
+    return Frame(
+        number,
+        number / 24,
+        objects,
+        sources,
+        listeners,
+        settings or Settings(),
+        bodies,
+        place(*positions),
+    )
 
 
 def traced(one, frames=1):
@@ -40,7 +53,8 @@ def traced(one, frames=1):
 
 
 def chain(gap=0.0, **changes):
-    """Three boxes of 1 m in a row, the last one ``gap`` metres away; a source in the first, a listener in the last."""
+    """Three boxes of 1 m in a row, the last one ``gap`` metres away; a source in the first, a
+    listener in the last."""
     objects = tuple(HapticObject(name, 0.0, 1.0, FUNCTION) for name in ("ground", "bench", "seat"))
     return replace(
         frame(
@@ -63,7 +77,9 @@ def test_who_feels_something_has_no_reason():
     assert why(chain()) == ()
 
 
-@pytest.mark.parametrize(("gap", "cause"), [(0.032, Cause.NARROW_GAP), (0.0205, Cause.NARROW_GAP), (2.5, Cause.GAP)])
+@pytest.mark.parametrize(
+    ("gap", "cause"), [(0.032, Cause.NARROW_GAP), (0.0205, Cause.NARROW_GAP), (2.5, Cause.GAP)]
+)
 def test_gap_is_measured_and_named(gap, cause):
     (reason,) = why(chain(gap))
     assert (reason.cause, reason.object) == (cause, "seat")
@@ -75,7 +91,13 @@ def test_gap_is_measured_and_named(gap, cause):
 def test_distance_of_a_gap_is_that_of_the_shapes_not_of_their_boxes():
     objects = tuple(HapticObject(name, 0.0, 1.0, FUNCTION) for name in ("a", "b"))
     spheres = (Sphere(1.0), Sphere(1.0))
-    one = frame(objects, spheres, ((0, 0, 0), (1.9, 1.9, 0)), (Source("s", "a"),), (Listener("l", "b", (1.9, 1.9, 0)),))
+    one = frame(
+        objects,
+        spheres,
+        ((0, 0, 0), (1.9, 1.9, 0)),
+        (Source("s", "a"),),
+        (Listener("l", "b", (1.9, 1.9, 0)),),
+    )
     (reason,) = why(one)
     assert reason["distance"] == pytest.approx(1.9 * math.sqrt(2) - 2, abs=1e-6)
 
@@ -85,8 +107,15 @@ def test_several_gaps_are_counted_and_the_way_with_the_least_air_is_taken():
     objects = tuple(HapticObject(name, 0.0, 1.0, FUNCTION) for name in names)
     positions = ((0, 0, 0), (1.3, 0, 0), (2.5, 0, 0), (0, 90, 0))
     listener = Listener("skin", "seat", (2.5, 0, 0))
-    (reason,) = why(frame(objects, (Box((1, 1, 1)),) * 4, positions, (Source("drill", "ground"),), (listener,)))
-    assert (reason.cause, reason["first"], reason["second"], reason["count"]) == (Cause.SEVERAL_GAPS, "ground", "bench", 2)
+    (reason,) = why(
+        frame(objects, (Box((1, 1, 1)),) * 4, positions, (Source("drill", "ground"),), (listener,))
+    )
+    assert (reason.cause, reason["first"], reason["second"], reason["count"]) == (
+        Cause.SEVERAL_GAPS,
+        "ground",
+        "bench",
+        2,
+    )
     assert reason["distance"] == pytest.approx(0.3, abs=1e-6)
 
 
@@ -94,12 +123,18 @@ def test_without_surroundings_the_objects_are_named():
     one = chain(1.0)
     result, _ = traced(one)
     (reason,) = reasons(result, one.settings, 0)
-    assert reason == Message.of(Cause.NO_CONTACT, "seat", source="drill", carrier="ground", object="seat", listener="skin")
+    assert reason == Message.of(
+        Cause.NO_CONTACT, "seat", source="drill", carrier="ground", object="seat", listener="skin"
+    )
 
 
 def test_below_the_threshold_names_the_object_that_takes_the_most():
     one = chain()
-    objects = (one.objects[0], replace(one.objects[1], propagation=Exponential(alpha=9.0)), one.objects[2])
+    objects = (
+        one.objects[0],
+        replace(one.objects[1], propagation=Exponential(alpha=9.0)),
+        one.objects[2],
+    )
     (reason,) = why(replace(one, objects=objects))
     total = 20 / math.log(10) * (0.2 * 0.5 + 9.0 + 0.2 * 0.5)
     assert reason.cause is Cause.BELOW_THRESHOLD
@@ -117,7 +152,9 @@ def test_too_many_connections():
     assert (reason["count"], reason["most"]) == (5, 3)
 
 
-@pytest.mark.parametrize(("kappa", "rho", "cause"), [(1.0, 0.5, Cause.KAPPA_ONE), (0.2, 0.0, Cause.RHO_ZERO)])
+@pytest.mark.parametrize(
+    ("kappa", "rho", "cause"), [(1.0, 0.5, Cause.KAPPA_ONE), (0.2, 0.0, Cause.RHO_ZERO)]
+)
 def test_objects_that_transmit_nothing(kappa, rho, cause):
     one = chain()
     objects = (one.objects[0], HapticObject("bench", kappa, rho), one.objects[2])
@@ -129,15 +166,23 @@ def test_functions_that_end():
     one = chain()
     objects = (one.objects[0], HapticObject("bench", 0.0, 1.0, Linear(range=0.4)), one.objects[2])
     (reason,) = why(replace(one, objects=objects))
-    assert (reason.cause, reason["object"], reason["function"]) == (Cause.FUNCTION_ZERO, "bench", "linear")
+    assert (reason.cause, reason["object"], reason["function"]) == (
+        Cause.FUNCTION_ZERO,
+        "bench",
+        "linear",
+    )
     assert reason["distance"] == pytest.approx(1.0)
 
 
 def test_muted_silent_finished_and_missing_sources():
     one = chain()
     quiet = replace(one.sources[0], amplitude=0.0)
-    assert why(replace(one, sources=(quiet,))) == (Message.of(Cause.ZERO_AMPLITUDE, "drill", source="drill"),)
-    assert why(replace(one, sources=(quiet,)), muted={"drill"}) == (Message.of(Cause.MUTED, "drill", source="drill"),)
+    assert why(replace(one, sources=(quiet,))) == (
+        Message.of(Cause.ZERO_AMPLITUDE, "drill", source="drill"),
+    )
+    assert why(replace(one, sources=(quiet,)), muted={"drill"}) == (
+        Message.of(Cause.MUTED, "drill", source="drill"),
+    )
     over = replace(one.sources[0], signal=Sampled(np.ones(800), 8000.0))
     (reason,) = why(replace(one, sources=(over,)), frames=12)
     assert reason == Message.of(Cause.FINISHED, "drill", source="drill", end=0.1)
@@ -153,7 +198,8 @@ def test_the_same_reason_is_said_once():
 
 
 @pytest.mark.parametrize(
-    ("settings", "cause"), [(Settings(mode="SD"), Cause.NEAREST_LISTENER_ONLY), (Settings(localise=1.0), Cause.LOCALISED)]
+    ("settings", "cause"),
+    [(Settings(mode="SD"), Cause.NEAREST_LISTENER_ONLY), (Settings(localise=1.0), Cause.LOCALISED)],
 )
 def test_only_the_nearest_listener(settings, cause):
     one = chain(settings=settings)

@@ -1,9 +1,21 @@
-"""Sentences of messages: every cause has one, with exactly the arguments that the core gives, and numbers have their units."""
+"""Sentences of messages: every cause has one, with exactly the arguments that the core gives, and
+numbers have their units."""
 
 import re
 
 import pytest
-from haptic_tracing.core.message import Cause, Chain, Decibels, Hertz, Message, Metres, Names, Seconds, sentence, written
+from haptic_tracing.core.message import (
+    Cause,
+    Chain,
+    Decibels,
+    Hertz,
+    Message,
+    Metres,
+    Names,
+    Seconds,
+    sentence,
+    written,
+)
 
 
 @pytest.mark.parametrize(

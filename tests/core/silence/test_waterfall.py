@@ -1,4 +1,5 @@
-"""The waterfall from a source's amplitude to a listener's level: its terms against closed forms and independent sums, on random scenes."""
+"""The waterfall from a source's amplitude to a listener's level: its terms against closed forms and
+independent sums, on random scenes."""
 
 import math
 from dataclasses import replace
@@ -9,7 +10,15 @@ from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.diagnosis.waterfall import waterfall
 from haptic_tracing.core.render.history import still_samples
 from haptic_tracing.core.scene.functions import Exponential, Spectrum
-from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Mode, Settings, Source
+from haptic_tracing.core.scene.values import (
+    Contact,
+    HapticObject,
+    HapticScene,
+    Listener,
+    Mode,
+    Settings,
+    Source,
+)
 from haptic_tracing.core.signals import Sine
 from haptic_tracing.core.tracer import Frame, Tracer
 
@@ -25,7 +34,9 @@ def decibels(factor):
 def traced(scene):
     names = sorted(item.name for item in scene.objects)
     contacts = ContactSet.from_contacts(scene.contacts, {name: k for k, name in enumerate(names)})
-    frame = Frame(1, 0.0, scene.objects, scene.sources, scene.listeners, scene.settings, contacts=contacts)
+    frame = Frame(
+        1, 0.0, scene.objects, scene.sources, scene.listeners, scene.settings, contacts=contacts
+    )
     return Tracer().step(frame)
 
 
@@ -40,14 +51,22 @@ def fall_of(result, settings, row=0, column=0):
 
 
 def total(fall):
-    return fall.amplitude - sum(hop.loss for hop in fall.hops) + fall.others + fall.listener_gain + fall.signal + fall.mix
+    return (
+        fall.amplitude
+        - sum(hop.loss for hop in fall.hops)
+        + fall.others
+        + fall.listener_gain
+        + fall.signal
+        + fall.mix
+    )
 
 
 BEST = Settings(strategy="best_path")
 
 
 def chain(settings=BEST, spectrum=None, sources=(("drill", 0.5, 60.0),), **listener):
-    """Ground and bench, 2 m and 1 m long with a decay of 0.2 and 1.5 per metre; a listener at the far end of the bench."""
+    """Ground and bench, 2 m and 1 m long with a decay of 0.2 and 1.5 per metre; a listener at the
+    far end of the bench."""
     objects = tuple(
         HapticObject(name, 0.0, 1.0, Exponential(alpha=alpha, spectrum=spectrum or Spectrum()))
         for name, alpha in (("ground", 0.2), ("bench", 1.5))
@@ -55,14 +74,18 @@ def chain(settings=BEST, spectrum=None, sources=(("drill", 0.5, 60.0),), **liste
     return HapticScene(
         objects,
         (Contact(("ground", "bench"), ((2, 0, 0), (2, 0, 0))),),
-        tuple(Source(name, "ground", (0, 0, 0), amplitude, signal=Sine(f)) for name, amplitude, f in sources),
+        tuple(
+            Source(name, "ground", (0, 0, 0), amplitude, signal=Sine(f))
+            for name, amplitude, f in sources
+        ),
         (Listener("skin", "bench", (3, 0, 0), **listener),),
         settings,
     )
 
 
 def random_scene(seed, settings, banded):
-    """Up to eight objects with contacts anywhere, tones of several frequencies, listeners of all kinds of mixing."""
+    """Up to eight objects with contacts anywhere, tones of several frequencies, listeners of all
+    kinds of mixing."""
     random = np.random.default_rng(seed)
     count = int(random.integers(2, 9))
 
@@ -74,12 +97,22 @@ def random_scene(seed, settings, banded):
 
     spectrum = Spectrum(band_decays=DECAYS) if banded else Spectrum()
     objects = tuple(
-        HapticObject(f"o{k}", 0.1, 0.9, Exponential(alpha=float(random.uniform(0, 1)), spectrum=spectrum)) for k in range(count)
+        HapticObject(
+            f"o{k}", 0.1, 0.9, Exponential(alpha=float(random.uniform(0, 1)), spectrum=spectrum)
+        )
+        for k in range(count)
     )
     pairs = [random.choice(count, 2, replace=False) for _ in range(2 * count)]
     contacts = tuple(Contact((f"o{a}", f"o{b}"), (place(), place())) for a, b in pairs)
     sources = tuple(
-        Source(f"s{k}", one(), place(), float(random.uniform(0.01, 1)), signal=Sine(float(random.uniform(20, 400))), priority=float(k))
+        Source(
+            f"s{k}",
+            one(),
+            place(),
+            float(random.uniform(0.01, 1)),
+            signal=Sine(float(random.uniform(20, 400))),
+            priority=float(k),
+        )
         for k in range(3)
     )
     listeners = tuple(
@@ -101,22 +134,31 @@ def test_every_row_of_a_tone_on_a_chain_has_its_closed_form():
     scene = chain(gain=1.5)
     fall = fall_of(traced(scene), scene.settings)
     assert fall.amplitude == pytest.approx(decibels(0.5))
-    assert [(hop.object, hop.distance) for hop in fall.hops] == [("ground", pytest.approx(2.0)), ("bench", pytest.approx(1.0))]
+    assert [(hop.object, hop.distance) for hop in fall.hops] == [
+        ("ground", pytest.approx(2.0)),
+        ("bench", pytest.approx(1.0)),
+    ]
     assert [hop.loss for hop in fall.hops] == pytest.approx([0.4 * NEPER, 1.5 * NEPER])
     assert fall.gain == pytest.approx(-1.9 * NEPER)
     assert fall.others == pytest.approx(0.0, abs=1e-9)
     assert fall.listener_gain == pytest.approx(decibels(1.5))
     assert fall.signal == pytest.approx(decibels(math.sqrt(0.5)), abs=0.01)  # 15 periods of a sine
     assert fall.mix == pytest.approx(0.0, abs=1e-9)
-    assert fall.level == pytest.approx(decibels(0.5 * math.exp(-1.9) * 1.5 * math.sqrt(0.5)), abs=0.01)
+    assert fall.level == pytest.approx(
+        decibels(0.5 * math.exp(-1.9) * 1.5 * math.sqrt(0.5)), abs=0.01
+    )
     assert total(fall) == pytest.approx(fall.level, abs=1e-9)
 
 
 def test_other_sources_add_their_power():
     scene = chain(sources=(("drill", 0.3, 60.0), ("fan", 0.2, 100.0)))
     result = traced(scene)
-    assert fall_of(result, scene.settings, 0).mix == pytest.approx(10 * math.log10(1 + (0.2 / 0.3) ** 2), abs=0.01)
-    assert fall_of(result, scene.settings, 1).mix == pytest.approx(10 * math.log10(1 + (0.3 / 0.2) ** 2), abs=0.01)
+    assert fall_of(result, scene.settings, 0).mix == pytest.approx(
+        10 * math.log10(1 + (0.2 / 0.3) ** 2), abs=0.01
+    )
+    assert fall_of(result, scene.settings, 1).mix == pytest.approx(
+        10 * math.log10(1 + (0.3 / 0.2) ** 2), abs=0.01
+    )
 
 
 def test_ceilings_and_the_weights_of_bands_have_rows_of_their_own():
@@ -138,7 +180,9 @@ def test_modes_without_objects_have_only_a_gain(mode):
 
 
 @pytest.mark.parametrize("banded", [False, True], ids=["plain", "bands"])
-@pytest.mark.parametrize("strategy", ["best_path", "all_paths", "energy_balance", "as_in_the_paper"])
+@pytest.mark.parametrize(
+    "strategy", ["best_path", "all_paths", "energy_balance", "as_in_the_paper"]
+)
 def test_rows_add_up_on_random_scenes(strategy, banded):
     found = paths = 0
     for seed in range(12):
@@ -148,9 +192,13 @@ def test_rows_add_up_on_random_scenes(strategy, banded):
             fall = fall_of(result, scene.settings, row, column)
             found += 1
             assert total(fall) == pytest.approx(level_of(result, column), abs=1e-9)
-            assert fall.gain == pytest.approx(decibels(result.amplitudes[row, column] / scene.sources[row].amplitude), abs=1e-9)
+            assert fall.gain == pytest.approx(
+                decibels(result.amplitudes[row, column] / scene.sources[row].amplitude), abs=1e-9
+            )
             if not banded:
-                assert fall.gain == pytest.approx(decibels(result.propagation.gain[row, column]), abs=1e-9)
+                assert fall.gain == pytest.approx(
+                    decibels(result.propagation.gain[row, column]), abs=1e-9
+                )
                 if strategy == "best_path":
                     assert fall.others == pytest.approx(0.0, abs=1e-6)
                 if strategy == "all_paths":
@@ -160,10 +208,15 @@ def test_rows_add_up_on_random_scenes(strategy, banded):
 
 
 def test_a_single_source_alone_leaves_nothing_to_the_mix():
-    """Whatever its way: the level is that of its own signal, so all rows before are the whole of what is played."""
+    """Whatever its way: the level is that of its own signal, so all rows before are the whole of
+    what is played."""
     for seed in range(8):
         scene = random_scene(seed, Settings(), banded=bool(seed % 2))
-        alone = replace(scene, sources=(replace(scene.sources[0], amplitude=0.2),), listeners=(replace(scene.listeners[0], gain=1.3),))
+        alone = replace(
+            scene,
+            sources=(replace(scene.sources[0], amplitude=0.2),),
+            listeners=(replace(scene.listeners[0], gain=1.3),),
+        )
         result = traced(alone)
         if result.amplitudes[0, 0] > 0:
             assert fall_of(result, alone.settings).mix == pytest.approx(0.0, abs=1e-6)

@@ -1,5 +1,6 @@
-"""The sidebar begins with what the chosen listener feels, from where and why not; the hint leads; meters and labels agree on a still; the
-path is a table whose row the overlay highlights; the meters keep to their corner whatever the window."""
+"""The sidebar begins with what the chosen listener feels, from where and why not; the hint leads;
+meters and labels agree on a still; the path is a table whose row the overlay highlights; the meters
+keep to their corner whatever the window."""
 
 import bpy
 
@@ -9,7 +10,10 @@ def steps(window):
     for obj in list(scene.objects):
         bpy.data.objects.remove(obj)
     scene.render.fps = 24
-    session, hints, view = (window.module(name) for name in ("addon.session.sessions", "addon.panels.hints", "addon.view.watched"))
+    session, hints, view = (
+        window.module(name)
+        for name in ("addon.session.sessions", "addon.panels.hints", "addon.view.watched")
+    )
 
     def hint():
         found = hints.next_step(scene, window.window.screen.is_animation_playing)
@@ -18,7 +22,9 @@ def steps(window):
     def traced():
         """The frame shown is complete, and what is drawn of it."""
         return (
-            session.shown(scene) is not None and session.shown(scene).result.number == scene.frame_current and not session.is_behind(scene)
+            session.shown(scene) is not None
+            and session.shown(scene).result.number == scene.frame_current
+            and not session.is_behind(scene)
         )
 
     window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_result", "HAPTIC_PT_path")
@@ -26,11 +32,19 @@ def steps(window):
 
     def places():
         with window.context():
-            return meters.occupied(bpy.context), layout.redo_panels(bpy.context), bpy.context.region.width
+            return (
+                meters.occupied(bpy.context),
+                layout.redo_panels(bpy.context),
+                bpy.context.region.width,
+            )
 
     def fits(name):
         occupied, redo, width = places()
-        apart = all(a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1] for a in occupied for b in redo)
+        apart = all(
+            a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+            for a in occupied
+            for b in redo
+        )
         narrow = len(occupied) == 1 and occupied[0][2] - occupied[0][0] <= width / 4 + 1
         window.seen[f"{name}: a quarter of the width, off the redo panel"] = apart and narrow
 
@@ -49,7 +63,11 @@ def steps(window):
     shaker.location = (-0.2, 0, 0.5)
     yield 0.5
     yield from window.click_button("haptic.add_source")
-    shaker.haptics.source.signal, shaker.haptics.source.frequency, shaker.haptics.source.amplitude = "SINE", 60.0, 1.0
+    (
+        shaker.haptics.source.signal,
+        shaker.haptics.source.frequency,
+        shaker.haptics.source.amplitude,
+    ) = "SINE", 60.0, 1.0
     yield 0.5
     window.seen["then to Add Listener"] = "haptic.add_listener" in hint()
     bpy.ops.mesh.primitive_cube_add(size=1, location=(1.2, 0, 0.54))
@@ -86,10 +104,13 @@ def steps(window):
         scene.frame_set(frame)
         yield 0.6
         readings[frame] = round(view.levels_of(scene)[0].rms, 1)
-    window.seen["a steady sine reads the same on every still"] = traced() and len(set(readings.values())) == 1
+    window.seen["a steady sine reads the same on every still"] = (
+        traced() and len(set(readings.values())) == 1
+    )
     yield from window.screenshot("still")
 
-    # The path as a table; its row selects the object, whose part of the path the overlay highlights.
+    # The path as a table; its row selects the object, whose part of the path the overlay
+    # highlights.
     yield from window.scroll_sidebar(25)
     yield from window.screenshot("path-in-order")
     yield from window.click_button("haptics.meters.sort_path")

@@ -1,4 +1,5 @@
-"""Every authoring operator on the default cube and a neighbour, each undone and redone; the German interface; the gain as a picture."""
+"""Every authoring operator on the default cube and a neighbour, each undone and redone; the German
+interface; the gain as a picture."""
 
 import json
 
@@ -17,7 +18,9 @@ def state() -> str:
             [round(value, 3) for value in obj.matrix_world.translation], obj.select_get(),
         )  # fmt: skip
     library = [(item.name, round(item.kappa, 4)) for item in haptics.materials.items]
-    return json.dumps([bpy.context.scene.name, objects, library, haptics.tracing, haptics.mode], sort_keys=True)
+    return json.dumps(
+        [bpy.context.scene.name, objects, library, haptics.tracing, haptics.mode], sort_keys=True
+    )
 
 
 def steps(window):
@@ -75,7 +78,9 @@ def steps(window):
         yield from window.redo()
         window.seen[f"{number} {operator} is redone"] = state() == after
 
-    bpy.context.window.scene = next(scene for scene in bpy.data.scenes if "Oak Crate" in scene.objects)
+    bpy.context.window.scene = next(
+        scene for scene in bpy.data.scenes if "Oak Crate" in scene.objects
+    )
     alone("Oak Crate")
     with window.context():
         bpy.ops.haptic.apply_material(preset="stone")
@@ -87,8 +92,16 @@ def steps(window):
         preferences.language = "de_DE"
         preferences.use_translate_interface = True
         yield 0.5
-        window.seen["in German"] = bpy.app.translations.pgettext_iface("Make Haptic") == "Haptisch machen"
-        words = {"Level": "Pegel", "Margin": "Abstand", "Distance": "Entfernung", "Volume": "Lautstärke", "Floor": "Untergrenze"}
+        window.seen["in German"] = (
+            bpy.app.translations.pgettext_iface("Make Haptic") == "Haptisch machen"
+        )
+        words = {
+            "Level": "Pegel",
+            "Margin": "Abstand",
+            "Distance": "Entfernung",
+            "Volume": "Lautstärke",
+            "Floor": "Untergrenze",
+        }
         for word, german in words.items():  # Blender translates them in another sense
             window.seen[german] = bpy.app.translations.pgettext_iface(word, "Haptics") == german
         yield from window.screenshot("german")

@@ -1,5 +1,6 @@
-"""Baking with its progress bar, cancelled and done; the scene as it is now where the timeline stands, the track where it plays; takes
-in turn; meters; modes by their buttons; undo and redo of a bake."""
+"""Baking with its progress bar, cancelled and done; the scene as it is now where the timeline
+stands, the track where it plays; takes in turn; meters; modes by their buttons; undo and redo of a
+bake."""
 
 import bpy
 
@@ -9,8 +10,14 @@ def steps(window):
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
-    running, storage, session = (window.module(name) for name in ("addon.blender.job", "addon.bake.storage", "addon.session.session"))
-    playback, sessions, paths = (window.module(f"addon.{name}") for name in ("bake.playback", "session.sessions", "view.paths"))
+    running, storage, session = (
+        window.module(name)
+        for name in ("addon.blender.job", "addon.bake.storage", "addon.session.session")
+    )
+    playback, sessions, paths = (
+        window.module(f"addon.{name}")
+        for name in ("bake.playback", "session.sessions", "view.paths")
+    )
     yield from window.show_sidebar()
     scene.frame_set(40)
     bpy.ops.ed.undo_push(message="Sample")
@@ -27,14 +34,18 @@ def steps(window):
     window.point_at_view()
     yield from window.press("ESC")
     yield 0.5
-    window.seen["cancelled"] = running.running() is None and storage.track_of(scene) is None and scene.frame_current == 40
+    window.seen["cancelled"] = (
+        running.running() is None and storage.track_of(scene) is None and scene.frame_current == 40
+    )
 
     with window.context():
         bpy.ops.haptic.bake("INVOKE_DEFAULT")
     while running.running() is not None:
         yield 0.2
     window.seen["baked"] = storage.track_of(scene).frame_count == 120 and scene.frame_current == 40
-    window.seen["no curves and no strip"] = scene.sequence_editor is None and scene.haptics.bake.sound is None
+    window.seen["no curves and no strip"] = (
+        scene.sequence_editor is None and scene.haptics.bake.sound is None
+    )
     window.seen["fits"] = playback.stale_reasons(scene) == ()
     window.seen["stands: traced"] = not playback.is_from_track(session.result_of(scene))
     yield from window.screenshot("bake")
@@ -51,11 +62,15 @@ def steps(window):
     window.seen["plays from the track"] = playback.is_from_track(shown())
     bpy.ops.screen.animation_cancel(restore_frame=False)
     yield from window.wait_until(lambda: not playback.is_from_track(shown()))
-    window.seen["stops: traced"] = shown().number == scene.frame_current and not playback.is_from_track(shown())
+    window.seen["stops: traced"] = (
+        shown().number == scene.frame_current and not playback.is_from_track(shown())
+    )
     before = strongest()
     source = scene.objects["Jackhammer"].haptics.source
     source.amplitude *= 0.05
-    yield from window.wait_until(lambda: strongest() < 0.06 * before and bool(playback.known_stale_reasons(scene)))
+    yield from window.wait_until(
+        lambda: strongest() < 0.06 * before and bool(playback.known_stale_reasons(scene))
+    )
     window.seen["a change is shown at once"] = 0.04 * before < strongest() < 0.06 * before
     window.seen["and the card says so"] = bool(playback.known_stale_reasons(scene))
     yield from window.screenshot("bake-out-of-date")
@@ -82,7 +97,9 @@ def steps(window):
     yield from window.click_button("haptic.set_mode")
     yield 0.5
     yield from window.screenshot("mode")
-    window.seen["felt"] = any(level.is_felt for level in window.module("addon.view.watched").levels_of(scene))
+    window.seen["felt"] = any(
+        level.is_felt for level in window.module("addon.view.watched").levels_of(scene)
+    )
     yield from window.use_scale(2.0)
     yield from window.screenshot("meters-2x")
     yield from window.use_scale(1.0)
@@ -103,6 +120,8 @@ def steps(window):
     window.seen["the other take plays"] = bake.track == bake.takes[0].track
     window.seen["from the same place"] = scene.frame_current == 40
     difference = window.module("addon.bake.takes").differences(scene)
-    window.seen["with the difference"] = difference is not None and all(0 < item.here - item.there < 7 for item in difference.value)
+    window.seen["with the difference"] = difference is not None and all(
+        0 < item.here - item.there < 7 for item in difference.value
+    )
     yield from window.scroll_sidebar(60)
     yield from window.screenshot("takes")

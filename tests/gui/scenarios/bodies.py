@@ -1,4 +1,5 @@
-"""A new body on a floor that shakes: measured, felt all over by a click, and back; one step of undo each. Its feet are on the map."""
+"""A new body on a floor that shakes: measured, felt all over by a click, and back; one step of undo
+each. Its feet are on the map."""
 
 import bpy
 
@@ -16,7 +17,9 @@ def steps(window):
     floor.haptics.source.frequency = 80
     bpy.context.view_layer.objects.active = body
     bpy.ops.haptic.add_default_listeners()
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_propagation", "HAPTIC_PT_materials", "HAPTIC_PT_result")
+    window.open_only(
+        "HAPTIC_PT_scene", "HAPTIC_PT_propagation", "HAPTIC_PT_materials", "HAPTIC_PT_result"
+    )
     yield from window.show_sidebar()
     bpy.ops.ed.undo_push(message="Body")
     window.seen["a new body is measured"] = not feels_all_over()

@@ -1,4 +1,5 @@
-"""The sample scene of the jackhammer and the bench plays in the window, with the overlay; themes and sizes for the eye."""
+"""The sample scene of the jackhammer and the bench plays in the window, with the overlay; themes
+and sizes for the eye."""
 
 import bpy
 

@@ -1,4 +1,5 @@
-"""A signal of the library becomes curves in the panel; they are edited, become F-curves and curves again, with undo."""
+"""A signal of the library becomes curves in the panel; they are edited, become F-curves and curves
+again, with undo."""
 
 import bpy
 import numpy as np
@@ -12,7 +13,8 @@ def steps(window):
     cube.select_set(True)
     bpy.context.view_layer.objects.active = cube
     drawings, library, sessions = (
-        window.module(name) for name in ("addon.io.drawings", "addon.io.signal_library", "addon.session.sessions")
+        window.module(name)
+        for name in ("addon.io.drawings", "addon.io.signal_library", "addon.session.sessions")
     )
     window.open_only("HAPTIC_PT_source")
     yield from window.show_sidebar()
@@ -30,7 +32,9 @@ def steps(window):
     source = lambda: bpy.data.objects["Cube"].haptics.source  # noqa: E731
     yield 1.5
     yield from window.screenshot("curves")
-    window.seen["the library's signal is drawn"] = source().signal == "DRAWN" and source().drawing.name.startswith("Engine Start")
+    window.seen["the library's signal is drawn"] = (
+        source().signal == "DRAWN" and source().drawing.name.startswith("Engine Start")
+    )
 
     def traced():
         shown = sessions.shown(bpy.context.scene)
@@ -50,7 +54,10 @@ def steps(window):
     window.seen["F-curves"] = drawings.has_fcurves(bpy.data.objects["Cube"])
     window.view.type = "GRAPH_EDITOR"
     yield 1.0
-    with bpy.context.temp_override(window=window.window, area=next(a for a in window.window.screen.areas if a.type == "GRAPH_EDITOR")):
+    with bpy.context.temp_override(
+        window=window.window,
+        area=next(a for a in window.window.screen.areas if a.type == "GRAPH_EDITOR"),
+    ):
         bpy.context.area.spaces.active.use_normalization = True
     yield 1.0
     window.save_picture("graph-editor")
@@ -60,7 +67,9 @@ def steps(window):
     yield from window.click_button("haptic.switch_envelopes")
     yield 1.0
     back = drawings.points_of(source().drawing.nodes["Amplitude"].mapping)[0]
-    window.seen["and back"] = bool(np.abs(back - points).max() < 1e-6) and not drawings.has_fcurves(bpy.data.objects["Cube"])
+    window.seen["and back"] = bool(np.abs(back - points).max() < 1e-6) and not drawings.has_fcurves(
+        bpy.data.objects["Cube"]
+    )
     yield from window.undo()
     window.seen["undo gives the F-curves back"] = drawings.has_fcurves(bpy.data.objects["Cube"])
     yield from window.redo()
@@ -70,4 +79,6 @@ def steps(window):
     yield 1.0
     yield from window.screenshot("shaped")
     window.seen["an emphasis"] = len(source().drawing.haptics.emphases) == 1
-    window.seen["attack, decay, sustain, release"] = len(drawings.points_of(source().drawing.nodes["Amplitude"].mapping)[0]) == 5
+    window.seen["attack, decay, sustain, release"] = (
+        len(drawings.points_of(source().drawing.nodes["Amplitude"].mapping)[0]) == 5
+    )

@@ -1,4 +1,5 @@
-"""Twenty sources on a plate: who is felt by a palm, who is masked, ducking, and the palm's extent, in the sidebar."""
+"""Twenty sources on a plate: who is felt by a palm, who is masked, ducking, and the palm's extent,
+in the sidebar."""
 
 import math
 
@@ -13,14 +14,27 @@ def steps(window):
     plate.haptics.enabled = True
     plate.haptics.function, plate.haptics.alpha = "exponential", 0.5
     for k in range(20):
-        bpy.ops.object.empty_add(type="PLAIN_AXES", radius=0.1, location=(1.8 * math.cos(k), 0.9 * math.sin(k), 0.05))
+        bpy.ops.object.empty_add(
+            type="PLAIN_AXES", radius=0.1, location=(1.8 * math.cos(k), 0.9 * math.sin(k), 0.05)
+        )
         source = bpy.context.object.haptics.source
         bpy.context.object.name = f"Source {k + 1}"
-        bpy.context.object.parent, bpy.context.object.matrix_parent_inverse = plate, plate.matrix_world.inverted()
-        source.enabled, source.frequency, source.amplitude = True, 30.0 * 1.18**k, 0.05 + 0.9 * (7 * k % 20) / 20
+        bpy.context.object.parent, bpy.context.object.matrix_parent_inverse = (
+            plate,
+            plate.matrix_world.inverted(),
+        )
+        source.enabled, source.frequency, source.amplitude = (
+            True,
+            30.0 * 1.18**k,
+            0.05 + 0.9 * (7 * k % 20) / 20,
+        )
     bpy.ops.object.empty_add(type="SPHERE", location=(0, 0, 0.05))
     palm = bpy.context.object
-    palm.name, palm.parent, palm.matrix_parent_inverse = "Palm", plate, plate.matrix_world.inverted()
+    palm.name, palm.parent, palm.matrix_parent_inverse = (
+        "Palm",
+        plate,
+        plate.matrix_world.inverted(),
+    )
     palm.haptics.listener.enabled = True
     listener = palm.haptics.listener
     window.seen["a new listener feels the strongest of its volume"] = listener.extent == "strongest"
@@ -31,11 +45,17 @@ def steps(window):
 
     def felt():
         latest = watched.felt_at_watched(scene)
-        return latest.value.counts() if latest is not None and latest.is_current and latest.value else None
+        return (
+            latest.value.counts()
+            if latest is not None and latest.is_current and latest.value
+            else None
+        )
 
     yield from window.wait_until(lambda: felt() is not None)
     before = felt()
-    window.seen["some are felt and some hidden"] = sum(before) == 20 and before[0] > 0 and before[1] > 0
+    window.seen["some are felt and some hidden"] = (
+        sum(before) == 20 and before[0] > 0 and before[1] > 0
+    )
     yield from window.screenshot("felt")
     gain = session.result_of(scene).amplitudes.sum()
     listener.radius = 1.0

@@ -37,7 +37,9 @@ def steps(window):
         yield 0.3
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
         yield
-    window.seen["traced in every workspace"] = session.result_of(first).number == first.frame_current
+    window.seen["traced in every workspace"] = (
+        session.result_of(first).number == first.frame_current
+    )
     bpy.context.window.workspace = bpy.data.workspaces["Layout"]
     yield 0.5
 
@@ -45,5 +47,7 @@ def steps(window):
     yield 1.0
     bpy.context.scene.frame_set(3)
     window.seen["nothing traced in a new file"] = session.result_of(bpy.context.scene) is None
-    handlers = [handler for handler in bpy.app.handlers.frame_change_post if "haptic" in handler.__module__]
+    handlers = [
+        handler for handler in bpy.app.handlers.frame_change_post if "haptic" in handler.__module__
+    ]
     window.seen["frame handlers"] = len(handlers)

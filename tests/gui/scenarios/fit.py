@@ -1,4 +1,5 @@
-"""Fit Material in the sidebar: two recordings give the loss of a floor and the gain of a contact; cancelled by Esc; one step of undo."""
+"""Fit Material in the sidebar: two recordings give the loss of a floor and the gain of a contact;
+cancelled by Esc; one step of undo."""
 
 import tempfile
 from pathlib import Path
@@ -18,7 +19,9 @@ def recordings(window, seconds):
     heard = np.fft.irfft(np.fft.rfft(source) * np.exp(-alpha * LENGTH) * GAIN, len(source))
     folder = Path(tempfile.mkdtemp())
     for name, samples in (("source", source), ("listener", heard)):
-        tracks = listener_tracks.Tracks((listener_tracks.ListenerTrack(name, ""),), RATE, samples[None])
+        tracks = listener_tracks.Tracks(
+            (listener_tracks.ListenerTrack(name, ""),), RATE, samples[None]
+        )
         write_wav(tracks, folder / f"{name}.wav", "float32")
     return [str(folder / f"{name}.wav") for name in ("source", "listener")]
 
@@ -41,11 +44,19 @@ def empty(name, parent, at):
 def steps(window):
     bpy.context.preferences.view.ui_scale = 0.8
     scene = bpy.context.scene
-    floor, pad = box("Floor", (0, 0, -0.1), (8, 1, 0.2)), box("Pad", (LENGTH, 0, 0.1), (0.2, 0.2, 0.2))
+    floor, pad = (
+        box("Floor", (0, 0, -0.1), (8, 1, 0.2)),
+        box("Pad", (LENGTH, 0, 0.1), (0.2, 0.2, 0.2)),
+    )
     bpy.context.view_layer.update()
     pad.haptics.function, pad.haptics.constant = "constant", 1.0
     haptics = floor.haptics
-    haptics.function, haptics.wave, haptics.loss_factor, haptics.phase_speed = "physical", "rod", LOSS, SPEED
+    haptics.function, haptics.wave, haptics.loss_factor, haptics.phase_speed = (
+        "physical",
+        "rod",
+        LOSS,
+        SPEED,
+    )
     haptics.material_k, haptics.kappa, haptics.rho = 0.28, 0.6, 0.7
     motor, hand = empty("Motor", floor, (0, 0, 0)), empty("Hand", pad, (LENGTH, 0, 0))
     motor.haptics.source.enabled = hand.haptics.listener.enabled = True
@@ -65,15 +76,23 @@ def steps(window):
     yield from window.screenshot("running")
     yield from window.press("ESC")
     yield from window.wait_until(lambda: running() is None)
-    window.seen["Esc leaves all as it was"] = abs(floor.haptics.kappa - 0.6) < 1e-6 and not fit.fitted
+    window.seen["Esc leaves all as it was"] = (
+        abs(floor.haptics.kappa - 0.6) < 1e-6 and not fit.fitted
+    )
     job.BUDGET = budget
     yield 0.5
     yield from window.click_button("haptic.fit_material")
-    yield from window.wait_until(lambda: bool(bpy.context.scene.haptics.materials.fit.fitted) and running() is None)
+    yield from window.wait_until(
+        lambda: bool(bpy.context.scene.haptics.materials.fit.fitted) and running() is None
+    )
     yield 1.0
     found = bpy.data.objects["Floor"].haptics
-    window.seen["the loss comes back"] = abs((1 - found.kappa) * found.rho / 0.28**DAMPING - 1) < 0.05
-    window.seen["the contact comes back"] = abs(bpy.context.scene.haptics.transmission_table.items[0].constant / GAIN - 1) < 0.05
+    window.seen["the loss comes back"] = (
+        abs((1 - found.kappa) * found.rho / 0.28**DAMPING - 1) < 0.05
+    )
+    window.seen["the contact comes back"] = (
+        abs(bpy.context.scene.haptics.transmission_table.items[0].constant / GAIN - 1) < 0.05
+    )
     yield from window.scroll_sidebar(30)
     yield from window.screenshot("fitted")
     yield from window.undo()

@@ -1,5 +1,6 @@
-"""Files: what can't be carried is said in the file browser, a range is exported with a progress bar, cancelled without a trace and done;
-a haptic scene and a signal come in as if they were dropped."""
+"""Files: what can't be carried is said in the file browser, a range is exported with a progress
+bar, cancelled without a trace and done; a haptic scene and a signal come in as if they were
+dropped."""
 
 from pathlib import Path
 
@@ -25,14 +26,20 @@ def steps(window):
     window.point_at_view()
     yield from window.press("ESC")
     yield from until(lambda: job.running() is None)
-    window.seen["cancelled without a trace"] = not list(folder.iterdir()) and scene.frame_current == 40
+    window.seen["cancelled without a trace"] = (
+        not list(folder.iterdir()) and scene.frame_current == 40
+    )
 
     yield from browse(window, "haptic_tracks", folder / "ride.hjif", format="hjif")
     yield from press_in_browser("RET")
     yield from until((folder / "ride.hjif").is_file)
     yield from until(lambda: job.running() is None)
-    window.seen["written"] = [path.name for path in folder.iterdir()] == ["ride.hjif"] and scene.frame_current == 40
-    window.seen["read"] = len(registry.read(folder / "ride.hjif").channels) == sum(o.haptics.listener.enabled for o in scene.objects)
+    window.seen["written"] = [path.name for path in folder.iterdir()] == [
+        "ride.hjif"
+    ] and scene.frame_current == 40
+    window.seen["read"] = len(registry.read(folder / "ride.hjif").channels) == sum(
+        o.haptics.listener.enabled for o in scene.objects
+    )
 
     for _ in range(2):
         yield from browse(window, "haptic_tracks", folder / "poor.haptic", format="haptic")
@@ -44,7 +51,9 @@ def steps(window):
     window.save_picture("formats-replace")
     yield from window.press("ESC")
     yield from until(lambda: job.running() is None)
-    window.seen["asked before a poor file replaces one"] = bool(before) and before == {path: path.stat().st_mtime_ns for path in before}
+    window.seen["asked before a poor file replaces one"] = bool(before) and before == {
+        path: path.stat().st_mtime_ns for path in before
+    }
 
     yield from browse(window, "haptic_scene", folder / "bench.json", frames="RANGE", tracks="wav")
     window.save_picture("formats-scene")
@@ -65,18 +74,27 @@ def steps(window):
     yield from until(lambda: len(bpy.data.scenes["Imported"].objects) > 0)
     yield 1.0
     empty = bpy.data.scenes["Imported"]
-    haptic = [{obj.name.split(".")[0] for obj in part.objects if obj.haptics.enabled} for part in (scene, empty)]
+    haptic = [
+        {obj.name.split(".")[0] for obj in part.objects if obj.haptics.enabled}
+        for part in (scene, empty)
+    ]
     window.seen["scene dropped"] = haptic[0] == haptic[1]
-    window.seen["moves"] = any(obj.animation_data is not None for obj in empty.objects) and empty.frame_end == 120
+    window.seen["moves"] = (
+        any(obj.animation_data is not None for obj in empty.objects) and empty.frame_end == 120
+    )
     empty.frame_set(40)
     with window.context():
         bpy.ops.view3d.view_all()
     yield from window.screenshot("formats-imported")
     yield from window.undo()
-    yield from until(lambda: not any(obj.haptics.enabled for obj in bpy.data.scenes["Imported"].objects))
+    yield from until(
+        lambda: not any(obj.haptics.enabled for obj in bpy.data.scenes["Imported"].objects)
+    )
     window.seen["import undone"] = True
 
-    scene = next(part for part in bpy.data.scenes if any(obj.haptics.source.enabled for obj in part.objects))
+    scene = next(
+        part for part in bpy.data.scenes if any(obj.haptics.source.enabled for obj in part.objects)
+    )
     bpy.context.window.scene = scene
     yield 0.5
     source = next(obj for obj in scene.objects if obj.haptics.source.enabled)
@@ -106,7 +124,12 @@ def browse(window, name, path, **options):
 
 def press_in_browser(key):
     """A key in the file browser, which has a window of its own."""
-    found = [(window, area) for window in bpy.context.window_manager.windows for area in window.screen.areas if area.type == "FILE_BROWSER"]
+    found = [
+        (window, area)
+        for window in bpy.context.window_manager.windows
+        for area in window.screen.areas
+        if area.type == "FILE_BROWSER"
+    ]
     (window, area), *_ = found
     place = {"x": area.x + area.width // 2, "y": area.y + area.height // 2}
     window.event_simulate(type="MOUSEMOVE", value="NOTHING", **place)

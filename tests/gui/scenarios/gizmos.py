@@ -1,4 +1,5 @@
-"""A source's amplitude and a listener's extent are pulled in the viewport by their gizmos; undo takes both back."""
+"""A source's amplitude and a listener's extent are pulled in the viewport by their gizmos; undo
+takes both back."""
 
 import bpy
 from bpy_extras.view3d_utils import location_3d_to_region_2d

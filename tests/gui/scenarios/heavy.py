@@ -1,4 +1,5 @@
-"""Colliders of 100,000 vertices take long to trace: edits go on, the panel shows and cancels it, and another file opens at once."""
+"""Colliders of 100,000 vertices take long to trace: edits go on, the panel shows and cancels it,
+and another file opens at once."""
 
 import time
 
@@ -18,7 +19,9 @@ def steps(window):
         bpy.ops.rigidbody.object_add(type="PASSIVE")
         obj.rigid_body.collision_shape = "MESH"
         obj.haptics.enabled = True
-    scene.objects["left"].haptics.source.enabled = scene.objects["right"].haptics.listener.enabled = True
+    scene.objects["left"].haptics.source.enabled = scene.objects[
+        "right"
+    ].haptics.listener.enabled = True
     window.open_only("HAPTIC_PT_scene")
     yield from window.show_sidebar()
     waited = []
@@ -33,7 +36,11 @@ def steps(window):
     yield 2.0
     window.seen["it takes long"] = sessions.is_behind(scene)
     for number in range(3):
-        timed(lambda number=number: setattr(scene.objects["right"].location, "x", 1.98 + number / 1000))
+        timed(
+            lambda number=number: setattr(
+                scene.objects["right"].location, "x", 1.98 + number / 1000
+            )
+        )
         yield 1.5
     window.seen["edits go on"] = sessions.is_behind(scene) and max(waited) < 5.0
     yield from window.screenshot("tracing")

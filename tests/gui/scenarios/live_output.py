@@ -1,4 +1,5 @@
-"""A made-up DualSense is felt while the timeline plays, and is silent and released at pause, undo, panic and another file."""
+"""A made-up DualSense is felt while the timeline plays, and is silent and released at pause, undo,
+panic and another file."""
 
 import sys
 
@@ -7,7 +8,8 @@ import bpy
 ZERO = bytes([2, 2]) + bytes(37) + bytes([4]) + bytes(8)
 RELEASE = bytes([2]) + bytes(47)
 
-# In the place of hidapi's module, in Blender, which looks for devices, and in the guard process, which writes to them.
+# In the place of hidapi's module, in Blender, which looks for devices, and in the guard process,
+# which writes to them.
 MODULE = """
 from pathlib import Path
 from types import SimpleNamespace
@@ -43,7 +45,8 @@ def device():
 
 
 class Pad:
-    """What the made-up device was sent: its reports, since it was asked last, and how often it was closed."""
+    """What the made-up device was sent: its reports, since it was asked last, and how often it was
+    closed."""
 
     def __init__(self, folder):
         folder.mkdir()

@@ -1,4 +1,5 @@
-"""Ten thousand selected objects get roles and materials in the window: with a progress bar, undone and redone in one step."""
+"""Ten thousand selected objects get roles and materials in the window: with a progress bar, undone
+and redone in one step."""
 
 import bpy
 

@@ -1,4 +1,5 @@
-"""The card for newcomers and the documentation; mesh edits while tracing is off; problems with their cures; a wished level."""
+"""The card for newcomers and the documentation; mesh edits while tracing is off; problems with
+their cures; a wished level."""
 
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -10,16 +11,33 @@ import bpy
 
 def steps(window):
     sessions, watched = window.module("addon.session.sessions"), window.module("addon.view.watched")
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_object", "HAPTIC_PT_materials", "HAPTIC_PT_wishes")
+    window.open_only(
+        "HAPTIC_PT_scene", "HAPTIC_PT_object", "HAPTIC_PT_materials", "HAPTIC_PT_wishes"
+    )
     yield from window.show_sidebar()
     yield from window.screenshot("card")
     opened = []
-    urls = {pattern: prefix + url for prefix, entries in bpy.utils.manual_map() for pattern, url in entries if "haptic" in pattern}
-    for name in ("bpy.types.hapticsourceproperties.amplitude", "bpy.ops.haptic.bake", "bpy.types.hapticmaterial.kappa"):
+    urls = {
+        pattern: prefix + url
+        for prefix, entries in bpy.utils.manual_map()
+        for pattern, url in entries
+        if "haptic" in pattern
+    }
+    for name in (
+        "bpy.types.hapticsourceproperties.amplitude",
+        "bpy.ops.haptic.bake",
+        "bpy.types.hapticmaterial.kappa",
+    ):
         url = next(url for pattern, url in urls.items() if fnmatchcase(name, pattern))
         opened.append(Path(url2pathname(urlparse(url).path)))
-    window.seen["F1 finds pages that the extension carries"] = all(path.is_file() and path.suffix == ".html" for path in opened)
-    window.seen["of what was asked for"] = [path.stem for path in opened] == ["source", "bake", "materials"]
+    window.seen["F1 finds pages that the extension carries"] = all(
+        path.is_file() and path.suffix == ".html" for path in opened
+    )
+    window.seen["of what was asked for"] = [path.stem for path in opened] == [
+        "source",
+        "bake",
+        "materials",
+    ]
 
     scene = bpy.context.scene
     for obj in list(scene.objects):
@@ -34,7 +52,9 @@ def steps(window):
         bpy.ops.object.empty_add(location=(x, 0, 0.0))
         bpy.context.object.name, bpy.context.object.parent = name, parent
         bpy.context.object.matrix_parent_inverse = parent.matrix_world.inverted()
-    scene.objects["Shaker"].haptics.source.enabled = scene.objects["hand.R"].haptics.listener.enabled = True
+    scene.objects["Shaker"].haptics.source.enabled = scene.objects[
+        "hand.R"
+    ].haptics.listener.enabled = True
     bpy.context.view_layer.objects.active = crate
     yield 1.0
     yield from window.screenshot("no-material")  # the empty field offers the library
@@ -51,14 +71,17 @@ def steps(window):
     yield 0.3
     scene.haptics.tracing = True
     yield 1.5
-    window.seen["a mesh edited while tracing was off is seen"] = felt > -60 and level() == float("-inf")
+    window.seen["a mesh edited while tracing was off is seen"] = felt > -60 and level() == float(
+        "-inf"
+    )
     yield from window.screenshot("mesh-edited")
     for vertex in crate.data.vertices:
         vertex.co.z -= 0.2
     crate.data.update()
     yield 1.0
 
-    # An instance with haptic objects, an armature without a body, an object that is too large: each is named once.
+    # An instance with haptic objects, an armature without a body, an object that is too large: each
+    # is named once.
     collection = bpy.data.collections.new("Barrels")
     barrel = bpy.data.objects.new("Barrel", crate.data.copy())
     barrel.haptics.enabled = True
@@ -81,7 +104,9 @@ def steps(window):
     problems = sessions.shown_problems(scene)
     print([(problem.object, problem.message) for problem in problems])
     for name in ("Huge", "Rig", "Barrel"):
-        window.seen[f"{name} is named once"] = sum(name in f"{problem.object} {problem.message}" for problem in problems) == 1
+        window.seen[f"{name} is named once"] = (
+            sum(name in f"{problem.object} {problem.message}" for problem in problems) == 1
+        )
     window.seen["and the others are felt"] = abs(level() - felt) < 1
     yield from window.screenshot("problems")
     for obj in (instance, *armature.children, armature, huge):

@@ -1,4 +1,5 @@
-"""The mode menu by its shortcut, and the meters in the sidebar: they keep up while the scene plays."""
+"""The mode menu by its shortcut, and the meters in the sidebar: they keep up while the scene
+plays."""
 
 import bpy
 
@@ -11,7 +12,10 @@ def steps(window):
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
     window.open_only("HAPTIC_PT_result", "HAPTIC_PT_meters")
     yield from window.show_sidebar()
-    session, pictures = window.module("addon.session.session"), window.module("addon.view.meter_pictures")
+    session, pictures = (
+        window.module("addon.session.session"),
+        window.module("addon.view.meter_pictures"),
+    )
 
     scene.frame_set(scene.frame_start + 10)
     yield 0.5
@@ -44,7 +48,9 @@ def steps(window):
     yield from window.press("SPACE")
     yield from window.wait_until(lambda: drawn[-1] == scene.frame_current)
     pictures.scope_picture = draw_it
-    window.seen["the panel's scope keeps up"] = len(set(drawn)) >= 3 and drawn == sorted(drawn) and drawn[-1] == scene.frame_current
+    window.seen["the panel's scope keeps up"] = (
+        len(set(drawn)) >= 3 and drawn == sorted(drawn) and drawn[-1] == scene.frame_current
+    )
     window.seen["and is drawn once a frame"] = len(drawn) == len(set(drawn))
     window.seen["of the frame shown"] = session.result_of(scene).number == scene.frame_current
     yield from window.screenshot("meters")

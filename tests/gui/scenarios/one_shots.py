@@ -1,4 +1,5 @@
-"""A source that plays once per trigger: the presets, what is wrong said under the property, and what a played timeline gives."""
+"""A source that plays once per trigger: the presets, what is wrong said under the property, and
+what a played timeline gives."""
 
 import bpy
 
@@ -20,12 +21,23 @@ def steps(window):
     yield from window.click_button("haptic.make_one_shot")
     window.seen["a preset makes a blast"] = source.one_shot and source.signal == "BLAST"
     (curve,) = window.module("addon.blender.compatibility").fcurves_of(barrel)
-    window.seen["at the current frame"] = (curve.data_path, curve.keyframe_points[0].co[0]) == ("haptics.source.trigger", 10.0)
+    window.seen["at the current frame"] = (curve.data_path, curve.keyframe_points[0].co[0]) == (
+        "haptics.source.trigger",
+        10.0,
+    )
     yield from window.screenshot("one-shot")
-    source.trigger_markers, source.trigger_object, source.trigger_region = "Shot", "Crate*", "nowhere"
+    source.trigger_markers, source.trigger_object, source.trigger_region = (
+        "Shot",
+        "Crate*",
+        "nowhere",
+    )
 
     def said():
-        return {problem.rule[0] for problem in sessions.shown_problems(scene) if problem.object == barrel.name and problem.rule}
+        return {
+            problem.rule[0]
+            for problem in sessions.shown_problems(scene)
+            if problem.object == barrel.name and problem.rule
+        }
 
     yield from window.wait_until(lambda: said() == {"trigger_markers", "trigger_region"})
     yield from window.screenshot("one-shot-with-problems")
@@ -35,7 +47,11 @@ def steps(window):
 
     def listen(scene, depsgraph=None):
         traced = sessions.shown(scene)
-        heard.append(traced is not None and bool(traced.result.shots) and float(traced.result.amplitudes.max(initial=0.0)) > 0)
+        heard.append(
+            traced is not None
+            and bool(traced.result.shots)
+            and float(traced.result.amplitudes.max(initial=0.0)) > 0
+        )
 
     bpy.app.handlers.frame_change_post.append(listen)
     with window.context():
@@ -57,7 +73,12 @@ def steps(window):
     empty.haptics.source.enabled = True
     yield from window.click_button("haptic.make_one_shot")
     air = scene.objects["Air"].haptics
-    window.seen["in a medium it spreads as a front"] = (air.function, air.wave) == ("physical", "solid") and air.wave_speed > 300
+    window.seen["in a medium it spreads as a front"] = (air.function, air.wave) == (
+        "physical",
+        "solid",
+    ) and air.wave_speed > 300
     yield from window.screenshot("front")
     yield from window.undo()
-    window.seen["and undo takes it back"] = window.window.scene.objects["Air"].haptics.function != "physical"
+    window.seen["and undo takes it back"] = (
+        window.window.scene.objects["Air"].haptics.function != "physical"
+    )

@@ -1,5 +1,5 @@
-"""A linked object is overridden by the button of its panel, made a listener, and still is one after saving and loading; so is a linked
-collection, by Blender's own menu."""
+"""A linked object is overridden by the button of its panel, made a listener, and still is one after
+saving and loading; so is a linked collection, by Blender's own menu."""
 
 import bpy
 
@@ -21,7 +21,11 @@ def steps(window):
     scene, linked = bpy.context.scene, wanted.objects[0]
     scene.collection.objects.link(linked)
     instance = bpy.data.objects.new("Rig", None)
-    instance.instance_type, instance.instance_collection, instance.location.x = "COLLECTION", wanted.collections[0], 5.0
+    instance.instance_type, instance.instance_collection, instance.location.x = (
+        "COLLECTION",
+        wanted.collections[0],
+        5.0,
+    )
     scene.collection.objects.link(instance)
     linked.select_set(True)
     bpy.context.view_layer.objects.active = linked
@@ -31,7 +35,9 @@ def steps(window):
     yield from window.click_button("object.make_override_library")
     yield 0.5
     own = bpy.context.object
-    window.seen["overridden by the panel's button"] = own.override_library is not None and not own.override_library.is_system_override
+    window.seen["overridden by the panel's button"] = (
+        own.override_library is not None and not own.override_library.is_system_override
+    )
     with window.context():
         bpy.ops.haptic.add_source()
         bpy.ops.haptic.add_listener()
@@ -45,7 +51,9 @@ def steps(window):
         bpy.context.view_layer.objects.active = instance
         bpy.ops.object.make_override_library(collection=wanted.collections[0].session_uid)
     yield 0.5
-    bodies = [obj for obj in scene.objects if obj.override_library and obj.name.startswith("Rig body")]
+    bodies = [
+        obj for obj in scene.objects if obj.override_library and obj.name.startswith("Rig body")
+    ]
     window.seen["the instance became objects"] = len(bodies) == 1
     with window.context():
         bpy.ops.object.select_all(action="DESELECT")
@@ -63,7 +71,11 @@ def steps(window):
     scene = bpy.context.scene
     own = next(obj for obj in scene.objects if obj.override_library and obj.name == "Cube")
     haptics = own.haptics
-    window.seen["roles and values are kept"] = haptics.source.enabled and haptics.listener.enabled and haptics.source.sound.gain == 3.0
-    window.seen["also those of the collection's object"] = any(obj.name == "Rig body" and obj.haptics.enabled for obj in scene.objects)
+    window.seen["roles and values are kept"] = (
+        haptics.source.enabled and haptics.listener.enabled and haptics.source.sound.gain == 3.0
+    )
+    window.seen["also those of the collection's object"] = any(
+        obj.name == "Rig body" and obj.haptics.enabled for obj in scene.objects
+    )
     scene.frame_set(2)
     window.seen["felt after reload"] = float(session.result_of(scene).amplitudes.max()) > 0

@@ -5,7 +5,11 @@ import bpy
 
 def roles() -> dict[str, bool]:
     haptics = bpy.context.scene.objects["Cube"].haptics
-    return {"haptic": haptics.enabled, "source": haptics.source.enabled, "listeners": len(bpy.context.scene.objects) == 15}
+    return {
+        "haptic": haptics.enabled,
+        "source": haptics.source.enabled,
+        "listeners": len(bpy.context.scene.objects) == 15,
+    }
 
 
 def steps(window):
@@ -27,4 +31,6 @@ def steps(window):
     yield from window.press("SPACE")
     yield from window.screenshot("felt")
     result = window.module("addon.session.session").result_of(bpy.context.scene)
-    window.seen["twelve listeners feel it"] = result.amplitudes.shape == (1, 12) and bool((result.amplitudes > 0).all())
+    window.seen["twelve listeners feel it"] = result.amplitudes.shape == (1, 12) and bool(
+        (result.amplitudes > 0).all()
+    )

@@ -1,4 +1,5 @@
-"""The table of rules of impacts: buttons, what a row is for, what it plays, and what is wrong with it beside the row."""
+"""The table of rules of impacts: buttons, what a row is for, what it plays, and what is wrong with
+it beside the row."""
 
 import bpy
 
@@ -18,19 +19,32 @@ def steps(window):
     yield from window.screenshot("rule-of-a-sample")
     count = len(table.items)
     yield from window.click_button("haptic.add_rule")
-    window.seen["a rule for what the active object is made of"] = len(table.items) == count + 1 and (
+    window.seen["a rule for what the active object is made of"] = len(
+        table.items
+    ) == count + 1 and (
         table.items[-1].first_kind,
         table.items[-1].first,
     ) == ("MATERIAL", "Steel")
     rule = table.items[-1]
-    rule.second_kind, rule.second, rule.template, rule.filepath = "OBJECT", "Nai*", "FILE", "/nowhere/knock.wav"
+    rule.second_kind, rule.second, rule.template, rule.filepath = (
+        "OBJECT",
+        "Nai*",
+        "FILE",
+        "/nowhere/knock.wav",
+    )
     rule.use_limits, rule.variation = True, 0.2
 
     def said():
-        return [problem.message for problem in sessions.shown_problems(scene) if problem.rule == ("impact_table", count)]
+        return [
+            problem.message
+            for problem in sessions.shown_problems(scene)
+            if problem.rule == ("impact_table", count)
+        ]
 
     yield from window.wait_until(lambda: bool(said()))
-    window.seen["the missing file is said beside its row"] = any("there is no file" in words for words in said())
+    window.seen["the missing file is said beside its row"] = any(
+        "there is no file" in words for words in said()
+    )
     yield from window.screenshot("rule-with-a-problem")
     yield from window.scroll_sidebar(20)
     yield from window.screenshot("curves-of-a-rule")

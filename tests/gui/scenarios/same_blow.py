@@ -1,4 +1,5 @@
-"""A blow is looked at on a still, in every mode and with other settings: it stays the same blow, as the labels and meters show."""
+"""A blow is looked at on a still, in every mode and with other settings: it stays the same blow, as
+the labels and meters show."""
 
 import math
 
@@ -22,7 +23,9 @@ def steps(window):
     yield 0.5
 
     def blow():
-        return [(item.name, item.onset, item.amplitude) for item in session.result_of(scene).sources]
+        return [
+            (item.name, item.onset, item.amplitude) for item in session.result_of(scene).sources
+        ]
 
     struck, gains = blow(), session.result_of(scene).amplitudes.copy()
     window.seen["there is a blow"] = len(struck) >= 1
@@ -64,7 +67,9 @@ def steps(window):
     weak = margin()
     yield from window.click_button("haptic.make_felt")
     yield 1.0
-    window.seen["a dialog shows the changes first"] = margin() == weak and scene.objects["ear.L"].haptics.listener.gain == 1
+    window.seen["a dialog shows the changes first"] = (
+        margin() == weak and scene.objects["ear.L"].haptics.listener.gain == 1
+    )
     window.save_picture("make-it-felt")
     yield from window.press("RET")
     yield 1.0

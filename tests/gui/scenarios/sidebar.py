@@ -1,4 +1,5 @@
-"""The extension works from its own wheels, and the sidebar tab "Haptics" opens on the default scene."""
+"""The extension works from its own wheels, and the sidebar tab "Haptics" opens on the default
+scene."""
 
 import importlib
 import sys
@@ -9,7 +10,9 @@ import bpy
 def steps(window):
     carried = ["fcl", "fastjsonschema", "soxr", "hidraw" if sys.platform == "linux" else "hid"]
     own = bpy.utils.user_resource("EXTENSIONS", path=".local")
-    window.seen["own wheels"] = [name for name in carried if importlib.import_module(name).__file__.startswith(own)] == carried
+    window.seen["own wheels"] = [
+        name for name in carried if importlib.import_module(name).__file__.startswith(own)
+    ] == carried
     yield from window.show_sidebar()
     window.seen["tab"] = window.region("UI").active_panel_category == "Haptics"
     yield from window.screenshot("sidebar")

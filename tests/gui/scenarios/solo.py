@@ -32,7 +32,9 @@ def steps(window):
     yield from window.click_button("haptics.source.muted")
     yield 0.5
     source = session.result_of(scene).sources[0]
-    window.seen["the source is muted"] = source.amplitude == 0 and scene.objects[source.name].haptics.source.muted
+    window.seen["the source is muted"] = (
+        source.amplitude == 0 and scene.objects[source.name].haptics.source.muted
+    )
     yield from window.screenshot("muted")
     yield from window.click_button("haptics.source.muted")
     yield 0.5

@@ -1,4 +1,5 @@
-"""A sound is chosen and converted with the button; both waves show; a long one shows its progress and is cancelled; a fault is said."""
+"""A sound is chosen and converted with the button; both waves show; a long one shows its progress
+and is cancelled; a fault is said."""
 
 import tempfile
 import wave

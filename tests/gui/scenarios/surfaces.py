@@ -1,4 +1,5 @@
-"""Objects of an earlier file touch by their hulls until the button is clicked; the shape that touches is drawn over the selected object."""
+"""Objects of an earlier file touch by their hulls until the button is clicked; the shape that
+touches is drawn over the selected object."""
 
 import bpy
 
@@ -23,7 +24,9 @@ def steps(window):
 
     def touching():
         result = sessions.shown(bpy.context.scene).result
-        return {frozenset(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()}
+        return {
+            frozenset(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()
+        }
 
     scene.objects["Table"].haptics.listener.enabled = True
     bpy.context.view_layer.objects.active = ring
@@ -31,7 +34,10 @@ def steps(window):
     for obj in scene.objects:
         obj.select_set(obj == ring)
     yield 1.5
-    window.seen["hulls touch first"] = touching() == {frozenset(("Ring", "Hand")), frozenset(("Ring", "Table"))}
+    window.seen["hulls touch first"] = touching() == {
+        frozenset(("Ring", "Hand")),
+        frozenset(("Ring", "Table")),
+    }
     yield from window.screenshot("hulls")
     with window.context():
         bpy.ops.ed.undo_push(message="made by a script")
@@ -49,4 +55,6 @@ def steps(window):
     yield 1.0
     yield from window.screenshot("rigid-body")
     yield from window.click_button("haptic.use_mesh")
-    window.seen["the rigid body collides by its mesh"] = bpy.context.scene.objects["Ring"].rigid_body.collision_shape == "MESH"
+    window.seen["the rigid body collides by its mesh"] = (
+        bpy.context.scene.objects["Ring"].rigid_body.collision_shape == "MESH"
+    )

@@ -1,4 +1,5 @@
-"""The tutorial, as its text says: numbers and labels are read from docs/tutorial.md, and whatever has another label fails."""
+"""The tutorial, as its text says: numbers and labels are read from docs/tutorial.md, and whatever
+has another label fails."""
 
 import math
 import re
@@ -21,22 +22,42 @@ def table(text):
     """Name, mesh, location and the numbers of the last column, of each row."""
     for row in re.findall(r"^\|(.+)\|$", text, re.MULTILINE)[2:]:
         name, mesh, location, size = (cell.strip() for cell in row.split("|"))
-        yield name, mesh, [number(part) for part in location.split(",")], [number(part) for part in re.findall(r"[\d.]+", size)]
+        yield (
+            name,
+            mesh,
+            [number(part) for part in location.split(",")],
+            [number(part) for part in re.findall(r"[\d.]+", size)],
+        )
 
 
 def labels():
     """Every label of the add-on that a reader may look for."""
-    found = {getattr(getattr(bpy.types, name), "bl_label", "") for name in dir(bpy.types) if name.startswith("HAPTIC_")}
+    found = {
+        getattr(getattr(bpy.types, name), "bl_label", "")
+        for name in dir(bpy.types)
+        if name.startswith("HAPTIC_")
+    }
     haptics, own = bpy.context.scene.haptics, bpy.context.object.haptics
-    found |= {prop.name for group in (haptics, haptics.bake, own, own.listener) for prop in group.bl_rna.properties}
-    found |= {getattr(bpy.types, f"HAPTIC_OT_{name}").bl_label for name in ("make_objects", "add_listener", "bake")}
+    found |= {
+        prop.name
+        for group in (haptics, haptics.bake, own, own.listener)
+        for prop in group.bl_rna.properties
+    }
+    found |= {
+        getattr(bpy.types, f"HAPTIC_OT_{name}").bl_label
+        for name in ("make_objects", "add_listener", "bake")
+    }
     found |= {item.identifier for item in haptics.bl_rna.properties["mode"].enum_items}
     return found | {"Haptics", "Play"}
 
 
 def operator_of(label):
     """The operator of the add-on that has this label."""
-    found = [name for name in dir(bpy.ops.haptic) if getattr(bpy.ops.haptic, name).get_rna_type().name == label]
+    found = [
+        name
+        for name in dir(bpy.ops.haptic)
+        if getattr(bpy.ops.haptic, name).get_rna_type().name == label
+    ]
     assert len(found) == 1, f"operators called {label!r}: {found}"
     return f"haptic.{found[0]}"
 
@@ -59,9 +80,14 @@ def add(name, mesh, location, size):
 
 def steps(window):
     written = (Path(__file__).parent / "tutorial.md").read_text(encoding="utf-8")
-    text = re.sub(r"(?<=[^\n|])\n(?=[^\n|])", " ", written)  # a paragraph in a line, wherever its lines are broken
+    text = re.sub(
+        r"(?<=[^\n|])\n(?=[^\n|])", " ", written
+    )  # a paragraph in a line, wherever its lines are broken
     scene = bpy.context.scene
-    session, colours = window.module("addon.session.session"), window.module("addon.view.colour_map")
+    session, colours = (
+        window.module("addon.session.session"),
+        window.module("addon.view.colour_map"),
+    )
     bpy.data.objects.remove(bpy.data.objects["Cube"])
 
     # 1. Four things that touch
@@ -70,29 +96,54 @@ def steps(window):
             add(*row)
         select("Hammer", "Handle")
         bpy.ops.object.join()
-        wrist = [number(part) for part in re.search(r"called Wrist at ([^.]+\.[^.]+\.\d+)\.", text)[1].split(",")]
+        wrist = [
+            number(part)
+            for part in re.search(r"called Wrist at ([^.]+\.[^.]+\.\d+)\.", text)[1].split(",")
+        ]
         bpy.ops.object.empty_add(location=wrist)
         bpy.context.object.name = "Wrist"
         select("Wrist", "Hammer", "Hand")
         bpy.ops.object.parent_set(keep_transform=True)
 
     # 2. Make them haptic
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_impacts", "HAPTIC_PT_object", "HAPTIC_PT_listener", "HAPTIC_PT_result")
+    window.open_only(
+        "HAPTIC_PT_scene",
+        "HAPTIC_PT_impacts",
+        "HAPTIC_PT_object",
+        "HAPTIC_PT_listener",
+        "HAPTIC_PT_result",
+    )
     yield from window.show_sidebar(re.search(r"choose the tab \*(\w+)\*", text)[1])
     unknown = set()
     for emphasised in re.findall(r"\*\*?([A-Z][^*]*?)\*\*?", text):
         if emphasised not in BLENDERS:
-            unknown |= {part for part in re.split(r" > |, ", emphasised) if part not in labels() | {"File", "Export"}}
+            unknown |= {
+                part
+                for part in re.split(r" > |, ", emphasised)
+                if part not in labels() | {"File", "Export"}
+            }
     samples = {sample.title for sample in window.module("sample_scenes").SAMPLES.values()}
-    exports = {bpy.ops.export_scene.haptic_tracks.get_rna_type().name, bpy.ops.export_scene.haptic_scene.get_rna_type().name}
+    exports = {
+        bpy.ops.export_scene.haptic_tracks.get_rna_type().name,
+        bpy.ops.export_scene.haptic_scene.get_rna_type().name,
+    }
     written = {part for part in unknown - samples if not any(part in title for title in exports)}
     body_part = re.search(r"choose the body part \*([^*]+)\*", text)[1]
-    window.seen[f"every label is there, not {sorted(written - {body_part})}"] = written <= {body_part}
+    window.seen[f"every label is there, not {sorted(written - {body_part})}"] = written <= {
+        body_part
+    }
     select("Table", "Nail", "Hammer", "Hand")
-    yield from window.click_button(operator_of(re.search(r"and press \*\*(Make [^*]+)\*\*", text)[1]))
+    yield from window.click_button(
+        operator_of(re.search(r"and press \*\*(Make [^*]+)\*\*", text)[1])
+    )
     yield 0.5
     guessed = {obj.name: obj.haptics.material.name for obj in scene.objects if obj.haptics.enabled}
-    window.seen["materials"] = guessed == {"Table": "Hardwood", "Nail": "Steel", "Hammer": "Steel", "Hand": "Flesh"}
+    window.seen["materials"] = guessed == {
+        "Table": "Hardwood",
+        "Nail": "Steel",
+        "Hammer": "Steel",
+        "Hand": "Flesh",
+    }
 
     # 3. Swing
     handle = scene.objects["Wrist"]
@@ -120,7 +171,9 @@ def steps(window):
     yield 0.3
     yield from window.click_button(operator_of(re.search(r"press \*\*(Add [^*]+)\*\*", text)[1]))
     listener = scene.objects["Hand"].haptics.listener
-    parts = {item.name: item.identifier for item in listener.bl_rna.properties["body_part"].enum_items}
+    parts = {
+        item.name: item.identifier for item in listener.bl_rna.properties["body_part"].enum_items
+    }
     listener.body_part = parts[body_part]
     label, energy = re.search(r"set \*\*([^*]+)\*\* to (\d+)", text).groups()
     by_label = {prop.name: prop.identifier for prop in scene.haptics.bl_rna.properties}
@@ -135,7 +188,9 @@ def steps(window):
         yield from window.press("RIGHT_ARROW")
     yield 0.5
     result = session.result_of(scene)
-    window.seen["strikes at the frame"] = scene.frame_current == strikes and len(result.impacts) == 1
+    window.seen["strikes at the frame"] = (
+        scene.frame_current == strikes and len(result.impacts) == 1
+    )
     (gain,) = result.amplitudes[-1]
     said = colours.decibel_text(float(gain))
     window.seen[f"the label says {said}"] = said == re.search(r"label says (\S+ dB)", text)[1]
@@ -145,5 +200,7 @@ def steps(window):
         bpy.ops.haptic.apply_material(preset="rubber", target="SELECTED")
     yield 0.5
     result = session.result_of(scene)
-    window.seen["of rubber: the same blow, weaker"] = len(result.impacts) == 1 and bool(0 < result.amplitudes[-1][0] < gain)
+    window.seen["of rubber: the same blow, weaker"] = len(result.impacts) == 1 and bool(
+        0 < result.amplitudes[-1][0] < gain
+    )
     yield from window.screenshot("rubber")

@@ -1,4 +1,5 @@
-"""Design by Wish in the sidebar: a wished level and a free material, fulfilled by a click; one step of undo. And the rules of contacts."""
+"""Design by Wish in the sidebar: a wished level and a free material, fulfilled by a click; one step
+of undo. And the rules of contacts."""
 
 import bpy
 
@@ -10,10 +11,15 @@ def steps(window):
     session = window.module("addon.session.session")
     levels = window.module("addon.view.levels")
     scene.haptics.strategy = "auto"
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_contacts", "HAPTIC_PT_materials", "HAPTIC_PT_wishes")
+    window.open_only(
+        "HAPTIC_PT_scene", "HAPTIC_PT_contacts", "HAPTIC_PT_materials", "HAPTIC_PT_wishes"
+    )
     yield from window.show_sidebar()
     scene.frame_set(scene.frame_start + 4)
-    ground = max((obj for obj in scene.objects if obj.haptics.enabled), key=lambda obj: obj.dimensions.x * obj.dimensions.y)
+    ground = max(
+        (obj for obj in scene.objects if obj.haptics.enabled),
+        key=lambda obj: obj.dimensions.x * obj.dimensions.y,
+    )
     bpy.ops.haptic.select_object(name=ground.name)
     bpy.ops.haptic.apply_material(preset="concrete")
     item = scene.haptics.materials.items["Concrete"]
@@ -36,7 +42,9 @@ def steps(window):
     yield from window.screenshot("fulfilled")
     yield from window.undo()
     yield 0.5
-    window.seen["undo brings the material back"] = abs(bpy.context.scene.haptics.materials.items["Concrete"].kappa - kappa) < 1e-6
+    window.seen["undo brings the material back"] = (
+        abs(bpy.context.scene.haptics.materials.items["Concrete"].kappa - kappa) < 1e-6
+    )
     scene = bpy.context.scene
     bpy.ops.haptic.add_rule(table="transmission_table")
     scene.haptics.transmission_table.items[0].function = "resilient"
