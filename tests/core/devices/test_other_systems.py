@@ -6,6 +6,7 @@ import signal
 import struct
 import subprocess
 import sys
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -33,12 +34,12 @@ def test_a_process_runs_until_it_ends(process):
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows stops no processes")
 def test_a_stopped_process_does_not_run(process):
     runs = liveness_of(process.pid)
-    process.send_signal(signal.SIGSTOP)
-    while runs():
-        pass
-    process.send_signal(signal.SIGCONT)
-    while not runs():
-        pass
+    for sent, is_running in ((signal.SIGSTOP, False), (signal.SIGCONT, True)):
+        process.send_signal(sent)
+        deadline = time.monotonic() + 30
+        while runs() != is_running and time.monotonic() < deadline:
+            time.sleep(0.001)
+        assert runs() == is_running
 
 
 class Macos:
