@@ -347,15 +347,7 @@ class SurfacePairs:
                 valid[mine[beyond[mine] >= 0]] = False
             if not valid[mine].any():
                 if np.isfinite(pair.least):
-                    gap = pair.gap
-                    found.append(
-                        _point(
-                            chosen_of(several, np.array([k])),
-                            pair.least,
-                            gap.first - gap.second,
-                            (gap.first + gap.second) / 2,
-                        )
-                    )
+                    found.append(_inside(chosen_of(several, np.array([k])), pair))
                 else:
                     again.append(pair.row)
         deepest, least = deepest[number], least[number]
@@ -394,6 +386,13 @@ class SurfacePairs:
 def _most(a: Surface, b: Surface) -> float:
     """How far the smaller of two surfaces may sink into the other [m]."""
     return min(max(a.depth, b.depth), min(a.size, b.size) / 2)
+
+
+def _inside(pairs: CorePairs, pair: _Deep) -> CoreContacts:
+    """The contact of the only one of ``pairs``, of which one solid is inside the other, where
+    their surfaces are nearest."""
+    gap = pair.gap
+    return _point(pairs, pair.least, gap.first - gap.second, (gap.first + gap.second) / 2)
 
 
 def _point(row: CorePairs, distance: float, way: FloatArray, centre: FloatArray) -> CoreContacts:
