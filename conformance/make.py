@@ -346,7 +346,7 @@ FILES = (
 def written():
     """The files' names and texts."""
     for make in FILES:
-        title = (make.__doc__ or make.__name__).split("\n")[0]
+        title = " ".join((make.__doc__ or make.__name__).split())
         lines = ",\n  ".join(json.dumps(one) for one in make())
         yield (
             f"{make.__name__}.json",

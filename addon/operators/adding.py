@@ -35,8 +35,7 @@ SAMPLE_ITEMS = tuple((sample.name, sample.title, sample.description) for sample 
 
 
 class HAPTIC_OT_add_source_object(Edit, Operator):
-    """Add a haptic source at the 3D cursor: an empty on the active object if that is haptic,
-    otherwise a small body"""
+    """Add a haptic source at the 3D cursor: an empty on the active object if that is haptic, otherwise a small body"""
 
     bl_label = "Add Haptic Source"
 
@@ -89,8 +88,7 @@ def _link(context: Context, obj: Object) -> None:
 
 
 class HAPTIC_OT_make_one_shot(OnActive, Operator):
-    """Play a blast once per trigger, now if Trigger is not animated yet; in a medium it spreads as
-    a pressure front"""
+    """Play a blast once per trigger, now if Trigger is not animated yet; in a medium it spreads as a pressure front"""
 
     bl_label = "Play Once"
 
@@ -137,8 +135,7 @@ def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
 
 
 class HAPTIC_OT_add_medium(Edit, Operator):
-    """Add a medium around the selected objects, or at the 3D cursor; it transmits vibration between
-    all objects that it overlaps"""
+    """Add a medium around the selected objects, or at the 3D cursor; it transmits vibration between all objects that it overlaps"""
 
     bl_label = "Add Medium"
 

@@ -12,8 +12,7 @@ from ..changes.redraw import redraw_viewports
 
 
 class HAPTIC_OT_bake(Edit, Operator):
-    """Trace the frame range in order and store the result in the file, to be played without
-    tracing"""
+    """Trace the frame range in order and store the result in the file, to be played without tracing"""
 
     bl_label = "Bake Haptics"
 
@@ -26,8 +25,7 @@ class HAPTIC_OT_bake(Edit, Operator):
 
 
 class HAPTIC_OT_delete_bake(Edit, Operator):
-    """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was
-    kept as a take is removed from the takes"""
+    """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was kept as a take is removed from the takes"""
 
     bl_label = "Delete Bake"
 

@@ -17,8 +17,7 @@ _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(B
 
 
 class HAPTIC_OT_add_default_listeners(OnActive, Operator):
-    """Put listeners on the active object: on the bones of an armature, or where a standing body
-    that fills the object has its parts"""
+    """Put listeners on the active object: on the bones of an armature, or where a standing body that fills the object has its parts"""
 
     bl_label = "Add Body Listeners"
     bl_options = {*UNDO, "PRESET"}
@@ -120,8 +119,7 @@ def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:
 
 
 class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
-    """Give the other side of the body what the selected listeners have: their settings, and a
-    listener where there is none"""
+    """Give the other side of the body what the selected listeners have: their settings, and a listener where there is none"""
 
     bl_label = "Mirror Listeners"
 

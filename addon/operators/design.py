@@ -47,8 +47,7 @@ _CHOOSE = "Choose two recordings, a source, a listener and an object first"
 
 
 class HAPTIC_OT_make_felt(Edit, Operator):
-    """Raise what the selected listeners feel above the threshold of feeling, by as few changes as
-    possible, which are shown first"""
+    """Raise what the selected listeners feel above the threshold of feeling, by as few changes as possible, which are shown first"""
 
     bl_label = "Make It Felt"
 
@@ -267,8 +266,7 @@ def _make(scene: Scene, change: felt.Change) -> None:
 
 
 class HAPTIC_OT_design_by_wish(Edit, Operator):
-    """Choose κ of the free materials, and ρ where that is not enough, so that the listeners with a
-    wish have the wished level"""
+    """Choose κ of the free materials, and ρ where that is not enough, so that the listeners with a wish have the wished level"""
 
     bl_label = "Fulfil Wishes"
 
@@ -362,8 +360,7 @@ def _change(traced: sessions.Traced, missing: dict[str, float], free: list[Any])
 
 
 class HAPTIC_OT_fit_material(Action, Operator):
-    """Set the loss of a material, and the gain of a contact, so that the scene transmits vibration
-    as two recordings show"""
+    """Set the loss of a material, and the gain of a contact, so that the scene transmits vibration as two recordings show"""
 
     bl_label = "Fit Material"
     bl_options = {"REGISTER"}

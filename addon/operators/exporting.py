@@ -38,8 +38,7 @@ LARGEST = 2**31 - 1
 
 
 class RangeExport(Action, ExportHelper):
-    """Mixin: an export of a range of frames, optionally of one collection, with its losses shown
-    beforehand."""
+    """Mixin: an export of a range of frames, optionally of one collection, with its losses shown beforehand."""
 
     frame_start: IntProperty(name="Start", description="First frame", default=1)
     frame_end: IntProperty(name="End", description="Last frame", default=250)

@@ -22,8 +22,7 @@ _rpt = bpy.app.translations.pgettext_rpt
 
 
 class _FromFile(Edit):
-    """Mixin: an import of a file that is chosen in the file browser, or dropped, after which there
-    are only the options."""
+    """Mixin: an import of a file that is chosen in the file browser, or dropped, after which there are only the options."""
 
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
 
@@ -38,8 +37,7 @@ class _FromFile(Edit):
 
 
 class HAPTIC_OT_import_scene(_FromFile, Operator):
-    """Make objects, sources and listeners of a haptic scene; what changes over time becomes
-    keyframes"""
+    """Make objects, sources and listeners of a haptic scene; what changes over time becomes keyframes"""
 
     bl_idname = "import_scene.haptic_scene"
     bl_label = "Import Haptic Scene"

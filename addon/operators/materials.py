@@ -127,8 +127,7 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
 
 
 class HAPTIC_OT_set_model(Edit, Operator):
-    """Choose between measured materials and the paper's model for the whole scene: functions of all
-    objects made of presets, contacts of flesh, and the strategy; objects made later follow"""
+    """Choose between measured materials and the paper's model for the whole scene: functions of all objects made of presets, contacts of flesh, and the strategy; objects made later follow"""
 
     bl_label = "Model"
 
@@ -180,8 +179,7 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
 
 
 class HAPTIC_OT_new_material(OnActive, Operator):
-    """Add a material with the values of the active object to the library, and assign it to that
-    object"""
+    """Add a material with the values of the active object to the library, and assign it to that object"""
 
     bl_label = "New Material"
 

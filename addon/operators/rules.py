@@ -27,8 +27,7 @@ class _OfTable(Edit):
 
 
 class HAPTIC_OT_add_rule(_OfTable, Operator):
-    """Add a rule for just the two selected objects; else for the material of the active object, for
-    that object, or for anything"""
+    """Add a rule for just the two selected objects; else for the material of the active object, for that object, or for anything"""
 
     bl_label = "Add Rule"
 
@@ -51,8 +50,7 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
 
 
 class HAPTIC_OT_add_textures(Edit, Operator):
-    """Add a rule with the library's texture for each material that haptic objects are made of and
-    that has none"""
+    """Add a rule with the library's texture for each material that haptic objects are made of and that has none"""
 
     bl_label = "Textures of Materials"
 

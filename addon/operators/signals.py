@@ -31,8 +31,7 @@ class _OnDrawing(OnActive):
 
 
 class HAPTIC_OT_draw_signal(OnActive, Operator):
-    """Draw the signal of the active source as curves: a new drawn signal that begins with what it
-    emits now"""
+    """Draw the signal of the active source as curves: a new drawn signal that begins with what it emits now"""
 
     bl_label = "New"
 
@@ -117,8 +116,7 @@ class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
 
 
 class HAPTIC_OT_convert_sound(OnActive, Operator):
-    """Make vibration of the sound; it is kept with this file, so convert again after changing the
-    sound or these settings"""
+    """Make vibration of the sound; it is kept with this file, so convert again after changing the sound or these settings"""
 
     bl_label = "Convert Sound"
 

@@ -45,8 +45,7 @@ def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
 
 
 class HAPTIC_OT_make_objects(OnSelected, Operator):
-    """Let vibration pass through the selected objects; what they are made of is guessed from their
-    names, shapes and masses"""
+    """Let vibration pass through the selected objects; what they are made of is guessed from their names, shapes and masses"""
 
     bl_label = "Make Haptic"
     bl_options = {*UNDO, "PRESET"}
@@ -195,8 +194,7 @@ class HAPTIC_OT_use_real_surface(Edit, Operator):
 
 
 class HAPTIC_OT_use_mesh(OnActive, Operator):
-    """Let the rigid body collide by its mesh instead of its convex hull. Active bodies take more
-    time to simulate"""
+    """Let the rigid body collide by its mesh instead of its convex hull. Active bodies take more time to simulate"""
 
     bl_label = "Use Mesh"
 

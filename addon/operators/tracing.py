@@ -54,8 +54,7 @@ class HAPTIC_OT_toggle_tracing(Action, Operator):
 
 
 class HAPTIC_OT_cancel_tracing(Action, Operator):
-    """Stop tracing this frame. The next edit or frame is traced as always; switch tracing off to
-    edit without waiting"""
+    """Stop tracing this frame. The next edit or frame is traced as always; switch tracing off to edit without waiting"""
 
     bl_label = "Cancel Tracing"
     bl_options = {"INTERNAL"}
@@ -70,8 +69,7 @@ class HAPTIC_OT_cancel_tracing(Action, Operator):
 
 
 class HAPTIC_OT_set_mode(Action, Operator):
-    """Render the scene in another way, to compare: through touching objects, at the nearest
-    listener, by distance, or without fading"""
+    """Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading"""
 
     bl_label = "Set Haptic Mode"
     bl_options = UNDO
@@ -98,8 +96,7 @@ class HAPTIC_OT_set_mode(Action, Operator):
 
 
 class HAPTIC_OT_graph_to_geometry(Edit, Operator):
-    """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this
-    scene is replaced"""
+    """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this scene is replaced"""
 
     bl_label = "Graph to Geometry"
 
