@@ -58,27 +58,32 @@ def steps(window):
 
     # What is too weak is made felt by a click, and undone.
     watched = window.module("addon.view.watched")
-    bpy.context.view_layer.objects.active = scene.objects["ear.L"]
-    yield 0.5
+    hand = scene.objects["hand.L"]
+    hand.haptics.listener.gain = weak_gain = 0.0625
+    bpy.ops.ed.undo_push(message="Weaken the Hand")
+    bpy.context.view_layer.objects.active = hand
+    yield 1.0
 
     def margin():
-        return next(level.margin for level in watched.levels_of(scene) if level.listener == "ear.L")
+        return next(
+            level.margin for level in watched.levels_of(scene) if level.listener == "hand.L"
+        )
 
     weak = margin()
     yield from window.click_button("haptic.make_felt")
     yield 1.0
     window.seen["a dialog shows the changes first"] = (
-        margin() == weak and scene.objects["ear.L"].haptics.listener.gain == 1
+        margin() == weak and hand.haptics.listener.gain == weak_gain
     )
     window.save_picture("make-it-felt")
     yield from window.press("RET")
     yield 1.0
-    raised = 20 * math.log10(scene.objects["ear.L"].haptics.listener.gain)
+    raised = 20 * math.log10(hand.haptics.listener.gain / weak_gain)
     window.seen["made felt"] = blow() == struck and abs(margin() - 6) < 0.5 and raised > 5
     yield from window.screenshot("felt")
     yield from window.undo()
     scene = bpy.context.scene
-    window.seen["and undone"] = scene.objects["ear.L"].haptics.listener.gain == 1
+    window.seen["and undone"] = scene.objects["hand.L"].haptics.listener.gain == weak_gain
 
     # The file opens as it was left.
     path = str(window.folder / "struck.blend")
