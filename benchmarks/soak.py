@@ -92,14 +92,8 @@ class Record:
     locks: int = 0
 
 
-def main() -> None:
-    """Run under umockdev, which is started if need be."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--minutes", type=float, default=30.0)
-    parser.add_argument("--bodies", type=int, default=100)
-    options = parser.parse_args()
+def in_umockdev(module: str) -> None:
+    """Run ``module`` with the same arguments under umockdev, and exit; nothing if this is there."""
     if "UMOCKDEV_DIR" not in os.environ:
         described = describe(Path(tempfile.mkdtemp(prefix="soak")), [pad.fake for pad in PADS])
         command = [
@@ -108,11 +102,22 @@ def main() -> None:
             "--",
             sys.executable,
             "-m",
-            "benchmarks.soak",
+            module,
             *sys.argv[1:],
         ]
         # The folder of temporary files goes with this process.
         sys.exit(subprocess.run(command).returncode)
+
+
+def main() -> None:
+    """Run under umockdev, which is started if need be."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--minutes", type=float, default=30.0)
+    parser.add_argument("--bodies", type=int, default=100)
+    options = parser.parse_args()
+    in_umockdev("benchmarks.soak")
     with tempfile.TemporaryDirectory() as folder:
         began, record, statuses = soak(options.minutes, options.bodies, folder)
         report(began, record, statuses, folder, options)

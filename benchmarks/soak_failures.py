@@ -21,11 +21,10 @@ import time
 from pathlib import Path
 
 from .report import publish, table
-from .soak import PADS, Pad, children
+from .soak import PADS, Pad, children, in_umockdev
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "core" / "devices"))
 
-from made_up_devices import describe
 from timed_hid import reports_of
 
 LIMITS = {"program": 0.150, "guard": 1.5}
@@ -70,18 +69,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    if "UMOCKDEV_DIR" not in os.environ:
-        described = describe(Path(tempfile.mkdtemp(prefix="soak")), [pad.fake for pad in PADS])
-        command = [
-            "umockdev-run",
-            *described,
-            "--",
-            sys.executable,
-            "-m",
-            "benchmarks.soak_failures",
-            *sys.argv[1:],
-        ]
-        sys.exit(subprocess.run(command).returncode)
+    in_umockdev("benchmarks.soak_failures")
     generator, found = random.Random(options.seed), dict[tuple[str, str], list[float]]()
     end = time.monotonic() + 60.0 * options.minutes
     while time.monotonic() < end or len(found) < len(FAILURES):

@@ -13,7 +13,7 @@ from typing import NoReturn
 
 from ...core.run_time import load
 from .. import say
-from .conversation import Conversation, names
+from .conversation import Conversation
 from .live_view import LiveView
 from .osc import OscDoor
 from .sockets import LOCAL, Door
@@ -64,10 +64,8 @@ def _greeting(
     if args.osc is not None:
         lines.append(f"listening for OSC on udp://127.0.0.1:{args.osc}")
     if stage is not None:
-        lines.append(
-            f"devices: {names([output.profile.title for output in stage.outputs.values()])}, for "
-            "clients with the token"
-        )
+        titles = [output.profile.title for output in stage.outputs.values()]
+        lines.append(f"devices: {_first_few(titles)}, for clients with the token")
     return lines
 
 
@@ -77,3 +75,8 @@ def _address(text: str) -> tuple[str, int]:
     if not host or not port.isdecimal() or not 0 <= int(port) <= 65535:
         raise ValueError(f"--listen {text}: expected HOST:PORT")
     return host.strip("[]"), int(port)
+
+
+def _first_few(items: Sequence[str]) -> str:
+    """Names for a person: the first few."""
+    return ", ".join(items[:5]) + (f" and {len(items) - 5} more" if len(items) > 5 else "")

@@ -4,7 +4,7 @@ socket."""
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -208,8 +208,3 @@ def _error(name: Any, where: str, reason: str) -> dict[str, Any]:
 def text_of(answer: dict[str, Any]) -> str:
     """An answer as JSON."""
     return json.dumps(answer, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-
-
-def names(items: Sequence[str]) -> str:
-    """Names for a person: the first few."""
-    return ", ".join(items[:5]) + (f" and {len(items) - 5} more" if len(items) > 5 else "")

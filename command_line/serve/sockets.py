@@ -153,11 +153,7 @@ class Door:
                             ]
                         )
                         continue
-                    conversation = Conversation(
-                        self._scene, self._take_stage() if trusted else None
-                    )
-                    if self._holder is None and trusted:
-                        self._holder = conversation
+                    conversation = self._begun(trusted)
                 outbox.put(conversation.answer(message))
                 self._heard(conversation)
         except ConnectionClosed:
@@ -171,9 +167,14 @@ class Door:
                     if self._stage is not None:
                         self._stage.stop()
 
-    def _take_stage(self) -> Stage | None:
-        """The devices, for the one client at a time that plays on them."""
-        return self._stage if self._holder is None else None
+    def _begun(self, trusted: bool) -> Conversation:
+        """The conversation with a new client; the first one that is trusted has the devices."""
+        with self._lock:
+            plays = trusted and self._holder is None
+            conversation = Conversation(self._scene, self._stage if plays else None)
+            if plays:
+                self._holder = conversation
+            return conversation
 
     def _is_trusted(self, message: str | bytes) -> bool:
         """Whether the first message of a client has the token."""
