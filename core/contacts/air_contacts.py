@@ -20,9 +20,15 @@ def contacts_through_air(
     seen: Mapping[str, Shape],
     limit: float,
 ) -> int:
-    """How many ``pairs`` (p, 2) of bodies, placed by ``transforms`` (n, 4, 4), are more than
-    ``limit`` metres apart once the shapes ``seen`` replace those of the bodies with these names.
-    Media are left out."""
+    """How many pairs of bodies are apart once their surfaces replace their hulls, media left out.
+
+    Args:
+        bodies: all of them.
+        transforms: rigid ones that place them (n, 4, 4).
+        pairs: numbers of the bodies that touch (p, 2).
+        seen: shapes in place of those of the bodies with these names.
+        limit: distance above which they are apart [m].
+    """
     pairs = np.array(
         [
             pair

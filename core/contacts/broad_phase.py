@@ -79,8 +79,16 @@ def _swept(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
 def _compared(
     low: FloatArray, high: FloatArray, active: BoolArray, begin: IntArray, end: IntArray, step: int
 ) -> IntArray:
-    """Overlapping pairs (2, p) of each ``active`` box k with those from ``begin[k]`` on to
-    ``end[k]``, each pair once; ``step`` boxes at a time. ``begin`` (n,) grows."""
+    """Overlapping pairs (2, p), each once.
+
+    Args:
+        low: lowest corners of the boxes (3, n).
+        high: highest corners (3, n).
+        active: boxes of which at least one is in each pair (n,).
+        begin: first box with which each is compared (n,), growing.
+        end: the one after the last (n,).
+        step: boxes that are compared at a time.
+    """
     found = [np.zeros((2, 0), dtype=np.int64)]
     rows = np.flatnonzero(active)
     for k in range(0, len(rows), step):

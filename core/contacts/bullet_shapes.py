@@ -25,29 +25,27 @@ def shape_from_bounding_box(
     bounds: ArrayLike,
     scale: Sequence[float] = (1.0, 1.0, 1.0),
     margin: float = DEFAULT_MARGIN,
-    use_margin: bool = False,
 ) -> Shape:
     """BOX, SPHERE, CAPSULE, CYLINDER or CONE around an object.
 
     ``bounds`` (2, 3): lowest and highest corner in the object's space, or the eight corners of
-    ``Object.bound_box``; ``scale`` of the object; ``margin`` and ``use_margin`` of its rigid body.
-    Raises ValueError for a scale that is not positive or a box without extent.
+    ``Object.bound_box``; ``scale`` of the object; ``margin`` of its rigid body. Raises ValueError
+    for a scale that is not positive or a box without extent.
     """
     corners = points_array("bounds", bounds)
     x, y, z = (np.ptp(corners, axis=0) / 2).tolist()
     sx, sy, sz = _scale(scale)
-    rounding = margin if use_margin else DEFAULT_MARGIN
     round_radius = max(x, y)
     match kind:
         case "BOX":
-            return Box((2 * x * sx, 2 * y * sy, 2 * z * sz), rounding=rounding)
+            return Box((2 * x * sx, 2 * y * sy, 2 * z * sz), rounding=margin)
         case "SPHERE":
             return Sphere(max(x, y, z) * sx)
         case "CAPSULE":
             return Capsule(round_radius * sy, max(0.0, 2 * (z - round_radius)) * sz)
         case "CYLINDER":
             return Cylinder(
-                max(round_radius * sx, rounding), max(2 * z * sz, 2 * rounding), rounding=rounding
+                max(round_radius * sx, margin), max(2 * z * sz, 2 * margin), rounding=margin
             )
         case "CONE":
             return Cone(round_radius * sx, 2 * z * sz, margin)
@@ -57,15 +55,14 @@ def shape_from_bounding_box(
 def convex_hull_shape(
     points: ArrayLike,
     scale: Sequence[float] = (1.0, 1.0, 1.0),
-    margin: float = DEFAULT_MARGIN,
-    use_margin: bool = False,
+    margin: float | None = None,
 ) -> ConvexHull:
-    """CONVEX_HULL of an object's vertices (n, 3) in its own space. Raises ValueError for bad points
-    or a scale that is not positive."""
+    """CONVEX_HULL of an object's vertices (n, 3) in its own space, with its own ``margin`` or, for
+    None, Bullet's. Raises ValueError for bad points or a scale that is not positive."""
     vertices = points_array("points", points)
     factor = np.array(_scale(scale))
     hull = convex_hull(vertices)
-    if use_margin:
+    if margin is not None:
         return ConvexHull(hull.points * factor, margin)
     inner = shrunk_hull(hull, DEFAULT_MARGIN)
     if inner is None:

@@ -48,9 +48,13 @@ def contact_forces(
 ) -> FloatArray:
     """The normal force (n,) of each contact [N], NaN if it is unknown.
 
-    mass: (o,) of the bodies that physics moves [kg], 0 for fixed ones, NaN if unknown. centre: (o,
-    3) of mass [m, world]. asked: (n,) the contacts of interest, None for all; others have a force
-    only if they are connected to these.
+    Args:
+        contacts: all of them.
+        mass: (o,) of the bodies that physics moves [kg], 0 for fixed ones, NaN if unknown.
+        centre: (o, 3) of mass [m, world].
+        gravity: [m/s^2].
+        asked: (n,) the contacts of interest, None for all; others have a force only if they are
+            connected to these.
     """
     forces = np.full(len(contacts), np.nan)
     movable = mass > 0
@@ -76,8 +80,16 @@ def _of_group(
     centre: FloatArray,
     gravity: FloatArray,
 ) -> FloatArray:
-    """The normal forces of the contacts ``rows`` between connected ``bodies``; NaN at bodies that
-    are not balanced."""
+    """The normal forces of contacts between connected bodies; NaN at bodies that are not balanced.
+
+    Args:
+        contacts: all of them.
+        rows: those of the group.
+        bodies: the group that physics moves.
+        mass: of all bodies [kg].
+        centre: of mass of all bodies (o, 3) [m, world].
+        gravity: (3,) [m/s^2].
+    """
     place = np.full(len(mass), -1)
     place[bodies] = np.arange(len(bodies))
     strength = float(np.linalg.norm(gravity))

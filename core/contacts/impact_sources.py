@@ -13,7 +13,7 @@ from ..scene.values import HapticObject, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, Signal, impact_template
 from .impacts import Impact
 from .one_shots import Shot
-from .rubbing import Rubbed
+from .rubbing import Slid
 
 MOST_FRAMES = 4096
 """Number of frames whose impacts are stored."""
@@ -95,7 +95,7 @@ class FrameImpacts:
     sounding: tuple[Sounding, ...]
     poses: FloatArray
     shots: tuple[Shot, ...] = ()
-    rubbed: Rubbed | None = None
+    rubbed: Slid | None = None
 
     def stands(self, transforms: FloatArray) -> bool:
         """Whether these bodies are unmoved at ``transforms`` (n, 4, 4)."""
@@ -129,7 +129,7 @@ class ImpactSources:
         return tuple(sounding.source.name for sounding in self._sounding)
 
     def kept(
-        self, start: float, transforms: FloatArray, shots: tuple[Shot, ...], rubbed: Rubbed | None
+        self, start: float, transforms: FloatArray, shots: tuple[Shot, ...], rubbed: Slid | None
     ) -> FrameImpacts | None:
         """The state of the frame from ``start`` [s], for `recall`; None if nothing is active."""
         if not self._sounding and not shots and rubbed is None:
@@ -202,7 +202,7 @@ class ImpactSources:
 
 
 def _touched_poses(
-    sounding: Sequence[Sounding], rubbed: Rubbed | None, transforms: FloatArray
+    sounding: Sequence[Sounding], rubbed: Slid | None, transforms: FloatArray
 ) -> FloatArray:
     pairs = [*(item.impact.objects for item in sounding), *(() if rubbed is None else rubbed.pairs)]
     return transforms[np.array(pairs, dtype=np.int64).reshape(-1, 2), :3]

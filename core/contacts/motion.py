@@ -24,6 +24,10 @@ _PLAUSIBLE = 2.5
 """Multiple of gravity up to which an acceleration is estimated by second differences of poses;
 larger ones are due to a hit."""
 
+_SLOW, _MOST_SLOWED = 0.05, 1.3
+"""Least speed [m/s] of a body on its path, and largest factor by which it was faster before a
+hit."""
+
 _DEVIATION = 0.001
 """Metres of deviation from the extrapolated path above which a body counts as disturbed."""
 
@@ -34,7 +38,9 @@ class Paths:
     ``velocity`` (3, n), constant ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the
     body's origin. ``end`` (12, n): the actual poses at the end. ``certain`` (n,): the path is known
     throughout, without a hit. ``turned`` (n,): it was deflected by a hit in the interval before.
-    ``earlier`` (12, n): the poses ``earlier_duration`` seconds before the start."""
+    ``earlier`` (12, n): the poses ``earlier_duration`` seconds before the start. ``trend`` (2, 3,
+    n): of dynamic bodies that nothing has hit before the start, velocity there and acceleration by
+    the poses before, otherwise 0."""
 
     duration: float
     start: FloatArray
@@ -46,6 +52,7 @@ class Paths:
     turned: BoolArray
     earlier: FloatArray
     earlier_duration: float
+    trend: FloatArray
 
     def of(self, bodies: IntArray) -> Paths:
         """The paths of ``bodies`` (k,)."""
@@ -58,6 +65,7 @@ class Paths:
             "certain",
             "turned",
             "earlier",
+            "trend",
         )
         return replace(
             self, **{name: getattr(self, name).take(bodies, axis=-1) for name in columns}
@@ -89,16 +97,27 @@ class Paths:
         """Velocities (3, k) of the origins of ``bodies`` at ``time``."""
         return np.asarray(self.velocity[:, bodies] + self.acceleration[:, bodies] * time)
 
+    def slowed(self, bodies: IntArray, time: FloatArray) -> FloatArray:
+        """By what factor (k,) >= 1 ``bodies`` (k,) were faster just before they hit something at
+        ``time`` (k,) than on their paths, which lead to their ends and so on after the hit: by the
+        ``trend`` of their motion before."""
+        velocity, acceleration = self.trend[..., bodies]
+        before = np.sqrt(_squared(velocity + acceleration * time))
+        on_path = np.sqrt(_squared(self.velocities(bodies, time)))
+        return np.clip(before / np.maximum(on_path, _SLOW), 1.0, _MOST_SLOWED)
+
     def displacement(self) -> FloatArray:
         """Vectors (3, n) from the starts to the ends of the paths."""
         return np.asarray((self.velocity + self.acceleration * (self.duration / 2)) * self.duration)
 
     def fastest(self) -> FloatArray:
-        """Greatest speed (n,) of each body's origin on its path, or on the straight line to its
-        actual position at the end."""
+        """Greatest speed (n,) of each body's origin on its path, on the straight line to its actual
+        position at the end, or by the trend of its motion before."""
         final = self.velocity + self.acceleration * self.duration
         direct = (self.end[9:] - self.start[9:]) / self.duration
-        squared = np.stack([_squared(self.velocity), _squared(final), _squared(direct)])
+        trend = self.trend[0] + self.trend[1] * self.duration
+        speeds = self.velocity, final, direct, trend
+        squared = np.stack([_squared(velocity) for velocity in speeds])
         return np.asarray(np.sqrt(squared.max(axis=0)))
 
 
@@ -111,6 +130,8 @@ class MotionHistory:
         self._poses: list[FloatArray] = []
         self._still = np.zeros(count, dtype=np.int64)
         self._clean = np.zeros(count, dtype=np.int64)
+        self._unhit = np.zeros(count, dtype=np.int64)
+        self._hit_at = np.zeros(count)
         self._onset = np.full(count, -2)
         self._begun = np.zeros(count, dtype=np.bool_)
 
@@ -127,29 +148,36 @@ class MotionHistory:
         self._onset += 1
         self._still += 1
         self._clean += 1
+        self._unhit += 1
         if len(self.times) == 1:
-            self._still[:] = self._clean[:] = 0
+            self._still[:] = self._clean[:] = self._unhit[:] = 0
             return
         self._onset[moved[self._still[moved] > 1]] = 0
         self._still[moved] = 0
         self._begun[moved] = True
-
-    def advance_still(self, time: float) -> None:
-        """Add a frame in which nothing has moved."""
-        self.advance(time, self._poses[-1], np.zeros(0, dtype=np.int64))
 
     def disturb(self, bodies: IntArray | BoolArray) -> None:
         """Mark bodies that hit something in the last interval: their motion up to then does not
         predict what follows."""
         self._clean[bodies] = 0
 
+    def hit(self, pairs: IntArray, after: FloatArray) -> None:
+        """Mark bodies, ``pairs`` (k, 2), that hit each other ``after`` (k,) seconds in the last
+        interval. Of hits in consecutive intervals the first counts."""
+        self.disturb(pairs)
+        fresh = (self._unhit[pairs] > 2).any(axis=1)
+        self._unhit[pairs[fresh]] = 0
+        self._hit_at[pairs[fresh]] = (self.times[-2] + after[fresh])[:, None]
+
     def history(self) -> tuple[FloatArray, ...]:
         """What later paths depend on: times and poses stored, and the counts as far as they are
         asked for."""
         counts = (
-            np.minimum(count, _DEPTH + 1) for count in (self._still, self._clean, self._onset)
+            np.minimum(count, _DEPTH + 1)
+            for count in (self._still, self._clean, self._unhit, self._onset)
         )
-        return np.array(self.times), *self._poses, np.stack([self.moving(), *counts])
+        hit_at = np.where(self._unhit <= 2, self._hit_at, 0.0)
+        return np.array(self.times), *self._poses, np.stack([self.moving(), *counts]), hit_at
 
     @property
     def last_poses(self) -> FloatArray:
@@ -222,6 +250,8 @@ class MotionHistory:
         weight = float(np.linalg.norm(gravity))
         chord, direct = (last - before) / known, (now - last) / step
         clean = self._clean - 1  # undisturbed intervals up to the start of the path
+        trend = np.zeros((2, *chord.shape))
+        trend[0] = np.where((self._unhit > 1) & ~kinematic, chord, 0.0)
         # Dynamic: constant acceleration, measured where no hit falsifies it.
         bend = np.where(airborne, gravity[:, None], 0.0)
         if older:
@@ -232,6 +262,15 @@ class MotionHistory:
                 & (_squared(measured) <= (_PLAUSIBLE * weight) ** 2)
             )
             bend = np.where(plausible, measured, bend)
+            # A body at rest that was hit in the interval before the last moves only from then on.
+            knocked = (self._unhit == 2) & (self._onset == 2)
+            since = np.where(knocked, self.times[-3] - self._hit_at, older[0])
+            since = np.clip(since, older[0] / 10, older[0])
+            gain = 2 * (chord - (before - self._poses[-4][9:]) / since) / (known + since)
+            steady = knocked | ((self._unhit > 2) & (self._onset > 2))
+            steady &= ~kinematic & (_squared(gain) <= (_PLAUSIBLE * weight) ** 2)
+            trend[1] = np.where(steady, gain, 0.0)
+            trend[0] += trend[1] * (known / 2)
         begin = chord + bend * (known / 2)
         if weight > 0:
             # Released within the interval before: the speed of a fall from rest over this height.
@@ -270,6 +309,7 @@ class MotionHistory:
             turned,
             earlier,
             known,
+            trend,
         )
 
 

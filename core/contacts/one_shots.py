@@ -98,7 +98,15 @@ class OneShots:
         places: Places,
         hits: Sequence[Hit],
     ) -> None:
-        """Find the triggers between ``start`` [s], None for the first frame, and ``time``."""
+        """Find the triggers between two frames.
+
+        Args:
+            sources: those with triggers.
+            start: time of the frame before [s], None for the first one.
+            time: of this frame [s].
+            places: where objects are now.
+            hits: impacts since the frame before.
+        """
         before, paths, self._levels, self._paths = self._levels, self._paths, {}, {}
         for source, number, trigger in (
             (s, k, trigger) for s in sources for k, trigger in enumerate(s.triggers or ())
@@ -140,7 +148,15 @@ class OneShots:
         objects: Sequence[HapticObject],
         settings: ContactSettings,
     ) -> tuple[Source, ...]:
-        """The temporary sources that are active from ``start`` to ``time`` [s]."""
+        """The active temporary sources.
+
+        Args:
+            sources: those with triggers.
+            start: beginning of the frame [s].
+            time: its end [s].
+            objects: of the scene, whose materials rules may name.
+            settings: with the rules of impacts.
+        """
         material = (
             {item.name: item.material for item in objects}
             if self._found or any(source.triggers for source in sources)
@@ -188,7 +204,15 @@ def _played(
     material: Mapping[str, str],
     settings: ContactSettings,
 ) -> tuple[Signal, float]:
-    """The signal and the amplitude of a shot; for an impact by the rule of the two objects."""
+    """The signal and the amplitude of a shot.
+
+    Args:
+        shot: the shot.
+        template: the signal of its source.
+        carrier: the object of its source; an impact plays by the rule of this and the striking one.
+        material: of the objects, by name.
+        settings: with the rules of impacts.
+    """
     if not shot.by:
         return template, shot.strength
     rule = settings.impact_rule(*((name, material.get(name, "")) for name in (carrier, shot.by)))

@@ -27,7 +27,6 @@ from ..arrays import FloatArray, IntArray
 from ..scene.rule_table import RuleTable
 from ..scene.texture import Texture
 from ..scene.values import Source
-from ..signals import Signal
 from .contact_set import ContactSet
 from .forces import contact_forces
 from .motion import spins
@@ -60,7 +59,7 @@ class _Moving:
 
 
 @dataclass(frozen=True, slots=True)
-class Rubbed:
+class Slid:
     """Sliding and rolling contacts of a frame from ``start`` [s] on for ``step`` [s]; ``paths`` [m]
     in its block of frames and in the one before, by names and whether it rolls; ``last``: sources
     of the frame before."""
@@ -78,7 +77,7 @@ class Rubbed:
         return tuple(item.rows for item in self.moving)
 
 
-class Rubbing:
+class SlidingAndRolling:
     """Follows sliding and rolling from frame to frame; blocks end at frames whose number is a
     multiple of ``block``."""
 
@@ -89,16 +88,16 @@ class Rubbing:
     def clear(self) -> None:
         """Drop all state."""
         self._before: FloatArray | None = None
-        self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # as in `Rubbed`
-        self._now = Rubbed()
+        self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # as in `Slid`
+        self._now = Slid()
         self._sources: tuple[Source, ...] = ()
 
     @property
-    def kept(self) -> Rubbed | None:
+    def kept(self) -> Slid | None:
         """The frame that was followed last, for `recall`; None without sliding or rolling."""
         return self._now if self._now.moving or self._now.last else None
 
-    def recall(self, kept: Rubbed) -> None:
+    def recall(self, kept: Slid) -> None:
         """Take a frame for the one that was followed last."""
         self._now, self._paths = kept, dict(kept.paths)
 
@@ -121,10 +120,18 @@ class Rubbing:
         middles: FloatArray,
         settings: ContactSettings,
     ) -> None:
-        """Follow to frame ``number``, from and to the times ``span`` [s]; None where it follows no
-        other. ``contacts`` number ``bodies``, whose ``middles`` (n, 3) are in their own space and
-        whose rigid transforms (n, 4, 4) are these."""
-        before, self._before, self._now = self._before, transforms, Rubbed()
+        """Follow to the next frame.
+
+        Args:
+            number: of the frame.
+            span: the times [s] from and to which it leads; None where it follows no other.
+            bodies: of the scene.
+            contacts: between them, by their numbers.
+            transforms: rigid ones of the bodies (n, 4, 4).
+            middles: of the bodies in their own space (n, 3).
+            settings: with the textures.
+        """
+        before, self._before, self._now = self._before, transforms, Slid()
         if span is None or before is None or len(before) != len(transforms):
             return
         start, step = span[0], span[1] - span[0]
@@ -141,7 +148,7 @@ class Rubbing:
                     path, earlier = self._paths.get(key, (0.0, 0.0))
                     self._paths[key] = path + speed * step, earlier
         last = tuple(source for source in self._sources if source.onset > start - 1.5 * step)
-        self._now = Rubbed(number, start, step, moving, dict(self._paths), last)
+        self._now = Slid(number, start, step, moving, dict(self._paths), last)
 
     def sources(self, bodies: Sequence[Body], textures: RuleTable[Texture]) -> tuple[Source, ...]:
         """The sources of the frame that was followed last, by the materials of ``bodies`` and by
@@ -178,7 +185,15 @@ class Rubbing:
             signal = texture.piece(
                 speed, self._cycles(item, rolls, speed, texture.period), now.step, seed
             )
-            found.append(_source(name, item, amplitude, signal, now.start))
+            source = Source(
+                name,
+                item.names[0],
+                amplitude=amplitude,
+                signal=signal,
+                second_object=item.names[1],
+                onset=now.start,
+            )
+            found.append(source.moved(*item.positions))
         return found
 
     def _cycles(self, item: _Moving, rolls: bool, speed: float, period: float) -> float:
@@ -270,9 +285,17 @@ def _forces(
     middle: FloatArray,
     gravity: tuple[float, float, float],
 ) -> FloatArray:
-    """The forces (k,) of contacts ``rows`` [N]: those of resting bodies; where that can't be known,
-    the weight of the lighter of the two that move and have a mass; NaN where neither does, and
-    without gravity."""
+    """The forces (k,) of some contacts [N]: those of resting bodies; where that can't be known, the
+    weight of the lighter of the two that move and have a mass; NaN where neither does, and without
+    gravity.
+
+    Args:
+        bodies: all of them.
+        contacts: all between them.
+        rows: numbers of those contacts (k,).
+        middle: of each body (n, 3) [m, world].
+        gravity: [m/s^2].
+    """
     strength = math.hypot(*gravity)
     if not strength:
         return np.full(len(rows), np.nan)
@@ -307,18 +330,3 @@ def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def _tangential(vectors: FloatArray, normal: FloatArray) -> FloatArray:
     return vectors - _dot(vectors, normal)[:, None] * normal
-
-
-def _source(name: str, item: _Moving, amplitude: float, signal: Signal, onset: float) -> Source:
-    (x, y, z), (u, v, w) = item.positions
-    first, second = item.names
-    return Source(
-        name,
-        first,
-        (x, y, z),
-        amplitude,
-        signal=signal,
-        second_object=second,
-        second_position=(u, v, w),
-        onset=onset,
-    )

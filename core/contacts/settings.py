@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ..scene.rules import ContactSettings as ContactSettings
 from ..scene.rules import ImpactEnergy as ImpactEnergy
 from ..scene.rules import Motion as Motion
+from ..scene.values import HapticObject
 from .shapes import Shape
 
 
@@ -24,6 +25,11 @@ class Body:
     motion: Motion = Motion.DYNAMIC
     medium: bool = False
     material: str = ""
+
+    @classmethod
+    def of(cls, item: HapticObject, shape: Shape) -> Body:
+        """A haptic object with the shape that it has now."""
+        return cls(item.name, shape, item.mass, item.motion, item.medium, item.material)
 
     @property
     def named(self) -> tuple[str, str]:

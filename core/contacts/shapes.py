@@ -8,8 +8,9 @@ metres of it: the margin lies outside and rounds edges.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -54,7 +55,7 @@ def points_array(key: str, value: ArrayLike) -> FloatArray:
     return points
 
 
-def rotation_matrix(rotation: Sequence[float] | FloatArray) -> FloatArray:
+def rotation_matrix(rotation: ArrayLike) -> FloatArray:
     """The matrices (..., 3, 3) of unit quaternions (..., 4): w, x, y, z."""
     w, x, y, z = np.moveaxis(np.asarray(rotation, dtype=np.float64), -1, 0)
     rows = [
@@ -67,10 +68,17 @@ def rotation_matrix(rotation: Sequence[float] | FloatArray) -> FloatArray:
 
 def pose_matrix(pose: Pose) -> FloatArray:
     """The rigid (4, 4) matrix of a pose: local to world, columns are the axes."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation_matrix(pose.rotation)
-    matrix[:3, 3] = pose.position
+    matrix: FloatArray = pose_matrices([pose])[0]
     return matrix
+
+
+def pose_matrices(poses: Sequence[Pose]) -> FloatArray:
+    """The same of several, (n, 4, 4)."""
+    matrices = np.zeros((len(poses), 4, 4))
+    matrices[:, :3, :3] = rotation_matrix([pose.rotation for pose in poses])
+    matrices[:, :3, 3] = [pose.position for pose in poses]
+    matrices[:, 3, 3] = 1.0
+    return matrices
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,11 +333,9 @@ class Compound(Shape):
         Shape.__post_init__(self)
 
     def core_bounds(self) -> FloatArray:
-        bounds = np.array(
-            [
-                transformed_bounds(shape.local_bounds(), pose_matrix(pose))
-                for shape, pose in self.children
-            ]
+        bounds = transformed_bounds(
+            _bounds_of(tuple(shape for shape, _ in self.children)),
+            pose_matrices([pose for _, pose in self.children]),
         )
         return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
@@ -343,6 +349,12 @@ class Compound(Shape):
             for shape, pose in self.children
         ]
         return form
+
+
+@lru_cache(maxsize=256)
+def _bounds_of(shapes: tuple[Shape, ...]) -> FloatArray:
+    """Local bounds (n, 2, 3), kept for compounds whose parts only move."""
+    return np.array([shape.local_bounds() for shape in shapes])
 
 
 def transformed_bounds(bounds: FloatArray, matrices: FloatArray) -> FloatArray:
@@ -362,58 +374,23 @@ SHAPES: dict[str, type[Shape]] = {
 
 
 def shape_from_dict(form: Mapping[str, Any]) -> Shape:
-    """The shape of a scene file's ``{"type": name, ...}``. The children of a compound are such
-    forms with a ``pose`` beside.
+    """The shape of a scene file's ``{"type": name, ...}``, whose keys the schema of scenes allows.
+    The children of a compound are such forms with a ``pose`` beside.
 
-    Raises ValueError that begins with the key (``children/0/radius: ...`` inside a compound) for
-    what is unknown, missing or out of range.
+    Raises ValueError that begins with the key (``children/0/radius: ...`` inside a compound) for a
+    value out of range.
     """
-    if not isinstance(form, Mapping):
-        raise ValueError(f"shape: expected an object, got {form!r}")
-    name = form.get("type")
-    cls = SHAPES.get(name) if isinstance(name, str) else None
-    if cls is None:
-        raise ValueError(f"type: unknown shape {name!r}; one of {', '.join(SHAPES)}")
-    known = fields(cls)
-    for key in form:
-        if key not in ("type", *(item.name for item in known)):
-            raise ValueError(f"{key}: unknown key of shape {name!r}")
-    for item in known:
-        if item.default is MISSING and item.name not in form:
-            raise ValueError(f"{item.name}: missing in shape {name!r}")
-    values = {key: value for key, value in form.items() if key != "type"}
-    if cls is Compound:
-        values["children"] = _children(values["children"])
-    return cls(**values)
+    values = {key: value for key, value in form.items() if key not in ("type", "pose")}
+    if "children" in values:
+        values["children"] = [_child(*item) for item in enumerate(values["children"])]
+    return SHAPES[form["type"]](**values)
 
 
-def _children(forms: Any) -> tuple[tuple[Shape, Pose], ...]:
-    if not isinstance(forms, Iterable) or isinstance(forms, (str, Mapping)):
-        raise ValueError("children: expected a list of shapes")
-    children = []
-    for index, form in enumerate(forms):
-        try:
-            if not isinstance(form, Mapping):
-                raise ValueError(f"shape: expected an object, got {form!r}")
-            shape = shape_from_dict({key: value for key, value in form.items() if key != "pose"})
-            children.append((shape, _pose(form.get("pose", {}))))
-        except ValueError as error:
-            raise ValueError(f"children/{index}/{error}") from None
-    return tuple(children)
-
-
-def _pose(form: Any) -> Pose:
-    if not isinstance(form, Mapping):
-        raise ValueError(f"pose: expected an object, got {form!r}")
-    for key in form:
-        if key not in ("position", "rotation"):
-            raise ValueError(f"pose/{key}: unknown key")
+def _child(index: int, form: Mapping[str, Any]) -> tuple[Shape, Pose]:
     try:
-        return Pose(**form)
-    except TypeError:
-        raise ValueError("pose: expected lists of numbers") from None
+        return shape_from_dict(form), Pose(**form.get("pose", {}))
     except ValueError as error:
-        raise ValueError(f"pose/{error}") from None
+        raise ValueError(f"children/{index}/{error}") from None
 
 
 @dataclass(frozen=True, slots=True)
@@ -431,8 +408,9 @@ def parts_of(shape: Shape) -> tuple[Part, ...]:
     """The primitives that a shape is made of, compounds resolved."""
     if not isinstance(shape, Compound):
         return (Part(shape, np.eye(4), shape.margin),)
+    places = pose_matrices([pose for _, pose in shape.children])
     return tuple(
-        Part(part.shape, pose_matrix(pose) @ part.matrix, part.radius + shape.margin)
-        for child, pose in shape.children
+        Part(part.shape, place @ part.matrix, part.radius + shape.margin)
+        for (child, _), place in zip(shape.children, places, strict=True)
         for part in parts_of(child)
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from .hull import Hull, convex_hull
-from .shapes import ConvexHull, Mesh, Shape
+from .shapes import MAX_TRIANGLES, ConvexHull, Mesh, Shape
 
 SUNK_IN = 0.05
 """Metres beneath the surface of a solid down to which what lies inside touches it."""
@@ -51,9 +51,16 @@ def surface_shape(
     tolerance: float,
     sunk_in: float = SUNK_IN,
 ) -> SurfaceShape:
-    """The shape of the ``triangles`` (t, 3) over ``points`` (n, 3) [m], without triangles that of
-    the points' hull. A hull stands for a closed surface from which it deviates by at most
-    ``tolerance`` metres. ``sunk_in``: of a solid [m]. Raises ValueError where there is no shape."""
+    """The shape of a mesh, without triangles that of the hull of its points. Raises ValueError
+    where there is none.
+
+    Args:
+        points: (n, 3) [m].
+        triangles: (t, 3) over them.
+        surface: what of the mesh touches others.
+        tolerance: deviation up to which the hull stands for a closed surface [m].
+        sunk_in: depth inside a solid down to which it is touched [m].
+    """
     hulled = ConvexHull(points)
     if len(triangles) == 0:
         return SurfaceShape(hulled)
@@ -63,6 +70,8 @@ def surface_shape(
     if convex:
         deviation = _deviation(hull, corners, _MOST)
         convex = deviation <= tolerance
+    if surface is Surface.CONVEX_HULL and len(triangles) > MAX_TRIANGLES:
+        return SurfaceShape(hulled, deviation)
     if surface is Surface.CONVEX_HULL:
         seen = surface_shape(points, triangles, Surface.SEEN, tolerance, sunk_in).shape
         return SurfaceShape(hulled, deviation, None if isinstance(seen, ConvexHull) else seen)

@@ -33,18 +33,31 @@ _MOST_STEPS_OF_MESHES = 12
 
 
 class TimeOfImpact:
-    """Finds when the paths of bodies meet. ``bounds`` (n, 2, 3): of the shapes in local space."""
+    """Finds when the paths of bodies meet. ``bounds`` (n, 2, 3): of the shapes in local space.
+    ``unsure``: pairs with a mesh for which the steps of the last search were too few."""
 
     def __init__(self, narrow: NarrowPhase, bounds: FloatArray) -> None:
         self._narrow = narrow
         self._radius = np.sqrt((np.abs(bounds).max(axis=1) ** 2).sum(axis=1))
         self._thickness = narrow.thickness
+        self.unsure: set[tuple[int, int]] = set()
+
+    def measure(self, number: int, bounds: FloatArray) -> None:
+        """Set the size of a body with local ``bounds`` (2, 3)."""
+        self._radius[number] = np.sqrt((np.abs(bounds).max(axis=0) ** 2).sum())
 
     def may_hit(
         self, paths: Paths, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray
     ) -> BoolArray:
-        """Which pairs have bounding boxes that overlap while one moves relative to the other;
-        ``low`` and ``high`` (3, n) of the boxes at the start."""
+        """Which pairs (p,) have bounding boxes that overlap while one moves relative to the other.
+
+        Args:
+            paths: of all bodies.
+            first: one body of each pair (p,).
+            second: the other (p,).
+            low: lowest corners of the boxes at the start (3, n).
+            high: highest corners (3, n).
+        """
         turning = (
             np.minimum(np.sqrt((paths.spin**2).sum(axis=0)) * paths.duration, 2.0) * self._radius
         )
@@ -137,9 +150,10 @@ class TimeOfImpact:
             )
         rows = possible[start[possible] > _TOUCH]
         if len(rows):
-            after[rows] = moving.chosen(rows).stepped(
+            after[rows], unsure = moving.chosen(rows).stepped(
                 start[rows], start[rows] / speed[rows], expected[rows], self._radius
             )
+            self.unsure.update(map(tuple, np.sort(moving.pairs[rows[unsure]], axis=1).tolist()))
         return expected, after
 
     def final_distances(self, paths: Paths, pairs: IntArray, limit: FloatArray) -> FloatArray:
@@ -266,9 +280,10 @@ class _MovingPairs:
 
     def stepped(
         self, start: FloatArray, time: FloatArray, end: FloatArray, radius: FloatArray
-    ) -> FloatArray:
+    ) -> tuple[FloatArray, IntArray]:
         """Times (k,) of the first touch of pairs with a mesh, whose distances tell nothing once
-        they overlap, infinite where there is none. ``start`` and ``end`` (k,): distances at either
+        they overlap, infinite where there is none; and the numbers of the pairs for which the steps
+        were too few. ``start`` and ``end`` (k,): distances at either
         end; ``time`` (k,) up to which they can't touch; ``radius`` as in `advanced`.
 
         Conservative steps, lengthened to where the distance would vanish as it has shrunk in the
@@ -308,7 +323,7 @@ class _MovingPairs:
             active = active[~(found | missed)]
             if len(active) == 0:
                 break
-        return result
+        return result, active
 
     def go_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
         """Which pairs overlap by ``depth`` (k,) somewhere on their paths ``within`` (k,) seconds
@@ -347,9 +362,10 @@ class Meetings:
         turn = first[:9].reshape(3, 3, -1)
         normal, centre = turned(turn, found.normal), turned(turn, found.centre) + first[9:]
         bodies = moving.pairs.T
-        velocities = moving.paths.velocities(bodies, after)  # (3, 2, k)
+        slowed = moving.paths.slowed(bodies, after)
+        velocities = moving.paths.velocities(bodies, after) * slowed  # (3, 2, k)
         arms = centre[:, None] - np.stack([first[9:], second[9:]], axis=1)
-        speeds = velocities + cross(moving.paths.spin[:, bodies], arms)
+        speeds = velocities + cross(moving.paths.spin[:, bodies] * slowed, arms)
         approach = dot(speeds[:, 0] - speeds[:, 1], normal)
         passes, fast = self.far.copy(), self.far.nonzero()[0]
         if len(fast):

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, connected
+from ..arrays import BoolArray, FloatArray, IntArray, chosen_of, connected
 from ..message import Cause, Message
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
 from .impacts import Hits, Impact, confirmed, impact_energies, landings
 from .motion import MotionHistory, Paths
 from .narrow.body_patches import PairPatches
-from .narrow.frames import added, dot, relative_pose, turned, turned_back
+from .narrow.frames import added, dot, relative_pose, smooth_step, turned, turned_back
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
+from .shapes import Compound
 from .time_of_impact import Meetings, TimeOfImpact
 
 _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
@@ -36,14 +37,14 @@ _RESTING = 0.2
 """Part of the tolerance up to which a gap counts as that of bodies at rest; up to twice that,
 corners and edges touch."""
 
-_APART = 0.1
+_EDGE_WEIGHT = 0.1
 """Weight of a corner or an edge of a box that is near but does not touch, relative to faces at the
 same distance."""
 
 _FACING = 0.05
 """Part of a body's face covered by the patch at which the contact counts half as one of faces."""
 
-_FIRM = 2e-3
+_PRESSING_DISTANCE = 2e-3
 """Metres of distance below which a contact acts on the bodies."""
 
 _CREEP = 0.05
@@ -53,7 +54,7 @@ _STRONGER = 1.25
 """Factor of the last impact's speed (2 dB) above which another one counts within the refractory
 time."""
 
-_SOON = 3
+_FRAMES_AHEAD = 3
 """Frames in which gravity may accelerate a body to an impact: its contacts are watched that long
 before, wanted or not."""
 
@@ -64,12 +65,16 @@ _FAT = 0.05
 @dataclass(frozen=True, slots=True)
 class ContactStatistics:
     """Work of one update: ``candidates`` (pairs with overlapping bounds), narrow-phase ``queries``
-    made and ``avoided``, time of the broad phase [s]."""
+    made, time of the broad phase [s]."""
 
     candidates: int = 0
     queries: int = 0
-    avoided: int = 0
     broad_seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def avoided(self) -> int:
+        """Candidates without a query."""
+        return max(0, self.candidates - self.queries)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,12 +151,8 @@ class _Pairs:
             return _Pairs.of(key, larger, smaller)
         place = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
         here = self.key[place] == key
-        carried = _Pairs(
-            key,
-            larger,
-            smaller,
-            *(getattr(self, f.name).take(place, axis=-1) for f in fields(self)[3:]),
-        )
+        carried = chosen_of(self, place)
+        carried.key, carried.larger, carried.smaller = key, larger, smaller
         for state in (carried.known, carried.touching, carried.struck):
             state &= here
         carried.looked |= ~here
@@ -176,27 +177,32 @@ class ContactTracker:
         local = np.array([b.shape.local_bounds() for b in bodies], dtype=np.float64).reshape(
             -1, 2, 3
         )
-        self._middle = local.mean(axis=1).T.copy()
-        self._extent = (np.ptp(local, axis=1) / 2).T.copy()
-        self._radius = np.sqrt((self._extent**2).sum(axis=0))
-        self._arm = arm = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
-        self._still = STILL / np.stack([arm, arm, arm, np.ones(len(bodies))] * 3, axis=1).clip(1e-9)
+        count = len(bodies)
+        self._middle, self._extent = np.empty((2, 3, count))
+        self._radius, self._arm = np.empty((2, count))
+        self._still = np.empty((12, count))
+        self._measure(slice(count), local)
         self._narrow = NarrowPhase([b.shape for b in bodies], [b.medium for b in bodies], before)
         self._time_of_impact = TimeOfImpact(self._narrow, local)
         self._mass = np.array([b.mass or 0.0 for b in bodies], dtype=np.float64)
         self._dynamic = np.array([b.motion is Motion.DYNAMIC for b in bodies], dtype=np.bool_)
         self._medium = np.array([b.medium for b in bodies], dtype=np.bool_)
 
+    def _measure(self, bodies: slice, local: FloatArray) -> None:
+        """Set the sizes of bodies with ``local`` bounds (k, 2, 3)."""
+        self._middle[:, bodies] = local.mean(axis=1).T
+        self._extent[:, bodies] = (np.ptp(local, axis=1) / 2).T
+        self._radius[bodies] = np.sqrt((self._extent[:, bodies] ** 2).sum(axis=0))
+        arm = self._arm[bodies] = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
+        self._still[:, bodies] = STILL / np.stack([arm] * 9 + [np.ones_like(arm)] * 3).clip(1e-9)
+
     def reset(self) -> None:
         """Drop all history: the next update begins no contact and makes no impact."""
         count = len(self.bodies)
         none = np.zeros(0, dtype=np.int64)
         self._history = MotionHistory(count)
-        self._flat = np.full((count, 12), np.nan)
-        self._rest = self._flat.copy()
-        self._seen: FloatArray | None = None
-        self._lost = False
         self._pose = np.full((12, count), np.nan)
+        self._rest = self._pose.copy()
         self._version = np.zeros(count, dtype=np.int64)
         self._low, self._high = np.full((3, count), np.inf), np.full((3, count), -np.inf)
         self._fat_low, self._fat_high = self._low.copy(), self._high.copy()
@@ -236,18 +242,40 @@ class ContactTracker:
         """
         if [b.name for b in bodies] != [b.name for b in self.bodies]:
             raise ValueError("bodies: they must have the same names as before")
+        before = self.bodies
         changed = np.array(
-            [a is not b and a != b for a, b in zip(bodies, self.bodies, strict=True)],
-            dtype=np.bool_,
+            [a is not b and a != b for a, b in zip(bodies, before, strict=True)], dtype=np.bool_
         )
-        self._set(tuple(bodies), self._narrow)
-        self._flat[changed] = self._rest[changed] = np.nan
+        numbers = changed.nonzero()[0].tolist()
+        if all(self._moves_parts(k, bodies[k]) for k in numbers):
+            self.bodies = tuple(bodies)
+        else:
+            self._set(tuple(bodies), self._narrow)
+        self._pose[:, changed] = self._rest[:, changed] = np.nan
         self._fat_low[:, changed], self._fat_high[:, changed] = np.inf, -np.inf
         self._near_larger, self._near_smaller = self._by_size(self._near)
-        self._pairs.larger, self._pairs.smaller = self._by_size(self._pairs.key)
-        self._pairs.known[:] = False
-        self._seen = None
+        pairs = self._pairs
+        pairs.larger, pairs.smaller = self._by_size(pairs.key)
+        pairs.known &= ~(changed[pairs.larger] | changed[pairs.smaller])
         self._version[changed] += 1
+
+    def _moves_parts(self, number: int, body: Body) -> bool:
+        """Move the parts of a body, as a skeleton does, if nothing else of it has changed."""
+        old, new = self.bodies[number].shape, body.shape
+        if (
+            not isinstance(old, Compound)
+            or not isinstance(new, Compound)
+            or [shape for shape, _ in old.children] != [shape for shape, _ in new.children]
+            or replace(body, shape=old) != self.bodies[number]
+            or old.margin != new.margin
+        ):
+            return False
+        local = new.local_bounds()
+        if not self._narrow.place(number, new, local):
+            return False
+        self._measure(slice(number, number + 1), local[None])
+        self._time_of_impact.measure(number, local)
+        return True
 
     def update(
         self,
@@ -288,20 +316,20 @@ class ContactTracker:
         self._same = _SAME
         if exact:
             self._same = 0.0
-            self._rest[:] = self._flat
+            self._rest[:] = self._pose
             self._pairs.version[:] = -1
         elif self._last is not None and len(moved) == 0 and _same(ends, self._last_ends):
             return self._unchanged(warnings)
         paths, able = self._near_pairs(moved, impacts)
-        lively = self._lively() if impacts else np.zeros(len(self.bodies), dtype=np.bool_)
+        striking = self._may_strike() if impacts else np.zeros(len(self.bodies), dtype=np.bool_)
         if not impacts:
-            self._history.disturb(~lively)
+            self._history.disturb(~striking)
         elif ends is not None:
             pairs = self._pairs
-            late = (~pairs.looked & (lively[pairs.larger] | lively[pairs.smaller])).nonzero()[0]
+            late = (~pairs.looked & (striking[pairs.larger] | striking[pairs.smaller])).nonzero()[0]
             if self._catch_up(late):
                 paths, able = self._near_pairs(moved, impacts)
-        result = self._contacts(ends, paths, lively, able, warnings)
+        result = self._contacts(ends, paths, striking, able, warnings)
         if not impacts:
             self._pairs.struck |= self._pairs.touching
         self._last, self._last_ends = result, ends
@@ -322,35 +350,21 @@ class ContactTracker:
     ) -> tuple[IntArray, tuple[Message, ...]]:
         """Store the poses that have changed. Returns the numbers of their bodies, and warnings
         about bodies left out."""
-        # The same read-only array need not be compared.
-        same = transforms is self._seen and not transforms.flags.writeable
-        self._seen = transforms
-        if same and self._history.times and not self._lost:
-            self._history.advance_still(time)
-            return np.zeros(0, dtype=np.int64), ()
-        flat = transforms[:, :3].reshape(-1, 12).copy()
-        differs = flat != self._flat
-        if not differs.any():
-            self._history.advance(time, flat.T.take(_COLUMNS, axis=0), np.zeros(0, dtype=np.int64))
-            self._lost = False
-            return np.zeros(0, dtype=np.int64), ()
+        columns = transforms[:, :3].reshape(-1, 12).T.take(_COLUMNS, axis=0)
+        moved = (columns != self._pose).any(axis=0).nonzero()[0]
+        if len(moved) == 0:
+            self._history.advance(time, columns, moved)
+            return moved, ()
         self._before = (self._low.copy(), self._high.copy())
-        moved = differs.any(axis=1).nonzero()[0]
-        poses = flat[moved]
-        finite = np.isfinite(poses).all(axis=1)
-        lost = moved[~finite]
-        self._lost = len(lost) > 0
-        if len(lost):
-            moved, poses = moved[finite], poses[finite]
-            gone = lost[np.isfinite(self._flat[lost, 0])]
-            self._low[:, gone], self._high[:, gone] = np.inf, -np.inf
-            self._version[gone] += 1
-            self._flat[lost] = self._rest[lost] = np.nan
-        self._flat[moved] = poses
-        left = moved[(~(np.abs(poses - self._rest[moved]) <= self._still[moved])).any(axis=1)]
-        self._rest[left] = self._flat[left]
-        columns = flat.T.take(_COLUMNS, axis=0)
+        finite = np.isfinite(columns[:, moved]).all(axis=0)
+        moved, lost = moved[finite], moved[~finite]
+        gone = lost[np.isfinite(self._pose[0, lost])]
+        self._low[:, gone], self._high[:, gone] = np.inf, -np.inf
+        self._version[gone] += 1
+        self._pose[:, lost] = self._rest[:, lost] = np.nan
         pose = self._pose[:, moved] = columns.take(moved, axis=1)
+        left = moved[(~(np.abs(pose - self._rest[:, moved]) <= self._still[:, moved])).any(axis=0)]
+        self._rest[:, left] = columns[:, left]
         self._version[moved] += 1
         self._low[:, moved], self._high[:, moved] = self._world_bounds(moved, pose)
         self._history.advance(time, columns, left)
@@ -359,7 +373,7 @@ class ContactTracker:
         warnings = tuple(
             Message.of(Cause.TRANSFORM_NOT_FINITE, name, object=name) for name in names
         )
-        return (moved if len(lost) == 0 else np.union1d(moved, gone)), warnings
+        return np.union1d(moved, gone), warnings
 
     def _world_bounds(self, bodies: IntArray, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest corners (3, k) of bounding boxes of ``bodies`` (k,) in ``pose`` (12,
@@ -373,8 +387,7 @@ class ContactTracker:
     def _unchanged(self, warnings: tuple[Message, ...]) -> FrameContacts:
         assert self._last is not None
         none = np.zeros((0, 2), dtype=np.int64)
-        candidates = len(self._pairs.key)
-        statistics = ContactStatistics(candidates, 0, candidates, perf_counter() - self._begun)
+        statistics = ContactStatistics(len(self._pairs.key), 0, perf_counter() - self._begun)
         return FrameContacts(self._last.contacts, none, none, (), statistics, warnings)
 
     def _energies(self, speed: FloatArray) -> FloatArray:
@@ -387,14 +400,14 @@ class ContactTracker:
             mass = 4 * np.where(self._dynamic, mass, np.max(mass, where=self._dynamic, initial=0.0))
         return np.asarray(mass / 2 * (speed / self.settings.time_scale) ** 2)
 
-    def _lively(self) -> BoolArray:
+    def _may_strike(self) -> BoolArray:
         """Which bodies (n,) may take part in an impact soon: all that move and have a mass, once
         one of them has the energy for it."""
         gain = (
             float(np.linalg.norm(self.settings.gravity))
             * self.settings.time_scale**2
             * self._history.step
-            * _SOON
+            * _FRAMES_AHEAD
         )
         energy = self._energies(self._history.speeds() + gain)
         moving = self._history.moving()
@@ -492,10 +505,19 @@ class ContactTracker:
         self,
         ends: Ends | None,
         paths: Paths | None,
-        lively: BoolArray,
+        striking: BoolArray,
         able: IntArray,
         warnings: tuple[Message, ...],
     ) -> FrameContacts:
+        """The contacts of this frame, and what has changed.
+
+        Args:
+            ends: as in `update`.
+            paths: of the bodies, None where nothing can hit.
+            striking: which bodies may take part in an impact soon (n,).
+            able: numbers of the near pairs with the energy for an impact.
+            warnings: about bodies that were left out.
+        """
         first_frame = self._last is None
         old = self._pairs
         touched, struck = old.key[old.touching & old.looked], old.key[old.struck]
@@ -508,10 +530,10 @@ class ContactTracker:
             & (pairs.version[0] == self._version[pairs.larger])
             & (pairs.version[1] == self._version[pairs.smaller])
         )
-        asked = self._asked(ends, lively, able)
+        asked = self._asked(ends, striking, able)
         looked = asked | fresh
         if ends is not None:
-            looked |= lively[pairs.larger] | lively[pairs.smaller]
+            looked |= striking[pairs.larger] | striking[pairs.smaller]
         if len(able):
             striking = np.zeros(len(met), dtype=np.bool_)
             striking[able] = True
@@ -528,6 +550,7 @@ class ContactTracker:
         if paths is not None and len(able):
             hits = self._hits_of_frame(paths, hits, able, free, before, examined, last)
         impacts = self._impacts(hits, paths)
+        warnings += self._uncertain(impacts)
         pairs.touching &= looked
         pairs.looked = looked
         self._settle(before, last[_DISTANCE], impacts, first_frame)
@@ -541,9 +564,7 @@ class ContactTracker:
             began=self._numbers(began),
             ended=self._numbers(lost),
             impacts=impacts,
-            statistics=ContactStatistics(
-                len(key), self._queries, max(0, len(key) - self._queries), broad
-            ),
+            statistics=ContactStatistics(len(key), self._queries, broad),
             warnings=warnings,
         )
 
@@ -564,14 +585,22 @@ class ContactTracker:
         examined: BoolArray,
         last: FloatArray,
     ) -> Hits:
-        """The hits of this frame among near pairs ``able``, of which those ``free`` to do so have
-        ``met``. ``examined`` (p,): which pairs were looked at now. ``last``: the values of all
-        pairs in the last frame."""
+        """The hits of this frame.
+
+        Args:
+            paths: of the bodies.
+            met: hits of pairs that meet on their paths.
+            able: numbers of the near pairs with the energy for an impact.
+            free: those of them that have parted since their last one.
+            before: which pairs touched in the last frame (p,).
+            examined: which pairs were looked at now (p,).
+            last: the values of all pairs in the last frame.
+        """
         pairs, time = self._pairs, self._history.times[-1]
         key = pairs.key
         now = pairs.touching & examined
         pivoting = (before & now & _among(key, self._near[able])).nonzero()[0]
-        arrived = key[now & ~before & (pairs.values[_DISTANCE] <= _FIRM)]
+        arrived = key[now & ~before & (pairs.values[_DISTANCE] <= _PRESSING_DISTANCE)]
         hits = self._hits(paths, met, arrived[_among(arrived, self._near[free])])
         self._last_impact = {
             k: hit
@@ -614,13 +643,13 @@ class ContactTracker:
         self._reported = state
         return self._contact_set(rows)
 
-    def _asked(self, ends: Ends | None, lively: BoolArray, able: IntArray) -> BoolArray:
+    def _asked(self, ends: Ends | None, striking: BoolArray, able: IntArray) -> BoolArray:
         """Which candidate pairs the caller asked for: those of heaps with a listener in which
         something sounds, or may after an impact."""
         pairs = self._pairs
         if ends is None:
             return np.ones(len(pairs.key), dtype=np.bool_)
-        sounding = ends.sounding | lively
+        sounding = ends.sounding | striking
         sounding[self._near_larger[able]] = True
         return np.asarray((self._in_heaps(ends.heard) & self._in_heaps(sounding))[pairs.larger])
 
@@ -684,8 +713,17 @@ class ContactTracker:
         limit: FloatArray,
         before: BoolArray,
     ) -> BoolArray:
-        """Which of the pairs ``rows`` are unchanged: touching and not moved relative to each other,
-        or still too far apart to touch."""
+        """Which pairs are unchanged: touching and not moved relative to each other, or still too
+        far apart to touch.
+
+        Args:
+            rows: numbers of the pairs (k,).
+            turn: rotations of the smaller bodies in the frames of the larger ones (3, 3, k).
+            place: middles of their bounds there (3, k).
+            radius: of these bounds (k,).
+            limit: distance up to which a pair touches (k,).
+            before: whether it touched in the last frame (k,).
+        """
         pairs, motion = self._pairs, self._motion(rows, turn, place, radius)
         apart = pairs.values[_DISTANCE, rows] - motion > limit
         return np.asarray(
@@ -769,10 +807,10 @@ class ContactTracker:
         """
         distance, turn = values[_DISTANCE], values[_TURN].reshape(3, 3, -1)
         rest = _RESTING * self.settings.tolerance
-        near = 1.0 - _smooth_step((distance - rest) / max(self.settings.tolerance - rest, 1e-300))
+        near = 1.0 - smooth_step((distance - rest) / max(self.settings.tolerance - rest, 1e-300))
         if not np.any(near < 1):
             return near
-        touch = 1.0 - _smooth_step((distance - rest) / max(rest, 1e-300))
+        touch = 1.0 - smooth_step((distance - rest) / max(rest, 1e-300))
         ways = values[_NORMAL], turned_back(turn, values[_NORMAL])
         faces = []
         for bodies, way in zip((larger, smaller), ways, strict=True):
@@ -781,7 +819,9 @@ class ContactTracker:
         area = values[_AREA]
         facing = area / np.maximum(area + _FACING * np.minimum(*faces), 1e-300)
         facing = np.where(self._narrow.is_box[larger] & self._narrow.is_box[smaller], facing, 1.0)
-        return np.asarray(near * (touch + (1.0 - touch) * (_APART + (1.0 - _APART) * facing)))
+        return np.asarray(
+            near * (touch + (1.0 - touch) * (_EDGE_WEIGHT + (1.0 - _EDGE_WEIGHT) * facing))
+        )
 
     def _meetings(self, paths: Paths, able: IntArray) -> Meetings | None:
         """Which near pairs ``able`` meet on their ``paths``."""
@@ -829,7 +869,7 @@ class ContactTracker:
             expected = self._time_of_impact.final_distances(
                 paths, pairs, np.full(len(pairs), self.settings.tolerance)
             )
-            pulled = pairs[expected > 2 * _FIRM]
+            pulled = pairs[expected > 2 * _PRESSING_DISTANCE]
             if len(pulled):
                 meetings = self._time_of_impact.meetings(paths.to_the_ends(), pulled)
                 hits = hits.joined(self._time_of_impact.hits_at(meetings).approaching())
@@ -869,7 +909,7 @@ class ContactTracker:
             old,
             normal,
             distance[of],
-            _FIRM,
+            _PRESSING_DISTANCE,
         )
         order = hits.approach.argsort(kind="stable")[::-1]
         fastest = np.unique(hits.pairs[order] @ (len(self.bodies), 1), return_index=True)[1]
@@ -900,23 +940,26 @@ class ContactTracker:
             impacts.append(hits.impact(k, when, float(energies[k]), limits.full_energy))
         return tuple(impacts)
 
+    def _uncertain(self, impacts: Sequence[Impact]) -> tuple[Message, ...]:
+        """Warnings of impacts whose times were not found in the steps allowed."""
+        unsure = [i.objects for i in impacts if i.objects in self._time_of_impact.unsure]
+        self._time_of_impact.unsure.clear()
+        names = [(self.bodies[a].name, self.bodies[b].name) for a, b in unsure]
+        return tuple(
+            Message.of(Cause.IMPACT_TIME, second, first=first, second=second)
+            for first, second in names
+        )
+
     def _disturb(self, hits: Hits, paths: Paths) -> None:
         """Mark the bodies whose motion was disturbed: those that hit something, and those that are
         not where their motion led."""
-        disturbed = self._history.surprised(paths) & self._dynamic
-        disturbed[hits.pairs] = True
-        self._history.disturb(disturbed)
+        self._history.disturb(self._history.surprised(paths) & self._dynamic)
+        self._history.hit(hits.pairs, hits.after)
 
 
 def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
     """World positions (3, k) of points (3, k) of bodies in ``pose`` (12, k)."""
     return turned(pose[:9].reshape(3, 3, -1), points) + pose[9:]
-
-
-def _smooth_step(x: FloatArray) -> FloatArray:
-    """0 up to 0, 1 from 1 on, and a cubic with continuous slope in between."""
-    inside = np.minimum(np.maximum(x, 0.0), 1.0)
-    return np.asarray(inside * inside * (3.0 - 2.0 * inside))
 
 
 def _among(keys: IntArray, ordered: IntArray) -> BoolArray:

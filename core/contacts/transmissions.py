@@ -26,7 +26,7 @@ class TransmissionRules:
         self.objects = objects
         self.functions: tuple[ModulationFunction, ...] = (
             Identity(),
-            *(row.does for row in table.rows),
+            *(row.value for row in table.rows),
         )
         self._known: dict[tuple[int, int], int] = {}
 

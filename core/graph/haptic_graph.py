@@ -193,14 +193,6 @@ class ObjectTable:
     def _special_among(self, index: IntArray) -> set[int]:
         return set(index.tolist()) & self.special if self.special else set()
 
-    def gain_bounds(self, index: int, max_distance: float) -> tuple[float, float]:
-        """Guaranteed (lowest, highest) gain of object ``index`` over any distance up to
-        ``max_distance`` metres."""
-        haptic_object = self.objects[index]
-        return haptic_object.propagation.bounds(
-            max_distance, haptic_object.kappa, haptic_object.rho, self.epsilon
-        )
-
 
 def _spectrum_arrays(
     functions: Sequence[ModulationFunction], band_decays: Sequence[tuple[float, ...]]
@@ -256,8 +248,9 @@ class HapticGraph:
         listener_nodes: (l,) node of each listener.
         frames: centres and axes of the objects.
         forces: (c,) normal forces of the contacts [N], NaN if unknown, 0 for contacts whose
-        function does not use it; None if no function does. reach: (n,) radius [m] about a
-        listener's node within which distances to it are 0, 0 for other nodes; None if all are 0.
+            function does not use it; None if no function does.
+        reach: (n,) radius [m] about a listener's node within which distances to it are 0, 0 for
+            other nodes; None if all are 0.
         points: the nodes over which each listener takes the mean, its own first; None if no
             listener does.
     """
@@ -400,14 +393,23 @@ def build_graph(
     frames: ObjectFrames | None = None,
     gravity: Vector = (0.0, 0.0, -9.81),
 ) -> HapticGraph:
-    """The haptic graph of one frame. ``contacts`` and ``frames`` number objects as ``table`` does;
-    frames may be unknown. ``gravity`` [m/s^2] determines the forces of resting contacts if a
-    function uses them.
+    """The haptic graph of one frame.
 
     Nodes are put into a canonical order (object, kind, contact by objects and position), so that
-    the result does not depend on the order in which contacts were found. Raises ValueError that
-    names the argument for an object that is not in the table, a contact of an object with itself or
-    a number that is not finite, and the objects if a transmission expression gives no valid gain.
+    the result does not depend on the order in which contacts were found.
+
+    Args:
+        table: the objects.
+        contacts: between them, which number objects as the table does.
+        sources: each on an object of the table.
+        listeners: likewise.
+        frames: centres and axes of the objects, numbered likewise; None where they are unknown.
+        gravity: [m/s^2], from which the forces of resting contacts follow if a function uses them.
+
+    Raises:
+        ValueError: names the argument for an object that is not in the table, a contact of an
+            object with itself or a number that is not finite.
+        NoGain: a transmission expression gives no valid gain.
     """
     index = table.index()
     _check(table, index, contacts, sources, listeners)
@@ -555,6 +557,15 @@ def _check(
     sources: Sequence[Source],
     listeners: Sequence[Listener],
 ) -> None:
+    """Raise ValueError that names the argument of `build_graph` which is wrong.
+
+    Args:
+        table: the objects.
+        index: their numbers by name.
+        contacts: between them.
+        sources: on them.
+        listeners: on them.
+    """
     for key, items in (("sources", sources), ("listeners", listeners)):
         for item in items:
             for name in (item.object, getattr(item, "second_object", None)):
@@ -681,6 +692,16 @@ def _transmission_gains(
     distance: FloatArray,
     forces: FloatArray | None,
 ) -> FloatArray:
+    """Gains (k,) of some contacts without their weights. Raises NoGain, which names the contact.
+
+    Args:
+        table: the objects.
+        contacts: all of them.
+        function: that of the chosen ones.
+        chosen: numbers of those contacts (k,).
+        distance: between their two nodes (k,) [m].
+        forces: of all contacts [N], None where no function uses them.
+    """
     pairs = contacts.pairs[chosen]
     kappas, rhos, impedances = table.properties[:, pairs]
     first, second = impedances.T

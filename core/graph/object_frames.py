@@ -14,13 +14,20 @@ from ..contacts.shapes import Shape, pose_matrix
 from ..scene.values import HapticObject, Pose
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ObjectFrames:
     """``centre`` (n, 3) of each object's bounding box [m, world], NaN for an object without a
     shape; ``axes`` (n, 3, 3): the object's own axes as columns."""
 
     centre: FloatArray
     axes: FloatArray
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, ObjectFrames)
+            and np.array_equal(self.centre, other.centre, equal_nan=True)
+            and np.array_equal(self.axes, other.axes)
+        )
 
     @classmethod
     @lru_cache(maxsize=4)

@@ -10,14 +10,14 @@ from ...arrays import FloatArray, IntArray, added_by
 from ..hull import hull_2d
 from .core_pairs import CorePairs
 from .frames import dot
-from .manifold import PATCH_GAP, Patches, contact_plane
+from .manifold import PATCH_GAP, ROUGHNESS, Patches, contact_plane
 
 _TOGETHER = 4e-5
 """Metres beyond the least distance up to which a point or line belongs to the patch."""
 
 _POINT_AREA, _FACE_AREA = 1e-12, 1e-3
 """Area [m^2] that a point counts as, and that from about which on a face belongs to the patch
-within ``PATCH_GAP``."""
+within ``ROUGHNESS``, or ``PATCH_GAP`` of meshes."""
 
 MOST_CORNERS = 8
 
@@ -80,8 +80,10 @@ def core_contacts(
     area = np.where(patch.wide, patch.area, 0.0)
     # Triangles are parts of a face, however small: those that lie on each other belong to the patch
     # as their whole face does.
-    of_area = PATCH_GAP * patch.area / (patch.area + _FACE_AREA)
-    within = _TOGETHER + (of_area if rows.triangle_b is None else np.maximum(of_area, patch.reach))
+    share = patch.area / (patch.area + _FACE_AREA)
+    within = _TOGETHER + (
+        ROUGHNESS * share if rows.triangle_b is None else np.maximum(PATCH_GAP * share, patch.reach)
+    )
     return CoreContacts(
         rows.owner, distance, outward, patch.centre, patch.area, area, within, points
     )

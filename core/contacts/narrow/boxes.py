@@ -16,7 +16,7 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray, IntArray, replace_rows
 from .box_axes import FIRST_EDGE_AXIS, TURN, best_axes, edge_points
 from .frames import dot, pick, turned, turned_back
-from .manifold import PATCH_GAP, patch_gap
+from .manifold import ROUGHNESS, patch_gap
 from .parallelogram import overlap
 
 _FACING = 0.7
@@ -34,6 +34,10 @@ as near."""
 _SLIVER = 0.005
 """Metres of width below which the centre of a patch moves smoothly to the mean of the nearest
 corners."""
+
+_BESIDE = 0.02
+"""Metres beside the line where two tipped faces touch up to which they count for the place of the
+patch along that line, where their gap is at most ``ROUGHNESS``."""
 
 # First rows of the values of two boxes: rotation (9 rows), offset, offset of the first in the frame
 # of the second, half extents, 0 and 1.
@@ -146,28 +150,29 @@ def _near_contacts(distance: FloatArray, axis: IntArray, boxes: _Boxes) -> BoxCo
         alignment = np.abs(np.concatenate([points.normal, turned_back(crossing[0], points.normal)]))
         axis[edges] = face = alignment.argmax(axis=0)
         aligned = pick(alignment, face) > _FACING
-    found, thin = _faces(distance, axis, edges, boxes)
+    found, thin, lifted = _faces(distance, axis, edges, boxes)
     # Each centre is moved by ``share`` of the way from where the faces overlap to the mean of the
     # nearest corners.
     share, lying = thin * found.exact, found.centre
     if len(edges):
         patched = aligned & (found.area[edges] > 0)
+        # 0 where the faces overlap elsewhere than at the edges.
+        there = patched * _nearness(np.abs(lifted[edges]))
         found.exact[edges] = points.within | (found.distance[edges] <= 0)
         share[edges] = np.where(patched, thin[edges], 1.0)
-        found.area[edges] *= patched
+        found.area[edges] *= there
         found.normal[:, edges] = points.normal
         middle = (points.first + points.second) / 2
-        lying = found.centre.copy()
-        found.centre[:, edges] = middle
-        lying[:, edges] = np.where(patched, lying[:, edges], middle)
+        lying[:, edges] = np.where(there > 0, middle + there * (lying[:, edges] - middle), middle)
     return replace(found, centre=_with_nearest_corners(found, lying, share, boxes))
 
 
 def _faces(
     distance: FloatArray, axis: IntArray, edges: IntArray, boxes: _Boxes
-) -> tuple[BoxContacts, FloatArray]:
-    """Contacts of faces, of the first box where ``axis`` < 3, and the parts (p,) by which each is a
-    sliver; where ``edges`` are nearest, their distance is left as it is."""
+) -> tuple[BoxContacts, FloatArray, FloatArray]:
+    """Contacts of faces, of the first box where ``axis`` < 3, the parts (p,) by which each is a
+    sliver, and how much further apart the faces are than the boxes (p,); where ``edges`` are
+    nearest, their distance is left as it is."""
     rotation, offset, half_a, half_b = boxes
     count = len(axis)
     number = np.arange(count)
@@ -196,8 +201,21 @@ def _faces(
     centre[2] -= face[2]
     area, place, lowest, found = overlap(centre, seen[:2], patch_gap(slope))
     area *= face[0] * face[1]
+    length = np.maximum(halves[:, 0], halves[:, 1])
+    thin = np.square(np.maximum(1.0 - area / (2 * _SLIVER * np.minimum(length[0], length[1])), 0.0))
     lifted = lowest - distance
     exact = found & ((lifted <= _CERTAIN) | (distance <= 0))
+    rows = ((thin > 0) & exact).nonzero()[0]
+    if len(rows):
+        tipped = seen[:, :, rows]
+        place[:, rows] += thin[rows] * _along_line(
+            centre[:, rows],
+            tipped[:2],
+            np.stack([-tipped[2, 1] * face[1, rows], tipped[2, 0] * face[0, rows]]),
+            slope[rows],
+            face[:2, rows],
+            place[:, rows],
+        )
     lift = np.maximum(lifted, 0.0) * (exact & (distance > 0))
     lift[edges] = 0.0
     distance = distance + lift
@@ -209,16 +227,39 @@ def _faces(
         + arranged[27:]
     )
     normal = ways[2] * (side * _OUTWARD.take(axis))
-    # The centre of a sliver would jump as the bodies tremble.
-    length = np.maximum(halves[:, 0], halves[:, 1])
-    thin = np.square(np.maximum(1.0 - area / (2 * _SLIVER * np.minimum(length[0], length[1])), 0.0))
-    return BoxContacts(distance, normal, middle, area, exact), thin
+    return BoxContacts(distance, normal, middle, area, exact), thin, lifted
+
+
+def _along_line(
+    centre: FloatArray,
+    sides: FloatArray,
+    line: FloatArray,
+    slope: FloatArray,
+    face: FloatArray,
+    place: FloatArray,
+) -> FloatArray:
+    """How far the centre of a sliver at ``place`` (2, p) is from that of a broader overlap of the
+    faces, along the line on which they touch: the sliver itself would move by half its length as
+    the line tilts by 1e-3 rad.
+
+    Args:
+        centre: of the other face in units of the rectangle (3, p), as `overlap` takes it.
+        sides: its half edges (2, 3, p), likewise.
+        line: direction of the line over the rectangle (2, p), of any length.
+        slope: of the other face over the rectangle (p,).
+        face: half edges of the rectangle (2, p) [m].
+        place: in units of the rectangle (2, p), as is the result.
+    """
+    within = np.maximum(np.minimum(_BESIDE * slope, ROUGHNESS), patch_gap(slope))
+    broader = overlap(centre, sides, within)[1]
+    along = dot(line, (broader - place) * face) / np.maximum(dot(line, line), 1e-300)
+    return np.asarray(line * along / face)
 
 
 def _nearness(excess: FloatArray) -> FloatArray:
     """Weights of points that are ``excess`` metres further apart than the nearest ones: 1 at 0, 0
-    from ``PATCH_GAP`` on."""
-    return np.square(np.minimum(np.maximum(1.0 - excess / PATCH_GAP, 0.0), 1.0))
+    from ``ROUGHNESS`` on."""
+    return np.minimum(np.maximum(1.0 - excess / ROUGHNESS, 0.0), 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,7 +366,7 @@ def _with_nearest_corners(
         found.distance[rows], found.normal[:, rows] = least, normal
         found.area[rows] *= exact
     # 0 for corners that are past the other box.
-    beside = np.maximum(1.0 - corners.distance / PATCH_GAP, 0.0)
+    beside = np.maximum(1.0 - corners.distance / ROUGHNESS, 0.0)
     depth = np.minimum(corners.depth(normal), 0.0) * (beside * exact)
     total, weight = corners.middles(_nearness(corners.distance + depth - least))
     own = _LEAST_WEIGHT * exact

@@ -3,16 +3,14 @@ EPA where they overlap."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ..hull import Hull
-from ..motion import rotations
+from ..hull import Hull, convex_hull
 from .closed_forms import Separation
 from .cores import Core, CoreTable, Kind, Size
 from .penetration import Farthest, penetration, row_dots
@@ -31,29 +29,60 @@ _GROWTH = 1.5
 
 _MOST_TRIANGLES = 100_000
 
-_TURNS = (
-    None,
-    *rotations(np.array([[1.0, -2.0, 0.7], [0.4, 0.9, -2.2], [-1.3, 0.3, 1.9]])).transpose(2, 0, 1),
-)
-"""Rotations under which a query is repeated."""
-
 _UPRIGHT = np.eye(3)
+
+BOX_CORNERS = np.array([[x, y, z] for x in (1.0, -1.0) for y in (1.0, -1.0) for z in (1.0, -1.0)])
+"""The corners (8, 3) of a box of half extents 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Convex:
-    """A convex body for queries, around its own origin. ``first`` and ``second``: FCL's objects for
-    the first body of a pair, which stays where it is, and for the second. ``farthest``: its points
-    (m, 3) farthest along unit directions (m, 3). ``curved``: not a polytope."""
+    """A convex body for queries, around its own origin: the hull of ``points`` (n, 3), or of discs
+    across the z axis around them with ``radii`` (n,), if it is no polytope. ``first`` and
+    ``second``: FCL's objects for the first body of a pair, which stays where it is, and for the
+    second."""
 
     first: Any
     second: Any
-    farthest: Farthest
-    curved: bool
+    points: FloatArray
+    radii: FloatArray | None = None
+
+    @property
+    def curved(self) -> bool:
+        """Whether it is not a polytope."""
+        return self.radii is not None
+
+    def farthest(self, directions: FloatArray) -> FloatArray:
+        """The points (..., 3) farthest along unit ``directions`` (..., 3)."""
+        heights = directions @ self.points.T
+        if self.radii is None:
+            return np.asarray(self.points[heights.argmax(axis=-1)])
+        length = np.hypot(directions[..., 0], directions[..., 1])[..., None]
+        best = (heights + length * self.radii).argmax(axis=-1)
+        result = self.points.take(best, axis=0)
+        radius = self.radii[best][..., None] / np.maximum(length, 1e-300)
+        result[..., :2] += directions[..., :2] * radius
+        return np.asarray(result)
 
     def support(self, directions: FloatArray) -> FloatArray:
         """Greatest heights (m,) of the body along unit ``directions`` (m, 3)."""
         return row_dots(directions, self.farthest(directions))
+
+    def corners(self, direction: FloatArray) -> FloatArray:
+        """The points (n, 3), of each disc those that are farthest along a direction (3,) and
+        opposite to it."""
+        if self.radii is None:
+            return self.points
+        across = direction * [1.0, 1.0, 0.0]
+        out = np.outer(self.radii, across / max(float(np.linalg.norm(across)), 1e-300))
+        return np.concatenate([self.points + out, self.points - out])
+
+    def placed(self, rotation: FloatArray, offset: FloatArray) -> Farthest:
+        """The body at a pose."""
+        if self.curved:
+            return lambda ways: self.farthest(ways @ rotation) @ rotation.T + offset
+        points = self.points @ rotation.T + offset
+        return lambda ways: np.asarray(points[(ways @ points.T).argmax(axis=-1)])
 
 
 class ConvexDistances:
@@ -86,22 +115,34 @@ class ConvexDistances:
 
 
 def convex_of(core: Core, size: int = Size.USUAL) -> Convex:
-    """The body of a core that is not a mesh."""
+    """The body of a core; of a mesh, that of its hull."""
     import fcl
 
-    if core.kind is Kind.HULL:
-        assert core.hull is not None
+    if core.mesh is not None:
+        return _polytope(convex_hull(core.mesh.points[np.unique(core.mesh.triangles)]))
+    if core.hull is not None:
         return _polytope(core.hull)
-    half = core.half[size]
-    made, farthest = _MADE[core.kind]
-    geometry = made(fcl, *(2 * half).tolist())
-    curved = core.kind in (Kind.CYLINDER, Kind.CONE)
-    return Convex(
-        fcl.CollisionObject(geometry),
-        fcl.CollisionObject(geometry),
-        partial(farthest, half),
-        curved,
-    )
+    x, y, z = half = core.half[size]
+    radii: FloatArray | None = None
+    match core.kind:
+        case Kind.CYLINDER | Kind.CONE:
+            points = np.array([[0.0, 0.0, z], [0.0, 0.0, -z]])
+            radii = np.array([x if core.kind is Kind.CYLINDER else 0.0, x])
+        case _:
+            points = BOX_CORNERS * half
+    geometry: Any
+    match core.kind:
+        case Kind.POINT:
+            geometry = fcl.Sphere(_POINT_RADIUS)
+        case Kind.SEGMENT:
+            geometry = fcl.Capsule(_POINT_RADIUS, 2 * z)
+        case Kind.BOX:
+            geometry = fcl.Box(2 * x, 2 * y, 2 * z)
+        case Kind.CYLINDER:
+            geometry = fcl.Cylinder(x, 2 * z)
+        case Kind.CONE:
+            geometry = fcl.Cone(x, 2 * z)
+    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), points, radii)
 
 
 def _polytope(hull: Hull) -> Convex:
@@ -112,53 +153,8 @@ def _polytope(hull: Hull) -> Convex:
     return Convex(
         fcl.CollisionObject(geometry),
         fcl.CollisionObject(geometry),
-        partial(_farthest_of_points, hull.points),
-        False,
+        hull.points,
     )
-
-
-def _farthest_of_box(half: FloatArray, directions: FloatArray) -> FloatArray:
-    return np.where(directions < 0, -half, half)
-
-
-def _farthest_of_cylinder(half: FloatArray, directions: FloatArray) -> FloatArray:
-    points = _farthest_of_box(half, directions)
-    points[:, :2] = _on_circle(half[0], directions)
-    return points
-
-
-def _farthest_of_cone(half: FloatArray, directions: FloatArray) -> FloatArray:
-    points = np.empty_like(directions)
-    points[:, :2] = _on_circle(half[0], directions)
-    points[:, 2] = -half[2]
-    tip = np.array([0.0, 0.0, half[2]])
-    return np.where((directions @ tip >= row_dots(directions, points))[:, None], tip, points)
-
-
-def _on_circle(radius: float, directions: FloatArray) -> FloatArray:
-    """The points (m, 2) of a circle around the z axis farthest along directions (m, 3)."""
-    length = np.hypot(directions[:, 0], directions[:, 1])
-    return np.asarray(directions[:, :2] * (radius / np.where(length > 0, length, 1.0))[:, None])
-
-
-def _farthest_of_points(points: FloatArray, directions: FloatArray) -> FloatArray:
-    return np.asarray(points[(directions @ points.T).argmax(axis=1)])
-
-
-_MADE: dict[
-    Kind,
-    tuple[
-        Callable[[Any, float, float, float], Any], Callable[[FloatArray, FloatArray], FloatArray]
-    ],
-] = {
-    Kind.POINT: (lambda fcl, x, y, z: fcl.Sphere(_POINT_RADIUS), _farthest_of_box),
-    Kind.SEGMENT: (lambda fcl, x, y, z: fcl.Capsule(_POINT_RADIUS, z), _farthest_of_box),
-    Kind.BOX: (lambda fcl, x, y, z: fcl.Box(x, y, z), _farthest_of_box),
-    Kind.CYLINDER: (lambda fcl, x, y, z: fcl.Cylinder(x / 2, z), _farthest_of_cylinder),
-    Kind.CONE: (lambda fcl, x, y, z: fcl.Cone(x / 2, z), _farthest_of_cone),
-}
-"""By kind: how FCL's geometry is made from the extents of a core, and the points farthest along
-directions from its half extents."""
 
 
 def separations(
@@ -217,8 +213,10 @@ def separations(
             length > 0, length, 1.0
         )[:, None]
         for k in curved[length - between > _CONFIRMED].tolist():
-            distance[k], normal[k], nearest[k] = _confirmed(
-                first[k], second[k], rotation[k], offset[k], nearest[k]
+            # Occasionally FCL's nearest points are millimetres too far apart: the first body is
+            # grown until the two overlap.
+            distance[k], normal[k], nearest[k] = _overlapping(
+                first[k], second[k], rotation[k], offset[k], _GROWTH * distance[k]
             )
     return Separation(distance, normal.T.copy(), nearest[:, 0].T.copy(), nearest[:, 1].T.copy())
 
@@ -234,49 +232,14 @@ def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:
     return heights
 
 
-def _confirmed(
-    a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, nearest: FloatArray
-) -> tuple[float, FloatArray, FloatArray]:
-    """Distance, normal and nearest points (2, 3) of two bodies that are apart, one of them curved.
-
-    Occasionally FCL's nearest points are millimetres further apart than the supporting planes
-    perpendicular to their line. The query is then repeated with both bodies rotated until the two
-    bounds agree; where they never do, the first body is grown until the two overlap.
-    """
-    import fcl
-
-    best = (np.inf, 0.0, nearest[0], nearest)
-    for turn in _TURNS:
-        if turn is not None:
-            a.first.setRotation(turn)
-            b.second.setRotation(turn @ rotation)
-            b.second.setTranslation(turn @ offset)
-            result = fcl.DistanceResult()
-            fcl.distance(a.first, b.second, fcl.DistanceRequest(enable_nearest_points=True), result)
-            nearest = np.array(result.nearest_points) @ turn
-        distance = float(np.linalg.norm(nearest[1] - nearest[0]))
-        if distance <= _TOUCHING:
-            continue
-        normal = (nearest[1] - nearest[0]) / distance
-        way = normal[None]
-        between = normal @ offset - a.support(way)[0] - b.support(-way @ rotation)[0]
-        if distance - between < best[0]:
-            best = (distance - between, distance, normal, nearest)
-        if best[0] <= _CONFIRMED:
-            break
-    a.first.setRotation(_UPRIGHT)
-    if best[0] <= _CONFIRMED:
-        return best[1:]
-    growth = _GROWTH * best[1]
-    grown = Convex(None, None, lambda ways: a.farthest(ways) + growth * ways, True)
-    distance, normal, nearest = _overlapping(grown, b, rotation, offset)
-    return distance + growth, normal, nearest - np.stack([growth * normal, np.zeros(3)])
-
-
 def _overlapping(
-    a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray
+    a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, growth: float = 0.0
 ) -> tuple[float, FloatArray, FloatArray]:
-    """Signed distance, normal and deepest points (2, 3) of two bodies that overlap."""
-    found = penetration(a.farthest, lambda ways: b.farthest(ways @ rotation) @ rotation.T + offset)
+    """Signed distance, normal and deepest points (2, 3) of two bodies that overlap, the first grown
+    by ``growth`` metres."""
+    own = a.placed(_UPRIGHT, np.zeros(3))
+    first = (lambda way: own(way) + growth * way) if growth else own
+    found = penetration(first, b.placed(rotation, offset))
     half = found.normal * (found.depth / 2)
-    return -found.depth, found.normal, np.stack([found.middle + half, found.middle - half])
+    deepest = np.stack([found.middle + half - growth * found.normal, found.middle - half])
+    return growth - found.depth, found.normal, deepest

@@ -10,14 +10,17 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, ranges
 from .cores import CoreTable, Kind, Size
-from .frames import product, relative, turned, turned_back
+from .frames import dot, product, relative, turned, turned_back
 from .mesh_index import MeshIndex
 from .surfaces import Surfaces
-from .triangles import apart_by
+from .triangles import apart_by, beside
 
 BEYOND = 1e-9
 """Metres beyond the limit of a query at which a distance is reported where only a lower bound is
 known."""
+
+_OPPOSITE = -1e-3
+"""Cosine between the normals of two faces below which they look at each other."""
 
 
 @dataclass(slots=True)
@@ -137,15 +140,16 @@ class CorePairing:
         expanded.triangle_b = np.concatenate(triangle)
         return expanded
 
-    def near_triangles(self, rows: CorePairs, reach: FloatArray) -> CorePairs:
+    def near_triangles(self, rows: CorePairs, reach: FloatArray, facing: bool = False) -> CorePairs:
         """The pairs of triangles of pairs of surfaces that may be within ``reach`` (n,) metres of
-        each other, in order of the rows."""
+        each other, in order of the rows. ``facing``: only those that look at each other and may
+        lie over each other, seen along the normal of either."""
         alike: dict[tuple[int, int], list[int]] = {}
         for k, pair in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
             one, other = (id(self._surfaces[core]) for core in pair)
             alike.setdefault((one, other), []).append(k)
         found = [
-            self._near_of_alike(rows, np.array(numbers), reach[numbers])
+            self._near_of_alike(rows, np.array(numbers), reach[numbers], facing)
             for numbers in alike.values()
         ]
         number, first, second = (np.concatenate(parts) for parts in zip(*found, strict=True))
@@ -155,7 +159,7 @@ class CorePairing:
         return expanded
 
     def _near_of_alike(
-        self, rows: CorePairs, numbers: IntArray, reach: FloatArray
+        self, rows: CorePairs, numbers: IntArray, reach: FloatArray, facing: bool
     ) -> tuple[IntArray, IntArray, IntArray]:
         """The same of the rows ``numbers`` (m,), all of the same two surfaces: the number of the
         row and those of the triangles."""
@@ -175,10 +179,29 @@ class CorePairing:
             turned(turn[..., pair], first.index.corners[near].transpose(2, 1, 0))
             + shift[:, None, pair]
         )
-        bounds = np.stack(
-            [corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]]
-        ).transpose(2, 0, 1)
-        mine, theirs = second.index.near(bounds)
+        if facing:
+            (middle_a, radius_a), (middle_b, radius_b) = (
+                first.spheres.spheres(),
+                second.spheres.spheres(),
+            )
+            middle_a = turned(turn[..., pair], middle_a[:, near]) + shift[:, pair]
+            normal = turned(turn[..., pair], first.normals[:, near])
+            half = np.abs(normal) * reach[pair] + radius_a[near]
+            bounds = np.stack([middle_a - half, middle_a + half])
+            mine, theirs = second.spheres.near(bounds.transpose(2, 0, 1))
+            way = middle_b[:, theirs] - middle_a[:, mine]
+            both = radius_a[near[mine]] + radius_b[theirs]
+            normal, other = normal[:, mine], second.normals[:, theirs]
+            against = dot(normal, other)
+            if first.depth == 0 or second.depth == 0:  # both sides of a shell look at others
+                against = -np.abs(against)
+            over = (against < _OPPOSITE) & ~beside(way, both, normal) & ~beside(way, both, other)
+            mine, theirs = mine[over], theirs[over]
+        else:
+            bounds = np.stack(
+                [corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]]
+            )
+            mine, theirs = second.index.near(bounds.transpose(2, 0, 1))
         pair = pair[mine]
         possible = (
             apart_by(corners[..., mine], second.index.corners[theirs].transpose(2, 1, 0))

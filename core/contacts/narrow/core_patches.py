@@ -11,7 +11,7 @@ from ...arrays import BoolArray, FloatArray, IntArray, chosen_of
 from .closed_forms import Separation
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind
-from .manifold import Patches, patches
+from .manifold import PATCH_GAP, ROUGHNESS, Patches, patches
 from .sections import directions, reach, section_area
 from .supporting_feature import FEW, MANY, polygons
 
@@ -56,6 +56,7 @@ class CorePatches:
         )
         first -= middle[:, None]
         second -= middle[:, None]
+        gap = ROUGHNESS if rows.triangle_b is None else PATCH_GAP
         parts = []
         for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
             alike = np.flatnonzero(
@@ -69,6 +70,7 @@ class CorePatches:
                             first[:, :corners_a, alike],
                             second[:, :corners_b, alike],
                             normal[:, alike],
+                            gap,
                         ),
                     )
                 )

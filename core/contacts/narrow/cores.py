@@ -41,10 +41,10 @@ class Size(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Core:
-    """One primitive. ``matrix`` (4, 4): from core to body. By `Size`: ``half`` (3, 3), of a box its
-    half extents, of a round core (radius, radius, half height), of a segment (0, 0, half length);
-    and the ``radius`` (3,) by which it is grown. ``outline`` (3,) half extents of its flat faces.
-    ``is_box``: authored as a box. ``hull``: of a HULL, moved inwards by its rounding;
+    """One primitive. ``matrix`` (4, 4): from core to shape. By `Size`: ``half`` (3, 3), of a box
+    its half extents, of a round core (radius, radius, half height), of a segment (0, 0, half
+    length); and the ``radius`` (3,) by which it is grown. ``outline`` (3,) half extents of its
+    flat faces. ``is_box``: authored as a box. ``hull``: of a HULL, moved inwards by its rounding;
     ``sharp_hull``: before that, with the full extent of its flat faces. ``mesh_radius_to_points``:
     the radius of a mesh against spheres. ``sunk_in``: how far beneath its surface bodies touch it
     [m]."""
@@ -221,17 +221,20 @@ def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatAr
 
 @dataclass(frozen=True, slots=True)
 class Reduced:
-    """The cores of a ``shape``, and the thickness of the thinnest [m]."""
+    """The ``core`` of a primitive ``shape``, its bounds (2, 3) in its own frame, and its thickness
+    [m]."""
 
     shape: Shape
-    cores: tuple[Core, ...]
+    core: Core
+    bounds: FloatArray
     thickness: float
 
     @classmethod
-    def of(cls, shape: Shape, solid: bool) -> Reduced:
-        """Reduce a shape; ``solid``: a mesh counts as the volume of its convex hull."""
-        cores = tuple(_core(part, solid) for part in parts_of(shape))
-        return cls(shape, cores, min(core.thickness() for core in cores))
+    def of(cls, part: Part, solid: bool) -> Reduced:
+        """Reduce a primitive, wherever it is; ``solid``: a mesh counts as the volume of its convex
+        hull."""
+        core = _core(replace(part, matrix=np.eye(4)), solid)
+        return cls(part.shape, core, core.bounds(), core.thickness())
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,8 +242,9 @@ class CoreTable:
     """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``.
     ``rotation`` (3, 3, c) and ``offset`` (3, c) place a core in its body; ``placed`` is False where
     all of them are the identity. ``bound_centre`` and ``bound_half`` (3, c): box around the core in
-    its own frame. ``thickness`` (b,) of each body's thinnest core [m]. ``reduced``: the shapes, by
-    their ids and whether they are volumes. The rest are the fields of `Core`: ``radius`` (3, c) and
+    its own frame. ``thickness`` (b,) of each body's thinnest core [m]. ``reduced``: the primitives,
+    by the id of their shape, the radius by which they are grown and whether they are volumes. The
+    rest are the fields of `Core`: ``radius`` (3, c) and
     ``half`` (3, 3, c) by size."""
 
     cores: tuple[Core, ...]
@@ -256,37 +260,45 @@ class CoreTable:
     bound_centre: FloatArray
     bound_half: FloatArray
     thickness: FloatArray
-    reduced: dict[tuple[int, bool], Reduced]
+    reduced: dict[tuple[int, float, bool], Reduced]
 
     @classmethod
     def of(
         cls, shapes: Sequence[Shape], solid: Sequence[bool], before: CoreTable | None = None
     ) -> CoreTable:
-        """Tabulate the cores of ``shapes``; ``solid`` says which meshes are volumes. Equal shapes
-        are reduced once, those that are the same object in the table ``before`` not again."""
+        """Tabulate the cores of ``shapes``; ``solid`` says which meshes are volumes. Equal
+        primitives are reduced once, those that are the same object in the table ``before`` not
+        again."""
         same = {} if before is None else before.reduced
-        equal: dict[tuple[Shape, bool], Reduced] = {}
-        reduced: dict[tuple[int, bool], Reduced] = {}
-        for shape, volume in zip(shapes, solid, strict=True):
-            key = id(shape), volume
-            if key not in reduced and key in same:
-                reduced[key] = same[key]
-            elif key not in reduced:
-                if (shape, volume) not in equal:
-                    equal[shape, volume] = Reduced.of(shape, volume)
-                reduced[key] = replace(equal[shape, volume], shape=shape)
-        per_body = [reduced[id(shape), volume] for shape, volume in zip(shapes, solid, strict=True)]
-        cores = tuple(core for body in per_body for core in body.cores)
-        matrices = np.array([core.matrix for core in cores], dtype=np.float64).reshape(-1, 4, 4)
-        bounds = [core.bounds() for core in cores]
+        equal: dict[tuple[Shape, float, bool], Reduced] = {}
+        reduced: dict[tuple[int, float, bool], Reduced] = {}
+        per_body = [parts_of(shape) for shape in shapes]
+        found = []
+        for parts, volume in zip(per_body, solid, strict=True):
+            for part in parts:
+                key = id(part.shape), part.radius, volume
+                if key not in reduced and key in same:
+                    reduced[key] = same[key]
+                elif key not in reduced:
+                    content = part.shape, part.radius, volume
+                    if content not in equal:
+                        equal[content] = Reduced.of(part, volume)
+                    reduced[key] = replace(equal[content], shape=part.shape)
+                found.append(reduced[key])
+        start = np.cumsum([0, *(len(parts) for parts in per_body)]).astype(np.int64)
+        cores = tuple(each.core for each in found)
+        placements = np.array(
+            [part.matrix for parts in per_body for part in parts], dtype=np.float64
+        ).reshape(-1, 4, 4)
+        matrices = placements @ np.array([core.matrix for core in cores]).reshape(-1, 4, 4)
+        bounds = [each.bounds for each in found]
+        thickness = np.array([each.thickness for each in found], dtype=np.float64)
         return cls(
             radius=_columns([core.radius for core in cores]),
             half=np.array([_columns([core.half[size] for core in cores]) for size in Size]),
             outline=_columns([core.outline for core in cores]),
             cores=cores,
-            start=np.concatenate([[0], np.cumsum([len(body.cores) for body in per_body])]).astype(
-                np.int64
-            ),
+            start=start,
             kind=np.array([core.kind for core in cores], dtype=np.int64),
             rotation=matrices[:, :3, :3].transpose(1, 2, 0).copy(),
             offset=matrices[:, :3, 3].T.copy(),
@@ -294,9 +306,19 @@ class CoreTable:
             is_box=np.array([core.is_box for core in cores], dtype=np.bool_),
             bound_centre=_columns([corners.mean(axis=0) for corners in bounds]),
             bound_half=_columns([np.ptp(corners, axis=0) / 2 for corners in bounds]),
-            thickness=np.array([body.thickness for body in per_body], dtype=np.float64),
+            thickness=np.minimum.reduceat(thickness, start[:-1]) if len(cores) else thickness,
             reduced=reduced,
         )
+
+    def place(self, body: int, shape: Shape) -> None:
+        """Place the cores of a body as in ``shape``, which differs from its own only in their
+        places."""
+        cores = slice(self.start[body], self.start[body + 1])
+        matrices = np.array([part.matrix for part in parts_of(shape)]) @ np.array(
+            [core.matrix for core in self.cores[cores]]
+        )
+        self.rotation[..., cores] = matrices[:, :3, :3].transpose(1, 2, 0)
+        self.offset[:, cores] = matrices[:, :3, 3].T
 
 
 def _columns(vectors: Sequence[FloatArray | Sequence[float]]) -> FloatArray:

@@ -67,3 +67,9 @@ def pick(values: FloatArray, index: IntArray) -> FloatArray:
     """``values[index[..., p], p]`` of arrays (k, n)."""
     count = values.shape[1]
     return np.asarray(values.reshape(-1).take(index * count + np.arange(count)))
+
+
+def smooth_step(x: FloatArray | float) -> FloatArray:
+    """0 up to 0, 1 from 1 on, and a cubic with continuous slope in between."""
+    inside = np.minimum(np.maximum(x, 0.0), 1.0)
+    return np.asarray(inside * inside * (3.0 - 2.0 * inside))

@@ -12,22 +12,21 @@ from ..hull import convex_hull
 from ..shapes import ConvexHull, Shape
 from .body_patches import PairPatches
 from .convex import ConvexDistances
-from .cores import CoreTable, Kind, Size
+from .cores import CoreTable, Size
 from .manifold import PATCH_GAP
-from .surfaces import Surfaces
+
+_SAME = 1e-9
+"""Metres up to which a depth is the largest one: contacts with triangles are no deeper."""
 
 
 class HollowHulls:
     """Limits the depth of contacts of the ``shapes`` that are such hulls, and drops what is deeper
     inside."""
 
-    def __init__(
-        self, shapes: Sequence[Shape], table: CoreTable, bodies: ConvexDistances, surfaces: Surfaces
-    ) -> None:
+    def __init__(self, shapes: Sequence[Shape], table: CoreTable, bodies: ConvexDistances) -> None:
         self._shapes = shapes
         self._table = table
         self._bodies = bodies
-        self._surfaces = surfaces
         self._faces: dict[int, tuple[FloatArray, FloatArray]] = {}
         self._depth = np.array(
             [
@@ -37,6 +36,10 @@ class HollowHulls:
         )
         self._size = np.array([np.ptp(s.local_bounds(), axis=0).min() for s in shapes])
 
+    def measure(self, body: int, bounds: FloatArray) -> None:
+        """Set the size of a body with local ``bounds`` (2, 3)."""
+        self._size[body] = np.ptp(bounds, axis=0).min()
+
     def limit(
         self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, found: PairPatches
     ) -> None:
@@ -44,7 +47,7 @@ class HollowHulls:
         place."""
         depth = self._depth[pairs].min(axis=1)
         most = np.minimum(depth, self._size[pairs].min(axis=1) / 2)
-        for k in np.flatnonzero(np.isfinite(depth) & (found.distance < -most)).tolist():
+        for k in np.flatnonzero(np.isfinite(depth) & (found.distance < _SAME - most)).tolist():
             found.distance[k] = -most[k]
             turn, place = rotation[..., k], offset[:, k]
             for outer, inner, way, shift, sign in (
@@ -84,8 +87,7 @@ class HollowHulls:
         reach = np.full(len(directions), -np.inf)
         for core in self._cores(body):
             own = directions @ self._table.rotation[..., core]
-            farthest = self._points(core, own) if self._table.kind[core] == Kind.MESH else None
-            far = self._bodies.core(core, Size.USUAL).support(own) if farthest is None else farthest
+            far = self._bodies.core(core, Size.USUAL).support(own)
             np.maximum(
                 reach,
                 far
@@ -94,10 +96,6 @@ class HollowHulls:
                 out=reach,
             )
         return reach
-
-    def _points(self, core: int, directions: FloatArray) -> FloatArray:
-        corners = self._surfaces[core].index.corners.reshape(-1, 3)
-        return np.asarray((corners @ directions.T).max(axis=0))
 
     def _end(self, body: int, direction: FloatArray) -> FloatArray:
         """The middle of what of a body is farthest along a unit direction: of its corners, those
@@ -109,26 +107,10 @@ class HollowHulls:
                 self._table.offset[:, core],
                 self._table.radius[Size.USUAL, core],
             )
-            own = turn.T @ direction
-            corners = self._corners(core, own)
+            corners = self._bodies.core(core, Size.USUAL).corners(turn.T @ direction)
             at = corners @ turn.T + place + radius * direction
             places.append(at)
             heights.append(at @ direction)
         every, height = np.concatenate(places), np.concatenate(heights)
         weight = np.clip(1.0 - (height.max() - height) / PATCH_GAP, 0.0, None) ** 2
         return np.asarray(weight @ every / weight.sum())
-
-    def _corners(self, core: int, direction: FloatArray) -> FloatArray:
-        """The corners of a core, or its farthest point where it has none."""
-        item = self._table.cores[core]
-        if item.kind is Kind.MESH:
-            return np.unique(self._surfaces[core].index.corners.reshape(-1, 3), axis=0)
-        if item.kind is Kind.HULL:
-            assert item.hull is not None
-            return item.hull.points
-        if item.kind is Kind.BOX:
-            signs = np.array(
-                [[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
-            )
-            return np.asarray(signs * item.half[Size.USUAL])
-        return np.asarray(self._bodies.core(core, Size.USUAL).farthest(direction[None]))

@@ -3,7 +3,7 @@ a time.
 
 Each core contributes its supporting feature: a face of a box, hull or triangle, the end of a
 cylinder, a line along the side of a round core. Both are projected onto the contact plane and
-intersected, as far as the gap between them is within ``PATCH_GAP`` of the least. A face on a face
+intersected, as far as the gap between them is within ``ROUGHNESS`` of the least. A face on a face
 gives their common area, an edge a strip along it, a corner almost nothing: centre and area change
 smoothly as a body tips.
 """
@@ -15,18 +15,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
-from .frames import added, cross, dot, turned
+from .frames import added, cross, dot, smooth_step, turned
+
+ROUGHNESS = 0.01
+"""Metres beyond the least gap up to which two surfaces belong to the patch: as uneven as floors,
+crates and the edges of stones are. So the patch of a body of 1 m hardly moves if that tips by
+1e-3 rad."""
 
 PATCH_GAP = 0.001
-"""Metres beyond the least gap up to which two surfaces belong to the patch. A body of 1 m at rest
-that trembles by 1e-4 rad keeps its whole face in the patch."""
+"""The same of meshes, whose triangles are looked for no further away."""
 
 _LYING, _TIPPED = 0.002, 0.02
 """Slopes between two faces below which they lie on each other, and above which they touch along a
 line or at a point."""
 
+_EDGE_ON = 3e-9
+"""Area of a polygon over the square of its extent up to which it is seen edge-on."""
+
 _LINE_GAP = 0.00005
-"""``PATCH_GAP`` where faces touch along a line or at a point [m]."""
+"""The same where faces touch along a line or at a point [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +54,12 @@ class Patches:
     reach: FloatArray
 
 
-def patch_gap(slope: FloatArray) -> FloatArray:
-    """Largest gap [m] within a patch of faces at a ``slope`` (rise over run): ``PATCH_GAP`` where
+def patch_gap(slope: FloatArray, parallel: float = ROUGHNESS) -> FloatArray:
+    """Largest gap [m] within a patch of faces at a ``slope`` (rise over run): ``parallel`` where
     they are parallel, smoothly less where they are tipped, so that the patch stays near the line or
     point where they touch."""
-    tipped = np.minimum(np.maximum((slope - _LYING) / (_TIPPED - _LYING), 0.0), 1.0)
-    return np.asarray(PATCH_GAP - (PATCH_GAP - _LINE_GAP) * tipped * tipped * (3.0 - 2.0 * tipped))
+    tipped = smooth_step((slope - _LYING) / (_TIPPED - _LYING))
+    return np.asarray(parallel - (parallel - _LINE_GAP) * tipped)
 
 
 def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -67,10 +74,12 @@ def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patches:
+def patches(
+    first: FloatArray, second: FloatArray, normal: FloatArray, gap: float = ROUGHNESS
+) -> Patches:
     """Patches of features given as convex polygons ``first`` (3, k, n) and ``second`` (3, m, n)
     around any origin, in either sense, repeated corners allowed; ``normal`` (3, n) from first to
-    second.
+    second; ``gap``: the largest within patches of parallel faces [m].
 
     The area and its centre are integrals along the boundary of the intersection (Green's theorem),
     which consists of the parts of each polygon's edges that lie inside everything else and need not
@@ -104,7 +113,7 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     # it comes in.
     from_gap, to_gap = (level + dot(ends, slope[:, None]) for ends in (start, end))
     least_gap = np.where(used, np.minimum(from_gap, to_gap), np.inf).min(axis=0)
-    reach = patch_gap(np.sqrt(dot(slope, slope)))
+    reach = patch_gap(np.sqrt(dot(slope, slope)), gap)
     top = np.where(np.isinf(least_gap), 0.0, least_gap) + reach
     rise = to_gap - from_gap
     leaves, enters = (
@@ -116,7 +125,8 @@ def patches(first: FloatArray, second: FloatArray, normal: FloatArray) -> Patche
     cut = start + (end - start) * share
     start, end = np.where(enters, cut, start), np.where(leaves, cut, end)
     area, centre = _area_and_centre(start, end, used, leaves, enters)
-    found = used.any(axis=0) & (area > 0)
+    # The half-planes of a polygon seen edge-on enclose a strip without end.
+    found = used.any(axis=0) & (area > 0) & ~_edge_on(a) & ~_edge_on(b)
     centre = np.where(found, centre + origin, 0.0)
     corners = start + origin[:, None]
     return Patches(
@@ -156,6 +166,13 @@ def _plane(polygon: FloatArray) -> tuple[FloatArray, FloatArray]:
     upright = np.where(np.abs(normal[2]) > steep, normal[2], np.copysign(steep, normal[2]))
     slope = -normal[:2] / upright
     return slope, polygon[2, 0] - dot(slope, polygon[:2, 0])
+
+
+def _edge_on(polygon: FloatArray) -> BoolArray:
+    """Which polygons (2, k, n) have hardly any area for their extent."""
+    rays = polygon[:, 1:] - polygon[:, :1]
+    area = np.abs(added(rays[0, :-1] * rays[1, 1:] - rays[1, :-1] * rays[0, 1:]))
+    return np.asarray(area <= _EDGE_ON * dot(rays, rays).max(axis=0))
 
 
 def _counter_clockwise(polygon: FloatArray) -> FloatArray:

@@ -14,35 +14,44 @@ _CHUNK = 2_000_000
 
 @dataclass(frozen=True, slots=True)
 class MeshIndex:
-    """``corners`` (t, 3, 3) of the triangles in the order of the blocks; bounds of
-    blocks (b, 2, 3), the triangles of block k being ``k * size : (k + 1) * size``."""
+    """``corners`` (t, 3, 3) of the triangles in the order of the blocks, of which each has as many,
+    and their bounds ``low`` and ``high`` (3, b, size), filled up with such that overlap nothing;
+    bounds of blocks (b, 3)."""
 
     corners: FloatArray
     low: FloatArray
     high: FloatArray
     block_low: FloatArray
     block_high: FloatArray
-    size: int
 
     @classmethod
-    def of(cls, corners: FloatArray) -> MeshIndex:
-        """Order triangles (t, 3, 3) along a Z-order curve."""
+    def of(cls, corners: FloatArray, spheres: bool = False) -> MeshIndex:
+        """Order triangles (t, 3, 3) along a Z-order curve. ``spheres``: their bounds are those of
+        the spheres around their middles."""
         centre = corners.mean(axis=1)
         extent = np.maximum(np.ptp(centre, axis=0), 1e-300)
         cell = np.minimum((centre - centre.min(axis=0)) / extent * 1024, 1023).astype(np.int64)
         order = np.argsort(_interleaved(cell), kind="stable")
         corners = corners[order]
         low, high = corners.min(axis=1), corners.max(axis=1)
+        if spheres:
+            middle = corners.mean(axis=1)
+            radius = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=2).max(axis=1))[:, None]
+            low, high = middle - radius, middle + radius
         size = max(8, int(len(corners) ** 0.5 / 2))
-        starts = np.arange(0, len(corners), size)
-        return cls(
-            corners,
-            low,
-            high,
-            np.minimum.reduceat(low, starts),
-            np.maximum.reduceat(high, starts),
-            size,
+        filled = ((0, -len(corners) % size), (0, 0))
+        low, high = (
+            np.pad(bound, filled, constant_values=beyond).T.reshape(3, -1, size)
+            for bound, beyond in ((low, np.inf), (high, -np.inf))
         )
+        return cls(corners, low, high, low.min(axis=2).T.copy(), high.max(axis=2).T.copy())
+
+    def spheres(self) -> tuple[FloatArray, FloatArray]:
+        """The middles (3, t) and radii (t,) of the spheres that are their bounds."""
+        low, high = (
+            bound.reshape(3, -1)[:, : len(self.corners)] for bound in (self.low, self.high)
+        )
+        return (low + high) / 2, (high[0] - low[0]) / 2
 
     def near(self, bounds: FloatArray) -> tuple[IntArray, IntArray]:
         """Pairs of boxes ``bounds`` (n, 2, 3) [local space] and triangles with overlapping bounds:
@@ -52,8 +61,9 @@ class MeshIndex:
         for begin in range(0, len(bounds), step):
             box, block = _overlapping(bounds[begin : begin + step], self.block_low, self.block_high)
             box += begin
-            for part in range(0, len(box), max(1, _CHUNK // self.size)):
-                chosen = slice(part, part + max(1, _CHUNK // self.size))
+            most = max(1, _CHUNK // self.low.shape[2])
+            for part in range(0, len(box), most):
+                chosen = slice(part, part + most)
                 found = self._in_blocks(bounds, box[chosen], block[chosen])
                 boxes.append(found[0])
                 triangles.append(found[1])
@@ -62,14 +72,12 @@ class MeshIndex:
     def _in_blocks(
         self, bounds: FloatArray, box: IntArray, block: IntArray
     ) -> tuple[IntArray, IntArray]:
-        triangle = (block[:, None] * self.size + np.arange(self.size)).reshape(-1)
-        owner = np.repeat(box, self.size)
-        real = triangle < len(self.corners)
-        triangle, owner = triangle[real], owner[real]
-        kept = (
-            (self.low[triangle] <= bounds[owner, 1]) & (self.high[triangle] >= bounds[owner, 0])
-        ).all(axis=1)
-        return owner[kept], triangle[kept]
+        kept = np.ones((len(box), self.low.shape[2]), dtype=np.bool_)
+        for low, high, bound in zip(self.low, self.high, bounds[box].T, strict=True):
+            kept &= low[block] <= bound[1, :, None]
+            kept &= high[block] >= bound[0, :, None]
+        row, place = kept.nonzero()
+        return box[row], block[row] * self.low.shape[2] + place
 
 
 def _overlapping(

@@ -58,7 +58,7 @@ class NarrowPhase:
         self._pairing = CorePairing(table, surfaces)
         self._distances = CoreDistances(table, self._pairing, bodies)
         self._patches = CorePatches(table, self._pairing)
-        self._hollow = HollowHulls(shapes, table, bodies, surfaces)
+        self._hollow = HollowHulls(shapes, table, bodies)
         self._surfaces = SurfacePairs(table, self._pairing, surfaces, bodies, self._patches)
 
     @property
@@ -66,6 +66,16 @@ class NarrowPhase:
         """Smallest extent of each body's thinnest part (n,) [m]: a step longer than that may pass
         through it."""
         return self._table.thickness
+
+    def place(self, body: int, shape: Shape, bounds: FloatArray) -> bool:
+        """Give a body of several cores the ``shape`` with these local ``bounds``, which differs
+        from its own only in the places of its parts. Returns False where it has a single core, or
+        no core of the table had a place."""
+        if not self._table.placed or np.diff(self._table.start)[body] == 1:
+            return False
+        self._table.place(body, shape)
+        self._hollow.measure(body, bounds)
+        return True
 
     def query(
         self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray
@@ -263,6 +273,7 @@ class NarrowPhase:
                 - rows.radius_b
                 + np.where(separated.exact, 0.0, patch.gap)
             )
+            normal = separated.normal
             if rows.triangle_b is not None:
-                gap = np.maximum(gap, self._surfaces.deepest(rows))
-            found.append(core_contacts(rows, separated.normal, gap, patch, corners))
+                gap, normal, patch = self._surfaces.sunk_in(rows, gap, normal, patch)
+            found.append(core_contacts(rows, normal, gap, patch, corners))

@@ -31,7 +31,9 @@ the difference has rotational symmetry, many directions are equally good, and th
 agree."""
 
 _TILT = 1e-4
-"""Angle [rad] between a face's normal and the directions in which its other corners are sought."""
+"""Angle [rad] between a face's normal and the directions in which its other corners are sought:
+faces that differ by less count as one, since coordinates of single precision put hardly any corners
+on one plane."""
 
 _MOST_CORNERS = 30
 
@@ -40,7 +42,7 @@ _AXES = np.concatenate([np.eye(3), -np.eye(3)])
 _NEXT, _AFTER_NEXT = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 Farthest = Callable[[FloatArray], FloatArray]
-"""The points (m, 3) of a convex body that are farthest along unit directions (m, 3)."""
+"""The points (..., 3) of a convex body that are farthest along unit directions (..., 3)."""
 
 _Point = tuple[float, float, float]
 
@@ -83,8 +85,8 @@ def penetration(first: Farthest, second: Farthest) -> Penetration:
 
 
 _Supports = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""Points (m, 3) of the Minkowski difference farthest along directions (m, 3), and the points of the
-first body that they come from."""
+"""Points (..., 3) of the Minkowski difference farthest along directions (..., 3), and the points of
+the first body that they come from."""
 
 
 def _simplex(supports: _Supports) -> _Polytope | Penetration:
@@ -97,7 +99,7 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     u = row_cross(axis, _AXES[0 if abs(axis[0]) < 0.7 else 1])
     u /= np.linalg.norm(u)
     v = row_cross(axis, u)
-    points, sources = supports(np.stack([u, -u, v, -v]))
+    points, sources = supports(np.array([u, -u, v, -v]))
     across = points - a
     across -= np.outer(across @ axis, axis)
     k = int(row_dots(across, across).argmax())
@@ -105,7 +107,7 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     normal = row_cross(b - a, c - a)
     length = float(np.linalg.norm(normal))
     normal = normal / length if length > 0 else u
-    points, sources = supports(np.stack([normal, -normal]))
+    points, sources = supports(np.array([normal, -normal]))
     height = (points - a) @ normal
     k = int(np.abs(height).argmax())
     if abs(height[k]) <= _FLAT:
@@ -127,15 +129,15 @@ def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
     for step in range(_MOST_STEPS):
         number, offset = polytope.nearest()
         face = polytope.faces[number]
-        points, sources = supports(np.array([face.normal]))
-        x, y, z = point = tuple(points[0].tolist())
+        place, source = supports(np.array(face.normal))
+        x, y, z = point = tuple(place.tolist())
         height = face.normal[0] * x + face.normal[1] * y + face.normal[2] * z
         final = height - offset <= _TOLERANCE
         if height < least or final:
             least, nearest, found = height, face, step
         if final or step - found == _IDLE_STEPS:
             break
-        polytope.add_point(point, sources[0], number)
+        polytope.add_point(point, source, number)
     assert nearest is not None
     normal = np.array(nearest.normal)
     return Penetration(
@@ -161,14 +163,11 @@ def _deepest(
         if inside[k] >= 0 or size[k] == 0:
             break
         outwards = -edges[k] / size[k]
-        corner, source = supports((normal + _TILT * outwards)[None])
-        if (
-            float((corner[0] - points[k]) @ outwards) <= _FLAT
-            or float((points[k] - corner[0]) @ normal) > _TILT * _TILT
-        ):
+        corner, source = supports(normal + _TILT * outwards)
+        if float((corner - points[k]) @ outwards) <= _FLAT:
             break
-        points = np.stack([points[(k + 1) % 3], points[k], corner[0]])
-        sources = np.stack([sources[(k + 1) % 3], sources[k], source[0]])
+        points = np.stack([points[(k + 1) % 3], points[k], corner])
+        sources = np.stack([sources[(k + 1) % 3], sources[k], source])
     ahead, before = points[_NEXT], points[_AFTER_NEXT]
     areas = row_dots(row_cross(before - ahead, foot - ahead), normal).clip(0.0)
     return np.asarray(areas / areas.sum() @ sources if areas.sum() > 0 else sources.mean(axis=0))

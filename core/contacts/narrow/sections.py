@@ -98,11 +98,8 @@ def _reach(
     second half are those of the first, turned about."""
     x, y, z = normals.T[:, :, None]
     room = np.maximum(offsets - (x * point[0] + y * point[1] + z * point[2]), _LEAST)
-    x, y, z = x / room, y / room, z / room
-    half = ways.shape[1] // 2
+    half = np.ascontiguousarray(ways[:, : ways.shape[1] // 2].T)
     # How much nearer the next face comes per metre, in parts of the room to it.
-    nearer = np.empty(ways.shape[1:])
-    for k in range(half):
-        slope = x * ways[0, k] + y * ways[1, k] + z * ways[2, k]
-        nearer[k], nearer[k + half] = slope.max(axis=0), -slope.min(axis=0)
+    slope = half @ (normals.T / room.T[:, None])
+    nearer = np.concatenate([slope.max(axis=2), -slope.min(axis=2)], axis=1).T
     return np.asarray(1.0 / np.maximum(nearer, _LEAST))

@@ -1,9 +1,10 @@
 """Contacts of surfaces: of two meshes, a mesh and a hull, and of a convex core inside a mesh.
 
-FCL tells how far two surfaces are apart. Where they are near, the triangles about the nearest
-points make the patch. Where solids have passed through each other, the faces that look at each
-other do, as deep as they have passed. A body wholly inside a solid is as if in a wall as thick as
-bodies may sink in, so that distances are continuous from outside to the far side of that wall.
+FCL finds the distance of two surfaces. Where they are apart, the triangles about the nearest points
+make the patch. Where solids cross, the faces that look at each other do; the deeper they are, the
+more the curve along which the surfaces cross takes their place. For a body wholly inside a solid,
+that solid is a wall as thick as bodies may sink in. So distances, centres and areas are continuous
+while a body moves from outside through the surface to the far side of that wall.
 """
 
 from __future__ import annotations
@@ -13,17 +14,22 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, chosen_of
-from .body_patches import CoreContacts, core_contacts
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of
+from .body_patches import CoreContacts, core_contacts, reduced
 from .closed_forms import nearest_on_triangle
 from .convex import ConvexDistances
 from .core_pairs import CorePairing, CorePairs
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
-from .frames import dot
+from .frames import cross, dot, smooth_step
 from .manifold import PATCH_GAP, Patches, patches
 from .surfaces import Surface, Surfaces
-from .triangles import beside, facing_axes, triangle_to_triangle, unit_normals
+from .triangles import (
+    crossing_lines,
+    facing_axes,
+    triangle_to_triangle,
+    unit_normals,
+)
 
 _REACH = 1.1 * PATCH_GAP
 """Metres beyond the least distance within which triangles belong to the patch."""
@@ -31,8 +37,9 @@ _REACH = 1.1 * PATCH_GAP
 _TOUCHING = 1e-7
 """Metres of distance up to which surfaces may cross."""
 
-_OPPOSITE = -1e-3
-"""Cosine between the normals of two faces below which they look at each other."""
+_OPEN = 1e-6
+"""Weight of the mean of the surfaces' normals beside the area that the curve along which they
+cross encloses: an open curve encloses none, and those at both ends of a hole cancel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,15 +52,15 @@ class _Gap:
 
 
 @dataclass(frozen=True, slots=True)
-class _Deep:
-    """Pair number ``row`` of surfaces, which cross, or of which one is inside the other: how far it
-    may sink in at most, as the distance ``deepest`` < 0, and the distance ``least`` of one inside,
-    NaN where they cross."""
+class _Crossing:
+    """The curve along which two surfaces cross: its centre of mass, the vector area that it
+    encloses as a unit ``normal`` from first to second and an ``area`` [m^2], and its ``extent``
+    [m]."""
 
-    row: int
-    gap: _Gap
-    deepest: float
-    least: float
+    centre: FloatArray
+    normal: FloatArray
+    area: float
+    extent: float
 
 
 class SurfacePairs:
@@ -129,41 +136,39 @@ class SurfacePairs:
     ) -> None:
         """Add the contacts of pairs of surfaces within ``limit`` (p,) of the pairs of bodies to
         ``found``, and lower bounds on the others to ``distance`` (p,)."""
-        # Numbers of the pairs, and how far their triangles may be from each other.
-        apart: dict[int, float] = {}
-        deep: list[_Deep] = []
+        # By number of the pair: how far its triangles may be from each other, and where one is in
+        # the other, how much less their distance is than that of the surfaces.
+        apart: dict[int, tuple[float, float]] = {}
+        deep: dict[int, float] = {}
         for k in range(len(rows)):
             a, b = self._surfaces[int(rows.first[k])], self._surfaces[int(rows.second[k])]
             owner, radius = int(rows.owner[k]), float(rows.radius_a[k] + rows.radius_b[k])
-            gap = self._gap(rows, k)
-            least, most = gap.distance - radius, _most(a, b)
-            if gap.distance <= _TOUCHING:
-                if most > 0:
-                    deep.append(_Deep(k, gap, -most, np.nan))
-                else:
-                    apart[k] = _REACH
+            gap, most = self._gap(rows, k).distance, _most(a, b)
+            if gap <= _TOUCHING and most > 0:
+                deep[k] = most
                 continue
-            around = (
-                self._around(chosen_of(rows, np.array([k])), a, b)
-                if most > 0 and least - most <= limit[owner]
-                else 0.0
-            )
+            least, around = gap - radius, 0.0
+            if most > 0 and least - most <= limit[owner]:
+                around = self._around(chosen_of(rows, np.array([k])), a, b)
+            sunk = 0.0
             if least - most > limit[owner] or around > 0:
-                least -= most if np.isfinite(around) else gap.distance + most
-            if least > limit[owner]:
-                distance[owner] = min(distance[owner], least)
-            elif around > 0:
-                deep.append(_Deep(k, gap, -most, least))
+                sunk = most if np.isfinite(around) else gap + most
+            if least - sunk > limit[owner]:
+                distance[owner] = min(distance[owner], least - sunk)
             else:
-                apart[k] = gap.distance + _REACH
+                apart[k] = max(gap, 0.0) + _REACH, sunk
         if deep:
-            apart.update(dict.fromkeys(self._passed_through(rows, deep, found, corners), _REACH))
+            crossing = self._passed_through(rows, deep, limit, found, corners)
+            apart.update(dict.fromkeys(crossing, (_REACH, 0.0)))
         if apart:
-            numbers = np.array(list(apart))
+            reach, sunk_in = np.array(list(apart.values())).T
+            several = chosen_of(rows, np.array(list(apart)))
             near = self._pairing.near_triangles(
-                chosen_of(rows, numbers), np.array(list(apart.values()))
+                replace(several, owner=np.arange(len(apart))), reach
             )
-            self._lying(near, limit, distance, found, corners)
+            sunk_in = sunk_in[near.owner]
+            near.owner = several.owner[near.owner]
+            self._lying(near, sunk_in, limit, distance, found, corners)
 
     def meet(self, rows: CorePairs) -> BoolArray:
         """Which pairs (n,) meet as surfaces: two meshes, or a hull and a solid mesh."""
@@ -191,7 +196,7 @@ class SurfacePairs:
         """Which convex cores (n,) have their middle inside the solid they are paired with. Adds
         their contacts as `contacts` does."""
         chosen = np.zeros(len(rows), dtype=np.bool_)
-        for k in np.flatnonzero(np.isfinite(self.deepest(rows))).tolist():
+        for k in np.flatnonzero(np.isfinite(self._deepest(rows))).tolist():
             row = chosen_of(rows, np.array([k]))
             mesh = self._surfaces[int(row.second[0])]
             turn, place = row.rotation_b[..., 0], row.centre_b[:, 0]
@@ -204,21 +209,54 @@ class SurfacePairs:
                 continue
             chosen[k] = True
             owner, radius = int(row.owner[0]), float(row.radius_a[0] + row.radius_b[0])
-            least = max(self._gap(row, 0).distance - radius, 0.0) + float(self.deepest(row)[0])
+            least = max(self._gap(row, 0).distance - radius, 0.0) + float(self._deepest(row)[0])
             distance[owner] = min(distance[owner], max(least, limit[owner]))
             if least <= limit[owner]:
-                corners = mesh.index.corners.transpose(2, 1, 0)
-                nearest = nearest_on_triangle(
-                    np.repeat(centre[:, None], corners.shape[2], axis=1), corners
-                )
-                way = nearest - centre[:, None]
-                best = int(dot(way, way).argmin())
-                found.append(
-                    _point(row, least, -turn @ way[:, best], turn @ nearest[:, best] + place)
-                )
+                nearest = self._nearest_to_middle(row)
+                way = row.centre_a[:, 0] - nearest
+                found.append(_point(row, least, way, nearest))
         return chosen
 
-    def deepest(self, rows: CorePairs) -> FloatArray:
+    def sunk_in(
+        self, rows: CorePairs, gap: FloatArray, normal: FloatArray, patch: Patches
+    ) -> tuple[FloatArray, FloatArray, Patches]:
+        """Distances ``gap`` (n,), normals (3, n) and patches of convex cores whose middles are
+        outside the meshes of the triangles they are paired with. Distances end where a core has
+        sunk in as far as it may; patches become the point of the mesh that is nearest to its
+        middle, from half that depth on."""
+        deepest = self._deepest(rows)
+        share = smooth_step(2 * gap / deepest - 1)
+        sunk = share.nonzero()[0]
+        if len(sunk) == 0:
+            return gap, normal, patch
+        pairs = np.stack([rows.owner, rows.first, rows.second])[:, sunk]
+        _, one, of = np.unique(pairs, axis=1, return_index=True, return_inverse=True)
+        nearest = np.stack(
+            [self._nearest_to_middle(chosen_of(rows, sunk[k : k + 1])) for k in one.tolist()],
+            axis=1,
+        )[:, of.reshape(-1)]
+        way = nearest - rows.centre_a[:, sunk]
+        length = np.sqrt(dot(way, way))
+        way = np.where(length > _TOUCHING, way / np.maximum(length, _TOUCHING), normal[:, sunk])
+        part = share[sunk]
+        mixed = normal[:, sunk] * (1 - part) + way * part
+        normal, centre = normal.copy(), patch.centre.copy()
+        normal[:, sunk] = mixed / np.sqrt(dot(mixed, mixed)).clip(1e-300)
+        centre[:, sunk] += (nearest - centre[:, sunk]) * part
+        area = patch.area * (1 - share)
+        return np.maximum(gap, deepest), normal, replace(patch, centre=centre, area=area)
+
+    def _nearest_to_middle(self, row: CorePairs) -> FloatArray:
+        """The point of a mesh (3,) that is nearest to the middle of the core of the only one of
+        ``row``."""
+        turn, place = row.rotation_b[..., 0], row.centre_b[:, 0]
+        corners = self._surfaces[int(row.second[0])].index.corners.transpose(2, 1, 0)
+        middle = ((row.centre_a[:, 0] - place) @ turn)[:, None]
+        nearest = nearest_on_triangle(np.repeat(middle, corners.shape[2], axis=1), corners)
+        way = nearest - middle
+        return np.asarray(turn @ nearest[:, int(dot(way, way).argmin())] + place)
+
+    def _deepest(self, rows: CorePairs) -> FloatArray:
         """The least distance (n,) of convex cores from their meshes: how far they may sink in,
         -infinity from a shell."""
         table = self._table
@@ -261,12 +299,15 @@ class SurfacePairs:
     def _lying(
         self,
         rows: CorePairs,
+        sunk: FloatArray,
         limit: FloatArray,
         distance: FloatArray,
         found: list[CoreContacts],
         corners: bool,
     ) -> None:
-        """Surfaces that are apart, and such that cross where no faces look at each other."""
+        """Add contacts of surfaces that do not cross, and of such that cross where no faces look
+        at each other. ``sunk`` (n,): by how much the distance of a pair of which one is inside the
+        other is less than that of their surfaces; 0 of others."""
         first, second = self._corners(rows)
         separation = triangle_to_triangle(first, second)
         # Where they touch, the outer sides of the two are towards each other.
@@ -275,54 +316,42 @@ class SurfacePairs:
         separation = replace(
             separation, normal=np.where(turns, -separation.normal, separation.normal)
         )
-        gap = separation.distance - rows.radius_a - rows.radius_b
+        gap = separation.distance - rows.radius_a - rows.radius_b - sunk
         near = (gap <= limit[rows.owner]).nonzero()[0]
         np.minimum.at(distance, rows.owner, np.maximum(gap, limit[rows.owner]))
         if len(near):
             rows, separation = chosen_of(rows, near), chosen_of(separation, near)
             patch = self._patches.patches(rows, separation)
-            found.append(core_contacts(rows, separation.normal, gap[near], patch, corners))
+            normal = np.where(sunk[near] > 0, -separation.normal, separation.normal)
+            found.append(core_contacts(rows, normal, gap[near], patch, corners))
 
     def _passed_through(
-        self, pairs: CorePairs, deep: list[_Deep], found: list[CoreContacts], corners: bool
+        self,
+        pairs: CorePairs,
+        deep: dict[int, float],
+        limit: FloatArray,
+        found: list[CoreContacts],
+        corners: bool,
     ) -> list[int]:
-        """Solids whose surfaces cross, or of which one is inside the other. Returns the numbers of
-        the pairs that cross where no faces look at each other."""
-        several = chosen_of(pairs, np.array([pair.row for pair in deep]))
-        deepest, least = np.array([[pair.deepest, pair.least] for pair in deep]).T
+        """Add contacts of pairs, by number, whose surfaces cross and of which one is a solid, with
+        how far they may sink into each other [m]. Returns the numbers of those that only touch,
+        where no faces look at each other."""
+        several = chosen_of(pairs, np.array(list(deep)))
+        most = np.array(list(deep.values()))
         rows = self._pairing.near_triangles(
-            replace(several, owner=np.arange(len(deep))), _REACH - 2 * deepest
+            replace(several, owner=np.arange(len(deep))), _REACH + 2 * most, facing=True
         )
         number, rows = rows.owner, replace(rows, owner=several.owner[rows.owner])
         first, second = self._corners(rows)
-        depths = np.array(
-            [
-                [self._surfaces[core].depth for core in cores]
-                for cores in zip(several.first, several.second, strict=True)
-            ]
-        ).T
-        solid_a, solid_b = depths[:, number] > 0
         normal_a, normal_b = unit_normals(first), unit_normals(second)
-        against = dot(normal_a, normal_b)
         # A shell has no outside: both sides of it are looked at.
-        turned = (~solid_a | ~solid_b) & (against > 0)
-        normal_a = np.where(~solid_a & turned, -normal_a, normal_a)
-        normal_b = np.where(~solid_b & turned, -normal_b, normal_b)
-        chosen = (
-            (dot(normal_a, normal_b) < _OPPOSITE)
-            & ~beside(first, second, normal_a)
-            & ~beside(second, first, normal_b)
-        ).nonzero()[0]
-        rows, number, first, second = (
-            chosen_of(rows, chosen),
-            number[chosen],
-            first[..., chosen],
-            second[..., chosen],
-        )
-        normal_a, normal_b, turned = normal_a[:, chosen], normal_b[:, chosen], turned[chosen]
+        turned = dot(normal_a, normal_b) > 0
+        shell_a = np.array([self._surfaces[core].depth == 0 for core in several.first.tolist()])
+        normal_a = np.where(turned & shell_a[number], -normal_a, normal_a)
+        normal_b = np.where(turned & ~shell_a[number], -normal_b, normal_b)
         separation, axis = facing_axes(first, second, normal_a, normal_b)
         middle = (first.sum(axis=1) + second.sum(axis=1)) / 6
-        patch = patches(first - middle[:, None], second - middle[:, None], axis)
+        patch = patches(first - middle[:, None], second - middle[:, None], axis, PATCH_GAP)
         patch = replace(
             patch, centre=middle + patch.centre, corners=middle[:, None] + patch.corners
         )
@@ -333,8 +362,8 @@ class SurfacePairs:
         ]
         beyond = dot(axis, ends[1] - ends[0])  # at the middle of the patch
         patch = replace(patch, centre=(ends[0] + ends[1]) / 2)
-        valid, again = patch.found & (depth < _REACH), []
-        for k, pair in enumerate(deep):
+        valid = patch.found & (depth < _REACH)
+        for k in range(len(deep)):
             mine = np.flatnonzero((number == k) & valid)
             under = mine[beyond[mine] < -_TOUCHING]
             valid[under] = self._overlap(
@@ -343,29 +372,140 @@ class SurfacePairs:
             through = [under[valid[under] & (turned[under] == side)] for side in (False, True)]
             if len(through[0]) and len(through[1]):  # a shell inside a wall: the shorter way out
                 valid[max(through, key=lambda way: float(-depth[way].min()))] = False
-            if np.isfinite(pair.least):
-                valid[mine[beyond[mine] >= 0]] = False
-            if not valid[mine].any():
-                if np.isfinite(pair.least):
-                    found.append(_inside(chosen_of(several, np.array([k])), pair))
-                else:
-                    again.append(pair.row)
-        deepest, least = deepest[number], least[number]
-        distance = np.where(
-            np.isfinite(least), least, np.maximum(depth, deepest) - rows.radius_a - rows.radius_b
-        )
         kept = valid.nonzero()[0]
-        if len(kept):
-            found.append(
-                core_contacts(
-                    chosen_of(rows, kept),
-                    axis[:, kept],
-                    distance[kept],
-                    chosen_of(patch, kept),
-                    corners,
+        rows, number = chosen_of(rows, kept), number[kept]
+        facing = core_contacts(
+            rows,
+            axis[:, kept],
+            np.maximum(depth[kept], -most[number]) - rows.radius_a - rows.radius_b,
+            chosen_of(patch, kept),
+            corners,
+        )
+        depths = np.full(len(deep), np.nan)
+        np.fmax.at(depths, number, -depth[kept])
+        crossing = self._crossing_pairs(several, number, most, depths, facing, found)
+        return [pair for pair, only_touches in zip(deep, crossing, strict=True) if only_touches]
+
+    def _crossing_pairs(
+        self,
+        pairs: CorePairs,
+        number: IntArray,
+        most: FloatArray,
+        depths: FloatArray,
+        facing: CoreContacts,
+        found: list[CoreContacts],
+    ) -> BoolArray:
+        """Add the contacts of ``pairs`` (p,) whose surfaces cross to ``found``. Returns which of
+        them (p,) only touch, where no faces look at each other.
+
+        Args:
+            pairs: of surfaces, one of which is a solid.
+            number: (n,) of the pair that each of the contacts ``facing`` belongs to.
+            most: (p,) how far the two may sink into each other [m].
+            depths: (p,) of the deepest faces that look at each other [m], NaN where there are none.
+            facing: (n,) the contacts of such faces.
+            found: the contacts so far.
+        """
+        for k in np.flatnonzero(~(depths >= most)).tolist():
+            if self._is_deep(chosen_of(pairs, np.array([k])), float(most[k])):
+                depths[k] = most[k]
+        crossings = {
+            k: self._crossing(chosen_of(pairs, np.array([k])))
+            for k in np.flatnonzero(~(depths <= most / 2)).tolist()
+        }
+        by_faces = np.ones(len(depths), dtype=np.bool_)
+        for k, crossing in crossings.items():
+            if crossing is not None:
+                row, faces = (
+                    chosen_of(pairs, np.array([k])),
+                    _some(facing, (number == k).nonzero()[0]),
                 )
-            )
-        return again
+                found.append(self._sunk(row, float(most[k]), float(depths[k]), crossing, faces))
+                by_faces[k] = False
+        rows = by_faces[number].nonzero()[0]
+        if len(rows):
+            found.append(_some(facing, rows))
+        return by_faces & np.isnan(depths)
+
+    def _crossing(self, row: CorePairs) -> _Crossing | None:
+        """The curve along which the surfaces of the only one of ``row`` cross."""
+        near = self._pairing.near_triangles(row, np.full(1, _TOUCHING))
+        if len(near) == 0:
+            return None
+        first, second = self._corners(near)
+        middle, way = crossing_lines(first, second)
+        length = np.sqrt(dot(way, way))
+        total = float(length.sum())
+        if total <= _TOUCHING:
+            return None
+        used = length > 0
+        centre = (middle * length).sum(axis=1) / total
+        arm = middle - centre[:, None]
+        area = cross(arm, way).sum(axis=1) / 2
+        outwards = np.zeros(3)
+        for core, corners, sign in ((row.first, first, 1.0), (row.second, second, -1.0)):
+            if self._surfaces[int(core[0])].depth > 0:
+                outwards += sign * (unit_normals(corners) * length).sum(axis=1)
+        normal = area + _OPEN * total * outwards
+        normal /= max(float(np.linalg.norm(normal)), 1e-300)
+        extent = float(np.ptp(middle[:, used], axis=1).max() + length.max())
+        return _Crossing(centre, normal, float(np.linalg.norm(area)), extent)
+
+    def _sunk(
+        self,
+        row: CorePairs,
+        most: float,
+        depth: float,
+        crossing: _Crossing,
+        facing: CoreContacts,
+    ) -> CoreContacts:
+        """The contact of the only one of ``row``, whose solids have sunk deep into each other: from
+        that of the faces which look at each other, at half the depth ``most`` [m], to that around
+        the curve where the surfaces cross, from ``most`` on.
+
+        Args:
+            depth: of the deepest of those faces [m], NaN where there are none.
+            facing: the contacts of those faces.
+        """
+        if np.isnan(depth):
+            depth = min(most, crossing.extent)
+            share = 1.0
+        else:
+            share = float(smooth_step(2 * depth / most - 1))
+        normal = np.where(row.flipped, -crossing.normal, crossing.normal)[:, None]
+        centre, area = crossing.centre[:, None], crossing.area
+        corners = None if facing.corners is None else [crossing.centre[None]]
+        if share < 1:
+            alone = replace(facing, owner=np.zeros_like(facing.owner))
+            patch = reduced(np.full(1, np.inf), [alone], facing.corners is not None)
+            centre = patch.centre + (centre - patch.centre) * share
+            area = float(patch.area[0]) * (1 - share) + area * share
+            normal = patch.normal * (1 - share) + normal * share
+            normal = normal / max(float(np.linalg.norm(normal)), 1e-300)
+            corners = None if facing.corners is None else list(patch.corners)
+        distance = -min(depth, most) - row.radius_a - row.radius_b
+        areas, within = np.full(1, area), np.full(1, _REACH)
+        return CoreContacts(row.owner, distance, normal, centre, areas, areas, within, corners)
+
+    def _is_deep(self, row: CorePairs, most: float) -> bool:
+        """Whether a corner of either surface is surely deeper than ``most`` [m] inside the other
+        one, if that is a solid."""
+        a, b = self._both(row)
+        turn_a, turn_b = row.rotation_a[..., 0], row.rotation_b[..., 0]
+        place_a, place_b = row.centre_a[:, 0], row.centre_b[:, 0]
+        for solid, other, turn, place in (
+            (a, b, turn_b.T @ turn_a, turn_a.T @ (place_b - place_a)),
+            (b, a, turn_a.T @ turn_b, turn_b.T @ (place_a - place_b)),
+        ):
+            if solid.depth > 0:
+                points = other.index.corners.reshape(-1, 3) @ turn + place
+                inner = (points > solid.low + most) & (points < solid.high - most)
+                points = points[inner.all(axis=1)]
+                near, _ = solid.index.near(np.stack([points - most, points + most], axis=1))
+                points = np.delete(points, near, axis=0)
+                if len(points) and solid.contains(points).any():
+                    return True
+        return False
 
     def _both(self, row: CorePairs) -> tuple[Surface, Surface]:
         return self._surfaces[int(row.first[0])], self._surfaces[int(row.second[0])]
@@ -388,11 +528,10 @@ def _most(a: Surface, b: Surface) -> float:
     return min(max(a.depth, b.depth), min(a.size, b.size) / 2)
 
 
-def _inside(pairs: CorePairs, pair: _Deep) -> CoreContacts:
-    """The contact of the only one of ``pairs``, of which one solid is inside the other, where
-    their surfaces are nearest."""
-    gap = pair.gap
-    return _point(pairs, pair.least, gap.first - gap.second, (gap.first + gap.second) / 2)
+def _some(contacts: CoreContacts, rows: IntArray) -> CoreContacts:
+    """Some of the ``contacts``."""
+    corners = None if contacts.corners is None else [contacts.corners[k] for k in rows.tolist()]
+    return replace(chosen_of(replace(contacts, corners=None), rows), corners=corners)
 
 
 def _point(row: CorePairs, distance: float, way: FloatArray, centre: FloatArray) -> CoreContacts:

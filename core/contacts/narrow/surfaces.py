@@ -11,16 +11,20 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray, IntArray
 from .cores import Core, CoreTable
 from .mesh_index import MeshIndex
+from .triangles import unit_normals
 
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """The triangles of a core in its own frame. ``depth`` [m]: how far beneath the surface a body
+    """The triangles of a core in its own frame, by their bounds and by ``spheres`` around their
+    middles, and their unit ``normals`` (3, t). ``depth`` [m]: how far beneath the surface a body
     touches it; 0 of a shell, infinite of a hull. ``size`` [m]: the smallest extent of a solid,
     infinite of a shell. ``first`` and ``second``: FCL's objects for the first and the second of a
     pair."""
 
     index: MeshIndex
+    spheres: MeshIndex
+    normals: FloatArray
     low: FloatArray
     high: FloatArray
     depth: float
@@ -52,6 +56,8 @@ class Surface:
         index = MeshIndex.of(points[triangles])
         return cls(
             index,
+            MeshIndex.of(points[triangles], spheres=True),
+            unit_normals(index.corners.transpose(2, 1, 0)),
             low,
             high,
             depth,

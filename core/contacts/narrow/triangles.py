@@ -82,6 +82,35 @@ def _crossed(first: FloatArray, second: FloatArray) -> Separation:
     )
 
 
+def crossing_lines(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The lines along which pairs of triangles (3, 3, n) cross: middles (3, n) and vectors (3, n)
+    from end to end, along the cross product of both normals; 0 where they do not cross."""
+    along = cross(unit_normals(first), unit_normals(second))
+    squared = dot(along, along)
+    spans, points = [], []
+    for corners, other in ((first, second), (second, first)):
+        normal = unit_normals(other)
+        height = dot(normal[:, None], corners - other[:, :1])
+        after, end = np.roll(height, -1, axis=0), np.roll(corners, -1, axis=1)
+        through = (height >= 0) != (after >= 0)
+        share = np.divide(height, height - after, out=np.zeros_like(height), where=through)
+        place = corners + (end - corners) * share
+        at = dot(along[:, None], place)
+        spans.append(
+            (
+                np.where(through, at, np.inf).min(axis=0),
+                np.where(through, at, -np.inf).max(axis=0),
+            )
+        )
+        points.append(place[:, through.argmax(axis=0), np.arange(place.shape[2])])
+    begin, end = np.maximum(spans[0][0], spans[1][0]), np.minimum(spans[0][1], spans[1][1])
+    meets = (end > begin) & (squared > 1e-18)
+    begin, end = np.where(meets, begin, 0.0), np.where(meets, end, 0.0)
+    step = along / np.where(meets, squared, 1.0)
+    from_point = np.where(meets, (begin + end) / 2 - dot(along, points[0]), 0.0)
+    return points[0] + step * from_point, step * (end - begin)
+
+
 def apart_by(first: FloatArray, second: FloatArray) -> FloatArray:
     """Lower bounds (n,) on the distances of triangles: along their normals and the line of their
     middles."""
@@ -97,20 +126,10 @@ def apart_by(first: FloatArray, second: FloatArray) -> FloatArray:
     )
 
 
-def beside(first: FloatArray, second: FloatArray, normal: FloatArray) -> BoolArray:
-    """Which triangles are surely not over the first ones, seen along their unit normals (3, n): as
-    circles around their middles."""
-    middle_a, middle_b = first.sum(axis=1) / 3, second.sum(axis=1) / 3
-    reach = sum(
-        np.sqrt(_squared(corners - middle[:, None]).max(axis=0))
-        for corners, middle in ((first, middle_a), (second, middle_b))
-    )
-    way = middle_b - middle_a
-    return np.asarray(_squared(way) - dot(way, normal) ** 2 > reach**2)
-
-
-def _squared(vectors: FloatArray) -> FloatArray:
-    return dot(vectors, vectors)
+def beside(way: FloatArray, reach: FloatArray, normal: FloatArray) -> BoolArray:
+    """Which triangles are surely not over others, seen along unit normals (3, n), given the ``way``
+    (3, n) between their middles and the sum ``reach`` (n,) of their radii [m]."""
+    return np.asarray(dot(way, way) - dot(way, normal) ** 2 > reach**2)
 
 
 def unit_normals(corners: FloatArray) -> FloatArray:
