@@ -13,11 +13,11 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..perception import sensation_level
 from ..propagation import propagate
 from ..render.arrival import arriving
 from ..render.frame_result import FrameResult
-from ..render.history import STILL_SECONDS, still_samples
+from ..render.history import still_samples
+from ..render.levels import margins
 from ..scene.choices import Mode
 from ..scene.coefficients import transfer_coefficient
 from ..scene.spectra import source_energies
@@ -107,11 +107,8 @@ def plan(
 def margin_of(result: FrameResult, column: int) -> float:
     """The level of a listener above the threshold of feeling in the steady state of a frame
     [dB]."""
-    return float(
-        sensation_level(
-            still_samples(result, STILL_SECONDS)[column : column + 1], result.sample_rate
-        )[0]
-    )
+    one = slice(column, column + 1)
+    return float(margins(still_samples(result)[one], result.sample_rate, result.listeners[one])[0])
 
 
 def _with_gain(

@@ -184,7 +184,9 @@ def fit(graph: HapticGraph, measured: Transfer, asked: Question) -> Fit:
     if levels.inside == 0:
         raise ValueError(f"{name}: the path leads through {', '.join(objects_on(graph, path))}")
     if asked.contact and not levels.crossed:
-        raise ValueError(f"{' and '.join(asked.contact)}: no contact of theirs is on the path")
+        raise ValueError(
+            f"{' and '.join(asked.contact)}: the path does not lead through a contact between them"
+        )
     now = math.log(transfer_coefficient(item.kappa, item.rho)) / math.log(function.material_k)
     values, errors, alone = _solved(measured, levels, bool(asked.contact) or not asked.calibrated)
     contact, contact_error = (float(values[1]), float(errors[1])) if asked.contact else (0.0, 0.0)

@@ -313,19 +313,31 @@ class GuardedOutput(Output):
         """make: is pickled. Raises ValueError as ``make`` does."""
         make()
         self.profile = profile
-        self.number = next(_state.numbers)
+        self.number = -1
         self.make = make
         self._guard: Guard | None = None
         self._own = Status()
         self._lost = ""  # why its guard ended; another one then silences the device
 
     def start(self) -> None:
+        self.number, self._own, self._lost = next(_state.numbers), Status(), ""
         try:
             self._guard = _state.open(self)
         except OSError as error:
             self._own = Status(
                 "failed", f"the process that guards the devices can't be started: {error}"
             )
+
+    def wait_until_open(self, patience: float) -> None:
+        """Wait until the device is open. Raises OSError with the reason if it isn't after
+        ``patience`` seconds."""
+        end = time.monotonic() + patience
+        while (status := self.status).state == "searching" and not status.message:
+            if time.monotonic() > end:
+                break
+            time.sleep(0.01)
+        if status.state != "open":
+            raise OSError(status.message or f"{self.profile.title} can't be opened")
 
     def lose(self, guard: Guard | None, reason: str) -> None:
         """Fail for a reason, while ``guard`` silences the device."""

@@ -12,9 +12,11 @@ from typing import Any, Literal
 from ..formats.io.error import FormatError, errors_in
 from ..formats.io.schema import validate
 from ..formats.io.strict_json import parse_json, read_bytes
-from ..perception import BEST_FREQUENCY, threshold_level
+from ..perception import BEST_FREQUENCY, FullScale, threshold_level
 from ..scene.body import BODY_PART
+from ..scene.declaration import declared
 from ..scene.references import Place, PlacedError, named
+from ..scene.values import Listener
 from .families.family import AnyFamily, RumbleFamily
 from .families.registry import FAMILIES
 from .report import Transport
@@ -91,8 +93,9 @@ class Actuator:
     """
 
     body_parts: those at which it is felt. band: its range of frequencies [Hz]; resonances: its
-    resonance frequencies, if known. latency: seconds from command to touch. safe_maximum: amplitude
-    in (0, 1] never exceeded. position: coordinates from the wearer's left and from the top, in any
+    resonance frequencies, if known. full_scale, its unit and source: if known, as those of a
+    listener. latency: seconds from command to touch. safe_maximum: amplitude in (0, 1] never
+    exceeded. position: coordinates from the wearer's left and from the top, in any
     unit, among the actuators of its body part; None: it always plays at full amplitude.
     """
 
@@ -105,7 +108,16 @@ class Actuator:
     channels: tuple[Channel, ...]
     calibration: Calibration
     resonances: tuple[float, ...] = ()
+    full_scale: tuple[tuple[float, float], ...] = ()
+    full_scale_unit: str = "m/s^2"
+    full_scale_source: str = ""
     position: tuple[float, float] | None = None
+
+    @property
+    def device(self) -> FullScale | None:
+        """The calibration; None if it is not known."""
+        is_force = self.full_scale_unit == "N"
+        return FullScale(self.full_scale, is_force) if self.full_scale else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,6 +218,10 @@ def _actuator(place: Place, data: Mapping[str, Any]) -> Actuator:
         for channel, band in zip(data["channels"], takes, strict=True)
     )
     calibration = Calibration(**data.get("calibration", {}))
+    try:
+        full_scale = declared(Listener)["full_scale"].checked(data.get("full_scale", ()))
+    except ValueError as error:
+        raise PlacedError((*place, "full_scale"), str(error)) from None
     values: dict[str, Any] = {
         key: tuple(value) if isinstance(value, list) else value for key, value in data.items()
     }
@@ -215,6 +231,7 @@ def _actuator(place: Place, data: Mapping[str, Any]) -> Actuator:
             "band": _band((*place, "band"), data["band"]),
             "channels": channels,
             "calibration": calibration,
+            "full_scale": full_scale,
         }
     )
 

@@ -87,10 +87,10 @@ def _arrival_messages(
     )
     if not np.any(recent):
         return (Message.of(Cause.PAUSE, name, source=name, gain=gain),)
-    margin = float(sensation_level(recent, result.sample_rate))
+    margin = float(sensation_level(recent, result.sample_rate, [item.device]))
     if margin > 0:
         return ()
-    frequency = Hertz(dominant_frequency(recent, result.sample_rate))
+    frequency = Hertz(dominant_frequency(recent, result.sample_rate, item.device))
     with np.errstate(divide="ignore"):
         level = Decibels(NEPER * np.log(vibration_rms(recent, result.sample_rate)))
     return (

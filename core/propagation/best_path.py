@@ -84,11 +84,20 @@ def best_paths(
     known: Mapping[int, tuple[ShortestPaths, int]],
     bands: Mapping[int, int],
 ) -> BestPaths:
-    """The best path of each of ``pairs`` (p, 2). ``budget`` bounds, per source, the search for
-    pairs that shortest-path trees do not solve. ``amplified``: some gain exceeds 1. ``known``:
-    available trees and the row in them, by row of the source. ``bands``: the frequency band by
-    whose gains a source's paths are chosen; the plain gain without a band, and if no path in that
-    band meets the threshold. Costs are those of the plain gains."""
+    """The best path of each pair of a source and a listener, with the cost of its plain gains.
+
+    Args:
+        graph: the scene.
+        pairs: rows of sources and columns of listeners (p, 2).
+        max_connections: most connections on a path; None without a limit.
+        threshold: least gain of a path.
+        budget: bound, per source, on the search for pairs that shortest-path trees do not solve.
+        amplified: whether some gain exceeds 1.
+        known: trees that are there already and the row in them, by row of the source.
+        bands: the frequency band by whose gains a source's paths are chosen. A source without a
+            band, and one of whose paths none in that band meets the threshold, has those of the
+            plain gains.
+    """
     result = BestPaths()
     result.visited = max((trees.visited() for trees, _ in known.values()), default=0)
     crossings = crossings_of(max_connections)
@@ -147,7 +156,7 @@ def best_paths(
                 else:
                     result.cut.setdefault(pair, threshold)  # of gains above 1, nothing is known
         pairs, views, known = pairs[banded], dict.fromkeys(views, graph), {}
-    _judge(graph, result)
+    _set_costs(graph, result)
     if crossings < graph.contact_count and not amplified:
         _bound_longer(graph, longer, bands, result)
     # Without a threshold, another path would have been chosen, by the band.
@@ -175,7 +184,7 @@ def _bound_longer(
             result.cut[pair] = abs(most - gain)
 
 
-def _judge(graph: HapticGraph, result: BestPaths) -> None:
+def _set_costs(graph: HapticGraph, result: BestPaths) -> None:
     """Compute the costs of all paths by the plain gains, and their gains in bands; bounds keep
     their distance from the costs."""
     along = PathConnections(graph, result.nodes.values())
@@ -212,8 +221,15 @@ class _Walks:
         ends: IntArray,
         backwards: BoolArray,
     ) -> None:
-        """Take those of ``pairs`` (p, 2) from the trees of numbers ``tree`` (p,) to the nearest of
-        ``ends`` (1 or 2, p), some of them ``backwards`` (p,)."""
+        """Take over the walks that meet the threshold.
+
+        Args:
+            trees: shortest-path trees.
+            pairs: of source and listener (p, 2).
+            tree: number of each pair's tree (p,).
+            ends: one or two nodes (1 or 2, p), to the nearer of which the walk leads.
+            backwards: whether the tree starts at the listener (p,).
+        """
         cost = trees.cost[tree, ends].min(axis=0)
         near = (cost <= self.limit + SLACK) & (cost < math.inf)
         if not near.all():
@@ -332,7 +348,18 @@ def _search_row(
     result: BestPaths,
 ) -> None:
     """Best paths of one source for pairs that shortest-path trees do not solve: hop-constrained
-    walks, and a search if such a walk is not a path."""
+    walks, and a search if such a walk is not a path.
+
+    Args:
+        graph: the scene.
+        row: of the source.
+        columns: of the listeners.
+        crossings: most contacts on a path.
+        limit: largest cost of a path.
+        budget: work for all pairs, in states.
+        amplified: whether some gain exceeds 1.
+        result: takes over what is found.
+    """
     roots = graph.sources[row].nodes
     most = min(crossings, graph.contact_count)
     count = int(min(most, HOPS) if amplified and crossings == math.inf else most)

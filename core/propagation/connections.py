@@ -9,7 +9,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, connected
-from ..graph.haptic_graph import HapticGraph, distances
+from ..graph.haptic_graph import HapticGraph
 from ..scene.bands import BAND_COUNT
 
 ROUNDING = 1e-12
@@ -31,19 +31,12 @@ STEPS = 8
 the whole scene are computed."""
 
 PAIRS_EVALUATED = 1 << 18
-"""Most intra-connections of one object that are evaluated to find gains above 1 if the bounds of
-its function allow them."""
+"""Most intra-connections of one object that are evaluated to find gains above 1."""
 
 
 def bounded_exp(x: float) -> float:
     """``exp(x)``, at most `LARGEST`."""
     return math.exp(x) if x < math.log(LARGEST) else LARGEST
-
-
-def cost_of(gain: FloatArray) -> FloatArray:
-    """``-log(gain)``; infinite for gain 0."""
-    with np.errstate(divide="ignore"):
-        return np.asarray(-np.log(gain))
 
 
 def cost_limit(threshold: float) -> float:
@@ -183,19 +176,15 @@ def joined(graph: HapticGraph, pairs: IntArray) -> BoolArray:
 
 
 def amplifying(graph: HapticGraph) -> bool:
-    """Whether some connection of the graph has a gain above 1, by the bounds of its function or, if
-    these are loose, by its values."""
+    """Whether some connection of the graph has a gain above 1. A formula is evaluated for all
+    connections of its object; with very many, it counts as amplifying."""
     if np.any(graph.transmission > 1) or np.any(graph.table.loss < 0):
         return True
     for index in sorted(graph.table.special):
+        if not graph.table.objects[index].propagation.may_amplify:
+            continue
         nodes = graph.nodes_of(index)
         count = nodes.stop - nodes.start
-        if count < 2:
-            continue
-        positions = graph.node_position[nodes]
-        extent = float(distances(positions.min(axis=0), positions.max(axis=0)))
-        if graph.table.gain_bounds(index, extent)[1] <= 1:
-            continue
         if count * (count - 1) // 2 > PAIRS_EVALUATED:
             return True
         first, second = np.triu_indices(count, 1)

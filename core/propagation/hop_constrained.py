@@ -76,8 +76,15 @@ class HopConstrainedPaths:
 def hop_constrained_paths(
     graph: HapticGraph, roots: Sequence[int], limit: float, crossings: int, complete: bool = False
 ) -> HopConstrainedPaths:
-    """Cheapest walks from ``roots`` over at most ``crossings`` contacts that nowhere cost more than
-    ``limit``. ``complete`` as in `shortest_paths`."""
+    """The cheapest walks from nodes to all others over a limited number of contacts.
+
+    Args:
+        graph: the scene.
+        roots: nodes at which walks begin.
+        limit: most that a walk costs anywhere.
+        crossings: most contacts that a walk crosses.
+        complete: as in `shortest_paths`.
+    """
     count = graph.node_count
     arrival = np.full(count, math.inf)
     crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
@@ -133,6 +140,19 @@ def _relax(
     best: FloatArray,
     entry: IntArray,
 ) -> int:
+    """Cross objects once: lower the costs ``best`` of nodes, and note where their objects were
+    entered. Returns the number of connections tried.
+
+    Args:
+        graph: the scene.
+        node: through which objects are entered (k,).
+        cost: of getting there (k,).
+        limit: most that a walk costs.
+        which: of the entries (m,), each for a connection.
+        other: node at the other end of the connection (m,).
+        best: cost of each node (n,), which is changed.
+        entry: node through which the object of each node was entered (n,), which is changed.
+    """
     candidate = cost[which] + intra_costs(graph, node[which], other)
     better = np.flatnonzero(
         (candidate < best[other]) & (candidate <= limit) & (other != node[which])

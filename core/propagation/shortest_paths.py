@@ -34,6 +34,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, ranges
 from ..graph.haptic_graph import HapticGraph
+from ..scene.functions.spreading import Law
 from .connections import intra_costs
 
 BATCH = 1 << 15
@@ -80,8 +81,16 @@ class ShortestPaths:
         other: IntArray,
         backwards: BoolArray,
     ) -> list[tuple[int, ...]]:
-        """Nodes of the shortest paths (p,) from a root of each row to the nearer of two targets, or
-        ``backwards``; () where nothing arrives."""
+        """Nodes of the shortest paths (p,) from a root of each row to the nearer of two targets; ()
+        where nothing arrives.
+
+        Args:
+            graph: the scene.
+            row: the tree of each path (p,).
+            one: a target (p,).
+            other: the other target (p,), or the same.
+            backwards: which paths are given from the target to the root (p,).
+        """
         cost, another = self.cost[row, one], self.cost[row, other]
         node = np.where((another < cost) | ((another == cost) & (other < one)), other, one)
         node[self.entry[row, node] < 0] = -1
@@ -120,8 +129,8 @@ class _Relaxation:
         hold one after the other."""
         self.shift = np.array(self.views, dtype=np.int64) * self.count if len(views) > 1 else None
         self.limits = np.minimum(limits, sys.float_info.max / 2)
-        # What costs more than the limit is not taken: it would not be less than what stands there
-        # at first.
+        # A node's cost begins just above the limit of its row, so that a path beyond the limit is
+        # no improvement.
         self.arrival = np.nextafter(self.limits, math.inf)[:, None].repeat(self.count, axis=1)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
         self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
@@ -160,8 +169,8 @@ class _Relaxation:
         return node if self.shift is None else node + self.shift[row]
 
     def distances(self, begin: IntArray, other: IntArray) -> FloatArray:
-        """`HapticGraph.node_distances`, sooner; squares that vanish make no difference to a
-        cost."""
+        """`HapticGraph.node_distances` without scaling against underflow: distances below 1e-154 m,
+        whose squares are 0, change no cost."""
         if self.is_vast:
             return self.graph.node_distances(begin, other)
         x, y, z = (places[begin] - places[other] for places in self.graph.node_position.T)
@@ -268,9 +277,17 @@ def _relax(
     which: IntArray,
     other: IntArray,
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Relax the connections from entries ``node[which]``, at ``cost`` and with the constant loss of
-    their objects ``base``, to nodes ``other`` of the same objects. Returns the new pending
-    entries."""
+    """Relax connections inside objects. Returns the new pending entries.
+
+    Args:
+        work: costs and entries so far, which are changed.
+        row: of each entry (k,).
+        node: through which the object is entered (k,).
+        cost: of getting there (k,).
+        base: that with the constant loss of the object (k,).
+        which: of the entries (m,), each for a connection.
+        other: node at the other end of the connection (m,).
+    """
     graph, arrivals, entries = work.graph, work.arrivals, work.entries
     work.relaxed += len(other)
     begin = node[which]
@@ -354,17 +371,22 @@ class _Elements:
         )
         self.crossing = _items(work.crossing[view * work.count : (view + 1) * work.count])
         self.loss, self.decay = _items(np.maximum(0.0, table.loss)), _items(table.decay)
-        self.laws = (
-            None
-            if table.spreading is None
-            else [item.propagation.spreading_law() for item in table.objects]
-        )
+        # Of the objects visited so far, None where none spreads.
+        self.laws: dict[int, Law] | None = None if table.spreading is None else {}
         self.points: dict[int, list[float]] = {}
         self.arrays = graph.table.special
         if graph.reach is not None:
             self.arrays |= set(graph.node_object[graph.reach > 0].tolist())
         if work.count <= SMALL:
             self.points.update(enumerate(graph.node_position.tolist()))
+
+    def law(self, index: int) -> Law:
+        """The law by which waves spread in an object."""
+        assert self.laws is not None
+        known = self.laws.get(index)
+        if known is None:
+            known = self.laws[index] = self.table.objects[index].propagation.spreading_law()
+        return known
 
 
 def _dijkstra(
@@ -375,7 +397,16 @@ def _dijkstra(
     arrives: Any,
     enters: Any,
 ) -> None:
-    """Dijkstra's algorithm for one row, from its pending entries."""
+    """Dijkstra's algorithm for one row.
+
+    Args:
+        work: the relaxation, whose limits and targets count.
+        elements: its graph, element by element.
+        row: number of the row.
+        queue: cost and node of the pending entries.
+        arrives: cost of arriving at each node, which is changed.
+        enters: node through which the object of each node is entered, which is changed.
+    """
     graph = work.graph
     heapq.heapify(queue)
     limit = float(work.limits[row])
@@ -433,7 +464,7 @@ def _dijkstra(
                 if arrives[k] > base
             ]
             if elements.laws is not None:
-                law = elements.laws[index].cost
+                law = elements.law(index).cost
                 found = [(k, value + law(distance(here, points[k]))) for k, value in found]
         nearer = False
         for other, value in found:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray
 from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Message
@@ -75,17 +75,6 @@ def propagate(
     return result
 
 
-class _Gains:
-    """Arrays of the result, filled strategy by strategy; as in `Propagation`."""
-
-    def __init__(self, graph: HapticGraph, shape: tuple[int, ...]) -> None:
-        self.gain: FloatArray = np.zeros(shape)
-        self.error: FloatArray = np.zeros(shape)
-        self.paths: IntArray = np.zeros(shape, dtype=np.int64)
-        self.limited: BoolArray = np.zeros(shape, dtype=np.bool_)
-        self.bands: FloatArray | None = np.zeros((*shape, BAND_COUNT)) if graph.uses_bands else None
-
-
 @dataclass(slots=True)
 class _Sums:
     """Further results of sums over paths. ``uncertain``: whether the budget was insufficient for
@@ -97,22 +86,27 @@ class _Sums:
     work: int = 0
 
 
-@dataclass(frozen=True, slots=True)
 class _Run:
-    """One propagation over the graph. ``wanted`` (s, l): the requested pairs."""
+    """One propagation over the graph. ``wanted`` (s, l): the requested pairs. The arrays are those
+    of the `Propagation`, filled strategy by strategy."""
 
-    graph: HapticGraph
-    settings: Settings
-    strategies: tuple[Strategy, ...]
-    wanted: BoolArray
-    budget: int
-    gains: _Gains = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "gains", _Gains(self.graph, self.wanted.shape))
+    def __init__(
+        self,
+        graph: HapticGraph,
+        settings: Settings,
+        strategies: tuple[Strategy, ...],
+        wanted: BoolArray,
+        budget: int,
+    ) -> None:
+        self.graph, self.settings, self.strategies = graph, settings, strategies
+        self.wanted, self.budget, shape = wanted, budget, wanted.shape
+        self.gain, self.error = np.zeros((2, *shape))
+        self.paths = np.zeros(shape, dtype=np.int64)
+        self.limited = np.zeros(shape, dtype=np.bool_)
+        self.bands = np.zeros((*shape, BAND_COUNT)) if graph.uses_bands else None
 
     def result(self) -> Propagation:
-        graph, gains = self.graph, self.gains
+        graph = self.graph
         amplified = amplifying(graph)
         rows = [
             row
@@ -129,14 +123,14 @@ class _Run:
         self._balance_energy()
         delays = graph.uses_delays
         return Propagation(
-            gain=gains.gain,
-            error_bound=np.where((gains.error >= LARGEST) | ~self.wanted, math.inf, gains.error),
-            paths=gains.paths,
-            limited=gains.limited,
+            gain=self.gain,
+            error_bound=np.where((self.error >= LARGEST) | ~self.wanted, math.inf, self.error),
+            paths=self.paths,
+            limited=self.limited,
             silenced=~self.wanted,
             best_path=best.nodes,
             strategy=tuple(str(strategy) for strategy in self.strategies),
-            band_gain=gains.bands,
+            band_gain=self.bands,
             delay=_delays(graph, self.wanted.shape, best) if delays else None,
             taps=self._taps(best, amplified) if delays else {},
             warnings=self._warnings(amplified, best, sums, rows),
@@ -154,7 +148,7 @@ class _Run:
         self, amplified: bool, known: ThresholdCosts | None, rows: list[int]
     ) -> BestPaths:
         """Best paths of all wanted pairs; sets the gains of sources with that strategy."""
-        graph, gains = self.graph, self.gains
+        graph = self.graph
         trees = (
             {}
             if known is None
@@ -181,28 +175,26 @@ class _Run:
         pairs = np.array(list(best.nodes), dtype=np.int64).reshape(-1, 2)
         mine = chosen[pairs[:, 0]]
         places = tuple(pairs[mine].T)
-        gains.gain[places] = np.array([bounded_exp(-cost) for cost in best.cost.values()])[mine]
-        gains.paths[places] = 1
-        gains.error[gains.gain >= LARGEST] = LARGEST
-        if gains.bands is not None and best.bands is not None:
-            gains.bands[places] = gains.gain[places][:, None] * best.bands[mine]
+        self.gain[places] = np.array([bounded_exp(-cost) for cost in best.cost.values()])[mine]
+        self.paths[places] = 1
+        self.error[self.gain >= LARGEST] = LARGEST
+        if self.bands is not None and best.bands is not None:
+            self.bands[places] = self.gain[places][:, None] * best.bands[mine]
         for pair, bound in best.bound.items():
             if chosen[pair[0]]:
-                gains.gain[pair], gains.error[pair] = gain_and_error(best.cost.get(pair), bound)
+                self.gain[pair], self.error[pair] = gain_and_error(best.cost.get(pair), bound)
         cut = np.array(list(best.cut), dtype=np.int64).reshape(-1, 2)
         mine = chosen[cut[:, 0]]
         places = tuple(cut[mine].T)
-        gains.error[places] = np.maximum(
-            gains.error[places], np.array(list(best.cut.values()))[mine]
-        )
-        gains.limited[places] = True
+        self.error[places] = np.maximum(self.error[places], np.array(list(best.cut.values()))[mine])
+        self.limited[places] = True
         return best
 
     def _sum_over_paths(
         self, best: BestPaths, known: ThresholdCosts | None, rows: list[int]
     ) -> _Sums:
         """Set the gains of sources whose strategy is all paths."""
-        graph, gains, settings = self.graph, self.gains, self.settings
+        graph, settings = self.graph, self.settings
         sums = _Sums()
         crossings = crossings_of(most_connections(settings))
         if not rows:
@@ -211,7 +203,7 @@ class _Run:
         pairs = pairs[joined(graph, pairs)]
         if crossings < 0:  # no connection is allowed
             cut = tuple(pairs[np.isin(pairs[:, 0], rows)].T)
-            gains.limited[cut], gains.error[cut] = True, math.inf
+            self.limited[cut], self.error[cut] = True, math.inf
             return sums
         limits = PathLimits(crossings, settings.threshold, settings.tolerance, self.budget)
         # Products may overflow or underflow; then the sum has no bound.
@@ -235,10 +227,10 @@ class _Run:
                     None if known is None else (known, number),
                     least,
                 )
-                gains.gain[row, columns], gains.error[row, columns] = found.gain[:, 0], found.error
-                gains.paths[row, columns], gains.limited[row, columns] = found.paths, found.limited
-                if gains.bands is not None:
-                    gains.bands[row, columns] = found.gain[:, 1:]
+                self.gain[row, columns], self.error[row, columns] = found.gain[:, 0], found.error
+                self.paths[row, columns], self.limited[row, columns] = found.paths, found.limited
+                if self.bands is not None:
+                    self.bands[row, columns] = found.gain[:, 1:]
                 sums.uncertain |= bool(found.uncertain.any())
                 sums.diverges |= bool(np.any(np.isinf(found.error) & ~found.limited))
                 sums.work += found.work
@@ -254,31 +246,31 @@ class _Run:
                 :, None
             ]
         )
-        energies, gains = energy_gains(self.graph, balanced), self.gains
-        gains.gain[balanced], gains.error[balanced], gains.paths[balanced] = (
+        energies = energy_gains(self.graph, balanced)
+        self.gain[balanced], self.error[balanced], self.paths[balanced] = (
             energies.gain[balanced],
             energies.error[balanced],
             -1,
         )
-        if gains.bands is not None and energies.bands is not None:
-            gains.bands[balanced] = energies.bands[balanced]
+        if self.bands is not None and energies.bands is not None:
+            self.bands[balanced] = energies.bands[balanced]
 
     def _warnings(
         self, amplified: bool, best: BestPaths, sums: _Sums, rows: list[int]
     ) -> tuple[Message, ...]:
-        gains, warnings = self.gains, []
+        warnings = []
         if amplified:
             warnings.append(Message.of(Cause.AMPLIFICATION))
         if best.bound:
             warnings.append(Message.of(Cause.PATH_BUDGET))
-        limited = [row for row in rows if gains.limited[row].any()]
+        limited = [row for row in rows if self.limited[row].any()]
         if limited and sums.radius is not None:
             warnings.append(self._limited_message(limited[0], sums.radius))
         if sums.diverges:
             warnings.append(Message.of(Cause.SUM_DIVERGES))
         elif sums.uncertain:
             warnings.append(Message.of(Cause.SUM_BUDGET))
-        if np.any(gains.gain >= LARGEST):
+        if np.any(self.gain >= LARGEST):
             warnings.append(Message.of(Cause.GAIN_OVERFLOW))
         warnings += _unknown_force(self.graph)
         return tuple(warnings)
@@ -307,7 +299,7 @@ class _Run:
                     self.graph, *pair, crossings, self.settings.threshold, amplified
                 )
             else:
-                taps[pair] = ((path_delay(self.graph, nodes), float(self.gains.gain[pair])),)
+                taps[pair] = ((path_delay(self.graph, nodes), float(self.gain[pair])),)
         return taps
 
 

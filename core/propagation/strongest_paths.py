@@ -70,6 +70,9 @@ class StrongestPaths(Iterator[FoundPath]):
     """Iterates over the paths from any of ``roots`` to ``target``, the strongest first.
 
     Args:
+        graph: the scene.
+        roots: nodes at which paths begin.
+        target: node at which they end.
         ahead: (k, n) lower bounds on the cost from entering at a node to the target with at most 0,
             1, ... further contacts; the last row holds for any larger number.
         crossings: most contacts on a path.
@@ -161,7 +164,16 @@ def delay_taps(
     graph: HapticGraph, row: int, column: int, crossings: float, threshold: float, amplified: bool
 ) -> tuple[tuple[float, float], ...]:
     """Delays of a sum over paths: (delay [s], gain) of up to `TAPS` of the strongest paths of a
-    pair within both limits, the strongest first."""
+    pair, the strongest first.
+
+    Args:
+        graph: the scene.
+        row: of the source.
+        column: of the listener.
+        crossings: most contacts on a path.
+        threshold: least gain of a path.
+        amplified: whether some gain exceeds 1.
+    """
     target = int(graph.listener_nodes[column])
     limit = cost_limit(threshold)
     if amplified:

@@ -63,9 +63,11 @@ class Subsystems:
         of_object: (r,) object of each subsystem.
         centre: (r, 3) middle of its contacts [m].
         distance: (r,) root mean square distance between two of its contacts [m].
-        mass: (r,) in (0, 1] for a region the largest part of a contact in it, relative to the
-        object's strongest contact. node: (a,) contact nodes, sorted; a node is repeated for every
-        region that it belongs to. region: (a,) the subsystem. weight: (a,) of that node, in (0, 1].
+        mass: (r,) in (0, 1]: of a region, the largest part of a contact in it, relative to the
+            object's strongest contact; of an undivided object 1.
+        node: (a,) contact nodes, sorted; a node is repeated for every region that it belongs to.
+        region: (a,) the subsystem.
+        weight: (a,) of that node, in (0, 1].
     """
 
     of_object: IntArray
@@ -105,7 +107,15 @@ def _attached(
     slot: IntArray,
     begin: IntArray,
 ) -> tuple[IntArray, IntArray, FloatArray, IntArray, FloatArray]:
-    """How contacts at ``position`` (n, 3) on objects ``used[slot]`` belong to subsystems.
+    """How contacts belong to subsystems.
+
+    Args:
+        graph: the scene.
+        position: of the contacts (n, 3) [m].
+        strength: their weights (n,).
+        used: objects with contacts (m,).
+        slot: which of these each contact is on (n,), ascending.
+        begin: the first contact of each object (m,).
 
     Returns:
         Number of the contact (a,), sorted; its subsystem (a,) and weight (a,); object of each
@@ -187,8 +197,15 @@ def _lattice(
     slot: IntArray,
     contacts: FloatArray,
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """The lattice points around places ``local`` (n, 3) on objects ``slot`` (n,): number of the
-    place, sorted, point (3,), weight > 0."""
+    """The lattice points around contacts: number of the contact, sorted, point (3,), weight > 0.
+
+    Args:
+        local: places of the contacts in the axes of their objects, about the middle (n, 3) [m].
+        strength: their weights (n,).
+        spacing: of the lattice of each object (m,) [m].
+        slot: which object each contact is on (n,), ascending.
+        contacts: sum of the weights on each object (m,).
+    """
     step = _coarsened(local, strength, spacing, slot, contacts)[slot, None]
     along = np.sign(local) * np.minimum(np.maximum(np.abs(local) / step - 0.5, 0.0), FARTHEST)
     base = np.floor(along)
@@ -207,7 +224,7 @@ def _coarsened(
     contacts: FloatArray,
 ) -> FloatArray:
     """Spacings (m,) so large that no object has many more than `REGIONS` regions where most of its
-    contacts are, nor than `MOST_REGIONS`; ``contacts`` (m,): the sum of strengths of each.
+    contacts are, nor than `MOST_REGIONS`. Arguments as in `_lattice`.
 
     Regions are no more than the lattice points within the extents of the contacts, nor than eight
     for each contact. The harmonic mean of the two is a continuous estimate.

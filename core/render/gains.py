@@ -77,8 +77,15 @@ class Gains:
         slope: FloatArray,
         bends: tuple[Bend, ...],
     ) -> Gains:
-        """Return the gains of a frame at whose start the lines are at `start` with the `slope` and
-        the `bends` of the frame before."""
+        """Return the gains of a frame.
+
+        Args:
+            frame: the frame.
+            start: the lines at its start.
+            end: the lines at its end, of the same shape.
+            slope: of the lines in the frame before [1/s].
+            bends: those of the frame before that still matter.
+        """
         seconds = frame.end - frame.start
         if seconds < _INSTANT:
             return cls(end, end, np.zeros_like(end), np.zeros_like(end))

@@ -6,16 +6,16 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .frame_result import FrameResult
+from .levels import LEVEL_SECONDS
 from .mixdown import listener_mixes, source_voices, steady
 from .renderer import Renderer
 
 SECONDS = 1.0
-STILL_SECONDS = 0.25
 
 
 class History:
     """Consecutive blocks; a jump restarts them. A frame without a block is rendered in the steady
-    state for `STILL_SECONDS`."""
+    state for `LEVEL_SECONDS`."""
 
     def __init__(self) -> None:
         self.sample_rate = 0.0
@@ -26,7 +26,7 @@ class History:
     def feed(self, result: FrameResult) -> None:
         """Append the block of the next frame."""
         names = tuple(listener.name for listener in result.listeners)
-        block = still_samples(result, STILL_SECONDS) if result.block is None else result.block
+        block = still_samples(result) if result.block is None else result.block
         alike = names == self.listeners and self.sample_rate == result.sample_rate
         follows = alike and result.block is not None and self._end == result.first_sample
         keep = round(SECONDS * result.sample_rate)
@@ -47,7 +47,15 @@ class History:
         return self._samples
 
 
-def still_samples(result: FrameResult, seconds: float) -> FloatArray:
+def lasts(result: FrameResult, samples: FloatArray) -> bool:
+    """Whether the level of a frame is that of the ``samples`` (l, n) up to its end: of the last
+    `LEVEL_SECONDS`, before which sources have faded in over a frame. Otherwise it is that of
+    `still_samples`."""
+    fade_in = 0 if result.block is None else result.block.shape[1]
+    return bool(samples.shape[1] >= round(LEVEL_SECONDS * result.sample_rate) + fade_in)
+
+
+def still_samples(result: FrameResult, seconds: float = LEVEL_SECONDS) -> FloatArray:
     """Samples (l, n) of a single frame as if it lasted for ``seconds`` from the beginning of its
     interval, with its gains."""
     if not result.listeners:

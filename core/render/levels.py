@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..perception import sensation_level
+from ..scene.values import Listener
 
 LEVEL_SECONDS = 0.25
 """Duration over which a level is computed [s]."""
@@ -31,13 +33,20 @@ def vibration_rms(samples: FloatArray, sample_rate: float) -> FloatArray:
     return np.asarray(np.sqrt(rest / max(count, 1)))
 
 
-def level_and_margin(samples: FloatArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
+def margins(samples: FloatArray, sample_rate: float, listeners: Sequence[Listener]) -> FloatArray:
+    """The margins (l,) [dB] of ``samples`` (l, n) above the thresholds of feeling, by the devices
+    of ``listeners``, () for those assumed; minus infinity for silence."""
+    return sensation_level(samples, sample_rate, [item.device for item in listeners] or (None,))
+
+
+def level_and_margin(
+    samples: FloatArray, sample_rate: float, listeners: Sequence[Listener] = ()
+) -> tuple[FloatArray, FloatArray]:
     """Of each row of ``samples`` (l, n): the RMS level (l,) without the steady part [dB of full
-    scale], and the margin (l,) [dB] above the threshold of feeling; minus infinity for silence."""
+    scale], and its `margins`; minus infinity for silence."""
     with np.errstate(divide="ignore"):
-        return np.asarray(20 * np.log10(vibration_rms(samples, sample_rate))), sensation_level(
-            samples, sample_rate
-        )
+        level = np.asarray(20 * np.log10(vibration_rms(samples, sample_rate)))
+    return level, margins(samples, sample_rate, listeners)
 
 
 def finite(decibels: float) -> float | None:

@@ -64,7 +64,9 @@ def felt_sources(
 ) -> FeltSources:
     """Classify the sources of listener number ``listener`` as if they lasted for `SECONDS`."""
     margins, maskers = masked_by(
-        source_samples(sounding, listener, SECONDS, sample_rate), sample_rate
+        source_samples(sounding, listener, SECONDS, sample_rate),
+        sample_rate,
+        sounding.listeners[listener].device,
     )
     names = [source.name for source in sounding.sources]
     found = [

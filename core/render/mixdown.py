@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
 
 from ..arrays import FloatArray
-from ..propagation import Propagation
 from ..scene.values import Listener, Source
 from .arrival import arriving
 from .frame_result import FrameResult, Sounding
@@ -43,19 +41,11 @@ class Mixdown:
             self._renderer.reset()
         self._last, self._skipped = None, False
 
-    def render(
-        self,
-        start: float | None,
-        end: float,
-        sources: Sequence[Source],
-        listeners: Sequence[Listener],
-        propagation: Propagation,
-        heard: bool = True,
-    ) -> FloatArray | None:
-        """The samples (l, n) from ``start`` to ``end`` [s], gains reaching those of ``propagation``
-        at the end; None without a start or listeners, or if not ``heard``. The next rendered
-        samples continue from the gains of this end."""
-        mixes = listener_mixes(listeners)
+    def render(self, start: float | None, end: Sounding, heard: bool = True) -> FloatArray | None:
+        """The samples (l, n) from ``start`` [s] to the ``end``, whose gains they reach; None
+        without a start or listeners, or if not ``heard``. The next rendered samples continue from
+        the gains of this end."""
+        mixes = listener_mixes(end.listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
             self._renderer, self._last, self._skipped = (
                 Renderer(mixes, self.sample_rate) if mixes else None,
@@ -65,8 +55,7 @@ class Mixdown:
         if self._renderer is None or start is None:
             self.before = None
             return None
-        self.before = self._last
-        self._last = Sounding(end, tuple(sources), tuple(listeners), propagation)
+        self.before, self._last = self._last, end
         if not heard:
             self._skipped = True
             return None
@@ -75,7 +64,7 @@ class Mixdown:
                 mixes, self.sample_rate, self.before.time, source_voices(self.before)
             )
             self._skipped = False
-        return self._renderer.render_frame(start, end, source_voices(self._last))
+        return self._renderer.render_frame(start, end.time, source_voices(end))
 
 
 def block_of(result: FrameResult) -> FloatArray | None:
@@ -112,15 +101,14 @@ def steady(renderer: Renderer, start: float, seconds: float, voices: Sequence[Vo
 def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
     """The mixes of listeners, for a `Renderer`."""
     return tuple(
-        _mix(item.name, item.mixing, item.mixing_expression, item.s_max, item.limiter)
-        for item in listeners
+        ListenerMix(item.name, _method(item), item.s_max, item.limiter) for item in listeners
     )
 
 
-@lru_cache(maxsize=1024)  # the same ones in every frame
-def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -> ListenerMix:
-    method: MixingMethod = MixingExpression(expression, s_max) if mixing == "custom" else mixing  # type: ignore[assignment]
-    return ListenerMix(name, method, s_max, limiter=limiter)
+def _method(item: Listener) -> MixingMethod:
+    if item.mixing == "custom":
+        return MixingExpression(item.mixing_expression, item.s_max)
+    return item.mixing  # type: ignore[return-value]
 
 
 def ducked(

@@ -20,10 +20,13 @@ from ..arrays import FloatArray
 class TonePaths:
     """Tones of n_voices voices on their paths to n_listeners listeners, for `count` samples.
 
-    start: phases in cycles at the first sample, shape (n_listeners, n_voices), or (1, n_voices)
-    where all listeners get the same. step: cycles per sample, of the same shape. factors, curves:
-    the gains as sums of products, `factors` of shape (n_terms, n_listeners, n_voices), and a curve,
-    shape (m,), for the first m <= count samples per term, the first of which is 1 throughout.
+    Args:
+        start: phases in cycles at the first sample, shape (n_listeners, n_voices), or (1, n_voices)
+            where all listeners get the same.
+        step: cycles per sample, of the same shape.
+        factors: of the gains, which are sums of products, shape (n_terms, n_listeners, n_voices).
+        curves: per term, for the first m <= count samples, shape (m,); the first is 1 throughout.
+        count: number of samples.
     """
 
     def __init__(

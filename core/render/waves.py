@@ -1,23 +1,23 @@
-"""Waveforms of listeners over many frames for drawing at any zoom: samples, and a pyramid of their
-minima and maxima."""
+"""Waveforms and levels of listeners over many frames for drawing at any zoom: samples, a pyramid of
+their minima and maxima, and the level at the end of each frame."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import BoolArray, FloatArray
-from ..perception import sensation_level
+from ..arrays import BoolArray, FloatArray, IntArray
+from ..scene.values import Listener
+from .levels import LEVEL_SECONDS, level_and_margin, vibration_rms
 
 FULL_SCALE = 32767
 """Integer value of the sample 1.0: steps of 1/32767 are 90 dB below full scale, far below the
 threshold of feeling."""
-WINDOW_SECONDS = 0.25
-"""Duration over which the threshold of feeling is computed [s]."""
 _STEP = 8  # values of a level that one of the next coarser level stands for
 
 
@@ -29,22 +29,34 @@ def as_integers(samples: FloatArray) -> NDArray[np.int16]:
 @dataclass(frozen=True, slots=True)
 class Columns:
     """Parts of a wave, from left to right: the range of the samples in each, ``low`` and ``high``
-    (l, c) as integers, ``threshold`` (l, c) the peak of this vibration at the threshold of feeling
-    [dB of full scale], NaN for silence; ``known`` (c,): whether there are samples."""
+    (l, c) as integers; ``level`` (l, c) the highest [dB of full scale]; ``threshold`` (l, c) the
+    level of this vibration at the threshold of feeling, NaN for silence; ``known`` (c,): whether
+    there are samples."""
 
     low: NDArray[np.int16]
     high: NDArray[np.int16]
+    level: FloatArray
     threshold: FloatArray
     known: BoolArray
 
 
 class Waves:
-    """``samples`` (l, n), n > 0, of ``listeners``, the first at the frame ``origin``, ``per_frame``
-    of them a frame.
+    """Samples of listeners over many frames. One thread writes; another that reads at the same time
+    may miss the data being written.
 
-    ``impacts``: the frames (m,) at which they began, and the gains (m, l) with which each listener
-    felt them. One thread writes; another that reads at the same time may miss the data being
-    written.
+    Args:
+        listeners: their names.
+        origin: the frame at which the samples begin.
+        per_frame: samples in a frame.
+        samples: (l, n), n > 0.
+        filled: whether they are known already.
+
+    Attributes:
+        level, threshold: (l, f) those of the last `LEVEL_SECONDS` up to the end of each frame, as
+            the meters show them.
+        sources: the amplitudes (f,) by name [dB].
+        impacts: the frames (m,) at which they began, and the gains (m, l) with which each listener
+            felt them.
     """
 
     def __init__(
@@ -60,6 +72,8 @@ class Waves:
         count, length = samples.shape
         self.filled: BoolArray = np.full(math.ceil(length / per_frame - 1e-9), filled)
         self.threshold: FloatArray = np.full((count, len(self.filled)), np.nan, dtype=np.float32)
+        self.level: FloatArray = np.full_like(self.threshold, -np.inf)
+        self.sources: dict[str, FloatArray] = {}
         self.impacts: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros((0, count))
         self._low, self._high = [samples], [samples]
         while self._low[-1].shape[1] > _STEP:
@@ -74,19 +88,33 @@ class Waves:
         """The frame at which the samples end."""
         return self.origin + len(self.filled)
 
-    def find_thresholds(self, sample_rate: float) -> None:
-        """Compute the threshold of feeling from the samples, window after window."""
-        samples, width = self._low[0], round(WINDOW_SECONDS * sample_rate)
+    def find_levels(self, sample_rate: float, listeners: Sequence[Listener] = ()) -> None:
+        """Compute the levels from the samples, and the thresholds window after window."""
+        samples, width = self._low[0], round(LEVEL_SECONDS * sample_rate)
+        for frame in range(len(self.filled)):
+            end = math.ceil((frame + 1) * self.per_frame)
+            part = samples[:, max(end - width, 0) : end] / FULL_SCALE
+            with np.errstate(divide="ignore"):
+                self.level[:, frame] = 20 * np.log10(vibration_rms(part, sample_rate))
         for begin in range(0, samples.shape[1], width):
             part = samples[:, begin : begin + width] / FULL_SCALE
             frames = slice(
                 round(begin / self.per_frame), math.ceil((begin + width) / self.per_frame)
             )
-            self.threshold[:, frames] = threshold_of(part, sample_rate)[:, None]
+            _, threshold = level_and_threshold(part, sample_rate, listeners)
+            self.threshold[:, frames] = threshold[:, None]
 
-    def write(self, start: int, block: FloatArray, threshold: FloatArray) -> None:
-        """Keep the samples (l, n) of a frame, the first is number ``start``, and its threshold
-        (l,), replacing earlier ones; samples outside are dropped."""
+    def write(
+        self,
+        start: int,
+        block: FloatArray,
+        level: FloatArray,
+        threshold: FloatArray,
+        sources: Mapping[str, float] = MappingProxyType({}),
+    ) -> None:
+        """Keep the samples (l, n) of a frame, the first is number ``start``, its level and
+        threshold (l,), and the amplitudes of its sources, replacing earlier ones; samples outside
+        are dropped."""
         first, last = max(start, 0), min(start + block.shape[1], self._low[0].shape[1])
         if first >= last:
             return
@@ -99,8 +127,17 @@ class Waves:
         began, gain = self.impacts
         others = (began < self.origin + frames.start) | (began >= self.origin + frames.stop)
         self.impacts = began[others], gain[others]
-        self.threshold[:, frames] = threshold[:, None]
+        self.level[:, frames], self.threshold[:, frames] = level[:, None], threshold[:, None]
+        self.write_sources(frames, sources)
         self.filled[frames] = True
+
+    def write_sources(self, frames: slice, amplitudes: Mapping[str, float]) -> None:
+        """Keep the amplitudes of the sources that sound in some frames, instead of earlier ones."""
+        for row in self.sources.values():
+            row[frames] = -np.inf
+        for name in amplitudes.keys() - {""}:
+            row = self.sources.setdefault(name, np.full(len(self.filled), -np.inf))
+            row[frames] = 20 * math.log10(max(amplitudes[name], 1e-9))
 
     def add_impacts(self, frame: FloatArray, gain: FloatArray) -> None:
         """Add impacts at frames (m,), felt with gains (m, l)."""
@@ -118,17 +155,30 @@ class Waves:
             np.int64
         )
         shown, starts = slice(at[0], at[-1] + 1), at[:-1] - at[0]
-        begun, count = np.concatenate([[0], np.cumsum(self.filled)]), len(self.filled)
-        left, right = (
-            np.clip(to(edges - self.origin), 0, count).astype(np.int64)
-            for to in (np.floor, np.ceil)
-        )
+        begun = np.concatenate([[0], np.cumsum(self.filled)])
+        left, right = self._frames(edges)
         return Columns(
             np.minimum.reduceat(self._low[level][:, shown], starts, axis=1),
             np.maximum.reduceat(self._high[level][:, shown], starts, axis=1),
-            self.threshold[:, np.minimum(left[:-1], count - 1)],
+            self.highest(self.level, edges),
+            self.threshold[:, np.minimum(left[:-1], len(self.filled) - 1)],
             begun[right[1:]] > begun[left[:-1]],
         )
+
+    def highest(self, values: FloatArray, edges: FloatArray) -> FloatArray:
+        """The highest of values (r, f) of frames in each part between ``edges`` (c + 1,)."""
+        left, right = self._frames(edges)
+        first = np.minimum(left[:-1], len(self.filled) - 1)
+        shown = values[:, : max(right[-1], first[-1] + 1)]
+        return np.asarray(np.maximum.reduceat(shown, first, axis=1))
+
+    def _frames(self, edges: FloatArray) -> tuple[IntArray, IntArray]:
+        """The numbers of the frames that begin before and after ``edges``, of those there are."""
+        left, right = (
+            np.clip(to(edges - self.origin), 0, len(self.filled)).astype(np.int64)
+            for to in (np.floor, np.ceil)
+        )
+        return left, right
 
     def _condense(self, first: int, last: int) -> None:
         """Compute the minima and maxima that the samples ``first`` to ``last`` - 1 are part of."""
@@ -142,11 +192,18 @@ class Waves:
                 )
 
 
-def threshold_of(samples: FloatArray, sample_rate: float) -> FloatArray:
-    """The peak (l,) of ``samples`` (l, n) scaled to the threshold of feeling [dB of full scale];
-    NaN for silence."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        level = 20 * np.log10(np.abs(samples).max(axis=1, initial=0.0)) - sensation_level(
-            samples, sample_rate
-        )
-    return np.where(np.isfinite(level), level, np.nan)
+def row_name(name: str, second_object: str | None, onset: float) -> str:
+    """The row that shows a source: its own name, also where it sounds at each trigger from
+    ``onset`` [s] on; "" for an impact, which has none."""
+    return "" if second_object else name.removesuffix(f" at {onset:.4f} s")
+
+
+def level_and_threshold(
+    samples: FloatArray, sample_rate: float, listeners: Sequence[Listener] = ()
+) -> tuple[FloatArray, FloatArray]:
+    """The level (l,) of ``samples`` (l, n) [dB of full scale], minus infinity for silence, and
+    that of the same vibration at the threshold of feeling of ``listeners``, NaN for silence."""
+    level, margin = level_and_margin(samples, sample_rate, listeners)
+    with np.errstate(invalid="ignore"):
+        threshold = level - margin
+    return level, np.where(np.isfinite(threshold), threshold, np.nan)

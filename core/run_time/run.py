@@ -55,6 +55,8 @@ class Run:
         )
         self._moved: set[str] = set()
         self._listed = scene.contacts
+        self._silent: set[str] = set()  # sources that do not play
+        self._amplitudes: dict[str, float] = {}
         # By kind and name, in the frame of the object.
         self._places: dict[tuple[str, str], FloatArray] = {}
         self._sources: dict[str, Source] = {}
@@ -63,8 +65,6 @@ class Run:
             self._place("source", source)
         for listener in scene.listeners:
             self._place("listener", listener)
-        self._silent: set[str] = set()  # sources that do not play
-        self._amplitudes: dict[str, float] = {}
         self._tracer = Tracer(self.rules, sample_rate)
         self._history = History()
         self._time: float | None = None
@@ -84,6 +84,11 @@ class Run:
     def listeners(self) -> tuple[str, ...]:
         """The names of the listeners, in the order of the rows of samples."""
         return tuple(self._listeners)
+
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether the devices of all listeners are calibrated, so that no margin is assumed."""
+        return all(item.device is not None for item in self._listeners.values())
 
     @property
     def body_parts(self) -> dict[str, str]:
@@ -234,6 +239,7 @@ class Run:
 
     def _add(self, kind: str, item: Source | Listener, known: Mapping[str, Any]) -> None:
         require_new(item.name, known, kind, (kind, "name"))
+        self._silent.discard(item.name)  # one of this name may have been removed
         self._place(kind, item)
 
     def _place(self, kind: str, item: Source | Listener) -> None:
@@ -243,6 +249,7 @@ class Run:
         self._places[kind, item.name] = pose[:3, :3].T @ (np.array(item.position) - pose[:3, 3])
         if isinstance(item, Source):
             self._sources[item.name] = item
+            self._amplitudes.pop(item.name, None)  # it brings its own
         else:
             self._listeners[item.name] = item
 
@@ -256,9 +263,7 @@ class Run:
             [item.shape is not None for item in self._frame_objects], dtype=np.bool_
         )
         self._bodies = tuple(
-            Body(item.name, item.shape, item.mass, item.motion, item.medium, item.material)
-            for item in self._frame_objects
-            if item.shape is not None
+            Body.of(item, item.shape) for item in self._frame_objects if item.shape is not None
         )
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
 

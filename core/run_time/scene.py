@@ -11,13 +11,13 @@ from typing import Any
 
 from ..contacts.contact_set import ContactSet
 from ..contacts.scene_contacts import contacts_of_scene
+from ..formats.haptic_scene import export_of
 from ..formats.io.error import FormatError, json_pointer
 from ..formats.io.strict_json import parse_json, read_json
 from ..formats.scene.scene_json import (
     FORMAT,
     VERSION,
     current_document,
-    scene_of,
     scene_to_dict,
     write_document,
 )
@@ -72,7 +72,8 @@ class Scene:
         """The scene of a parsed file. Raises FormatError."""
         scene = cls.__new__(cls)
         scene.document, scene.unknown = current_document(document, file)
-        scene.content, scene.file = scene_of(scene.document, file), file
+        export = export_of(scene.document, scene.unknown, Path(file))
+        scene.content, scene.file = export.need_scene(), file
         return scene
 
     content: HapticScene

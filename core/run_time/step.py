@@ -11,7 +11,7 @@ from ..arrays import FloatArray
 from ..contacts.impacts import Impact
 from ..message import sentence
 from ..render.frame_result import FrameResult
-from ..render.history import still_samples
+from ..render.history import lasts, still_samples
 from ..render.levels import LEVEL_SECONDS, finite, level_and_margin
 
 
@@ -66,12 +66,12 @@ def answer(result: FrameResult, samples: FloatArray, moving: Sequence[str]) -> S
     Levels are those of the last quarter second; where there are fewer samples since the beginning,
     those of the frame as if it lasted.
     """
+    if result.block is None or not lasts(result, samples):
+        samples = still_samples(result)
     window = round(LEVEL_SECONDS * result.sample_rate)
-    # Sources fade in over the first block.
-    if result.block is None or samples.shape[1] < window + result.block.shape[1]:
-        samples = still_samples(result, LEVEL_SECONDS)
     level, margin = (
-        values.tolist() for values in level_and_margin(samples[:, -window:], result.sample_rate)
+        values.tolist()
+        for values in level_and_margin(samples[:, -window:], result.sample_rate, result.listeners)
     )
     sources, listeners = (
         [item.name for item in items] for items in (result.sources, result.listeners)

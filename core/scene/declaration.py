@@ -22,6 +22,7 @@ from typing import Any
 
 MOST = 1e9
 """Largest magnitude of a number without a limit of its own."""
+_MOST_IN_CURVE = 1e6
 _KEY = "declaration"
 _RANGE = {True: "exclusiveMinimum", False: "minimum"}
 
@@ -111,6 +112,44 @@ class Numbers(Number):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Curve(Declaration):
+    """Numbers above 0 by rising frequency: pairs ``((hertz, number), ...)``, as a text such as "40
+    3.2, 160 14"."""
+
+    most: int = 100
+
+    def checked(self, value: Any) -> Any:
+        points = tuple((float(hertz), float(number)) for hertz, number in value)
+        hertz = [place for place, _ in points]
+        if len(points) > self.most or hertz != sorted(set(hertz)):
+            raise ValueError(f"expected up to {self.most} points by rising frequency")
+        if not all(0 < number <= _MOST_IN_CURVE for point in points for number in point):
+            raise ValueError(f"numbers must be above 0 and at most {_MOST_IN_CURVE:g}")
+        return points
+
+    def schema(self) -> dict[str, Any]:
+        number = {"type": "number", "exclusiveMinimum": 0, "maximum": _MOST_IN_CURVE}
+        point = {"type": "array", "minItems": 2, "maxItems": 2, "items": number}
+        return {"type": "array", "maxItems": self.most, "items": point}
+
+    @staticmethod
+    def text(value: Any) -> str:
+        """The points as text."""
+        return ", ".join(f"{hertz:.6g} {number:.6g}" for hertz, number in value)
+
+    def read(self, text: str) -> Any:
+        """The points of a text. Raises ValueError with the reason."""
+        try:
+            points = [tuple(map(float, part.split())) for part in text.split(",") if part.strip()]
+            return self.checked(points)
+        except ValueError as error:
+            raise ValueError(
+                f"{self.label}: {text!r} is not pairs of hertz and number, "
+                f'such as "40 3.2, 160 14" ({error})'
+            ) from None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Switch(Declaration):
     """True or false."""
 
@@ -188,8 +227,22 @@ def share(label: str, about: str, **more: Any) -> Mapping[str, Any]:
 def numbers(
     label: str, about: str, count: int, low: float = -MOST, high: float = MOST, **more: Any
 ) -> Mapping[str, Any]:
-    """The metadata of `Numbers`."""
+    """The metadata of `Numbers`.
+
+    Args:
+        label: name in panels, "" for a field without a property.
+        about: meaning, as tooltip and in the schema.
+        count: how many.
+        low: least value of each.
+        high: largest value of each.
+        more: further fields of the declaration.
+    """
     return {_KEY: Numbers(label=label, about=about, count=count, low=low, high=high, **more)}
+
+
+def curve(label: str, about: str, **more: Any) -> Mapping[str, Any]:
+    """The metadata of a `Curve`."""
+    return {_KEY: Curve(label=label, about=about, **more)}
 
 
 def switch(label: str, about: str, **more: Any) -> Mapping[str, Any]:

@@ -105,12 +105,15 @@ def physical(
     part: str = "",
     is_half_space: bool = False,
 ) -> Physical:
-    """The propagation function of a body of a material of the library, from its three sizes [m] in
-    any order: those of its bounding box, the least of them that of the wall if the body is hollow.
+    """The propagation function of a body of a material of the library.
 
-    ``in_a_building``: the body is a wall or floor in place, whose edges and joints add attenuation.
-    ``part``: the body part, without its side, if it is of flesh. ``is_half_space``: waves travel
-    along its surface without end, as in the materials of the ground.
+    Args:
+        name: of the material.
+        size: its three sizes [m] in any order: those of its bounding box, the least of them that of
+            the wall if the body is hollow.
+        in_a_building: it is a wall or floor in place, whose edges and joints add attenuation.
+        part: the body part, without its side, if it is of flesh.
+        is_half_space: waves travel along its surface without end, as in materials of the ground.
     """
     damping, material = DAMPING[name], MATERIALS[name]
     small, middle, large = sorted(size)

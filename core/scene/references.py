@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
-from typing import TypeVar
+from collections.abc import Collection, Container, Iterable, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any, TypeVar
 
 Item = TypeVar("Item")
+
+_ALIKE = 0.76
+"""Least likeness of a name that is taken for a slip of another one, 1 for the same letters."""
 
 Place = tuple[str | int, ...]
 """Keys and indices that lead to a value of a scene."""
@@ -20,18 +24,29 @@ class PlacedError(ValueError):
         self.reason = reason
 
 
+def meant(name: Any, known: Iterable[Any], words: str = ", did you mean {!r}?") -> str:
+    """The ``words`` with what of the ``known`` names is nearly ``name``; "" if none is."""
+    if not isinstance(name, str):
+        return ""
+    by_letters = {one.casefold(): one for one in known if isinstance(one, str)}
+    near = get_close_matches(name.casefold(), by_letters, 1, _ALIKE)
+    return words.format(by_letters[near[0]]) if near else ""
+
+
 def named(name: str, known: Mapping[str, Item], kind: str) -> Item:
     """The item called ``name``. Raises ValueError, which lists the ``known`` names of that kind, if
     there is none."""
     if name not in known:
-        raise ValueError(f"{kind} {name!r} is unknown: use one of {', '.join(known)}")
+        raise ValueError(
+            f"{kind} {name!r} is unknown{meant(name, known)}: use one of {', '.join(known)}"
+        )
     return known[name]
 
 
-def require_known(name: str, known: Container[str], kind: str, place: Place) -> None:
+def require_known(name: str, known: Collection[str], kind: str, place: Place) -> None:
     """Raise PlacedError unless ``name`` is one of the ``known`` names of that kind."""
     if name not in known:
-        raise PlacedError(place, f"there is no {kind} {name!r}")
+        raise PlacedError(place, f"there is no {kind} {name!r}{meant(name, known)}")
 
 
 def require_unique(names: Sequence[str], kind: str, key: str) -> None:

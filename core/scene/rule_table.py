@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 from functools import lru_cache
 from typing import Generic, TypeVar
 
-Does = TypeVar("Does", covariant=True)
+Value = TypeVar("Value", covariant=True)
 
 MOST_ROWS = 1000
 """Largest number of rows of a table."""
@@ -54,11 +54,11 @@ def _fits(pattern: str, name: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Rule(Generic[Does]):
-    """A row: the value ``does`` for pairs of objects that match ``between`` in either order."""
+class Rule(Generic[Value]):
+    """A row: the ``value`` for pairs of objects that match ``between`` in either order."""
 
     between: tuple[Side, Side]
-    does: Does
+    value: Value
 
     @property
     def rank(self) -> tuple[int, int]:
@@ -73,13 +73,13 @@ class Rule(Generic[Does]):
 
 
 @dataclass(frozen=True, slots=True)
-class RuleTable(Generic[Does]):
+class RuleTable(Generic[Value]):
     """A table of ``rows`` in the author's order."""
 
-    rows: tuple[Rule[Does], ...] = ()
+    rows: tuple[Rule[Value], ...] = ()
 
-    def of(self, first: tuple[str, str], second: tuple[str, str]) -> Does | None:
+    def of(self, first: tuple[str, str], second: tuple[str, str]) -> Value | None:
         """The value for two objects, each given by name and material: that of the most specific
         matching row, the upper one of equally specific rows; None without a match."""
         fitting = [row for row in self.rows if row.fits(first, second)]
-        return max(fitting, key=lambda row: row.rank).does if fitting else None
+        return max(fitting, key=lambda row: row.rank).value if fitting else None

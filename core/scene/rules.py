@@ -134,7 +134,7 @@ class ContactSettings:
 
     def impact_rules(self) -> tuple[ImpactRule, ...]:
         """The rule for pairs without a matching row, and those of all rows."""
-        return _plain_rule(self.templates), *(row.does for row in self.impact_table.rows)
+        return _plain_rule(self.templates), *(row.value for row in self.impact_table.rows)
 
     def all_limits(self) -> tuple[ImpactLimits, ...]:
         """The limits of all impact rules."""

@@ -13,6 +13,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import signals
+from ..perception import FullScale
 from .body import BODY_PARTS
 from .choices import Extent as Extent
 from .choices import Mode as Mode
@@ -23,6 +24,7 @@ from .declaration import (
     MOST,
     check,
     choice,
+    curve,
     extras,
     name_of,
     number,
@@ -56,11 +58,6 @@ def _finite_vector(key: str, value: Iterable[float], length: int = 3) -> tuple[f
     if len(vector) != length or not (math.isfinite(sum(vector)) or all(map(math.isfinite, vector))):
         raise ValueError(f"{key}: expected {length} finite numbers, got {vector!r}")
     return vector
-
-
-def _unit_interval(key: str, value: float) -> None:
-    if not 0 <= value <= 1:
-        raise ValueError(f"{key}: must lie in [0, 1], got {value!r}")
 
 
 def _name(key: str, value: str) -> None:
@@ -332,13 +329,7 @@ class Contact:
         object.__setattr__(
             self, "positions", tuple(_finite_vector("positions", p) for p in self.positions)
         )
-        object.__setattr__(self, "normal", _finite_vector("normal", self.normal))
-        if not 0 <= self.area < math.inf:
-            raise ValueError(f"area: must be finite and >= 0 m^2, got {self.area!r}")
-        if not math.isfinite(self.depth):
-            raise ValueError(f"depth: must be finite, got {self.depth!r}")
-        _unit_interval("share", self.share)
-        _unit_interval("weight", self.weight)
+        check(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,8 +359,8 @@ class Trigger:
         for key in ("strengths", "by"):
             if getattr(self, key) and len(getattr(self, key)) != len(self.times):
                 raise ValueError(f"{key}: expected as many as there are times")
-        for strength in self.strengths:
-            _unit_interval("strengths", strength)
+        if not all(0 <= strength <= 1 for strength in self.strengths):
+            raise ValueError(f"strengths: must lie in [0, 1], got {self.strengths!r}")
         if self.on is TriggerKind.PASSING:
             _name("object", self.object)
             if min(self.size) < 0:
@@ -502,6 +493,10 @@ EXTENTS = {
     ),
     Extent.MEAN_POWER: ("Mean Power", "Feels the mean of the power over its volume"),
 }
+FULL_SCALE_UNITS = {
+    "m/s^2": ("Acceleration (m/s²)", "As an accelerometer on the device measures it"),
+    "N": ("Force (N)", "From which the acceleration of a fingertip's skin is computed"),
+}
 PARTS = {
     "": ("None", "Not a part of the body"),
     **{
@@ -561,7 +556,7 @@ class Listener:
         default=0.0,
         metadata=number(
             "Ducking",
-            "Sources are turned down by so many decibels while one of higher priority arrives here",
+            "Decibels by which sources are turned down while one of higher priority arrives here",
             0.0,
             60.0,
             soft=(0.0, 24.0),
@@ -589,6 +584,27 @@ class Listener:
             "All listeners then feel 5 ms later",
         ),
     )
+    full_scale: tuple[tuple[float, float], ...] = field(
+        default=(),
+        metadata=curve(
+            "Full Scale",
+            "What the device of this listener does at full scale: pairs of hertz and the peak of a "
+            "sine there, such as 40 3.2, 160 14. Empty: margins assume that 250 Hz are felt from "
+            "-45 dB of full scale on",
+            optional=True,
+            animated=False,
+        ),
+    )
+    full_scale_unit: str = field(
+        default="m/s^2",
+        metadata=choice(
+            "Unit of Full Scale", "What its numbers are", FULL_SCALE_UNITS, animated=False
+        ),
+    )
+    full_scale_source: str = field(
+        default="",
+        metadata=text("Calibrated By", "Where the numbers of Full Scale are from", animated=False),
+    )
     extras: Mapping[str, Any] = extras()
 
     def __post_init__(self) -> None:
@@ -600,6 +616,12 @@ class Listener:
                 raise ValueError(
                     f"mixing_expression: {str(error).removeprefix('expression: ')}"
                 ) from None
+
+    @property
+    def device(self) -> FullScale | None:
+        """The calibration of its device; None if margins assume a threshold."""
+        is_force = self.full_scale_unit == "N"
+        return FullScale(self.full_scale, is_force) if self.full_scale else None
 
     def moved(self, position: Iterable[float]) -> Listener:
         """The same listener elsewhere. Raises ValueError if a number is not finite."""

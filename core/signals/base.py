@@ -225,12 +225,6 @@ class Gain(Signal, kind="gain"):
     def values(self, times: FloatArray, step: float) -> FloatArray:
         return self.of.values(times, step) * values_of(self.gain, times)
 
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
-        samples = self.of.sample(start, count, sample_rate, onset)
-        if isinstance(self.gain, Automation):
-            return samples * self.gain.at(np.arange(start, start + count) / sample_rate - onset)
-        return samples * self.gain
-
 
 @dataclass(frozen=True, slots=True)
 class Modified(Signal):
@@ -265,11 +259,6 @@ class Product(Combined, kind="product"):
     def values(self, times: FloatArray, step: float) -> FloatArray:
         return reduce(np.multiply, (factor.values(times, step) for factor in self.of))
 
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
-        return reduce(
-            np.multiply, (factor.sample(start, count, sample_rate, onset) for factor in self.of)
-        )
-
 
 @dataclass(frozen=True, slots=True)
 class Sum(Combined, kind="sum"):
@@ -289,9 +278,6 @@ class Sum(Combined, kind="sum"):
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         return reduce(np.add, (term.at(times, step) for term in self.of))
-
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
-        return reduce(np.add, (term.sample(start, count, sample_rate, onset) for term in self.of))
 
 
 @dataclass(frozen=True, slots=True)

@@ -77,20 +77,18 @@ class Adsr(Signal, kind="adsr"):
         return self.attack + self.decay + self.hold + self.release
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
-        sustained = _rise_and_fall(self.attack, self.decay, self.sustain).at(times)
-        if self.hold == math.inf:
-            return sustained
-        return sustained * _release(self.duration - self.release, self.duration).at(times)
+        return _lines(self).at(times)
 
 
 @lru_cache(maxsize=256)
-def _rise_and_fall(attack: float, decay: float, sustain: float) -> Automation:
-    return Automation(np.cumsum((0.0, attack, decay)), (0.0, 1.0, sustain))
-
-
-@lru_cache(maxsize=256)
-def _release(start: float, end: float) -> Automation:
-    return Automation((start, end), (1.0, 0.0))
+def _lines(envelope: Adsr) -> Automation:
+    """The straight lines of an envelope; an endless one stays at its last key."""
+    sustain, hold = envelope.sustain, envelope.hold
+    keys = [(0.0, 0.0), (envelope.attack, 1.0), (envelope.decay, sustain)]
+    if hold < math.inf:
+        keys += [(hold, sustain), (envelope.release, 0.0)]
+    lengths, levels = np.array(keys).T
+    return Automation(lengths.cumsum(), levels)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,6 @@ from .automation import Automation, checked_parameter, largest, values_of
 from .base import Amplified
 from .limits import MAX_FREQUENCY, MAX_PEAK, within
 
-_RUN = 64
 # sin(2π q) / q in powers of q², the highest first: Chebyshev's fit on |q| <= 1/4, to 7e-16.
 _SINE_COEFFICIENTS = (
     -0.6925067010720717, 3.817365633469135, -15.09450614073429, 42.05868995395094,
@@ -79,27 +78,6 @@ class Sine(Oscillator, kind="sine"):
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         return sine(cycles)
-
-    def sample(self, start: int, count: int, sample_rate: float, onset: float = 0.0) -> FloatArray:
-        if (
-            isinstance(self.frequency, Automation)
-            or not self.frequency < sample_rate / 2
-            or start / sample_rate < onset
-            or count < 1
-        ):
-            return Oscillator.sample(self, start, count, sample_rate, onset)
-        # A steady tone by sin(a + b) = sin a cos b + cos a sin b: a at every 64th sample of the
-        # clock, b at the 64 from there on.
-        runs = np.arange(start // _RUN, (start + count - 1) // _RUN + 1) * _RUN
-        cycles = self.frequency * (runs / sample_rate - onset) + self.phase
-        coarse = (2 * np.pi) * (cycles - np.floor(cycles))[:, None]
-        fine = (2 * np.pi * self.frequency / sample_rate) * np.arange(_RUN)
-        tone = np.sin(coarse) * np.cos(fine) + np.cos(coarse) * np.sin(fine)
-        begin = start - int(runs[0])
-        if isinstance(self.amplitude, Automation):
-            times = np.arange(start, start + count) / sample_rate - onset
-            return np.asarray(tone.ravel()[begin : begin + count] * self.amplitude.at(times))
-        return np.asarray(self.amplitude * tone.ravel()[begin : begin + count])
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,7 +44,7 @@ NOWHERE = SHIFT[-1] + BITS
 """Shift to a field that is always 0."""
 
 ELEMENTS = 16
-"""Adding up so many numbers takes as long as finding one transition."""
+"""Numbers that are added in the time in which one transition is found."""
 
 Waiting = list[tuple[int, int]]
 """Nodes of an object at which an end may wait, with their slots."""
@@ -71,12 +71,19 @@ class _Crossing:
 
 
 class Frontier:
-    """The programme for the paths from ``roots`` over ``contacts`` (c, 2), given by their nodes, to
-    ``listeners``.
+    """The programme for the paths of a scene.
 
-    ``crossings``: most contacts on a path; infinite where they need not be counted. ``width``: an
-    estimate of the states in all, infinite if more ends may wait at once than a state has room for.
-    ``work``: transitions so far, counted by their cost.
+    Args:
+        graph: the scene.
+        contacts: those on paths (c, 2), given by their nodes.
+        roots: nodes at which paths begin.
+        listeners: nodes at which they end.
+        crossings: most contacts on a path; infinite where they need not be counted.
+
+    Attributes:
+        width: an estimate of the states in all, infinite if more ends may wait at once than a state
+            has room for.
+        work: transitions so far, counted by their cost.
     """
 
     def __init__(

@@ -109,9 +109,9 @@ class PathSearch:
         self._word = np.maximum(paths.contact, 0) >> 6
         self._words = contacts // 64 + 1
 
-    def run(self, limits: PathLimits, known: FloatArray, merge: bool = False) -> PathSums:
-        """The sums. ``known`` (l,): lower bounds on them. ``merge``: merge partial paths with the
-        same continuations; only without a threshold."""
+    def run(self, limits: PathLimits, known: FloatArray) -> PathSums:
+        """The sums. ``known`` (l,): lower bounds on them. Without a threshold, partial paths with
+        the same continuations are merged."""
         paths, least = self._paths, limits.threshold * (1 - ROUNDING)
         roots = (paths.contact < 0).nonzero()[0]
         lanes = paths.ends.gain.shape[1]
@@ -153,7 +153,7 @@ class PathSearch:
             if level >= limits.crossings:
                 break
             states = self._advanced(states, sizes, least)
-            if merge and len(states.entry) > 1:
+            if not limits.threshold and len(states.entry) > 1:
                 states = _merged(states)
             if not np.all(states.value <= LARGEST):
                 np.minimum(states.value, LARGEST, out=states.value)
@@ -185,9 +185,16 @@ class PathSearch:
         missing: FloatArray,
     ) -> IntArray:
         """Numbers of the states that stay. Those of least weight are dropped: as many as the
-        tolerance allows at this level, and all that are not ``affordable`` (most states, and most
-        work, of which each takes its ``cost``). What they might have added counts as ``missing``;
-        ``total`` (l,) are lower bounds on the sums."""
+        tolerance allows at this level, and all that are not affordable.
+
+        Args:
+            states: all of them.
+            cost: work that each takes (n,).
+            affordable: most states, and most work.
+            tolerance: relative error allowed.
+            total: lower bounds on the sums (l,).
+            missing: bound on what is left out (l,), to which the dropped states are added.
+        """
         if self._bounds is None:
             self._bounds = walk_bounds(self._paths, self._crossings)
         bound, importance = self._bounds

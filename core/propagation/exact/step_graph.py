@@ -84,10 +84,15 @@ def build_step_graph(
     listeners: Sequence[int],
     within: tuple[FloatArray, FloatArray, float] | None = None,
 ) -> StepGraph:
-    """The steps from ``roots`` over ``entries`` (contact nodes) to ``listeners``.
+    """The steps of paths through a scene.
 
-    ``within``: (n,) least cost from a root to each node as an entry, (n,) least cost from it to a
-    listener, and a limit: steps on no path within the limit are left out.
+    Args:
+        graph: the scene.
+        entries: contact nodes through which a path may enter an object.
+        roots: nodes at which paths begin.
+        listeners: nodes at which they end.
+        within: (n,) least cost from a root to each node as an entry, (n,) least cost from it to a
+            listener, and a limit: steps on no path within the limit are left out.
     """
     entries = np.sort(entries)
     nodes = np.concatenate([entries, np.array(roots, dtype=np.int64)])

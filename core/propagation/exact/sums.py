@@ -163,9 +163,18 @@ def _without_limits(
     listeners: Sequence[int],
     budget: int,
 ) -> FloatArray:
-    """Upper bounds (l,) on the sums over all paths, infinite where nothing bounds them: these sums
-    themselves where the scene is narrow, such as a forest; else the sums over all walks, series
-    with as many terms as the longest chain has contacts."""
+    """Upper bounds (l,) on the sums over all paths, infinite where nothing bounds them.
+
+    They are these sums themselves where the scene is narrow, such as a forest, and otherwise the
+    sums over all walks, series with as many terms as the longest chain has contacts.
+
+    Args:
+        graph: the scene.
+        operator: its walk operator.
+        roots: nodes at which paths begin.
+        listeners: nodes at which they end.
+        budget: work allowed.
+    """
     nothing = np.full(len(listeners), math.inf)
     if not operator.radius.well_posed:
         return nothing
@@ -184,7 +193,15 @@ def sum_over_paths(
     limits: PathLimits,
     known: tuple[ThresholdCosts, int] | None = None,
 ) -> PathSums:
-    """The sum within the limits, as in `bounded_sums`."""
+    """The sums over the paths within limits, as in `bounded_sums`.
+
+    Args:
+        graph: the scene.
+        roots: nodes at which paths begin.
+        listeners: nodes at which they end.
+        limits: threshold, contacts, tolerance and work.
+        known: least costs for all sources, and the row of this one.
+    """
     if limits.threshold == 0:
         return _all_paths(graph, roots, listeners, limits)
     limit = cost_limit(limits.threshold) + SLACK
@@ -234,9 +251,7 @@ def _all_paths(
             search = search or PathSearch(
                 build_step_graph(graph, contacts.reshape(-1), roots, listeners), crossings
             )
-            found = search.run(
-                PathLimits(crossings, 0.0, tolerance, int(share)), best.gain[:, 0], merge=True
-            )
+            found = search.run(PathLimits(crossings, 0.0, tolerance, int(share)), best.gain[:, 0])
             spent += found.work
             most = np.minimum(best.gain[:, 0] + best.missing, found.gain[:, 0] + found.missing)
             gain = np.maximum(best.gain, found.gain)

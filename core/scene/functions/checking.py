@@ -26,11 +26,14 @@ class Finding:
 def check_expression(
     source: str, kappa: float, rho: float, epsilon: float, on_contact: bool = False
 ) -> Finding | None:
-    """The first fault of a formula with these properties, or None. It is evaluated from 0 to
-    `FARTHEST` metres.
+    """The first fault of a formula, or None. It is evaluated from 0 to `FARTHEST` metres.
 
-    ``on_contact``: the formula is that of a contact, so that area, depth, angle and force are
-    available.
+    Args:
+        source: the formula.
+        kappa: of the object.
+        rho: of the object.
+        epsilon: of the scene.
+        on_contact: it is that of a contact, so that area, depth, angle and force are available.
     """
     try:
         compiled = compile_expression(source)

@@ -34,11 +34,6 @@ class Impedance(ModulationFunction):
     ) -> FloatArray:
         return np.ones(np.shape(distance)) * (contact or {}).get("match", 1.0)
 
-    def bounds(
-        self, max_distance: float, kappa: float, rho: float, epsilon: float
-    ) -> tuple[float, float]:
-        return 0.0, 1.0
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resilient(ModulationFunction):
@@ -173,8 +168,3 @@ class NormalForce(ModulationFunction):
         return (
             np.ones(np.shape(distance)) * np.minimum(force / self.reference, 1.0) ** self.exponent
         )
-
-    def bounds(
-        self, max_distance: float, kappa: float, rho: float, epsilon: float
-    ) -> tuple[float, float]:
-        return 0.0, 1.0

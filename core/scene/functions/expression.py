@@ -18,8 +18,6 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...message import Argument, Cause, Message, Names, sentence
-from . import interval
-from .interval import Interval
 
 CONTACT_VARIABLES = ("area", "depth", "angle", "force")
 """Variables that are available only for contacts."""
@@ -35,36 +33,31 @@ MAX_NODES = 200
 
 @dataclass(frozen=True, slots=True)
 class _Function:
-    arguments: tuple[int, int]  # fewest, most
+    arguments: int
     array: Callable[..., Any]
-    bounds: Callable[..., Interval]
     keeps_scale: bool = False  # f(c a, c b) = c f(a, b) for c >= 0
 
 
 _FUNCTIONS: dict[str, _Function] = {
-    "exp": _Function((1, 1), np.exp, interval.monotone(math.exp)),
-    "log": _Function((1, 1), np.log, interval.monotone(interval.logarithm)),
-    "sqrt": _Function(
-        (1, 1), np.sqrt, interval.monotone(lambda x: math.sqrt(x) if x >= 0 else 0.0)
-    ),
-    "tanh": _Function((1, 1), np.tanh, interval.monotone(math.tanh)),
-    "atan": _Function((1, 1), np.arctan, interval.monotone(math.atan)),
-    "sin": _Function((1, 1), np.sin, interval.within_unit),
-    "cos": _Function((1, 1), np.cos, interval.within_unit),
-    "abs": _Function((1, 1), np.abs, interval.absolute, keeps_scale=True),
-    "min": _Function((2, 2), np.minimum, interval.minimum, keeps_scale=True),
-    "max": _Function((2, 2), np.maximum, interval.maximum, keeps_scale=True),
+    "exp": _Function(1, np.exp),
+    "log": _Function(1, np.log),
+    "sqrt": _Function(1, np.sqrt),
+    "tanh": _Function(1, np.tanh),
+    "atan": _Function(1, np.arctan),
+    "sin": _Function(1, np.sin),
+    "cos": _Function(1, np.cos),
+    "abs": _Function(1, np.abs, keeps_scale=True),
+    "min": _Function(2, np.minimum, keeps_scale=True),
+    "max": _Function(2, np.maximum, keeps_scale=True),
 }
 FUNCTION_NAMES = (*_FUNCTIONS, "where")
 
-_BINARY: dict[
-    type[ast.operator], tuple[Callable[..., Any], Callable[[Interval, Interval], Interval]]
-] = {
-    ast.Add: (np.add, interval.add),
-    ast.Sub: (np.subtract, interval.subtract),
-    ast.Mult: (np.multiply, interval.multiply),
-    ast.Div: (np.true_divide, interval.divide),
-    ast.Pow: (np.power, interval.power),
+_BINARY: dict[type[ast.operator], Callable[..., Any]] = {
+    ast.Add: np.add,
+    ast.Sub: np.subtract,
+    ast.Mult: np.multiply,
+    ast.Div: np.true_divide,
+    ast.Pow: np.power,
 }
 _COMPARE: dict[type[ast.cmpop], Callable[..., Any]] = {
     ast.Lt: np.less,
@@ -109,10 +102,6 @@ class CompiledExpression:
         with np.errstate(all="ignore"):
             result = _evaluate(self.tree, variables)
         return np.array(np.broadcast_to(np.asarray(result, dtype=np.float64), np.shape(distance)))
-
-    def bounds(self, variables: Mapping[str, Interval]) -> Interval:
-        """Guaranteed bounds of the formula over the given intervals of its variables."""
-        return _bounds(self.tree, variables)
 
     def uses(self, *variables: str) -> bool:
         """Whether the formula uses any of the ``variables``."""
@@ -222,13 +211,12 @@ def _degree_of_call(
     node: ast.expr, name: str, arguments: list[ast.expr], variables: Collection[str]
 ) -> int | None:
     function = _FUNCTIONS[name]
-    fewest, most = function.arguments
-    if not fewest <= len(arguments) <= most:
+    if len(arguments) != function.arguments:
         raise ExpressionError.of(
             Cause.FORMULA_ARGUMENTS,
             node.col_offset,
             name=name,
-            expected=fewest,
+            expected=function.arguments,
             count=len(arguments),
         )
     if function.keeps_scale:
@@ -255,9 +243,7 @@ def _evaluate(node: ast.expr, variables: Mapping[str, Any]) -> Any:
             value = _evaluate(operand, variables)
             return np.negative(value) if isinstance(operator, ast.USub) else value
         case ast.BinOp(op=operator, left=left, right=right):
-            return _BINARY[type(operator)][0](
-                _evaluate(left, variables), _evaluate(right, variables)
-            )
+            return _BINARY[type(operator)](_evaluate(left, variables), _evaluate(right, variables))
         case ast.Call(
             func=ast.Name(id="where"),
             args=[ast.Compare(left=left, ops=[operator], comparators=[right]), a, b],
@@ -269,28 +255,5 @@ def _evaluate(node: ast.expr, variables: Mapping[str, Any]) -> Any:
         case ast.Call(func=ast.Name(id=name), args=arguments):
             return _FUNCTIONS[name].array(
                 *(_evaluate(argument, variables) for argument in arguments)
-            )
-    raise AssertionError("unreachable: the tree was checked")
-
-
-def _bounds(node: ast.expr, variables: Mapping[str, Interval]) -> Interval:
-    match node:
-        case ast.Constant(value=value):
-            return Interval(float(value), float(value))  # type: ignore[arg-type]
-        case ast.Name(id=name):
-            return (
-                variables[name] if name in variables else Interval(CONSTANTS[name], CONSTANTS[name])
-            )
-        case ast.UnaryOp(op=operator, operand=operand):
-            inner = _bounds(operand, variables)
-            return Interval(-inner.high, -inner.low) if isinstance(operator, ast.USub) else inner
-        case ast.BinOp(op=operator, left=left, right=right):
-            return _BINARY[type(operator)][1](_bounds(left, variables), _bounds(right, variables))
-        case ast.Call(func=ast.Name(id="where"), args=[_, a, b]):
-            first, second = _bounds(a, variables), _bounds(b, variables)
-            return Interval(min(first.low, second.low), max(first.high, second.high))
-        case ast.Call(func=ast.Name(id=name), args=arguments):
-            return _FUNCTIONS[name].bounds(
-                *(_bounds(argument, variables) for argument in arguments)
             )
     raise AssertionError("unreachable: the tree was checked")

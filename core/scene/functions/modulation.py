@@ -20,7 +20,6 @@ from ..bands import BAND_COUNT
 from ..coefficients import transfer_coefficient
 from ..declaration import check, declared, number, numbers, text
 from .expression import MAX_LENGTH, CompiledExpression, compile_expression
-from .interval import Interval
 from .spreading import NO_SPREADING, Law
 
 Value = float | FloatArray
@@ -117,6 +116,8 @@ class ModulationFunction:
     """The function's name in menus."""
     about: ClassVar[str] = ""
     """What it computes, as the menu says."""
+    may_amplify: ClassVar[bool] = False
+    """Whether gains of another form than `log_linear` may exceed 1."""
     spectrum: Spectrum = field(default_factory=Spectrum)
 
     def __post_init__(self) -> None:
@@ -154,16 +155,6 @@ class ModulationFunction:
         assert pair is not None
         factor, decay = pair
         return np.asarray(factor * np.exp(-decay * np.asarray(distance, dtype=np.float64)))
-
-    def bounds(
-        self, max_distance: float, kappa: float, rho: float, epsilon: float
-    ) -> tuple[float, float]:
-        """Guaranteed (lowest, highest) gain for any distance in [0, max_distance]."""
-        pair = self.log_linear(kappa, rho, epsilon)
-        assert pair is not None
-        factor, decay = pair
-        ends = (factor, factor * math.exp(-min(decay * max_distance, 745.0)))
-        return min(ends), max(ends)
 
     def band_gains(self) -> tuple[float, ...]:
         """Factor of each frequency band in addition to the gain, applied once; () if all are 1."""
@@ -304,11 +295,6 @@ class Linear(ModulationFunction):
                 np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range)
             )
 
-    def bounds(
-        self, max_distance: float, kappa: float, rho: float, epsilon: float
-    ) -> tuple[float, float]:
-        return max(0.0, 1.0 - max_distance / self.range), 1.0
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expression(ModulationFunction):
@@ -320,6 +306,7 @@ class Expression(ModulationFunction):
     """
 
     name, label, about = "expression", "Expression", "Your own formula of x, d, kappa, rho, epsilon"
+    may_amplify: ClassVar[bool] = True
     expression: str = field(
         default="x * exp(-0.2 * d)",
         metadata=text(
@@ -362,25 +349,6 @@ class Expression(ModulationFunction):
                 f"{_first(distance, gains < 0):g} m; a gain is 0 or more"
             )
         return gains
-
-    def bounds(
-        self, max_distance: float, kappa: float, rho: float, epsilon: float
-    ) -> tuple[float, float]:
-        """Bounds by interval arithmetic: guaranteed, but not always tight, so that the upper one
-        may exceed 1 although the formula does not."""
-        known = {"x": 1.0, "kappa": kappa, "rho": rho, "epsilon": epsilon}
-        most = {
-            "d": max_distance,
-            "angle": math.pi,
-            "area": math.inf,
-            "depth": math.inf,
-            "force": math.inf,
-        }
-        exact = {name: Interval(value, value) for name, value in known.items()}
-        result = self.compiled.bounds(
-            {**exact, **{name: Interval(0.0, value) for name, value in most.items()}}
-        )
-        return max(0.0, result.low), result.high
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

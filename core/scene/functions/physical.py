@@ -5,7 +5,6 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -137,7 +136,7 @@ class Physical(ModulationFunction):
     absorption: float = field(
         default=0.0,
         metadata=number(
-            "Joints",
+            "Loss at Joints",
             "Attenuation per metre that edges and joints add at every frequency; walls and "
             "floors of a building 0.12 to 0.35",
             0.0,
@@ -149,8 +148,9 @@ class Physical(ModulationFunction):
     material_k: float = field(
         default=0.5,
         metadata=number(
-            "Material K",
-            "(1 - κ) ρ at which the numbers above hold; a lower one damps more, a higher one less",
+            "Holds at (1 - κ) ρ",
+            "Coefficient of the material at which the numbers above hold; a lower one damps more, "
+            "a higher one less",
             0.001,
             0.999,
             soft=(0.01, 0.99),
@@ -254,11 +254,6 @@ class Physical(ModulationFunction):
                 return Law(0.5, start, end, start, end)
         return NO_SPREADING
 
-    def bounds(
-        self, max_distance: float, kappa: float, rho: float, epsilon: float
-    ) -> tuple[float, float]:
-        return float(self.gain(np.array(max_distance), kappa, rho, epsilon)), 1.0
-
     def _relative_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
         """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the
         bands; () if the difference is negligible (`_FELT`)."""
@@ -283,6 +278,3 @@ class Physical(ModulationFunction):
         relative = self._relative_decays(kappa, rho)
         alpha = [self.material_damping(centre) if relative else lowest for centre in BAND_CENTRES]
         return np.array(alpha) * (-distance / math.log(self.material_k))
-
-    def to_dict(self) -> dict[str, Any]:
-        return {**super(Physical, self).to_dict(), "wave": str(self.wave)}

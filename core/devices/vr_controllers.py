@@ -1,0 +1,273 @@
+"""The two controllers of a virtual-reality session, which take an amplitude and a frequency once
+per frame of the session. No thread and no device here: the session asks for its calls.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from statistics import median
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import FloatArray
+from .actuation import calibrated, checked_block
+from .families.family import RumbleFamily
+from .high_pass import HighPass
+from .limits import DriveLimits
+from .pacing import WATCHDOG, Ahead, SampleQueue, join
+from .profiles import Actuator, Adjustment, Calibration, Channel, Profile, check_adjustment
+from .report import Report, Tones, Transport
+from .status import Output, State, Status
+from .writer import SAMPLE_RATE
+
+LONGEST = 0.060
+"""Seconds that a call lasts at most, so that the controllers are silent soon after the last one."""
+_FRAMES = 3  # that a call lasts, so that a late frame makes no gap
+_MARGIN = 0.020  # a block that is earlier by less than this waits for the rest of the one before
+_FREQUENCY_WINDOW = 0.040  # seconds of samples from which the frequency is taken
+_BAND = (65.0, 300.0)
+_GAP = 0.001  # seconds by which a block may be late without a silence before it
+_PART = 0.005  # seconds of the parts of a frame of which the strongest is a peak
+_PEAK = 1.3  # if it has so many times the power of the frame
+
+
+def _no_report(drive: Tones, transport: Transport, sequence: int) -> Report:
+    raise ValueError("VR controllers take calls, not reports")
+
+
+PROFILE = Profile(
+    name="vr-controllers",
+    title="VR Controllers (left, right)",
+    family=RumbleFamily(
+        name="vr-controllers",
+        title="VR Controllers",
+        ids=frozenset(),
+        minimum_interval={},
+        encode=_no_report,
+        has_tones=True,
+    ),
+    experimental=False,
+    minimum_interval=None,
+    slew=200.0,
+    sustained_maximum=0.7,
+    sustained_seconds=10.0,
+    actuators=tuple(
+        Actuator(
+            name,
+            (part,),
+            "LRA",
+            _BAND,
+            0.010,
+            1.0,
+            (Channel(name, _BAND),),
+            Calibration(),
+        )
+        for name, part in (("left", "hand.L"), ("right", "hand.R"))
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """What a controller does for ``seconds``, unless another call replaces it. amplitude: 0 to 1; 0
+    stops it. frequency: hertz."""
+
+    amplitude: float
+    frequency: float
+    seconds: float
+
+
+class VrControllers(Output):
+    """Blocks of samples, one row per controller, to one `Call` per controller and frame.
+
+    A frame's call stands for the samples that were due since the frame before: with their power,
+    and their frequency over 40 ms, that of the sine with the same power of first differences. A
+    frame with a blow has the power of its strongest 5 ms, and the next frames have as much less:
+    the peak and the energy of the blow are kept.
+    """
+
+    def __init__(
+        self,
+        adjustment: Adjustment | None = None,
+        rate: int = SAMPLE_RATE,
+        stopping: Callable[[], object] = lambda: None,
+    ) -> None:
+        """rate: samples per second of the blocks. stopping: called by `request_stop`, to make the
+        calls that stop the controllers at once."""
+        self._stopping = stopping
+        self.hands = False  # whether only blocks of the session's hands are played
+        self.profile = PROFILE
+        self._rate, self._rows = rate, len(PROFILE.actuators)
+        self._lock = threading.RLock()
+        self._state: State = "searching"
+        self._high_pass = HighPass(self._rows, rate)
+        self._limits = DriveLimits(
+            np.array([actuator.safe_maximum for actuator in PROFILE.actuators]),
+            PROFILE.slew,
+            PROFILE.sustained_maximum,
+            PROFILE.sustained_seconds,
+            LONGEST,
+        )
+        self._delays: deque[float] = deque(maxlen=256)
+        self._calls = self._refused = self._gaps = 0
+        self._frame, self._interval = -np.inf, 0.011  # its time, and seconds between two
+        self._driven = np.zeros(self._rows)  # by the last calls
+        self.adjust(adjustment or Adjustment())
+        self._clear()
+
+    def _clear(self) -> None:
+        self._queue = SampleQueue(self._rows, round(_GAP * self._rate), self._high_pass.process)
+        self._queue.dry = True
+        self._due = self._sent = -np.inf  # time of the queue's first sample, and of the last block
+        self._history = np.zeros((self._rows, round(_FREQUENCY_WINDOW * self._rate)))
+        self._strongest = np.zeros(self._rows)  # power of a part of the last frame
+        self._owed = np.zeros(self._rows)  # energy of peaks beyond that of their frames
+        self._high_pass.reset()
+
+    def start(self) -> None:
+        self._state = "open"
+
+    def adjust(self, adjustment: Adjustment) -> None:
+        check_adjustment(adjustment, self.profile.actuators)
+        self._adjustment = adjustment
+        self._limits.scale_ceilings(adjustment.ceiling)
+
+    def send(self, block: ArrayLike, sent: float | None = None, hands: bool = False) -> float:
+        """As `Output.send`. hands: the block is of the hands that the session has."""
+        checked = checked_block(np.asarray(block), self._rows)
+        sent = time.perf_counter() if sent is None else sent
+        if hands != self.hands:
+            return sent
+        with self._lock:
+            queue, start = self._queue, sent + self._adjustment.delay
+            samples = self._high_pass.process(checked)
+            if queue.dry and not len(queue):
+                self._due = start
+            place = max(round((start - self._due) * self._rate), 0)
+            queue.fill(place)
+            if len(queue) - place > _MARGIN * self._rate:
+                queue.samples = queue.samples[:, :place]
+                join(samples, 0, queue.samples[:, -1:] if place else queue.last)
+            gap = place - len(queue)
+            if gap > _GAP * self._rate:
+                queue.append(np.zeros((self._rows, gap)))
+            queue.append(samples)
+            queue.ahead, queue.dry = Ahead(), False
+            self._sent = sent
+        return sent
+
+    def expect(self, ahead: ArrayLike, sent: float) -> None:
+        expected = checked_block(np.asarray(ahead), self._rows)
+        with self._lock:
+            if sent == self._sent:
+                end = self._due + len(self._queue) / self._rate
+                self._queue.ahead = Ahead(expected, self._rate, end)
+
+    def silence(self) -> None:
+        with self._lock:
+            self._clear()
+
+    def rest(self) -> None:
+        self.silence()
+
+    def request_stop(self) -> None:
+        self.silence()
+        self._state = "stopped"
+        self._stopping()
+
+    def stop(self, timeout: float = 1.0) -> bool:
+        self.request_stop()
+        return self.is_silent
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether the controllers were told to stop."""
+        return not self._driven.any()
+
+    @property
+    def status(self) -> Status:
+        delay = median(self._delays) if self._delays else None
+        busy = f"touch paused {self._gaps} times, because Blender was busy for over 60 ms"
+        return Status(
+            state=self._state,
+            message=busy if self._gaps and self._state == "open" else "",
+            written=self._calls,
+            failed_writes=self._refused,
+            losses=self._gaps,
+            delay=delay,
+            lag=None
+            if delay is None
+            else delay + self._adjustment.delay + PROFILE.actuators[0].latency,
+        )
+
+    def answered(self, accepted: bool) -> None:
+        """Count a call, and whether the session accepted it."""
+        self._calls += accepted
+        self._refused += not accepted
+
+    def calls(self, now: float) -> dict[str, Call]:
+        """The calls of a frame of the session, by controller; none for one that is silent and
+        stays so."""
+        with self._lock:
+            elapsed = min(now - self._frame, 1.0) if self._frame > -np.inf else self._interval
+            self._frame = now
+            self._gaps += not self.is_silent and elapsed > LONGEST
+            if now - self._sent > WATCHDOG + self._adjustment.delay:
+                self._clear()
+            self._interval = max(min(elapsed, LONGEST), 0.9 * self._interval)
+            powers, frequencies = self._described(self._taken(now, elapsed))
+        wanted = [
+            float(calibrated(np.sqrt(power), self._calibration(actuator)))
+            for power, actuator in zip(powers.tolist(), PROFILE.actuators, strict=True)
+        ]
+        before, self._driven = self._driven, self._limits.limited(np.array(wanted), elapsed)
+        seconds = min(_FRAMES * self._interval, LONGEST)
+        return {
+            actuator.name: Call(float(self._driven[row]), float(frequencies[row]), seconds)
+            for row, actuator in enumerate(PROFILE.actuators)
+            if before[row] or self._driven[row]
+        }
+
+    def _calibration(self, actuator: Actuator) -> Calibration:
+        return self._adjustment.calibrations.get(actuator.name, actuator.calibration)
+
+    def _taken(self, now: float, elapsed: float) -> FloatArray:
+        """The samples (controllers, n) of the frame that ends now and lasted ``elapsed`` seconds,
+        at most `LONGEST`: silence where none were due."""
+        longest = max(round(min(elapsed, LONGEST) * self._rate), 1)
+        count = max(round(min(now - self._due, 1.0) * self._rate), 0)
+        if self._due == -np.inf or count == 0:
+            return np.zeros((self._rows, longest))
+        self._delays.append(now - self._due)
+        taken = self._queue.take(count)[:, -longest:]
+        self._due += count / self._rate
+        missing = longest - taken.shape[1]
+        return np.pad(taken, ((0, 0), (missing if missing > _GAP * self._rate else 0, 0)))
+
+    def _described(self, samples: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Powers (of an amplitude of 1: 1) and frequencies [Hz] of the samples of a frame."""
+        count = samples.shape[1]
+        joined = np.concatenate([self._history, samples], axis=1)
+        self._history = joined[:, -self._history.shape[1] :]
+        recent = joined[:, -max(self._history.shape[1], count + 1) :]
+        steps = np.diff(recent, axis=1)
+        power, change = np.mean(recent[:, 1:] ** 2, axis=1), np.mean(steps**2, axis=1)
+        turn = np.divide(change, power, out=np.ones(self._rows), where=power > 0)
+        frequencies = self._rate / np.pi * np.arcsin(np.sqrt(np.minimum(turn / 4, 1.0)))
+        # Of a sine, the square plus that of its quadrature, which follows from its step, is
+        # constant.
+        envelope = samples**2 + steps[:, -count:] ** 2 / turn[:, None]
+        parts = np.array_split(envelope, max(round(count / (_PART * self._rate)), 1), axis=1)
+        strongest = np.max([part.mean(axis=1) for part in parts], axis=0)
+        wanted, frame = envelope.mean(axis=1), count / self._rate
+        peaks = strongest > np.maximum(_PEAK * wanted, self._strongest)
+        owed = np.where(peaks | (wanted * frame < self._owed / 10), 0.0, self._owed)
+        paid = np.maximum(wanted - owed / frame, wanted / 4)  # a blow has no pause
+        powers = np.where(peaks, np.minimum(strongest, 2.0 * wanted), paid)
+        self._owed, self._strongest = owed + (powers - wanted) * frame, strongest
+        return powers, np.clip(frequencies, *_BAND)
