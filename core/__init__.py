@@ -1,1 +1,3 @@
+"""All computation, without Blender."""
 
+__version__ = "0.1.0"

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -17,18 +18,20 @@ from .contacts.contact_set import ContactSet
 from .contacts.impact_sources import MOST_FRAMES, FrameImpacts, ImpactSources, Templates
 from .contacts.impacts import Impact
 from .contacts.one_shots import OneShots, Shot
-from .contacts.rubbing import Rubbing
+from .contacts.rubbing import SlidingAndRolling
 from .contacts.settings import Body, ContactSettings
-from .contacts.tracker import ContactTracker, Ends, FrameContacts
+from .contacts.tracker import ContactTracker, Ends
 from .contacts.transmissions import TransmissionRules
 from .graph.haptic_graph import ObjectTable
 from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
 from .scene.choices import Mode, Strategy
+from .scene.functions import ModulationFunction
 from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, TriggerKind
+from .unchanged import Unchanged
 
 EXACT_FRAMES = 32
 """Frames whose number is a multiple of this are `Frame.exact`: later frames can be traced from
@@ -110,40 +113,17 @@ class CollisionDetector:
         self.settings = settings
         self.lazy = lazy
         self._sources = ImpactSources()
-        self._rubbing = Rubbing(EXACT_FRAMES)
+        self._rubbing = SlidingAndRolling(EXACT_FRAMES)
         self._shots = OneShots()
         self._tracker: ContactTracker | None = None
-        self._numbering = _Numbering((), ObjectTable.of((), 0.0))
-        self._found: FrameContacts | None = None
-        self._authored: AuthoredContacts | None = None
-        self._contacts = ContactSet.empty()
-        self._passed: tuple[ObjectTable, TransmissionRules] | None = None
+        self._numbering = Unchanged(_Numbering)
+        self._transmissions = Unchanged(_transmissions)
+        self._numbered = Unchanged(_numbered)
+        self._tracked = Unchanged(_tracked)
+        self._without_materials = Unchanged(_without_materials)
         self._remembered: dict[int, FrameImpacts] = {}
         self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
-        # Bodies, and the same without materials.
-        self._unnamed: tuple[tuple[Body, ...], tuple[Body, ...]] = (), ()
-        # The settings, and `_tracked` made of them.
-        self._known: tuple[ContactSettings | None, ContactSettings] = None, settings
         self._last: Frame | None = None
-
-    @property
-    def _tracked(self) -> ContactSettings:
-        """The settings that affect the detection of contacts and impacts."""
-        if self._known[0] is not self.settings:
-            rows = tuple(
-                replace(row, does=ImpactRule(limits=row.does.limits))
-                for row in self.settings.impact_table.rows
-            )
-            settings = replace(
-                self.settings,
-                impacts=True,
-                templates=ImpactTemplates.PLAIN,
-                impact_table=RuleTable(rows),
-                transmission_table=RuleTable(),
-                textures=RuleTable(),
-            )
-            self._known = self.settings, settings
-        return self._known[1]
 
     @property
     def remembers(self) -> bool:
@@ -161,10 +141,8 @@ class CollisionDetector:
 
     def _rules_of(self, bodies: tuple[Body, ...]) -> tuple[tuple[Body, ...], ContactSettings]:
         if not self.settings.impact_table.rows:  # then materials make no impact
-            if self._unnamed[0] is not bodies:
-                self._unnamed = bodies, tuple(replace(body, material="") for body in bodies)
-            bodies = self._unnamed[1]
-        return bodies, self._tracked
+            bodies = self._without_materials(bodies)
+        return bodies, self._tracked(self.settings)
 
     def forget_impacts(self) -> None:
         """Drop all stored impacts."""
@@ -183,7 +161,7 @@ class CollisionDetector:
             self._last is None
             or self._tracker is None
             or frame.transforms is None
-            or self._tracker.settings != self._tracked
+            or self._tracker.settings != self._tracked(self.settings)
         ):
             return False
         last = self._last
@@ -232,7 +210,8 @@ class CollisionDetector:
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
             return self._given(frame, table, previous)
         begun = perf_counter()
-        tracker = self._follow(frame.bodies, table)
+        tracker = self._follow(frame.bodies)
+        numbering = self._numbering(frame.bodies, table)
         kept = None
         if again:
             tracker = copy.copy(tracker)
@@ -247,7 +226,7 @@ class CollisionDetector:
             if kept is None or not self.settings.impacts
             else self._sources.recall(kept, self._templates(frame))
         )
-        rules = self._transmissions(table)
+        rules = self._transmissions(self.settings.transmission_table, table)
         hits = any(
             trigger.on is TriggerKind.HIT
             for source in frame.sources
@@ -262,19 +241,27 @@ class CollisionDetector:
             and not hits
             and not self.settings.textures.rows
         )
-        ends = self._ends(frame) if lazy else None
+        ends = self._ends(frame, numbering.row) if lazy else None
         searched = frame.struck is None and (self.settings.impacts or hits)
         found = tracker.update(
             frame.time, frame.transforms, ends, frame.continuous, searched, frame.exact
         )
-        contacts = self._numbered(found, frame.authored, rules)
+        contacts = self._numbered(found.contacts, numbering, rules, frame.authored)
         broad = found.statistics.broad_seconds
         struck = found.impacts if frame.struck is None else frame.struck
         impacts = struck if self.settings.impacts else ()
         if impacts:
             self._sources.add(impacts, frame.moving, frame.transforms, self._templates(frame))
         shots = self._one_shots(frame, previous, kept, struck, again)
-        rubbing = self._rub(frame, frame.transforms, found, previous, kept, again)
+        rubbing: tuple[Source, ...] = ()
+        if self.settings.textures.rows:
+            if not again:
+                self._rub(frame, frame.transforms, found.contacts, previous, numbering)
+            if kept is not None and kept.rubbed is not None:
+                self._rubbing.recall(kept.rubbed)
+            rubbing = self._rubbing.sources(frame.bodies, self.settings.textures)
+        else:
+            self._rubbing.clear()
         if previous is not None and not again:
             self._remember(
                 frame.number,
@@ -285,7 +272,7 @@ class CollisionDetector:
         self._last = frame
         return Collisions(
             contacts=contacts,
-            frames=self._numbering.frames(frame.transforms)
+            frames=numbering.frames(frame.transforms)
             if _asks_for_frames(frame.settings, contacts)
             else None,
             impacts=impacts or recalled,
@@ -323,27 +310,29 @@ class CollisionDetector:
         self,
         frame: Frame,
         transforms: FloatArray,
-        found: FrameContacts,
+        contacts: ContactSet,
         previous: float | None,
-        kept: FrameImpacts | None,
-        again: bool,
-    ) -> tuple[Source, ...]:
-        """Return the sources of sliding and rolling since ``previous`` [s], or those of a frame
-        that is ``kept``."""
-        if not self.settings.textures.rows:
-            self._rubbing.clear()
-            return ()
-        if not again:
-            span, middles = (
-                None if previous is None else (previous, frame.time),
-                self._numbering.middles,
-            )
-            self._rubbing.follow(
-                frame.number, span, frame.bodies, found.contacts, transforms, middles, self.settings
-            )
-        if kept is not None and kept.rubbed is not None:
-            self._rubbing.recall(kept.rubbed)
-        return self._rubbing.sources(frame.bodies, self.settings.textures)
+        numbering: _Numbering,
+    ) -> None:
+        """Follow sliding and rolling since the frame before.
+
+        Args:
+            frame: this one.
+            transforms: of its bodies.
+            contacts: those found in it.
+            previous: the time of the frame before [s], if any.
+            numbering: of its bodies.
+        """
+        span = None if previous is None else (previous, frame.time)
+        self._rubbing.follow(
+            frame.number,
+            span,
+            frame.bodies,
+            contacts,
+            transforms,
+            numbering.middles,
+            self.settings,
+        )
 
     def _one_shots(
         self,
@@ -399,70 +388,30 @@ class CollisionDetector:
         """Return the templates of the impacts of a frame."""
         return Templates(self.settings, {item.name: item for item in frame.objects})
 
-    def _follow(self, bodies: tuple[Body, ...], table: ObjectTable) -> ContactTracker:
+    def _follow(self, bodies: tuple[Body, ...]) -> ContactTracker:
         """Return a tracker of ``bodies``: the current one if names and settings are the same."""
         tracker = self._tracker
         rules = self._rules_of(bodies)
         if self._rules != rules:
             self.forget_impacts()
-            self._rules = rules
+        self._rules = rules  # known by identity in the next frame
         same = tracker is not None and (
             tracker.bodies is bodies or [b.name for b in tracker.bodies] == [b.name for b in bodies]
         )
-        if tracker is None or tracker.settings != self._tracked or not same:
-            tracker = self._tracker = ContactTracker(bodies, self._tracked)
+        if tracker is None or tracker.settings != rules[1] or not same:
+            tracker = self._tracker = ContactTracker(bodies, rules[1])
             self._sources.clear()
             self._rubbing.clear()
         elif tracker.bodies is not bodies:
             if tracker.bodies != bodies:
                 tracker.replace_bodies(bodies)
             tracker.bodies = bodies  # known by identity in the next frame
-        if self._numbering.bodies is not bodies or self._numbering.table is not table:
-            self._numbering = _Numbering(bodies, table)
-            self._found = None
         return tracker
 
-    def _transmissions(self, table: ObjectTable) -> TransmissionRules:
-        """Return the functions of contacts by the rules of the scene, the same object while rules
-        and objects are unchanged."""
-        rows = self.settings.transmission_table
-        if (
-            self._passed is None
-            or self._passed[0] is not table
-            or self._passed[1].table is not rows
-        ):
-            self._passed = (
-                table,
-                TransmissionRules(rows, [(item.name, item.material) for item in table.objects]),
-            )
-            self._found = None
-        return self._passed[1]
-
-    def _numbered(
-        self, found: FrameContacts, authored: AuthoredContacts | None, rules: TransmissionRules
-    ) -> ContactSet:
-        """Return the contacts between objects instead of bodies, the authored ones in place of
-        those detected."""
-        if (
-            self._found is None
-            or found.contacts is not self._found.contacts
-            or authored is not self._authored
-        ):
-            self._contacts = rules.over(
-                replace(found.contacts, pairs=self._numbering.objects[found.contacts.pairs])
-            )
-            if authored is not None:
-                self._contacts = authored.over(self._contacts)
-        self._found, self._authored = found, authored
-        return self._contacts
-
-    def _ends(self, frame: Frame) -> Ends:
-        """Return the bodies with listeners and those with active sources; without propagation
-        through contacts, none."""
-        row, heard, sounding = (
-            self._numbering.row,
-            *np.zeros((2, len(frame.bodies)), dtype=np.bool_),
-        )
+    def _ends(self, frame: Frame, row: Mapping[Any, int]) -> Ends:
+        """Return the bodies, numbered by name in ``row``, with listeners and those with active
+        sources; without propagation through contacts, none."""
+        heard, sounding = np.zeros((2, len(frame.bodies)), dtype=np.bool_)
         if frame.settings.mode in (Mode.HT, Mode.SD):
             names = [
                 name
@@ -479,6 +428,42 @@ class CollisionDetector:
         return Ends(heard, sounding)
 
 
+def _tracked(settings: ContactSettings) -> ContactSettings:
+    """The settings that affect the detection of contacts and impacts."""
+    rows = tuple(
+        replace(row, value=ImpactRule(limits=row.value.limits))
+        for row in settings.impact_table.rows
+    )
+    return replace(
+        settings,
+        impacts=True,
+        templates=ImpactTemplates.PLAIN,
+        impact_table=RuleTable(rows),
+        transmission_table=RuleTable(),
+        textures=RuleTable(),
+    )
+
+
+def _without_materials(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
+    return tuple(replace(body, material="") for body in bodies)
+
+
+def _transmissions(table: RuleTable[ModulationFunction], objects: ObjectTable) -> TransmissionRules:
+    """The functions of contacts between objects by a table of rules."""
+    return TransmissionRules(table, [(item.name, item.material) for item in objects.objects])
+
+
+def _numbered(
+    found: ContactSet,
+    numbering: _Numbering,
+    rules: TransmissionRules,
+    authored: AuthoredContacts | None,
+) -> ContactSet:
+    """Contacts between objects instead of bodies, the authored ones in place of those ``found``."""
+    contacts = rules.over(replace(found, pairs=numbering.objects[found.pairs]))
+    return contacts if authored is None else authored.over(contacts)
+
+
 class _Numbering:
     """Numbering of bodies and of the objects of a table.
 
@@ -487,7 +472,7 @@ class _Numbering:
 
     def __init__(self, bodies: tuple[Body, ...], table: ObjectTable) -> None:
         self.bodies = bodies
-        self.table = table
+        self._count = len(table.names)
         self.row = {body.name: number for number, body in enumerate(bodies)}
         index = table.index()
         self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
@@ -495,9 +480,7 @@ class _Numbering:
     def frames(self, transforms: FloatArray) -> ObjectFrames:
         """Return the frames of reference of the objects for rigid ``transforms`` (n, 4, 4) of the
         bodies."""
-        return ObjectFrames.unknown(len(self.table.names)).placed(
-            self.objects, self.middles, transforms
-        )
+        return ObjectFrames.unknown(self._count).placed(self.objects, self.middles, transforms)
 
     @cached_property
     def middles(self) -> FloatArray:

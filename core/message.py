@@ -60,6 +60,10 @@ class Cause(enum.Enum):
     NO_SIMPLE_PATH = "the path {path} would cross an object twice in a row"
     # Warnings of a frame
     TRANSFORM_NOT_FINITE = "'{object}' is left out: its transform is not finite"
+    IMPACT_TIME = (
+        "when '{first}' and '{second}' hit each other is uncertain by up to a frame: a simpler "
+        "collision shape than Mesh, or more frames a second, makes it certain"
+    )
     AMPLIFICATION = (
         "some gains are above 1: paths were searched by their number of connections; "
         "the energy balance counts such gains as 1"

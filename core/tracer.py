@@ -13,15 +13,14 @@ from time import perf_counter
 
 from .collisions import CollisionDetector, Frame
 from .contacts.settings import ContactSettings
-from .contacts.tracker import STILL
 from .graph.haptic_graph import ObjectTable, build_graph
 from .propagation import propagate
 from .propagation.reuse import Inputs, Propagated
 from .render.arrival import arriving
-from .render.frame_result import FrameResult
+from .render.frame_result import FrameResult, Sounding
 from .render.mixdown import Mixdown
 from .render.renderer import SAMPLE_RATE, sample_index
-from .scene.values import HapticObject
+from .unchanged import Unchanged
 
 __all__ = ["Frame", "Tracer"]
 
@@ -38,8 +37,7 @@ class Tracer:
     ) -> None:
         self.sample_rate = sample_rate
         self.collisions = CollisionDetector(contact_settings or ContactSettings(), lazy)
-        self._objects: tuple[HapticObject, ...] = ()
-        self._table = ObjectTable.of((), 0.0)
+        self._table = Unchanged(ObjectTable.of)
         self._propagated: Propagated | None = None
         self._mixdown = Mixdown(sample_rate)
         self._time: float | None = None
@@ -69,7 +67,7 @@ class Tracer:
             not frame.continuous or (self._time is not None and frame.time <= self._time)
         ):
             self.reset()
-        table = self._object_table(frame)
+        table = self._table(frame.objects, frame.settings.epsilon)
         collisions = self.collisions.detect(frame, table, self._time, again)
         if not again:
             self._start = next(
@@ -83,18 +81,12 @@ class Tracer:
         inputs = Inputs(
             table, collisions.contacts, sources, frame.listeners, frame.settings, collisions.frames
         )
-        propagated = self._propagate(inputs, frame.exact, watch)
+        propagated = self._propagate(inputs, watch)
         self.collisions.hold(propagated.propagation.latest([source.name for source in sources]))
         block = None
         if not again:
-            block = self._mixdown.render(
-                self._time,
-                frame.time,
-                inputs.sources,
-                frame.listeners,
-                propagated.propagation,
-                frame.heard,
-            )
+            end = Sounding(frame.time, sources, frame.listeners, propagated.propagation)
+            block = self._mixdown.render(self._time, end, frame.heard)
         watch.lap("mix")
         self._time = frame.time
         graph, propagation = propagated.graph, propagated.propagation
@@ -105,9 +97,9 @@ class Tracer:
             contacts=collisions.contacts,
             graph=graph,
             propagation=propagation,
-            sources=inputs.sources,
+            sources=sources,
             listeners=frame.listeners,
-            amplitudes=arriving(inputs.sources, propagation),
+            amplitudes=arriving(sources, propagation),
             impacts=collisions.impacts,
             block=block,
             first_sample=sample_index(self._start, self.sample_rate),
@@ -119,18 +111,10 @@ class Tracer:
             shots=collisions.shots,
         )
 
-    def _object_table(self, frame: Frame) -> ObjectTable:
-        """Return the table of the frame's objects, the same one while they are unchanged."""
-        if frame.objects is not self._objects or frame.settings.epsilon != self._table.epsilon:
-            self._objects = frame.objects
-            self._table = ObjectTable.of(frame.objects, frame.settings.epsilon)
-        return self._table
-
-    def _propagate(self, inputs: Inputs, exact: bool, watch: _Stopwatch) -> Propagated:
-        """Return graph and gains; those of the last frame if its inputs were the same (``exact``:
-        bit-identical)."""
+    def _propagate(self, inputs: Inputs, watch: _Stopwatch) -> Propagated:
+        """Return graph and gains; those of the last frame if its inputs were the same."""
         known = self._propagated
-        if known is None or not known.inputs.same_as(inputs, 0.0 if exact else STILL):
+        if known is None or not known.inputs.same_as(inputs):
             gravity = self.collisions.settings.gravity
             graph = build_graph(
                 inputs.table,

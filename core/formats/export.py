@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import datetime
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 from ..modalities.propagation import ModalityScene
 from ..scene.device_mapping import DeviceMapping
 from ..scene.library import LibraryMaterial
 from ..scene.values import HapticScene
+from .provenance import methods, provenance_of
 from .scene.recording import Recording
 from .tracks.listener_tracks import Tracks
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Export:
     """A scene with its recording and its rendered tracks.
 
     Files are named after ``name``; ``date`` is in ISO 8601. ``unknown``: JSON pointers of keys of a
-    newer version that were not read.
+    newer version that were not read. ``origin``: the provenance of tracks that come without their
+    scene.
     """
 
     name: str
@@ -30,6 +35,16 @@ class Export:
     materials: tuple[LibraryMaterial, ...] = ()
     date: str = field(default_factory=lambda: datetime.date.today().isoformat())
     unknown: tuple[str, ...] = ()
+    origin: Mapping[str, Any] | None = None
+
+    @cached_property
+    def provenance(self) -> Mapping[str, Any]:
+        """What files say of their origin: `provenance_of` the scene."""
+        return provenance_of(self.scene) if self.origin is None else self.origin
+
+    def methods(self) -> str:
+        """A paragraph on how the tracks were made. Raises ValueError without a scene."""
+        return methods(self.provenance, self.need_scene(), self.tracks)
 
     def need_tracks(self) -> Tracks:
         """The rendered tracks. Raises ValueError if there are none."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +13,18 @@ from .scene.frames_json import frame_to_dict, recording_from_dict
 from .scene.lists_json import device_to_dict, devices_from_dict, materials_from_dict
 from .scene.modalities_json import modalities_from_dict, modalities_to_dict
 from .scene.motion import packed
-from .scene.scene_json import current_document, scene_of, scene_to_dict, write_document
+from .scene.scene_json import (
+    PROVENANCE,
+    current_document,
+    scene_of,
+    scene_to_dict,
+    write_document,
+)
 from .scene.tracks_json import tracks_from_dict, tracks_to_dict
 from .scene.values_json import item_to_dict
 from .tracks import wav
 from .tracks.comparison import Comparison, Kind, Measures
-from .tracks.track_export import scene_file
+from .tracks.track_export import credit, scene_file
 
 SUFFIX = FORMATS["scene"].suffix
 
@@ -67,7 +73,8 @@ def write_export(
 ) -> list[Path]:
     """Write to ``path``, compressed if it ends in ``.gz``. Raises ValueError or OSError."""
     document = scene_to_dict(export.need_scene())
-    extras = {key: document.pop(key) for key in ("extras",) if key in document}
+    extras = {PROVENANCE: None, **document.pop("extras", {})}
+    extras[PROVENANCE] = dict(export.provenance)
     files = [path]
     if export.materials:
         document["materials"] = [item_to_dict(material) for material in export.materials]
@@ -86,19 +93,23 @@ def write_export(
     if export.tracks is not None and tracks != "none":
         sidecar = path.with_name(path.name.removesuffix(".gz").removesuffix(SUFFIX) + ".tracks.wav")
         if tracks == "wav":
-            wav.write_wav(export.tracks, sidecar, encoding)
+            wav.write_wav(export.tracks, sidecar, encoding, credit(export))
             files.insert(0, sidecar)
         document["tracks"] = tracks_to_dict(
             export.tracks, encoding, sidecar.name if tracks == "wav" else None
         )
-    write_document({**document, **extras}, path)
+    write_document({**document, "extras": extras}, path)
     return files
 
 
 def read_export(path: str | Path) -> Export:
     """The content of a ``.json`` or ``.json.gz`` file. Raises FormatError or OSError."""
-    path = Path(path)
-    document, unknown = current_document(read_json(path), path)
+    return export_of(*current_document(read_json(path), path), Path(path))
+
+
+def export_of(document: Mapping[str, Any], unknown: Sequence[str], path: Path) -> Export:
+    """The content of a document of this version, which was read from ``path``; ``unknown``: the
+    keys of a newer version that it had. Raises FormatError."""
     scene = scene_of(document, path)
     return Export(
         name=path.name.removesuffix(".gz").removesuffix(SUFFIX),
@@ -108,5 +119,5 @@ def read_export(path: str | Path) -> Export:
         materials=materials_from_dict(document, path),
         recording=recording_from_dict(document, scene, path),
         tracks=tracks_from_dict(document, path),
-        unknown=unknown,
+        unknown=tuple(unknown),
     )

@@ -27,6 +27,11 @@ def json_points(
     ]
 
 
+def write_compact(path: Path, value: Any) -> Path:
+    """Write a document without spaces in one step."""
+    return write_text(path, [compact(value), "\n"])
+
+
 def write_json(path: Path, value: Any) -> Path:
     """Write an indented document in one step."""
     return write_text(

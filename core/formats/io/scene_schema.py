@@ -4,6 +4,7 @@ from the declarations of their fields."""
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import MISSING, Field
 from functools import partial
@@ -83,6 +84,8 @@ def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
     for found in numbers.values():
         for key, item in found.items():
             properties[key] = _either(properties.get(key, item), item)
+    for key in properties.keys() - {"signal"}:
+        properties[key]["description"] += _defaults_in(key, kinds)
     rules = []
     for kind, own in kinds.items():
         narrow = {
@@ -110,6 +113,19 @@ def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
         "additionalProperties": False,
         "allOf": rules,
     }
+
+
+def _defaults_in(key: str, kinds: Mapping[str, Mapping[str, Field[Any]]]) -> str:
+    """The sentence about the default of a parameter, by kinds of signals where they differ."""
+    owners: dict[float, list[str]] = {}
+    for kind, own in kinds.items():
+        default = own[key].default if key in own else MISSING
+        if isinstance(default, int | float) and math.isfinite(default):
+            owners.setdefault(default, []).append(kind)
+    if len(owners) == 1:
+        return f" Default: {next(iter(owners)):g}."
+    parts = [f"{value:g} of {', '.join(names)}" for value, names in owners.items()]
+    return f" Defaults: {'; '.join(parts)}." if parts else ""
 
 
 _COMBINED = {False: "object", True: "array"}

@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ...scene.references import meant
 from .error import FormatError, json_pointer
 from .scene_schema import SCENE, scene_schema
 
@@ -134,7 +135,7 @@ def _validator(schema: str) -> Callable[[Any], Any]:
 
     # The schemas use only keywords with the same meaning in draft 2020-12 and in draft 7, which the
     # validator implements.
-    definition = _with_inlined_leaves(load_schema(schema)) | {
+    definition = _with_kinds_first(_with_inlined_leaves(load_schema(schema))) | {
         "$schema": "http://json-schema.org/draft-07/schema#"
     }
     validator: Callable[[Any], Any] = fastjsonschema.compile(definition, use_default=False)
@@ -168,6 +169,23 @@ def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
     return inline
 
 
+def _with_kinds_first(value: Any) -> Any:
+    """The schema in which a kind is checked before what depends on it: "type" of a shape, "signal"
+    of a signal. Else an unknown kind would be reported as the lack of some property."""
+    if isinstance(value, list):
+        return [_with_kinds_first(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    value = {key: _with_kinds_first(member) for key, member in value.items()}
+    conditions = [rule["if"] for rule in value.get("allOf", ()) if "if" in rule]
+    kinds = {key for condition in conditions for key in condition.get("properties", {})}
+    chosen = {key: value["properties"][key] for key in kinds & value.get("properties", {}).keys()}
+    if chosen:
+        required = [key for key in chosen if key in value.get("required", ())]
+        value["allOf"] = [{"properties": chosen, "required": required}, *value["allOf"]]
+    return value
+
+
 def _readings(value: Any, name: str, parts: Place) -> Iterator[tuple[Place, Any]]:
     """Every place that the validator's name ``.objects[0].kappa`` may denote, because keys may
     contain dots, with its value."""
@@ -187,12 +205,13 @@ def _reason(error: Any) -> tuple[str | None, str]:
     rule, limit, value = error.rule, error.rule_definition, error.value
     match rule:
         case "required":
-            return next(key for key in limit if key not in value), "is required"
+            missing = next(key for key in limit if key not in value)
+            others = set(value) - error.definition.get("properties", {}).keys()
+            return missing, "is required" + meant(missing, others, ": is {!r} meant to be it?")
         case "additionalProperties":
             known = error.definition.get("properties", {})
-            return next(
-                key for key in value if key not in known
-            ), "unknown key; known are " + ", ".join(known)
+            key = next(key for key in value if key not in known)
+            return key, f"unknown key{meant(key, known)}; known are " + ", ".join(known)
         case "type":
             wanted = limit if isinstance(limit, str) else " or ".join(limit)
             return (
@@ -204,7 +223,7 @@ def _reason(error: Any) -> tuple[str | None, str]:
             return (
                 None,
                 f"must be {' or '.join(json.dumps(choice) for choice in choices)}, got "
-                f"{_shown(value)}",
+                f"{_shown(value)}{meant(value, choices)}",
             )
         case "minimum" | "exclusiveMinimum" | "maximum" | "exclusiveMaximum":
             words = {
@@ -219,12 +238,12 @@ def _reason(error: Any) -> tuple[str | None, str]:
                 "least" if rule[:3] == "min" else "most",
                 "items" if rule[3:] == "Items" else "characters",
             )
+            parts = parts if limit != 1 else parts[:-1]
             return None, f"must have at {least} {limit} {parts}, has {len(value)}"
         case "propertyNames":
             known = limit["enum"]
-            return next(
-                key for key in value if key not in known
-            ), "does not belong here; known are " + ", ".join(known)
+            key = next(key for key in value if key not in known)
+            return key, f"does not belong here{meant(key, known)}; known are " + ", ".join(known)
         case None:
             return None, "does not belong here"
         case _:

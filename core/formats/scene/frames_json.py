@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from .values_json import (
     json_value,
     read_contact,
     read_function,
+    read_items,
     read_listener,
     read_object,
     read_source,
@@ -144,10 +145,7 @@ class _FrameReader:
 
     def _objects(self, form: Mapping[str, Any], place: Place) -> tuple[HapticObject, ...]:
         """The objects that appear."""
-        objects = tuple(
-            read_object(item, (*place, "objects", i))
-            for i, item in enumerate(form.get("objects", ()))
-        )
+        objects = read_items(form, "objects", read_object, place)
         for i, item in enumerate(objects):
             require_new(item.name, self.objects, "object", (*place, "objects", i, "name"))
             self.objects.add(item.name)
@@ -155,10 +153,7 @@ class _FrameReader:
 
     def _listeners(self, form: Mapping[str, Any], place: Place) -> tuple[Listener, ...]:
         """The listeners that appear."""
-        listeners = tuple(
-            read_listener(item, (*place, "listeners", i))
-            for i, item in enumerate(form.get("listeners", ()))
-        )
+        listeners = read_items(form, "listeners", read_listener, place)
         for i, item in enumerate(listeners):
             require_new(item.name, self.listeners, "listener", (*place, "listeners", i, "name"))
             require_known(item.object, self.objects, "object", (*place, "listeners", i, "object"))
@@ -167,26 +162,18 @@ class _FrameReader:
 
     def _sources(self, form: Mapping[str, Any], place: Place) -> tuple[Source, ...]:
         """The sources that begin; they exist from now on."""
-        sources = tuple(
-            read_source(source, (*place, "sources", i))
-            for i, source in enumerate(form.get("sources", []))
-        )
+        sources = read_items(form, "sources", read_source, place)
         for i, source in enumerate(sources):
             if not (source.rubs and source.name in self.sources and self.sources[source.name].rubs):
                 require_new(source.name, self.sources, "source", (*place, "sources", i, "name"))
             self.sources[source.name] = source
-            require_known(source.object, self.objects, "object", (*place, "sources", i, "object"))
-            if source.second_object is not None:
-                require_known(
-                    source.second_object,
-                    self.objects,
-                    "object",
-                    (*place, "sources", i, "second_object"),
-                )
+            for key in ("object", "second_object"):
+                if (name := getattr(source, key)) is not None:
+                    require_known(name, self.objects, "object", (*place, "sources", i, key))
         return sources
 
     def _check_names(self, form: Mapping[str, Any], place: Place) -> None:
-        named: tuple[tuple[str, Container[str], tuple[str, ...]], ...] = (
+        named: tuple[tuple[str, Collection[str], tuple[str, ...]], ...] = (
             ("object", self.objects, ("poses", "properties", "functions")),
             ("source", self.sources, ("amplitudes", "source_positions")),
             ("listener", self.listeners, ("listener_positions", "gains")),
@@ -197,10 +184,7 @@ class _FrameReader:
                     require_known(name, known, kind, (*place, key, name))
 
     def _contacts(self, form: Mapping[str, Any], place: Place) -> tuple[Contact, ...]:
-        contacts = tuple(
-            read_contact(contact, (*place, "contacts", i))
-            for i, contact in enumerate(form.get("contacts", []))
-        )
+        contacts = read_items(form, "contacts", read_contact, place)
         for i, contact in enumerate(contacts):
             for k, name in enumerate(contact.objects):
                 require_known(name, self.objects, "object", (*place, "contacts", i, "objects", k))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from ...scene.library import LibraryMaterial
 from ...scene.references import Place, require_known, require_unique
 from ...scene.values import HapticScene
 from ..io.error import errors_in
-from .values_json import read_value
+from .values_json import read_items, read_value
 
 
 def device_to_dict(device: DeviceMapping) -> dict[str, Any]:
@@ -58,6 +59,4 @@ def materials_from_dict(
     forms = document.get("materials", [])
     with errors_in(file):
         require_unique([form["name"] for form in forms], "material", "materials")
-        return tuple(
-            read_value(LibraryMaterial, form, ("materials", i)) for i, form in enumerate(forms)
-        )
+        return read_items(document, "materials", partial(read_value, LibraryMaterial))

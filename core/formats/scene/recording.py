@@ -35,9 +35,9 @@ Pair = tuple[str, str]
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 
-DIGITS = 13
+DIGITS = 15
 """Decimals of recorded values that gains depend on, so that a recording reproduces the gains to 12
-digits."""
+digits, also where waves spread from a radius of millimetres on."""
 
 
 PoseRow = tuple[float, float, float, float, float, float, float]
@@ -314,10 +314,7 @@ def frame_of(scene: HapticScene, number: int, time: float, detect: bool) -> Fram
     frame = Frame(number, time, scene.objects, scene.sources, scene.listeners, scene.settings)
     if detect:
         shaped = [item for item in scene.objects if item.shape is not None]
-        bodies = tuple(
-            Body(item.name, item.shape, item.mass, item.motion, item.medium, item.material)
-            for item in shaped
-        )
+        bodies = tuple(Body.of(item, item.shape) for item in shaped)
         transforms = np.array(
             [pose_matrix(item.pose or Pose()) for item in shaped], dtype=np.float64
         ).reshape(-1, 4, 4)

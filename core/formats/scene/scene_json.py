@@ -23,6 +23,7 @@ from ..io.strict_json import read_json
 from .values_json import (
     json_value,
     read_contact,
+    read_items,
     read_listener,
     read_object,
     read_rules,
@@ -129,27 +130,23 @@ def scene_from_dict(document: Any, file: str | Path) -> HapticScene:
     return scene_of(current_document(document, file)[0], file)
 
 
+PROVENANCE = "provenance"
+"""Where a scene file has its provenance among its extras."""
+
+
 def scene_of(document: Mapping[str, Any], file: str | Path) -> HapticScene:
-    """The scene of a document from `current_document`. Raises FormatError."""
+    """The scene of a document from `current_document`, without the provenance among its extras:
+    the next file has its own. Raises FormatError."""
     with errors_in(file):
         return HapticScene(
-            objects=tuple(
-                read_object(form, ("objects", i)) for i, form in enumerate(document["objects"])
-            ),
-            contacts=tuple(
-                read_contact(form, ("contacts", i))
-                for i, form in enumerate(document.get("contacts", []))
-            ),
-            sources=tuple(
-                read_source(form, ("sources", i))
-                for i, form in enumerate(document.get("sources", []))
-            ),
-            listeners=tuple(
-                read_listener(form, ("listeners", i))
-                for i, form in enumerate(document.get("listeners", []))
-            ),
+            objects=read_items(document, "objects", read_object),
+            contacts=read_items(document, "contacts", read_contact),
+            sources=read_items(document, "sources", read_source),
+            listeners=read_items(document, "listeners", read_listener),
             settings=read_value(Settings, document.get("settings", {}), ("settings",)),
-            extras=document.get("extras", {}),
+            extras={
+                key: value for key, value in document.get("extras", {}).items() if key != PROVENANCE
+            },
             rules=read_rules(
                 {
                     key: value

@@ -75,30 +75,22 @@ def tracks_from_dict(document: Mapping[str, Any], file: str | Path) -> Tracks | 
 
 
 def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
-    name = form["file"]
+    name, place = form["file"], "/tracks/file"
     if name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
-        raise FormatError(
-            file, "/tracks/file", f"{name!r} is not the name of a file in the same folder"
-        )
+        raise FormatError(file, place, f"{name!r} is not the name of a file in the same folder")
     path = Path(file).parent / name
     try:
         if path.exists() and not path.is_file():
             raise ValueError("is not a regular file")
         stored = StoredSamples(path)
     except (OSError, ValueError) as error:
-        raise FormatError(
-            file,
-            "/tracks/file",
-            f"{name}: {error.strerror if isinstance(error, OSError) else error}",
-        ) from None
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise FormatError(file, place, f"{name}: {reason}") from None
     channels, count = stored.shape
     if stored.rate != form["sample_rate"] or channels != len(form["listeners"]):
         wanted = f"{len(form['listeners'])} channels at {form['sample_rate']} Hz"
-        raise FormatError(
-            file,
-            "/tracks/file",
-            f"{name} has {channels} channels at {stored.rate:g} Hz, not {wanted}",
-        )
+        has = f"{name} has {channels} channels at {stored.rate:g} Hz"
+        raise FormatError(file, place, f"{has}, not {wanted}")
     return np.asarray(stored[:, :count])
 
 

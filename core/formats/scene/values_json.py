@@ -96,9 +96,19 @@ def _read_normal(vector: Sequence[float], place: Place) -> Sequence[float]:
     return vector if abs(length - 1) <= 1e-6 else [component / length for component in vector]
 
 
-def read_triggers(forms: Sequence[Mapping[str, Any]], place: Place) -> tuple[Trigger, ...]:
-    """The triggers of a source."""
-    return tuple(read_value(Trigger, form, (*place, k)) for k, form in enumerate(forms))
+def read_list(read: Callable[[Any, Place], T], forms: Sequence[Any], place: Place) -> tuple[T, ...]:
+    """The items of a list, each read at its place."""
+    return tuple(read(form, (*place, i)) for i, form in enumerate(forms))
+
+
+def read_items(
+    form: Mapping[str, Any], key: str, read: Callable[[Any, Place], T], place: Place = ()
+) -> tuple[T, ...]:
+    """The items of the list ``key`` of an object; none where it is absent."""
+    return read_list(read, form.get(key, ()), (*place, key))
+
+
+read_triggers = partial(read_list, partial(read_value, Trigger))
 
 
 def _read_table(
@@ -155,7 +165,7 @@ def _defaults(cls: type) -> Mapping[str, Any]:
     }
 
 
-def _does_to_dict(does: ImpactRule | ModulationFunction | Texture) -> dict[str, Any]:
+def _rule_value_to_dict(does: ImpactRule | ModulationFunction | Texture) -> dict[str, Any]:
     return (
         {"transmission": does.to_dict()}
         if isinstance(does, ModulationFunction)
@@ -184,7 +194,10 @@ def json_value(value: Any) -> Any:
             return value.to_dict()
         case RuleTable():
             return [
-                {"between": [item_to_dict(side) for side in row.between], **_does_to_dict(row.does)}
+                {
+                    "between": [item_to_dict(side) for side in row.between],
+                    **_rule_value_to_dict(row.value),
+                }
                 for row in value.rows
             ]
         case Mapping():

@@ -26,16 +26,16 @@ from ...arrays import FloatArray
 from ...scene.references import Place, PlacedError
 from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
 from ...signals.keys import needed_keys
-from ..io.atomic import write_text
 from ..io.budget import Budget
 from ..io.error import FormatError, errors_in
-from ..io.json_text import compact, json_points
+from ..io.json_text import json_points, write_compact
+from ..io.left_out import without_damaged
 from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
 from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
 from .envelopes import bursts_of, vibration_envelope
 from .listener_tracks import ListenerTrack
-from .track_export import EDITOR, TrackExport, common_losses, listener_files
+from .track_export import TrackExport, common_losses, credit, listener_files
 from .vibration_file import Channel, VibrationFile
 
 TRANSIENTS_SUFFIX = ".transients.ahap"
@@ -113,11 +113,9 @@ def _write(
     metadata = {
         "Project": export.name,
         "Created": export.date,
-        "Description": f"{listener.name}, by {EDITOR}",
+        "Description": f"{listener.name}, by {credit(export)}",
     }
-    return write_text(
-        path, [compact({"Version": 1.0, "Metadata": metadata, "Pattern": pattern}), "\n"]
-    )
+    return write_compact(path, {"Version": 1.0, "Metadata": metadata, "Pattern": pattern})
 
 
 def _continuous(
@@ -205,8 +203,12 @@ def read(path: Path) -> VibrationFile:
             "/Pattern" if isinstance(document, dict) else "/",
             "must be an array" if document else "is required",
         )
-    with errors_in(path):
-        carriers = carriers_of(pattern, losses, Budget(path, is_json=True).take)
+
+    def read_pattern() -> tuple[Carrier, ...]:
+        with errors_in(path):
+            return carriers_of(pattern, losses, Budget(path, is_json=True).take)
+
+    carriers = without_damaged(document, (("Pattern", "*"),), losses, read_pattern)
     end = max((carrier.end for carrier in carriers), default=0.0)
     return VibrationFile((Channel(path.stem, end, carriers),), tuple(losses))
 

@@ -202,22 +202,17 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
     return times[kept], values[kept]
 
 
-def coarse_envelope(row: Row, step: float) -> tuple[FloatArray, FloatArray]:
+def vibration_envelope(
+    row: Row, step: float, bursts: Sequence[Burst] = ()
+) -> tuple[FloatArray, FloatArray]:
     """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and
-    the same power of first differences.
+    the same power of first differences, without the steady part of the samples, a push that no
+    motor can play, and less the power of ``bursts``.
 
     Each value covers its step and the step before, so that impacts in quick succession merge; none
     covers the step after, so that nothing is early. The first difference of a sine of frequency f
     has 4 sin²(π f / rate) times its power.
     """
-    return _smoothed(*powers(row, step)[:3], row.sample_rate)
-
-
-def vibration_envelope(
-    row: Row, step: float, bursts: Sequence[Burst] = ()
-) -> tuple[FloatArray, FloatArray]:
-    """The same of the vibration alone, without the steady part of the samples, and less the power
-    of ``bursts``."""
     power, change, width, total = powers(row, step)
     reach = np.ones(2 * math.ceil(STEADY_SECONDS / 2 / step) + 1)
     steady = (_spread(total, reach) / _spread(width, reach)) ** 2

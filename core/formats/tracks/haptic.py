@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
-from ..io.atomic import write_text
 from ..io.error import FormatError
-from ..io.json_text import compact, json_points, write_json
+from ..io.json_text import json_points, write_compact, write_json
+from ..io.left_out import without_damaged
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier, compare_carriers
@@ -27,12 +27,14 @@ from .comparison import Comparison, Kind, Measures
 from .envelopes import Burst, bursts_of, single_carrier, thinned_carrier
 from .fitting import Fit
 from .listener_tracks import ListenerTrack, Row
-from .track_export import EDITOR, TrackExport, common_losses, listener_files
+from .track_export import TrackExport, common_losses, credit, listener_files
 from .vibration_file import Channel, VibrationFile
 
 SLIGHT = 0.05
 """Amount by which amplitudes may exceed their range to be clipped instead of refused."""
 _EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.1, "square")}
+_ENVELOPES = ("signals", "continuous", "envelopes")
+_PARTS = ((*_ENVELOPES, "frequency"), (*_ENVELOPES, "amplitude", "*", "emphasis"))
 _QUEST = (55.0, 200.0)
 
 
@@ -67,7 +69,7 @@ def write(
         document = _document(export, listener, carrier, low, high, bursts)
         played = _carriers(document["signals"]["continuous"]["envelopes"], low, high, str(path))
         compare_carriers(row, number, played, measured)
-        files.append(write_text(path, [compact(document), "\n"]))
+        files.append(write_compact(path, document))
         files.append(
             write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high))
         )
@@ -97,7 +99,7 @@ def _document(
         ),
     }
     metadata = {
-        "editor": EDITOR,
+        "editor": credit(export),
         "source": export.name,
         "project": export.name,
         "tags": [listener.body_part] if listener.body_part else [],
@@ -173,7 +175,7 @@ def _configuration(
             "version": "1.0.0",
             "device": f"{export.name}, {listener.name}",
             "date": export.date,
-            "author": EDITOR,
+            "author": credit(export),
         },
         "continuous": {
             "gain": 1.0,
@@ -192,13 +194,17 @@ def read(path: Path) -> VibrationFile:
     Raises FormatError or OSError.
     """
     document = read_json(path)
-    losses: list[str] = []
+    losses: dict[str, None] = {}
     if _clip_slight_excess(document):
-        losses.append(f"amplitudes up to {1 + SLIGHT:g} are clipped to 1")
+        losses[f"amplitudes up to {1 + SLIGHT:g} are clipped to 1"] = None
     metadata = _without_unplayed_parts(document)
-    validate(document, "haptic_v1", path)
-    envelopes = document["signals"]["continuous"]["envelopes"]
-    carriers = _carriers(envelopes, *_range_beside(path, losses), path)
+    low, high = _range_beside(path, losses)
+
+    def carriers_of() -> tuple[Carrier, ...]:
+        validate(document, "haptic_v1", path)
+        return _carriers(document["signals"]["continuous"]["envelopes"], low, high, path)
+
+    carriers = without_damaged(document, _PARTS, losses, carriers_of)
     name = metadata.get("description") if isinstance(metadata, dict) else None
     return VibrationFile(
         (
@@ -273,17 +279,17 @@ def _points(
     return times, np.array([point[key] for point in points], dtype=np.float64)
 
 
-def _range_beside(path: Path, losses: list[str]) -> tuple[float, float]:
+def _range_beside(path: Path, losses: dict[str, None]) -> tuple[float, float]:
     beside = path.with_suffix(".acf")
     if not beside.is_file():
-        losses.append(
-            "there is no .acf beside the file: frequencies are those of Quest controllers"
+        losses["there is no .acf beside the file: frequencies are those of Quest controllers"] = (
+            None
         )
         return _QUEST
     try:
         configuration = read_json(beside)
     except FormatError as error:
-        losses.append(f"{beside.name} is not used: {error.reason}")
+        losses[f"{beside.name} is not used: {error.reason}"] = None
         return _QUEST
     continuous = configuration.get("continuous") if isinstance(configuration, dict) else None
     if isinstance(continuous, dict):
@@ -294,8 +300,8 @@ def _range_beside(path: Path, losses: list[str]) -> tuple[float, float]:
             and 0 < low < high <= 20_000
         ):
             return float(low), float(high)
-    losses.append(
-        f"{beside.name} gives no range of frequencies: they are those of Quest controllers"
+    losses[f"{beside.name} gives no range of frequencies: they are those of Quest controllers"] = (
+        None
     )
     return _QUEST
 

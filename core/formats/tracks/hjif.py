@@ -26,7 +26,7 @@ from .fitting import Fit, fit_bands
 from .hjif_reading import carriers_of
 from .hjif_reading import read as read
 from .listener_tracks import ListenerTrack, Row, Tracks
-from .track_export import TrackExport, body_part_of, common_losses, scene_file
+from .track_export import TrackExport, body_part_of, common_losses, credit, scene_file
 from .transients import TRANSIENT_CYCLES, TRANSIENT_SECONDS, transient_carrier, without_transients
 
 TIMESCALE = 1000
@@ -79,7 +79,7 @@ def _document(
         "profile": options["profile"],
         "level": 1 if len(tracks.listeners) <= CHANNELS_OF_LEVEL_1 else 2,
         "date": export.date,
-        "description": f"{export.name}, by Haptic Tracing",
+        "description": f"{export.name}, by {credit(export)}",
         "timescale": TIMESCALE,
         "avatars": [{"id": 1, "lod": 0, "type": "Vibration"}],
     }

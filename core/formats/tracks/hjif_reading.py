@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,9 +13,9 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...scene.body import BODY_PARTS
-from ...signals import Automation
 from ..io.budget import Budget
 from ..io.error import FormatError
+from ..io.left_out import without_damaged
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier
@@ -24,6 +23,8 @@ from .transients import transient_carrier
 from .vibration_file import Channel, VibrationFile
 from .wavelet import WaveletBand
 
+_CHANNEL = ("perceptions", "*", "channels", "*")
+_PARTS = (_CHANNEL, (*_CHANNEL, "bands", "*"), (*_CHANNEL, "bands", "*", "effects", "*"))
 _KEY_BYTES = 32
 _PIECES = 16
 """Linear pieces of a cubic curve between two keys: an error below 0.3 % of the step between
@@ -45,8 +46,8 @@ Keyframe = Mapping[str, Any]
 def read(path: Path) -> VibrationFile:
     """The channels of all perceptions. Raises FormatError or OSError."""
     document = read_json(path)
-    validate(document, "hjif", path)
     losses: dict[str, None] = {}
+    without_damaged(document, _PARTS, losses, lambda: validate(document, "hjif", path))
     budget = Budget(path, is_json=True)
     channels = []
     for p, perception in enumerate(document["perceptions"]):
@@ -55,7 +56,7 @@ def read(path: Path) -> VibrationFile:
         }
         unit = 10.0 ** perception.get("perception_unit_exponent", 0)
         for c, form in enumerate(perception["channels"]):
-            reader = _ChannelReader(path, document["timescale"], library, losses, budget)
+            reader = _ChannelReader(document["timescale"], library, losses, budget)
             channels.append(reader.channel(form, unit, f"/perceptions/{p}/channels/{c}"))
     return VibrationFile(tuple(channels), tuple(losses))
 
@@ -71,19 +72,12 @@ def _body_part(channel: Mapping[str, Any]) -> str:
 class _ChannelReader:
     def __init__(
         self,
-        path: Path,
         timescale: int,
         library: Mapping[int, Any],
         losses: dict[str, None],
         budget: Budget,
     ) -> None:
-        self.path, self.tick, self.library, self.losses, self.budget = (
-            path,
-            1 / timescale,
-            library,
-            losses,
-            budget,
-        )
+        self.tick, self.library, self.losses, self.budget = 1 / timescale, library, losses, budget
 
     def channel(self, form: Mapping[str, Any], unit: float, place: str) -> Channel:
         gain = form["gain"] * unit
@@ -92,7 +86,7 @@ class _ChannelReader:
         for b, band in enumerate(form["bands"]):
             effects = self._effects(band, f"{place}/bands/{b}")
             if band["band_type"] == "WaveletWave":
-                wavelets.append(self._wavelet_band(band, list(effects), gain, f"{place}/bands/{b}"))
+                wavelets += self._wavelet_band(band, list(effects), gain, f"{place}/bands/{b}")
             else:
                 for carrier in (
                     carrier for effect in effects for carrier in self._carriers(band, effect, gain)
@@ -119,31 +113,27 @@ class _ChannelReader:
             effect = form
             if form["effect_type"] == "Reference":
                 if form["id"] not in self.library:
-                    raise FormatError(
-                        self.path,
-                        f"{place}/effects/{e}/id",
-                        f"the effect library has no effect {form['id']}",
-                    )
+                    self._leave_out(f"{place}/effects/{e}", f"no effect {form['id']} to refer to")
+                    continue
                 effect = {**self.library[form["id"]], "position": form["position"]}
                 self.budget.take(_KEY_BYTES * len(effect.get("keyframes", ())), place)
             if effect["effect_type"] == "Basis":
-                yield self._clipped(effect)
+                yield {**effect, "keyframes": self._keyframes(effect.get("keyframes", []))}
             else:
                 self.losses["composite effects are not read"] = None
 
-    def _clipped(self, effect: Mapping[str, Any]) -> Mapping[str, Any]:
-        """The effect with amplitudes within ±1, which the reference encoder exceeds."""
-        name = "amplitude_modulation"
-        keys = effect.get("keyframes", ())
+    def _keyframes(self, keys: list[Keyframe]) -> list[Keyframe]:
+        """The keyframes in the order of time, with amplitudes within ±1, which the reference
+        encoder exceeds."""
+        name, ordered = "amplitude_modulation", sorted(keys, key=_position)
+        if ordered != keys:
+            self.losses["keyframes that are not in the order of time are sorted"] = None
         if all(abs(key.get(name, 0)) <= 1 for key in keys):
-            return effect
+            return ordered
         self.losses["amplitudes beyond 1 are clipped"] = None
-        return {
-            **effect,
-            "keyframes": [
-                {**key, name: min(max(key[name], -1), 1)} if name in key else key for key in keys
-            ],
-        }
+        return [
+            {**key, name: min(max(key[name], -1), 1)} if name in key else key for key in ordered
+        ]
 
     def _carriers(
         self, band: Mapping[str, Any], effect: Mapping[str, Any], gain: float
@@ -158,7 +148,7 @@ class _ChannelReader:
 
     def _wavelet_band(
         self, band: Mapping[str, Any], effects: Sequence[Mapping[str, Any]], gain: float, place: str
-    ) -> WaveletBand:
+    ) -> list[WaveletBand]:
         try:
             blocks = [
                 (effect["position"] * self.tick, effect.get("wavelet_stream", ""))
@@ -168,11 +158,15 @@ class _ChannelReader:
                 band.get("block_length", 0) * self.tick,
                 partial(self.budget.take, pointer=place),
             )
-            return WaveletBand.decoded(blocks, seconds, band["upper_frequency_limit"], gain, take)
+            return [WaveletBand.decoded(blocks, seconds, band["upper_frequency_limit"], gain, take)]
         except FormatError:
             raise
         except ValueError as error:
-            raise FormatError(self.path, place, str(error)) from None
+            self._leave_out(place, str(error))
+            return []
+
+    def _leave_out(self, place: str, reason: str) -> None:
+        self.losses[f"{place} is left out: {reason}"] = None
 
 
 def carriers_of(
@@ -187,20 +181,16 @@ def carriers_of(
             for time, strength in zip(*amplitudes, strict=True):
                 yield transient_carrier(start + float(time), float(strength) * gain)
         return
-    end = start + (keyframes[-1].get("relative_position", 0) * tick if keyframes else 0.0)
+    end = start + (_position(keyframes[-1]) * tick if keyframes else 0.0)
     if end <= start:
         return
     frequencies = _keys(keyframes, "frequency_modulation", tick)
     if frequencies is None:
         return
     wave, sign = _WAVES[effect.get("base_signal", "Sine")]
-    times, values = (np.zeros(1), np.ones(1)) if amplitudes is None else _played(*amplitudes)
-    for begin, until, phase in _phases(*frequencies, end - start):
-        carrier = Carrier(
-            start, end, 0.0, times, values * (sign * gain), *_played(*frequencies), wave
-        )
-        part = carrier if (begin, until) == (0.0, end - start) else carrier.part(begin, until)
-        yield replace(part, phase=effect.get("phase", 0.0) + phase)
+    times, values = (np.zeros(1), np.ones(1)) if amplitudes is None else amplitudes
+    phase = effect.get("phase", 0.0)
+    yield Carrier(start, end, phase, times, values * (sign * gain), *frequencies, wave)
 
 
 def _curve(
@@ -212,7 +202,7 @@ def _curve(
     keys = _keys(effect.get("keyframes", []), "amplitude_modulation", tick)
     if keys is None:
         return
-    times, values = _played(*keys)
+    times, values = keys
     end = start + float(times[-1])
     if is_cubic and len(times) > 1:
         share = np.arange(_PIECES) / _PIECES
@@ -225,6 +215,11 @@ def _curve(
         yield Carrier(start, end, math.pi / 2, times, values * gain, np.zeros(1), np.zeros(1))
 
 
+def _position(keyframe: Keyframe) -> int:
+    """The ticks from the start of its effect."""
+    return int(keyframe.get("relative_position", 0))
+
+
 def _keys(
     keyframes: Sequence[Keyframe], name: str, tick: float
 ) -> tuple[FloatArray, FloatArray] | None:
@@ -232,60 +227,5 @@ def _keys(
     keys = [keyframe for keyframe in keyframes if name in keyframe]
     if not keys:
         return None
-    times = np.array([keyframe.get("relative_position", 0) for keyframe in keys], dtype=np.float64)
+    times = np.array([_position(keyframe) for keyframe in keys], dtype=np.float64)
     return times * tick, np.array([keyframe[name] for keyframe in keys], dtype=np.float64)
-
-
-def _played(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Keys with ascending times that reproduce the reference software's result if times decrease.
-
-    It searches for the first key in the list at or after a time, and interpolates from the key
-    before it in the list.
-    """
-    if (times[1:] >= times[:-1]).all():
-        return times, values
-    keys = [(float(times[0]), float(values[0]))]
-    reached = float(times[0])
-    for k in range(1, len(times)):
-        if times[k] <= reached:
-            continue
-        if times[k - 1] < reached:
-            share = (reached - times[k - 1]) / (times[k] - times[k - 1])
-            keys.append((reached, float(values[k - 1] + share * (values[k] - values[k - 1]))))
-        keys.append((float(times[k]), float(values[k])))
-        reached = float(times[k])
-    ordered, levels = np.array(keys).T
-    return ordered, levels
-
-
-def _phases(
-    times: FloatArray, values: FloatArray, length: float
-) -> Iterator[tuple[float, float, float]]:
-    """Parts (begin, end) of an effect of ``length`` seconds with the phase (radians) at the
-    beginning of each.
-
-    There is one part unless times decrease. The reference software adds up the cycles between
-    neighbours in the list, which may be negative, so that the phase jumps where it goes on from an
-    earlier time.
-    """
-    if (times[1:] >= times[:-1]).all():
-        yield 0.0, length, 0.0
-        return
-    cycles = np.concatenate(
-        [[times[0] * values[0]], np.diff(times) * (values[1:] + values[:-1]) / 2]
-    ).cumsum()
-    begin, phase, reached = 0.0, 0.0, float(times[0])
-    for k in range(1, len(times)):
-        if times[k] <= reached:
-            continue
-        if times[k - 1] < reached and reached < length:
-            yield begin, reached, phase
-            begin = reached
-            line = Automation(times[k - 1 : k + 1] - times[k - 1], values[k - 1 : k + 1])
-            phase = (
-                2
-                * math.pi
-                * float(cycles[k - 1] + line.integral(np.array([reached - times[k - 1]]))[0])
-            )
-        reached = float(times[k])
-    yield begin, length, phase

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..io.atomic import write_text
-from ..io.json_text import compact
+from ..io.json_text import write_compact
 from .comparison import Comparison, Kind, Measures
-from .envelopes import coarse_envelope, compare_steps
+from .envelopes import compare_steps, vibration_envelope
 from .track_export import TrackExport, common_losses, listener_files
 
 
@@ -35,7 +34,7 @@ def write(
     step = options["step"] / 1000
     files = []
     for number, listener, row, path in listener_files(export, folder, "hla"):
-        amplitude, _ = coarse_envelope(row, step)
+        amplitude, _ = vibration_envelope(row, step)
         levels = np.rint(np.clip(amplitude, 0.0, 1.0) * 255).astype(np.int64)
         compare_steps(row, number, levels / 255, step, measured)
         first = np.flatnonzero(np.diff(levels, prepend=-1))
@@ -50,5 +49,5 @@ def write(
             "RequiredAudioFiles": [],
             "Audios": [],
         }
-        files.append(write_text(path, [compact(document), "\n"]))
+        files.append(write_compact(path, document))
     return files

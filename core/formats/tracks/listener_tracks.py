@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...perception import FullScale
 from ...scene.values import Source
 from ..io.catalogue import MAX_SAMPLE_RATE
 
@@ -42,11 +43,13 @@ class ListenerTrack:
 
     ``impacts`` (k, 2): time in seconds from the start of the tracks, ascending, and strength, the
     peak of the impact's signal at this listener, in [0, 1]. Their vibration is part of the samples.
+    ``device``: the calibration of the listener's device, if known.
     """
 
     name: str
     body_part: str = ""
     impacts: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    device: FullScale | None = None
 
     def __post_init__(self) -> None:
         impacts = np.asarray(self.impacts, dtype=np.float64).reshape(-1, 2)

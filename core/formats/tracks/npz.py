@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..io.atomic import atomic_file
+from ..io.json_text import compact
 from . import wav
 from .comparison import Comparison
 from .listener_tracks import CHUNK, Tracks
@@ -31,21 +32,23 @@ def write(
     """Write ``<scene>.npz``.
 
     Arrays: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``,
-    ``body_parts`` and ``impacts`` (k, 3) of listener index, time and strength.
+    ``body_parts``, ``impacts`` (k, 3) of listener index, time and strength, and ``provenance``, a
+    JSON text.
     """
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, "npz")
     method = zipfile.ZIP_DEFLATED if options["compressed"] else zipfile.ZIP_STORED
     with atomic_file(path) as file, zipfile.ZipFile(file, "w", method) as archive:
         _write_samples(archive, tracks)
-        for name, array in _small_arrays(tracks).items():
+        for name, array in _small_arrays(export).items():
             with archive.open(f"{name}.npy", "w") as entry:
                 np.lib.format.write_array(entry, array, allow_pickle=False)
     wav.compare_encoded(tracks, "float32", measured)
     return [path]
 
 
-def _small_arrays(tracks: Tracks) -> dict[str, NDArray[Any]]:
+def _small_arrays(export: TrackExport) -> dict[str, NDArray[Any]]:
+    tracks = export.need_tracks()
     impacts = [
         np.insert(listener.impacts, 0, number, axis=1)
         for number, listener in enumerate(tracks.listeners)
@@ -56,6 +59,7 @@ def _small_arrays(tracks: Tracks) -> dict[str, NDArray[Any]]:
         "names": np.array([listener.name for listener in tracks.listeners]),
         "body_parts": np.array([listener.body_part for listener in tracks.listeners]),
         "impacts": np.concatenate(impacts),
+        "provenance": np.array(compact(dict(export.provenance))),
     }
 
 

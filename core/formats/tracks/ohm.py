@@ -12,7 +12,7 @@ from ..io.atomic import write_bytes
 from . import wav
 from .comparison import Comparison
 from .listener_tracks import ListenerTrack
-from .track_export import TrackExport, body_part_of, scene_file
+from .track_export import TrackExport, body_part_of, credit, scene_file
 
 _ENCODING = "pcm16"
 
@@ -40,7 +40,7 @@ def write(
     path, recording = scene_file(export.name, folder, "ohm"), scene_file(export.name, folder, "wav")
     if len(tracks.listeners) > 32767 or len(recording.name.encode()) > 64:
         raise ValueError(f"{path}: more listeners, or a longer name, than an OHM file can hold")
-    wav.write_wav(tracks, recording, _ENCODING)
+    wav.write_wav(tracks, recording, _ENCODING, credit(export))
     wav.compare_encoded(tracks, _ENCODING, measured)
     head = b"OHM " + struct.pack(">hh", 1, 1) + _text(export.name, 32)
     element = (

@@ -14,19 +14,19 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...scene.bhaptics import DEVICES, region
 from ...scene.body import BODY_PARTS
-from ..io.atomic import write_text
 from ..io.budget import Budget
 from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.file_names import file_stems
-from ..io.json_text import compact
+from ..io.json_text import write_compact
+from ..io.left_out import without_damaged
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier
 from .comparison import Comparison, Kind, Measures
-from .envelopes import coarse_envelope, compare_steps
+from .envelopes import compare_steps, vibration_envelope
 from .listener_tracks import Tracks
-from .track_export import TrackExport, body_part_of, common_losses
+from .track_export import TrackExport, body_part_of, common_losses, credit
 from .vibration_file import Channel, VibrationFile
 
 INTERVAL = 20
@@ -34,16 +34,15 @@ INTERVAL = 20
 
 FREQUENCY = 100.0
 """Frequency of the vibrations (hertz): the format has only strengths."""
-SPREAD = 0.85
-"""Power of the barycentric coordinates by which motors play a point between them."""
-ROUNDED_DOWN = 0.05
-"""By how much the player places a point too far left and up, on average (distances of motors)."""
+MORE = 0.53
+"""What motors that play a point between them have beyond their barycentric coordinates."""
 LONGEST = 3_600_000
 """Longest file (milliseconds)."""
 MOST_STEPS = 5_000_000
 """Steps of all effects."""
 
 _AT_ONCE = 4096
+_TINY = 1e-9
 LONGEST_NUMBER = 32
 """Characters of a number that is written as text."""
 
@@ -55,6 +54,8 @@ _FADES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
 }
 """Amplitude by the part of an interval that has passed, both 0 to 1, for each fade."""
 _LISTS = ("dotMode", "pathMode")
+_TRACK = ("project", "tracks", "*")
+_PARTS = (_TRACK, (*_TRACK, "effects", "*"))
 _NUMBERS: Mapping[str, Callable[[str], float]] = {
     "index": int,
     "intensity": float,
@@ -76,16 +77,21 @@ def motors(tracks: Tracks) -> dict[str, dict[int, list[int]]]:
     return result
 
 
+def _together(driven: Mapping[str, Mapping[int, list[int]]]) -> dict[int, list[int]]:
+    """For each listener that is represented by a motor, the listeners that one represents."""
+    return {
+        number: numbers
+        for indices in driven.values()
+        for numbers in indices.values()
+        for number in numbers
+    }
+
+
 def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     """What the files do not carry, one sentence each. Raises ValueError if no listener is at a part
     of the body where a device is worn."""
     tracks = export.need_tracks()
-    driven = {
-        number
-        for indices in motors(tracks).values()
-        for numbers in indices.values()
-        for number in numbers
-    }
+    driven = _together(motors(tracks))
     if not driven:
         raise ValueError(
             "tracks: no listener is where a bHaptics device is worn: give one such a body part "
@@ -118,14 +124,9 @@ def write(
     ]
     stems = file_stems(f"{export.name}.{device}" for device in devices)
     rows = [tracks.row(number) for number in range(len(tracks.listeners))]
-    levels = np.array([coarse_envelope(row, INTERVAL / 1000)[0] for row in rows])
+    levels = np.array([vibration_envelope(row, INTERVAL / 1000)[0] for row in rows])
     steps = np.rint(np.clip(levels, 0.0, 1.0) * options["levels"]).astype(np.int64)
-    shared = {
-        number: numbers
-        for indices in driven.values()
-        for numbers in indices.values()
-        for number in numbers
-    }
+    shared = _together(driven)
     for number, row in enumerate(rows):
         played = steps[shared[number]].max(axis=0) if number in shared else np.zeros(steps.shape[1])
         compare_steps(row, number, played / options["levels"], INTERVAL / 1000, measured)
@@ -135,12 +136,8 @@ def write(
             position: _mode(driven.get(position, {}), steps, options["levels"])
             for position in DEVICES[device]
         }
-        files.append(
-            write_text(
-                folder / f"{stem}{FORMATS['tact'].suffix}",
-                [compact(_document(export, tracks, device, stem, modes)), "\n"],
-            )
-        )
+        document = _document(export, tracks, device, stem, modes)
+        files.append(write_compact(folder / f"{stem}{FORMATS['tact'].suffix}", document))
     return files
 
 
@@ -202,7 +199,7 @@ def _document(
             "createdAt": 0,
             "updatedAt": 0,
             "name": name,
-            "description": f"{export.name}, by Haptic Tracing",
+            "description": f"{export.name}, by {credit(export)}",
             "layout": {"name": device, "type": device, "layouts": layouts},
             "mediaFileDuration": math.ceil(tracks.duration),
             "tracks": [
@@ -224,9 +221,9 @@ def read(path: Path) -> VibrationFile:
     """The vibrations of the body parts that the file addresses. Raises FormatError or OSError."""
     document = read_json(path)
     _convert_numbers(document)
-    validate(document, "tact", path)
-    project = document["project"]
     losses = {f"the format has no frequencies: motors are played at {FREQUENCY:g} Hz": None}
+    without_damaged(document, _PARTS, losses, lambda: validate(document, "tact", path))
+    project = document["project"]
     effects = [
         effect
         for track in project["tracks"]
@@ -370,23 +367,26 @@ class _Player:
 
 def _weights(places: Sequence[tuple[float, float]], x: FloatArray, y: FloatArray) -> FloatArray:
     """The weights (motors, n) with which the motors at ``places`` play a point at ``x``, ``y``
-    (n,).
+    (n,), as in frames that the maker's program has written into files.
 
-    The rectangles between neighbouring motors are cut into two triangles, from lower left to upper
-    right. The corners of a point's triangle play it, each with a power of its barycentric
-    coordinate. The power and the shift of the point were fitted to frames that the maker's program
-    has written into files: it rounds positions down.
+    It rounds positions down, first to tenths of the grid's cells, of which there are as many as
+    motors, then to tenths of the distances of motors. The rectangles between neighbouring motors
+    are cut into two triangles, from lower left to upper right. The corners of a point's triangle
+    play it by its barycentric coordinates (a, b, c), each more than it: a + `MORE` bc / (b + c).
     """
     columns, rows = (np.unique([place[k] for place in places]) for k in (0, 1))
     across, down = (
-        np.maximum(np.interp(values, knots, np.arange(len(knots))) - ROUNDED_DOWN, 0.0)
-        for values, knots in ((x, columns), (y, rows))
+        np.floor(np.floor(10 * n * values + _TINY) * (n - 1) / n + _TINY) / 10 + _TINY
+        for values, n in ((x, len(columns)), (y, len(rows)))
     )
     # A motor's triangles form a hexagon, in which its coordinate falls linearly from 1 to 0.
     right = across - np.searchsorted(columns, [[place[0]] for place in places])
     below = down - np.searchsorted(rows, [[place[1]] for place in places])
-    coordinates = 1 - np.maximum(np.maximum(np.abs(right), np.abs(below)), np.abs(right + below))
-    return np.asarray(np.maximum(coordinates, 0.0) ** SPREAD)
+    own = 1 - np.maximum(np.maximum(np.abs(right), np.abs(below)), np.abs(right + below))
+    own = np.maximum(own, 0.0)
+    others = np.maximum(1 - own, _TINY)
+    products = (others**2 + own**2 - np.sum(own**2, axis=0)) / 2
+    return np.where(own > 0, own + MORE * np.maximum(products, 0.0) / others, 0.0)
 
 
 def _channels(position: str, table: FloatArray, duration: float) -> Iterator[Channel]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from ...scene.body import BODY_PART, BodyPart
 from ..io.catalogue import FORMATS
@@ -21,9 +21,18 @@ class TrackExport(Protocol):
     def name(self) -> str: ...
     @property
     def date(self) -> str: ...
+    @property
+    def provenance(self) -> Mapping[str, Any]: ...
     def need_tracks(self) -> Tracks:
         """The rendered tracks. Raises ValueError where there are none."""
         ...
+
+
+def credit(export: TrackExport) -> str:
+    """Program, version, settings and digest of the scene, in one line."""
+    rest = dict(export.provenance)
+    program = f"{rest.pop('program')} {rest.pop('version')}"
+    return "; ".join([program, *(f"{key} {value}" for key, value in rest.items())])
 
 
 def body_part_of(listener: ListenerTrack) -> BodyPart | None:

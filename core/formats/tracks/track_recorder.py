@@ -78,6 +78,7 @@ class TrackRecorder:
                     item.name,
                     item.body_part,
                     sorted_impacts((time - start, row[number]) for time, row in felt),
+                    item.device,
                 )
                 for number, item in enumerate(self._listeners)
             ),

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
+from ...perception import FullScale
 from ...signals import Sampled, Signal, Sum
 from ...signals.interpolation import resample
 from ...signals.limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS
@@ -28,8 +29,8 @@ class Channel:
     (hertz), from time 0.
 
     ``duration`` in seconds. ``samples`` may be any sequence whose slices are arrays. ``body_part``
-    is empty if the file does not give it. Raises ValueError for values beyond the limits of
-    signals.
+    is empty, and ``device``, the calibration of its device, None, if the file does not give it.
+    Raises ValueError for values beyond the limits of signals.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Channel:
     samples: Any = None
     sample_rate: float = 0.0
     body_part: str = ""
+    device: FullScale | None = None
 
     def __post_init__(self) -> None:
         for carrier in self.carriers:

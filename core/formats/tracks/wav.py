@@ -12,7 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...perception import FullScale
 from ...regular_file import open_regular
+from ...scene.declaration import declared
+from ...scene.values import Listener
 from ...signals.interpolation import resample
 from ...signals.limits import MAX_PEAK
 from ...signals.wav import WavFile
@@ -22,7 +25,7 @@ from ..io.json_text import write_json
 from ..io.strict_json import read_json
 from .comparison import Comparison, Kind, Measures
 from .listener_tracks import CHUNK, ListenerTrack, Tracks
-from .track_export import TrackExport, body_part_of, common_losses, scene_file
+from .track_export import TrackExport, body_part_of, common_losses, credit, scene_file
 from .vibration_file import Channel, VibrationFile
 
 SIDECAR_SUFFIX = ".wav.json"
@@ -62,7 +65,7 @@ def write(
     original = export.need_tracks()
     tracks = at_rate(original, options["sample_rate"])
     path = scene_file(export.name, folder, "wav")
-    write_wav(tracks, path, options["encoding"])
+    write_wav(tracks, path, options["encoding"], credit(export))
     if tracks is original:
         compare_encoded(tracks, options["encoding"], measured)
     else:
@@ -78,13 +81,19 @@ def write(
         path,
         write_json(
             sidecar,
-            {"format": "haptic-tracks", "version": "1.0", "file": path.name, **described(tracks)},
+            {
+                "format": "haptic-tracks",
+                "version": "1.0",
+                "file": path.name,
+                "provenance": dict(export.provenance),
+                **described(tracks),
+            },
         ),
     ]
 
 
 def described(tracks: Tracks) -> dict[str, Any]:
-    """The JSON description of tracks: listeners and their impacts."""
+    """The JSON description of tracks: listeners, their impacts and calibrations."""
     return {
         "sample_rate": tracks.sample_rate,
         "samples": tracks.count,
@@ -94,6 +103,7 @@ def described(tracks: Tracks) -> dict[str, Any]:
                 "name": listener.name,
                 "body_part": listener.body_part,
                 **_mpeg(listener),
+                **_calibration(listener.device),
                 "impacts": listener.impacts.tolist(),
             }
             for listener in tracks.listeners
@@ -106,6 +116,13 @@ def _mpeg(listener: ListenerTrack) -> dict[str, Any]:
     return (
         {} if part is None else {"mpeg_mask": part.mpeg_mask, "mpeg_target": list(part.mpeg_target)}
     )
+
+
+def _calibration(device: FullScale | None) -> dict[str, Any]:
+    if device is None:
+        return {}
+    unit = "N" if device.is_force else "m/s^2"
+    return {"full_scale": device.points, "full_scale_unit": unit}
 
 
 def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
@@ -122,12 +139,14 @@ def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
     return Tracks(tracks.listeners, sample_rate, samples, tracks.start)
 
 
-def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16") -> None:
-    """Write the samples as ``pcm16`` or ``float32``, in pieces. Raises ValueError for more than a
-    WAV file can hold."""
+def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16", comment: str = "") -> None:
+    """Write the samples as ``pcm16`` or ``float32``, in pieces, with a comment (``LIST``/``INFO``).
+    Raises ValueError for more than a WAV file can hold."""
     channels, width = len(tracks.listeners), np.dtype(TYPES[encoding]).itemsize
     size = channels * tracks.count * width
-    header = _header(channels, tracks.sample_rate, width, _CODES[encoding], tracks.count, size)
+    header = _header(
+        channels, tracks.sample_rate, width, _CODES[encoding], tracks.count, _info(comment)
+    )
     if channels > 65535 // width or len(header) + size - 8 > MAX_RIFF:
         raise ValueError(
             f"{path}: {channels} listeners and {tracks.duration:g} s are more than a WAV file "
@@ -138,7 +157,8 @@ def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16") -> None:
         _write_samples(file, tracks, encoding)
 
 
-def _header(channels: int, rate: int, width: int, code: int, count: int, size: int) -> bytes:
+def _header(channels: int, rate: int, width: int, code: int, count: int, info: bytes) -> bytes:
+    size = channels * count * width
     form = struct.pack(
         "<HHIIHHHHIH",
         0xFFFE,
@@ -160,10 +180,19 @@ def _header(channels: int, rate: int, width: int, code: int, count: int, size: i
         + struct.pack("<I", len(form))
         + form
         + fact
+        + info
         + b"data"
         + struct.pack("<I", size & MAX_RIFF)
     )
     return b"RIFF" + struct.pack("<I", (len(chunks) + size) & MAX_RIFF) + chunks
+
+
+def _info(comment: str) -> bytes:
+    """The chunk of a comment, of even length and ended by a zero."""
+    text = comment.encode() + b"\0"
+    text += b"\0" * (len(text) % 2)
+    entry = b"INFOICMT" + struct.pack("<I", len(text)) + text
+    return b"LIST" + struct.pack("<I", len(entry)) + entry if comment else b""
 
 
 def _write_samples(file: BinaryIO, tracks: Tracks, encoding: str) -> None:
@@ -259,6 +288,7 @@ def read(path: Path) -> VibrationFile:
     except ValueError as error:
         raise FormatError(path, "/", str(error)) from None
     channels, count = stored.shape
+    named, losses = _named(path, channels)
     return VibrationFile(
         tuple(
             Channel(
@@ -267,23 +297,45 @@ def read(path: Path) -> VibrationFile:
                 samples=stored[number],
                 sample_rate=stored.rate,
                 body_part=body_part,
+                device=device,
             )
-            for number, (name, body_part) in enumerate(_named(path, channels))
+            for number, (name, body_part, device) in enumerate(named)
         ),
+        losses,
         stored=stored,
     )
 
 
-def _named(path: Path, count: int) -> list[tuple[str, str]]:
-    """Name and body part of each channel, from the side-car if it fits."""
-    beside = path.with_name(path.name + ".json")
-    try:
-        listeners = read_json(beside)["listeners"] if beside.is_file() else ()
-        named = [(str(form["name"]), str(form["body_part"])) for form in listeners]
-    except (OSError, FormatError, TypeError, KeyError):
-        named = []
-    if len(named) == count:
-        return named
+def _named(
+    path: Path, count: int
+) -> tuple[list[tuple[str, str, FullScale | None]], tuple[str, ...]]:
+    """Name, body part and calibration of each channel, from the side-car if it fits; and why it is
+    not used."""
+    beside, losses = path.with_name(path.name + ".json"), tuple[str, ...]()
+    if beside.is_file():
+        try:
+            listeners = read_json(beside)["listeners"]
+            if len(listeners) == count:
+                return [
+                    (str(form["name"]), str(form["body_part"]), _device(form)) for form in listeners
+                ], ()
+            reason = f"it describes {len(listeners)} channels, not {count}"
+        except KeyError as error:
+            reason = f"{error} is missing"
+        except FormatError as error:
+            reason = error.reason
+        except (OSError, TypeError, ValueError) as error:
+            reason = str(error)
+        losses = (f"{beside.name} is not used: {reason}",)
     return [
-        (path.stem if count == 1 else f"{path.stem} {number}", "") for number in range(1, count + 1)
-    ]
+        (path.stem if count == 1 else f"{path.stem} {number}", "", None)
+        for number in range(1, count + 1)
+    ], losses
+
+
+def _device(form: Mapping[str, Any]) -> FullScale | None:
+    """The calibration that a side-car gives a listener. Raises ValueError."""
+    unit = form.get("full_scale_unit", "m/s^2")
+    points = declared(Listener)["full_scale"].checked(form.get("full_scale", ()))
+    declared(Listener)["full_scale_unit"].checked(unit)
+    return FullScale(points, unit == "N") if points else None

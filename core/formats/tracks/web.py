@@ -1,5 +1,5 @@
-"""A self-contained web page that plays the tracks: body map, waveforms, sound, and a gamepad by the
-Gamepad API."""
+"""A self-contained web page that plays the tracks: body map, levels over time, sound, and a gamepad
+by the Gamepad API."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...render import lane
 from ...scene.body_map import figure
 from ...signals.interpolation import resample
 from ..io.atomic import write_text
 from .comparison import Comparison, Kind, Measures
 from .listener_tracks import Tracks
-from .track_export import TrackExport, common_losses, scene_file
+from .track_export import TrackExport, common_losses, credit, scene_file
 
 RATE = 2000
 """Largest sample rate [Hz], with which 150 s of ten listeners take less than 5 MB."""
@@ -60,22 +61,31 @@ def write(
             for view in ("front", "back")
         ],
         "listeners": [
-            {"name": listener.name, "body_part": listener.body_part, "samples": samples}
-            for listener, samples in zip(tracks.listeners, packed, strict=True)
+            {
+                "name": listener.name,
+                "body_part": listener.body_part,
+                "samples": samples,
+                "lane": row,
+            }
+            for listener, (samples, row) in zip(tracks.listeners, packed, strict=True)
         ],
     }
     # Names are untrusted: without "<" they cannot end the element that contains them.
     text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":")).replace(
         "<", "\\u003c"
     )
-    parts = {"@TITLE@": html.escape(export.name), "@DATA@": text}
+    parts = {
+        "@TITLE@": html.escape(export.name),
+        "@CREDIT@": html.escape(credit(export)),
+        "@DATA@": text,
+    }
     page = Path(__file__).with_name("player.html").read_text("utf-8")
     path = scene_file(export.name, folder, "web")
     return [write_text(path, (parts.get(piece, piece) for piece in re.split(r"(@[A-Z]+@)", page)))]
 
 
-def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison) -> str:
-    """A listener's samples at ``rate``, a byte each, compressed, as text."""
+def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison) -> tuple[str, str]:
+    """A listener's samples at ``rate``, a byte each, compressed, as text; and its level as SVG."""
     row = tracks.row(number).read(0, tracks.count)
     coded = encoded(resample(row, tracks.sample_rate, rate))
     measured.add(
@@ -83,7 +93,8 @@ def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison) -> str
         row,
         resample(decoded(coded), rate, tracks.sample_rate)[: len(row) : measured.thinning],
     )
-    return base64.b64encode(zlib.compress(coded.tobytes(), 9)).decode("ascii")
+    text = base64.b64encode(zlib.compress(coded.tobytes(), 9)).decode("ascii")
+    return text, lane.svg(row, tracks.sample_rate)
 
 
 def encoded(samples: FloatArray) -> NDArray[np.uint8]:

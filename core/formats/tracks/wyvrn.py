@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
-from ..io.atomic import write_text
 from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.file_names import file_stem, file_stems
-from ..io.json_text import compact, json_points, write_json
+from ..io.json_text import json_points, write_compact, write_json
+from ..io.left_out import without_damaged
 from ..io.schema import validate
 from ..io.strict_json import read_json
 from .bands import wide_bands
@@ -34,6 +34,14 @@ SHORTEST = 0.01
 CONFIGURATIONS = ("haptic.config", "Wyvrn.config")
 """Names of the configuration that players look for: the second one is that of newer development
 kits. Both have the same content."""
+
+
+_PARTS = (
+    ("m_vibration", "m_melodies", "*"),
+    ("m_vibration", "m_melodies", "*", "m_notes", "*"),
+    ("vibration", "melodies", "*"),
+    ("vibration", "melodies", "*", "notes", "*"),
+)
 
 
 def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
@@ -71,7 +79,7 @@ def write(
     for number, (listener, stem) in enumerate(zip(tracks.listeners, stems, strict=True)):
         clip = _clip(tracks.row(number), listener, options)
         compare_carriers(tracks.row(number), number, _carriers_of(clip, {}), measured)
-        files.append(write_text(inside / f"{stem}{FORMATS['wyvrn'].suffix}", [compact(clip), "\n"]))
+        files.append(write_compact(inside / f"{stem}{FORMATS['wyvrn'].suffix}", clip))
     events = [
         {
             "Haptic_Effect": stem,
@@ -190,7 +198,7 @@ def read(path: Path) -> VibrationFile:
     losses: dict[str, None] = {}
     version = str(document.get("version", "5")) if isinstance(document, dict) else "5"
     if version == "6":
-        validate(document, "haps_v6", path)
+        without_damaged(document, _PARTS, losses, lambda: validate(document, "haps_v6", path))
         document = _as_version_5(document, losses)
     elif version != "5":
         raise FormatError(path, "/version", f"this reads versions 5 and 6, not {version[:20]}")
@@ -200,7 +208,7 @@ def read(path: Path) -> VibrationFile:
                 ignored = document.pop(f"m_{part}", None)
                 if isinstance(ignored, dict) and ignored.get("m_melodies"):
                     losses[f"{part} is not read"] = None
-        validate(document, "haps_v5", path)
+        without_damaged(document, _PARTS, losses, lambda: validate(document, "haps_v5", path))
     carriers = tuple(_carriers_of(document, losses))
     end = max((carrier.end for carrier in carriers), default=0.0)
     return VibrationFile(
