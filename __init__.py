@@ -14,6 +14,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .core import __version__ as __version__
+
 if TYPE_CHECKING:
     from .core.run_time import Run as Run
     from .core.run_time import Scene as Scene
@@ -21,8 +23,6 @@ if TYPE_CHECKING:
     from .core.run_time import load as load
     from .core.run_time import loads as loads
     from .core.run_time import open as open
-
-__version__ = "0.1.0"
 
 _FRONT_DOOR = ("Run", "Scene", "Step", "load", "loads", "open")
 """What the package offers outside Blender, imported when it is asked for."""

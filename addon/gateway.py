@@ -23,15 +23,16 @@ from typing import Any
 _LENT = {
     "addon.authoring": "body_kit materials",
     "addon.bake": "baking curves playback sound storage takes waves",
-    "addon.io": "capture drawings frame_scene scene_builder signal_library sound_source "
+    "addon.io": "capture drawings engine frame_scene scene_builder signal_library sound_source "
     "vibration_signal",
     "addon.live_output": "outputs player preview",
     "addon.properties": "actuators",
     "addon.scene_reader": "functions imported settings triggers",
     "addon.session": "session",
-    "addon.view": "air_contacts comparison explanation gain_plot graph_mesh lane levels "
+    "addon.view": "air_contacts comparison explanation gain_plot graph_mesh inspection lane levels "
     "meter_layout meter_pictures meters overlay "
-    "panel_picture paths sound_picture watched",
+    "panel_picture paths sound_picture table watched",
+    "addon.vr": "controllers drawing recording",
     "core": "signals",
     "core.design": "felt recordings wishes",
     "core.devices": "connection mapping profiles",

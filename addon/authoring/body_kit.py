@@ -134,7 +134,7 @@ def skins(armature: Object) -> list[Object]:
     """The meshes that an armature deforms, the largest first."""
     moved = [
         obj
-        for obj in armature.children_recursive
+        for obj in bpy.context.scene.objects
         if obj.type == "MESH" and obj.find_armature() == armature
     ]
     return sorted(moved, key=lambda obj: -obj.dimensions.length)

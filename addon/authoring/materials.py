@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import bpy
-from bpy.types import Context, Depsgraph, Object, Scene
+from bpy.types import Collection, Context, Depsgraph, Object, Scene
 
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS, Material, guess
 from ...core.scene.measured import DAMPING, FLESH_CONTACT, felt_all_over, physical
 from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
+from ..blender.units import metres_per_unit
 from ..properties import materials
 from ..properties.declared import write_values
 from ..properties.materials import SHARED, HapticMaterial, add_material, values_of
+from ..scene_reader.objects import mass_of
 from .sizes import sizes_of
 
 _FLESH = MATERIALS["flesh"]
+_OF_ROBOTS = re.compile(r"(?i)(?<![a-z])(robot|urdf|gripper|(base_?)?links?|joint)(?![a-z])")
 
 
 def spread_all_around(haptics: Any, radius: float) -> None:
@@ -49,6 +54,12 @@ def preset_in(scene: Scene, material: Material) -> HapticMaterial:
 def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
     """Assign a material to objects: they take its values, now and when it changes; physical ones
     also the damping of a preset."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    _assign(objects, item)
+    _make_physical(_physical_ones(objects), depsgraph)
+
+
+def _assign(objects: Sequence[Object], item: HapticMaterial) -> None:
     name, values = item.name, values_of(item)
     for obj in progress(objects):
         materials.write_values(obj, values)
@@ -61,7 +72,10 @@ def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
             ):
                 obj.haptics.wave = "bounded"  # or the next material would stay a half-space
             obj.haptics.material.name = name
-    make_physical(obj for obj in objects if obj.haptics.function == "physical")
+
+
+def _physical_ones(objects: Iterable[Object]) -> list[Object]:
+    return [obj for obj in objects if obj.haptics.function == "physical"]
 
 
 def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None:
@@ -75,13 +89,13 @@ def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None
         and _FLESH.title not in scene.haptics.materials.items
     ):
         _soften_flesh(scene)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
     for obj in made_of:
         obj.haptics.enabled = True
-    _apply_presets(scene, made_of)
+    _apply_presets(scene, made_of, depsgraph)
     if is_physical:
         new = [obj for obj in made_of if not obj.haptics.is_property_set("function")]
-        make_physical(new)
-        depsgraph = bpy.context.evaluated_depsgraph_get()
+        _make_physical(new, depsgraph)
         for obj in new:
             if preset_of(obj) is None:
                 _damp(obj, MATERIALS["plastic"], depsgraph)
@@ -103,7 +117,15 @@ def preset_of(obj: Object) -> Material | None:
 def make_physical(objects: Iterable[Object], in_a_building: bool = False) -> int:
     """Give objects made of a preset the measured physical function; half-spaces stay such. Returns
     their number."""
-    known, depsgraph = 0, bpy.context.evaluated_depsgraph_get()
+    return _make_physical(objects, bpy.context.evaluated_depsgraph_get(), in_a_building)
+
+
+def _make_physical(
+    objects: Iterable[Object], depsgraph: Depsgraph, in_a_building: bool = False
+) -> int:
+    """`make_physical` with the sizes in a dependency graph that was evaluated before: after each
+    change the next evaluation would trace the scene."""
+    known = 0
     for obj in objects:
         material = preset_of(obj)
         if material is not None:
@@ -204,27 +226,95 @@ def targets(context: Context, target: str) -> list[Object]:
     return list(objects)
 
 
-def guessed(obj: Object) -> Material | None:
-    """The probable material of an object, by the names of its surfaces, of itself and of its mesh,
-    its shape and its mass."""
-    names = [slot.material.name for slot in obj.material_slots if slot.material is not None]
-    names += [obj.name] + ([obj.data.name] if obj.data is not None else [])
-    body = obj.rigid_body
-    mass = body.mass if body is not None and body.mass != 1.0 else None  # 1 kg is Blender's default
-    return guess(names, tuple(obj.dimensions), mass)
+def guesses(objects: Sequence[Object]) -> dict[Object, Material | None]:
+    """The probable material of each object, by the names of its surfaces, of itself, of its mesh
+    and its collections, its shape and its mass; None where nothing tells."""
+    collections: dict[Object, list[Collection]] = {obj: [] for obj in objects}
+    scenes = (scene.collection for scene in bpy.data.scenes)
+    for collection in (*bpy.data.collections, *scenes):
+        for obj in collection.objects:
+            if obj in collections:
+                collections[obj].append(collection)
+    with_robots = lru_cache(_holds_robot)
+    found = {}
+    for obj in progress(objects):
+        holders = collections[obj]
+        material = _guess(obj, [holder.name for holder in holders])
+        if material is _FLESH and (_hangs_on_robot(obj) or any(map(with_robots, holders))):
+            material = guess((), *_size_and_mass(obj))
+        found[obj] = material
+    return found
+
+
+def _guess(obj: Object, collections: Sequence[str]) -> Material | None:
+    names = [*_surfaces(obj), obj.name] + ([obj.data.name] if obj.data is not None else [])
+    names += collections
+    rows = bpy.context.scene.haptics.materials.names
+    told = [rows[name].preset for name in names if name in rows]
+    known = next((MATERIALS[preset] for preset in told if preset in MATERIALS), None)
+    return known or guess(names, *_size_and_mass(obj))
+
+
+def _size_and_mass(obj: Object) -> tuple[tuple[float, float, float], float | None]:
+    """Size [m] of an object and its mass [kg], None if that was not set."""
+    body, scene = obj.rigid_body, bpy.context.scene
+    is_weighed = body is not None and body.mass != 1.0  # 1 is Blender's default
+    x, y, z = obj.dimensions * metres_per_unit(scene)
+    return (x, y, z), mass_of(obj, scene) if is_weighed else None
+
+
+def _surfaces(obj: Object) -> list[str]:
+    """The names of an object's Blender materials."""
+    return [slot.material.name for slot in obj.material_slots if slot.material is not None]
+
+
+def names_of_surfaces(objects: Iterable[Object]) -> list[str]:
+    """The names that tell what objects are made of: those of Blender materials, of objects without
+    any their own."""
+    return sorted({name for obj in objects for name in _surfaces(obj) or [obj.name]})
+
+
+def list_names(scene: Scene, objects: Iterable[Object]) -> None:
+    """Add the names of `names_of_surfaces` to the scene's table, with what they seem to stand
+    for."""
+    rows = scene.haptics.materials.names
+    for name in names_of_surfaces(objects):
+        if name not in rows:
+            row, material = rows.add(), guess([name])
+            row.name = name
+            row.preset = "NONE" if material is None else material.name
+
+
+def _hangs_on_robot(obj: Object) -> bool:
+    """Whether an object or what it hangs on is called as parts of robots are in files for
+    simulators: link, joint, gripper."""
+    above: Object | None = obj
+    while above is not None:
+        if _OF_ROBOTS.search(above.name):
+            return True
+        above = above.parent
+    return False
+
+
+def _holds_robot(collection: Collection) -> bool:
+    """Whether a collection or half of its objects are called as robots or their parts."""
+    parts = sum(_OF_ROBOTS.search(obj.name) is not None for obj in collection.objects)
+    return _OF_ROBOTS.search(collection.name) is not None or 2 * parts >= len(collection.objects)
 
 
 def apply_guesses(scene: Scene, objects: Sequence[Object]) -> int:
     """Assign the guessed materials to objects. Returns how many could be guessed."""
-    known = {obj: guessed(obj) for obj in progress(objects)}
-    _apply_presets(scene, known)
+    known = guesses(objects)
+    _apply_presets(scene, known, bpy.context.evaluated_depsgraph_get())
     return sum(material is not None for material in known.values())
 
 
-def _apply_presets(scene: Scene, made_of: Mapping[Object, Material | None]) -> None:
+def _apply_presets(
+    scene: Scene, made_of: Mapping[Object, Material | None], depsgraph: Depsgraph
+) -> None:
     """Assign presets to objects, those of one preset at once."""
     for material in dict.fromkeys(made_of.values()):
         if material is not None:
-            apply(
-                [obj for obj, own in made_of.items() if own is material], preset_in(scene, material)
-            )
+            objects = [obj for obj, own in made_of.items() if own is material]
+            _assign(objects, preset_in(scene, material))
+            _make_physical(_physical_ones(objects), depsgraph)

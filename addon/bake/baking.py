@@ -9,6 +9,7 @@ from contextlib import closing
 from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Scene
 
+from ...core.scene.values import Mode
 from ..blender.job import Job, Report
 from ..changes.redraw import redraw_viewports
 from ..changes.suspension import suspended
@@ -56,7 +57,9 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
                 )
             kept = own.tracer.collisions.impacts_of(result.number)
             recorder.add(
-                result, "" if kept is None else text_of_impacts(result.number, kept, motion)
+                result,
+                "" if kept is None else text_of_impacts(result.number, kept, motion),
+                Mode(scene.haptics.mode),
             )
             yield
     track = recorder.track(digest, frame_duration)

@@ -7,7 +7,7 @@ import numpy as np
 from bpy.types import Object, Scene
 from numpy.typing import NDArray
 
-from ...core.formats.tracks.envelopes import coarse_envelope
+from ...core.formats.tracks.envelopes import vibration_envelope
 from ...core.formats.tracks.listener_tracks import Row
 from ..blender import compatibility
 from ..blender.arrays import write_keys
@@ -43,7 +43,7 @@ def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[n
     count = track.frame_count
     intensity, frequency = np.zeros(count), np.zeros(count)
     if count > 1 and track.samples.shape[1]:
-        found = coarse_envelope(
+        found = vibration_envelope(
             Row(track.listener_samples(index), track.sample_rate), track.frame_duration
         )
         filled = min(len(found[0]), count - 1)

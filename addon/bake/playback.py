@@ -20,6 +20,7 @@ from ..changes import revisions
 from ..changes.events import file_changed
 from ..changes.redraw import redraw_sidebars
 from ..scene_reader.digest import Change, changes, digest_of, words_for
+from ..scene_reader.objects import calibrated
 from ..session import session, sessions
 from ..session.derived import Derived
 from ..session.sessions import Traced
@@ -65,8 +66,13 @@ def play(scene: Scene) -> bool:
     result = None if track is None else track.result(scene.frame_current)
     if track is None or result is None:
         return False
-    result = replace(result, milliseconds={"read_track": 1000 * (time.perf_counter() - started)})
-    session.show(scene, result, track.samples_until(scene.frame_current, SECONDS))
+    result = replace(
+        result,
+        listeners=tuple(map(calibrated, result.listeners)),
+        milliseconds={"read_track": 1000 * (time.perf_counter() - started)},
+    )
+    number = scene.frame_current
+    session.show(scene, result, track.samples_until(number, SECONDS), track.paths(number))
     return True
 
 

@@ -21,19 +21,23 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.contact_set import ContactSet
+from ...core.diagnosis.connections import connections
 from ...core.formats.io.strict_json import parse_json
 from ...core.graph.haptic_graph import ObjectTable, build_graph
 from ...core.propagation import Propagation
 from ...core.render.frame_result import FrameResult
 from ...core.render.waves import FULL_SCALE, as_integers
-from ...core.scene.values import HapticObject, Listener, Source, SourceKind
+from ...core.scene.values import HapticObject, Listener, Mode, Source, SourceKind
 
 MAGIC = b"HAPTRACK"
-VERSION = 1
+VERSION = 2
+"""Since version 2 with the paths."""
 MAX_BYTES = 1 << 28
 """Largest size of the samples: 256 MB are 4.6 hours of one listener, 28 minutes of ten."""
 MAX_IMPACTS = 1 << 24
 """Most characters of the impacts of all frames."""
+MAX_LINES = 1 << 21
+"""Most connections of the paths of all frames, 84 MB before they are packed."""
 MAX_FRAMES, MAX_LISTENERS, MAX_SOURCES, MAX_HEADER = 1_000_000, 1_000, 100_000, 1 << 26
 
 
@@ -78,6 +82,8 @@ _ARRAYS = (
     ("row_amplitude", "<f4", "r"),
     ("row_place", "<f4", "r, 3"),
     ("row_gain", "<f4", "r, l"),
+    ("lines", "<f4", "p, 10"),
+    ("line_rows", "<i8", "f + 1"),
 )
 """Name, type and axes of each array, see `HapticTrack`."""
 
@@ -91,8 +97,10 @@ class HapticTrack:
     scene; frame k has ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): positions of
     the listeners [m]. ``rows[k] : rows[k + 1]`` are the sources active in frame k: ``row_source``
     (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) including
-    the amplitude. ``digest``: checksums of the baked scene, see `scene_reader.digest`. ``impacts``:
-    those of each frame that has any, see `scene_reader.kept_impacts`.
+    the amplitude. ``line_rows[k] : line_rows[k + 1]`` of ``lines`` (p, 10) are the connections of
+    its best paths as `Connections.rows` has them, none in a track of version 1. ``digest``:
+    checksums of the baked scene, see `scene_reader.digest`. ``impacts``: those of each frame that
+    has any, see `scene_reader.kept_impacts`.
     """
 
     frame_start: int
@@ -110,6 +118,8 @@ class HapticTrack:
     row_amplitude: NDArray[np.float32]
     row_place: NDArray[np.float32]
     row_gain: NDArray[np.float32]
+    lines: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 10), dtype=np.float32))
+    line_rows: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     digest: Mapping[str, Any] = field(default_factory=dict)
     impacts: Mapping[int, str] = field(default_factory=dict)
 
@@ -147,6 +157,13 @@ class HapticTrack:
             )
             / FULL_SCALE
         )
+
+    def paths(self, frame: int) -> FloatArray | None:
+        """The connections (m, 10) of a frame, None if none are kept."""
+        k = frame - self.frame_start
+        if not len(self.lines):
+            return None
+        return self.lines[slice(*self.line_rows[k : k + 2])].astype(np.float64)
 
     def result(self, frame: int) -> FrameResult | None:
         """The result of a frame, without contacts and paths; None outside the range."""
@@ -247,6 +264,7 @@ class HapticTrack:
             "first_sample": self.first_sample,
             "samples": self.samples.shape[1],
             "rows": len(self.row_source),
+            "lines": len(self.lines),
             "listeners": [
                 [item.name, item.body_part, item.radius, item.s_max] for item in self.listeners
             ],
@@ -340,9 +358,12 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
     _count(len(sources), MAX_SOURCES)
     frames, rows = _count(header["frames"], MAX_FRAMES), _count(header["rows"], 1 << 28)
     samples = _count(header["samples"], MAX_BYTES // 2 // max(width, 1))
-    lengths = {"l": width, "n": samples, "f": frames, "f + 1": frames + 1, "r": rows, "3": 3}
+    lines = _count(header.get("lines", 0), MAX_LINES)
+    lengths = {"l": width, "n": samples, "f": frames, "f + 1": frames + 1, "r": rows}
+    lengths |= {"p": lines, "3": 3, "10": 10}
     arrays = {}
-    for (name, kind, axes), packed in zip(_ARRAYS, header["packed"], strict=True):
+    there = _ARRAYS if "lines" in header else _ARRAYS[:-2]
+    for (name, kind, axes), packed in zip(there, header["packed"], strict=True):
         shape = [lengths[axis] for axis in axes.split(", ")]
         size = math.prod(shape) * np.dtype(kind).itemsize
         if size > 2 * MAX_BYTES:
@@ -355,8 +376,8 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
     for name, array in arrays.items():
         if array.dtype.kind == "f" and not (np.abs(array) <= 1e9).all():
             raise ValueError(f"{name} is not finite")
-    for name, end in (("offsets", samples), ("rows", rows)):
-        steps = arrays[name]
+    for name, end in (("offsets", samples), ("rows", rows), ("line_rows", lines)):
+        steps = arrays.get(name, np.zeros(1))
         if steps[0] != 0 or steps[-1] != end or (np.diff(steps) < 0).any():
             raise ValueError(f"{name} are out of order")
     number = arrays["row_source"]
@@ -391,14 +412,21 @@ class TrackRecorder:
         self._row_counts: list[int] = []
         self._impacts: dict[int, str] = {}
         self._room = MAX_IMPACTS
+        self._lines: list[FloatArray] = []
+        self._line_rows = [0]
 
     @property
     def frame_count(self) -> int:
         """Frames recorded so far."""
         return len(self._blocks)
 
-    def add(self, result: FrameResult, impacts: str = "") -> None:
-        """Record the next frame. ``impacts`` are left out beyond `MAX_IMPACTS`."""
+    def add(self, result: FrameResult, impacts: str = "", mode: Mode = Mode.HT) -> None:
+        """Record the next frame, traced in a ``mode``. ``impacts`` are left out beyond
+        `MAX_IMPACTS`, paths beyond `MAX_LINES`."""
+        lines = connections(result, mode).rows(result.graph)
+        kept = lines if self._line_rows[-1] + len(lines) <= MAX_LINES else lines[:0]
+        self._lines.append(kept.astype(np.float32))
+        self._line_rows.append(self._line_rows[-1] + len(kept))
         if 0 < len(impacts) <= self._room:
             self._impacts[result.number] = impacts
             self._room -= len(impacts)
@@ -449,6 +477,8 @@ class TrackRecorder:
             row_gain=np.array([row[3] for row in self._rows], dtype=np.float32).reshape(
                 count, len(listeners)
             ),
+            lines=np.concatenate(self._lines),
+            line_rows=np.array(self._line_rows, dtype=np.int64),
             digest=digest,
             impacts=self._impacts,
         )

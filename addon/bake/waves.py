@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from bpy.types import Scene
 
-from ...core.render.waves import Waves
+from ...core.render.waves import Waves, row_name
+from ...core.scene.values import Listener
 from ..changes.events import file_changed
+from ..scene_reader.objects import calibrated
 from ..session.derived import Background
 from . import storage
 from .track import HapticTrack
@@ -19,26 +24,33 @@ def waves_of(scene: Scene) -> Waves | None:
     track = storage.played_track(scene)
     if track is None:
         return None
-    mark = storage.stamp(scene)
+    listeners = tuple(calibrated(Listener(item.name, item.name)) for item in track.listeners)
     latest = _kept.setdefault(scene.session_uid, Background()).latest(
-        mark, lambda before: computed(track)
+        (storage.stamp(scene), listeners), lambda before: computed(track, listeners)
     )
     return latest.value if latest is not None and latest.is_current else None
 
 
-def computed(track: HapticTrack) -> Waves | None:
-    """The waves of a track; None if it has no samples."""
+def computed(track: HapticTrack, listeners: Sequence[Listener]) -> Waves | None:
+    """The waves of a track with the thresholds of its ``listeners``; None if it has no samples."""
     if not track.samples.size:
         return None
     origin = (
         track.frame_start
         + (track.first_sample / track.sample_rate - track.start) / track.frame_duration
     )
-    names = [item.name for item in track.listeners]
+    names = [item.name for item in listeners]
     waves = Waves(
         names, origin, track.sample_rate * track.frame_duration, track.samples, filled=True
     )
-    waves.find_thresholds(track.sample_rate)
+    waves.find_levels(track.sample_rate, listeners)
+    for frame in range(track.frame_count):
+        first, last = track.rows[frame : frame + 2].tolist()
+        sounding = (track.sources[number] for number in track.row_source[first:last])
+        named = (row_name(item.name, item.second_object, item.onset) for item in sounding)
+        amplitudes = dict(zip(named, track.row_amplitude[first:last].tolist(), strict=True))
+        at = track.frame_start + frame - 1 - math.floor(origin)
+        waves.write_sources(slice(at, at + 1), amplitudes)
     numbers, rows = np.unique(track.row_source, return_index=True)
     begun = [
         (track.sources[number].onset, row)

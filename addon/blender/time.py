@@ -20,3 +20,8 @@ def is_playing() -> bool:
     """True while the timeline plays in the context's screen."""
     screen = bpy.context.screen
     return screen is not None and screen.is_animation_playing
+
+
+def is_playing_anywhere() -> bool:
+    """True while the timeline plays in any window; callable from timers, which have no screen."""
+    return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)

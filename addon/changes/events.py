@@ -28,8 +28,8 @@ class Event:
 
 device_adjusted = Event()
 """The settings of a device (HapticDeviceProperties)."""
-preview_volume_changed = Event()
-"""The volume, 0 to 1."""
+preview_adjusted = Event()
+"""The settings of the preview as sound (HapticLiveOutputProperties)."""
 file_changed = Event()
 """Another file is loaded, or the add-on is disabled: everything cached about scenes is invalid."""
 disabled = Event()

@@ -12,22 +12,25 @@ SIDEBAR_TAB = "Haptics"
 
 
 def redraw_viewports() -> None:
-    """Request a redraw of every 3D viewport of every window, and of the timelines, which have a
-    lane."""
-    for area in _areas("VIEW_3D", "DOPESHEET_EDITOR"):
+    """Request a redraw of every 3D viewport of every window, of the timelines, which have a lane,
+    and of panels elsewhere."""
+    for area in _areas("VIEW_3D", "DOPESHEET_EDITOR", "PROPERTIES"):
         area.tag_redraw()
 
 
 def redraw_sidebars() -> None:
-    """Request a redraw of the sidebar of every 3D viewport."""
-    for area in _areas("VIEW_3D"):
+    """Request a redraw of the panels: in the sidebar of every 3D viewport, and in the tabs Scene
+    and Object of Properties."""
+    for area in _areas("VIEW_3D", "PROPERTIES"):
         for region in area.regions:
-            if region.type == "UI":
+            if region.type == "UI" or area.type == "PROPERTIES":
                 region.tag_redraw()
 
 
 def _areas(*kinds: str) -> Iterator[Area]:
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type in kinds:
+            if area.type in kinds and (
+                area.type != "PROPERTIES" or area.spaces.active.context in ("SCENE", "OBJECT")
+            ):
                 yield area

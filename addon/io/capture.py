@@ -32,7 +32,7 @@ class Capture:
         scene: The scene to capture.
         start: First frame.
         end: Last frame.
-        recorded: Whether the scene and its changes are captured.
+        recorded: Whether the changes of the scene are captured, too, and not its first frame alone.
         felt: Whether the samples of the listeners are captured.
         names: Names of the objects, sources and listeners to capture; None for all. All are traced.
         read: Reads a frame of the range from a baked track instead of tracing it; only if the scene
@@ -49,9 +49,17 @@ class Capture:
 
     def __post_init__(self, recorded: bool, felt: bool) -> None:
         rate = self.scene.render.fps / self.scene.render.fps_base
-        self._recorder = SceneRecorder(rate, self.scene.frame_start) if recorded else None
+        self._recorder = SceneRecorder(rate, self.scene.frame_start)
+        self._recorded = recorded
         self._tracks = TrackRecorder() if felt else None
         self._first: Export | None = None
+
+    @classmethod
+    def of(cls, scene: bpy.types.Scene, result: FrameResult) -> Export:
+        """The current frame alone, which was traced, without samples."""
+        work = cls(scene, result.number, result.number, recorded=False, felt=False)
+        work.add(result)
+        return work.export("")
 
     @property
     def frames(self) -> int:
@@ -77,23 +85,25 @@ class Capture:
         tracks = self._tracks.tracks() if self._tracks is not None else None
         if tracks is not None and not tracks.listeners:
             tracks = None
-        if self._recorder is None or self._first is None:
+        if self._first is None:
             return Export(name, tracks=tracks)
         first = self._first.need_scene()
         scene = replace(
             self._recorder.scene(), settings=first.settings, extras=first.extras, rules=first.rules
         )
-        return replace(
-            self._first, name=name, scene=scene, tracks=tracks, recording=self._recorder.recording()
-        )
+        recording = self._recorder.recording() if self._recorded else None
+        return replace(self._first, name=name, scene=scene, tracks=tracks, recording=recording)
 
     def _results(self) -> Generator[FrameResult, None, None]:
-        if self.read is None:
-            with closing(
-                timeline.steps(self.scene, self.start, self.end, self._tracks is None)
-            ) as steps:
-                for step in steps:
+        # Of a range from a bake one frame is traced: it says which scene was felt.
+        end = self.end if self.read is None else self.start
+        with closing(timeline.steps(self.scene, self.start, end, self._tracks is None)) as steps:
+            for step in steps:
+                if self.read is None:
                     yield step.result
+                else:
+                    self._record(step.result)
+        if self.read is None:
             return
         for frame in range(self.start, self.end + 1):
             result = self.read(frame)
@@ -105,14 +115,20 @@ class Capture:
         """Add the scene's current frame."""
         if self._tracks is not None:
             self._tracks.add(result if self.names is None else felt_within(result, self.names))
-        if self._recorder is None:
-            return
+        if self._recorded or self._first is None:
+            self._record(result)
+
+    def _record(self, result: FrameResult) -> None:
         reading = session.of(self.scene).reading
         assert reading is not None  # the frame was traced
         frame = written_frame(result, reading, self.scene)
         frame = frame if self.names is None else within(frame, self.names)
         if self._first is None:
-            self._first = written_export("", self.scene, frame, self.names)
+            self._first = (
+                written_export("", self.scene, frame, self.names)
+                if self._recorded
+                else Export("", frame)
+            )
         contacts = contacts_within(
             result.contacts, result.objects, {item.name for item in frame.objects}
         )

@@ -8,11 +8,13 @@ extension, which can hold kappa and rho only in its extras.
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from typing import Any
 
 import bpy
 from bpy.types import Object
 
+from ...core.formats.provenance import provenance_of
 from ...core.formats.scene.values_json import (
     item_to_dict,
     json_value,
@@ -26,6 +28,9 @@ from .property_writer import stored_text, write_body, write_listener, write_sour
 
 KEY = "haptic_tracing"
 VERSION = 1
+
+origin: Mapping[str, Any] | None = None
+"""The provenance of the haptic scene that is written beside the next file, if there is one."""
 
 _OF_THE_NODE = {"name", "shape", "pose", "motion", "object", "position", "second_position"}
 """Keys that the node itself has, or that have no use there."""
@@ -53,6 +58,12 @@ class glTF2ExportUserExtension:
             node.extras = {**(node.extras or {}), KEY: {"version": VERSION, **form}}
         if self.properties.use_material and node.mesh is not None and "object" in form:
             node.mesh = self._with_material(node.mesh, form["object"])
+
+    def gather_asset_hook(self, asset: Any, export_settings: dict[str, Any]) -> None:
+        """Called for the head of the file: where its haptics come from."""
+        self._form("", export_settings)
+        if self.properties.use_extras and self._scene is not None:
+            asset.extras = {**(asset.extras or {}), KEY: origin or provenance_of(self._scene)}
 
     def gather_scene_hook(
         self, scene: Any, blender_scene: Any, export_settings: dict[str, Any]

@@ -59,7 +59,8 @@ def write_keyframes(
     for key, keys in changes[POSE].items():
         if len(keys) > 1:
             times, rows = _held(keys)
-            _write(owners[key], "location", times, rows[:, :3])
+            # An imported object has the scale of a metre.
+            _write(owners[key], "location", times, rows[:, :3] * owners[key].scale.x)
             _write(owners[key], "rotation_quaternion", times, _continuous(rows[:, 3:]))
     for path in (KAPPA, RHO, AMPLITUDE, GAIN, ENABLED, LISTENS):
         for key, keys in changes[path].items():

@@ -128,7 +128,7 @@ def write_tables(haptics: Any, rules: ContactSettings) -> None:
                     "OBJECT" if side.object else "MATERIAL" if side.material else "ANY",
                 )
                 setattr(row, key, side.object or side.material)
-            write(row, rule.does)
+            write(row, rule.value)
 
 
 def _write_transmission(row: Any, function: ModulationFunction) -> None:

@@ -20,6 +20,7 @@ from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.values import Contact, HapticObject, Listener, Pose, Source, Vector
 from ..blender.single_precision import shortest
+from ..blender.units import metres_per_unit
 from ..properties.actuators import MUTED as ACTUATORS_MUTED
 from ..properties.declared import write_values
 from ..properties.materials import add_material, own_values
@@ -27,6 +28,7 @@ from ..properties.modalities import SHOWN
 from ..scene_reader.functions import read_transmission
 from ..scene_reader.imported import file_contacts, near, text_of, text_of_contacts, text_with
 from ..scene_reader.objects import read_object
+from ..scene_reader.roles import follow_unit_scale
 from .devices import take_devices
 from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
@@ -54,6 +56,7 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
     Returns sentences about losses.
 
     """
+    follow_unit_scale(scene)
     builder, frame = _Builder(export, scene), scene.frame_current
     try:
         builder.add_materials()
@@ -111,6 +114,7 @@ class _Builder:
 
     def add_objects(self) -> None:
         parts = {part.modality.name: part for part in self.export.modalities}
+        metres = metres_per_unit(self.scene)
         for item in self.haptic.objects:
             shape, guessed = item.shape, item.shape is None
             if guessed:
@@ -122,6 +126,8 @@ class _Builder:
             pose = self.poses[item.name]
             obj.rotation_mode = "QUATERNION"
             obj.location, obj.rotation_quaternion = pose.position, pose.rotation
+            obj.location /= metres
+            obj.scale /= metres
             haptics = obj.haptics
             material = item.material
             if len(material) > LONGEST_NAME:
@@ -143,7 +149,7 @@ class _Builder:
             if material and material not in self.scene.haptics.materials.items:
                 add_material(self.scene, material, own_values(obj))
                 haptics.material.name = material
-            if read_object(obj).propagation != item.propagation:
+            if read_object(obj, self.scene).propagation != item.propagation:
                 self.lose(f"function {item.propagation.name!r} as the file has it", item.name)
 
     def add_source(self, item: Source) -> None:
@@ -219,11 +225,11 @@ class _Builder:
         for row, rule in zip(
             haptics.transmission_table.items, rules.transmission_table.rows, strict=True
         ):
-            if read_transmission(row)[0] != rule.does:
-                self.lose("what its function does beside what the panel has", str(rule.does.name))
+            if read_transmission(row)[0] != rule.value:
+                self.lose("what its function does beside what the panel has", str(rule.value.name))
         scene.use_gravity = any(rules.gravity)
         if scene.use_gravity:
-            scene.gravity = rules.gravity
+            scene.gravity = [value / metres_per_unit(scene) for value in rules.gravity]
         if (
             scene.rigidbody_world is not None
             and rules.time_scale != scene.rigidbody_world.time_scale

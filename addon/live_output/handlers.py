@@ -15,9 +15,10 @@ from bpy.types import Scene
 from ..blender.handlers import Handlers
 from ..blender.time import frame_seconds, seconds_of
 from ..changes import revisions
-from ..changes.events import device_adjusted, preview_volume_changed
+from ..changes.events import device_adjusted, preview_adjusted
 from ..gateway import is_loaded
-from ..properties.live_output import HapticDeviceProperties
+from ..properties.live_output import HapticDeviceProperties, HapticLiveOutputProperties
+from ..properties.preferences import preferences
 from ..session import session, sessions
 from . import outputs, player, preview, refresh
 
@@ -29,10 +30,12 @@ if TYPE_CHECKING:
 class _State:
     """``started``: the scene (its session id) and the time [s] at which playback began, None while
     it does not play. ``restored``: the scene and the frame to which Blender returns after a render,
-    until the next frame."""
+    until the next frame. ``hears``: whether the preview is to begin with the next frame in which
+    something is felt, and whether it has begun so."""
 
     started: tuple[int, float] | None = None
     restored: tuple[int, int] | None = None
+    hears: tuple[bool, bool] = (False, False)
 
 
 _state = _State()
@@ -44,8 +47,34 @@ def _is_used() -> bool:
     return is_loaded(outputs) or is_loaded(preview)
 
 
-def is_wanted() -> bool:
+def may_hear() -> bool:
+    """Whether what is felt is heard by itself: the user's wish, in a Blender with windows."""
+    return preferences().hear and not bpy.app.background
+
+
+def is_new() -> bool:
+    """Whether the preview has begun by itself for the first time."""
+    return _state.hears[1] and not preferences().was_told
+
+
+def _begin_to_hear(scene: Scene) -> None:
+    """Switch the preview on if something is felt, and no device plays it."""
+    traced = sessions.shown(scene)
+    if traced is None or not traced.result.amplitudes.any() or outputs.running():
+        return
+    try:
+        preview.switch_on()
+    except preview.AudioUnavailable:
+        _state.hears = False, False
+        return
+    preview.adjust(scene.haptics.live_output)
+    _state.hears = False, True
+
+
+def is_wanted(scene: Scene) -> bool:
     """Whether there is any output; starts a player that was loaded during playback."""
+    if _state.hears[0]:
+        _begin_to_hear(scene)
     if not _is_used() or not player.is_wanted():
         return False
     if _state.started is not None and not player.is_playing():
@@ -56,7 +85,7 @@ def is_wanted() -> bool:
 def frame_comes(scene: Scene) -> None:
     """If tracing takes long, play a frame before it is traced, with the gains of the last traced
     frame."""
-    traced = sessions.shown(scene) if is_wanted() else None
+    traced = sessions.shown(scene) if is_wanted(scene) else None
     if traced is not None:
         time = seconds_of(scene, scene.frame_current)
         player.play_ahead(
@@ -101,7 +130,9 @@ def _correct(begun: Future[sessions.Traced]) -> None:
 def animation_playback_pre(scene: Scene, *_: Any) -> None:
     """Playback starts."""
     _state.started = scene.session_uid, seconds_of(scene, scene.frame_current)
-    if _is_used():
+    _state.hears = may_hear() and not (is_loaded(preview) and preview.is_on()), False
+    # What plays is loaded now, not at the first frame in which something is felt.
+    if _is_used() or (_state.hears[0] and sessions.known(scene) is not None):
         player.start(*_state.started)
 
 
@@ -111,6 +142,10 @@ def animation_playback_post(*_: Any) -> None:
     _state.started = None
     if _is_used():
         player.stop()
+    if _state.hears[1]:
+        preview.switch_off()
+        preferences().was_told = True
+    _state.hears = False, False
 
 
 @persistent
@@ -162,10 +197,10 @@ def adjust(settings: HapticDeviceProperties) -> None:
         output.adjust(outputs.adjustment_of(settings, output.profile))
 
 
-def set_preview_volume(volume: float) -> None:
-    """Set the volume of the preview."""
-    if _is_used():
-        preview.set_volume(volume)
+def adjust_preview(settings: HapticLiveOutputProperties) -> None:
+    """Apply a scene's changed settings of the preview."""
+    if is_loaded(preview):
+        preview.adjust(settings)
 
 
 @persistent
@@ -197,14 +232,14 @@ _HANDLERS = Handlers(
 def register() -> None:
     _HANDLERS.add()
     device_adjusted.subscribe(adjust)
-    preview_volume_changed.subscribe(set_preview_volume)
+    preview_adjusted.subscribe(adjust_preview)
     atexit.register(stop_everything)
     choose_again()
 
 
 def unregister() -> None:
     device_adjusted.unsubscribe(adjust)
-    preview_volume_changed.unsubscribe(set_preview_volume)
+    preview_adjusted.unsubscribe(adjust_preview)
     atexit.unregister(stop_everything)
     _HANDLERS.remove()
     stop_everything()

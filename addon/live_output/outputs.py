@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ...core.arrays import FloatArray
@@ -20,10 +20,12 @@ from ..properties.live_output import HapticDeviceProperties
 
 @dataclass(slots=True)
 class _State:
-    """driven: the running devices, as found. version: changes with the set of running devices.
+    """offered: a device that is there without a search. driven: the running devices, as found.
+    version: changes with the set of running devices.
     renderer: the thread that renders the continuation of the last blocks, and its job."""
 
     inventory: Inventory | None = None
+    offered: Found | None = None
     finder: threading.Thread | None = None
     running: dict[str, GuardedOutput] = field(default_factory=dict)
     driven: dict[str, Found] = field(default_factory=dict)
@@ -42,8 +44,19 @@ def version() -> int:
 
 
 def inventory() -> Inventory | None:
-    """The result of the last search; None before the first one."""
-    return _state.inventory
+    """The result of the last search, with the device that is offered; None before the first search
+    if none is."""
+    if _state.offered is None:
+        return _state.inventory
+    found = _state.inventory or Inventory()
+    return replace(found, devices=(_state.offered, *found.devices))
+
+
+def offer(device: Found | None) -> None:
+    """Offer a device without a search; None ends that, and disconnects the one offered before."""
+    before, _state.offered = _state.offered, device
+    if before is not None:
+        disconnect(before.key)
 
 
 def is_finding() -> bool:
@@ -85,14 +98,14 @@ def found(key: str) -> Found | None:
     if key in _state.driven:
         return _state.driven[key]
     return next(
-        (device for device in (_state.inventory or Inventory()).devices if device.key == key), None
+        (device for device in (inventory() or Inventory()).devices if device.key == key), None
     )
 
 
 def preferred(part: str) -> str:
     """The key of the first found device whose name contains ``part``, else of the first device; ""
     if none was found."""
-    devices = (_state.inventory or Inventory()).devices
+    devices = (inventory() or Inventory()).devices
     wanted = [
         device.key for device in devices if part.lower() in f"{device.key} {device.title}".lower()
     ]

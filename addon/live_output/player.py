@@ -122,7 +122,7 @@ def play(
         if not samples.shape[1]:
             return
         _send(result, samples, choices, recorded)
-    preview.play([listener.body_part for listener in result.listeners], samples, result.sample_rate)
+    preview.play(result.listeners, samples, result.sample_rate)
 
 
 def play_ahead(
@@ -147,7 +147,7 @@ def play_ahead(
             return
         _state.ahead = _Ahead(scene, frame, sent, choices)
         _send(latest, samples, choices, sent=sent)
-    preview.play([listener.body_part for listener in latest.listeners], samples, latest.sample_rate)
+    preview.play(latest.listeners, samples, latest.sample_rate)
 
 
 def went_ahead(scene: int, frame: int) -> bool:

@@ -1,12 +1,13 @@
 """The preview: the listeners' signals as sound through Blender's audio system.
 
-Listeners on the left are heard on the left. Blocks are divided into pieces that cross-fade, because
-Blender's sequencer sometimes starts a sound a sample too late.
+Listeners on the left are heard on the left, if wanted shifted in pitch. Blocks are divided into
+pieces that cross-fade, because Blender's sequencer sometimes starts a sound a sample too late.
 """
 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,9 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.devices.resampling import Resampler
 from ...core.scene.body import stereo_gains
+from ...core.scene.values import Listener
 from ...core.signals import Signal
+from ..properties.live_output import HapticLiveOutputProperties
 
 RATE = 48_000
 PIECE = 480
@@ -28,6 +31,8 @@ _ENVELOPE[PIECE:] = _ENVELOPE[:_FADE][::-1]
 LEAD = 0.060
 """Seconds between a block and its sound, so that a frame may be late without a gap."""
 _LATE = 0.300
+SHIFT = 250.0
+"""Frequency of the carrier that makes what is heard sharper [Hz]: its sidebands are heard."""
 LONGEST_HEARD = 4.0
 """Longest part of a signal that `hear` plays [s]."""
 
@@ -44,20 +49,23 @@ class AudioUnavailable(OSError):
 class _Stream:
     """A sequence that plays, and grows while it does."""
 
-    def __init__(self, sample_rate: float, volume: float) -> None:
+    def __init__(self, sample_rate: float) -> None:
         aud, device = _audio()
         self.sample_rate = sample_rate
+        self._passed = 0  # samples
         self._aud = aud
         self._sequence = aud.Sequence(channels=aud.CHANNELS_STEREO, rate=RATE, fps=RATE / PIECE)
         self.handle = device.play(self._sequence)
-        self.handle.volume = volume
         self._resampler = Resampler(2, round(sample_rate), RATE)
         self._pending = np.zeros((2, 0))
         self._next = -1  # number of the next piece; none before the first
         self._entries: deque[tuple[int, Any]] = deque()
 
-    def append(self, stereo: FloatArray) -> None:
+    def append(self, stereo: FloatArray, sharper: bool) -> None:
         """The next samples, (2, n)."""
+        if sharper:
+            stereo = stereo * _carrier(self._passed, stereo.shape[1], self.sample_rate)
+            self._passed += stereo.shape[1]
         position = float(self.handle.position)
         now = int(max(position, 0.0) * RATE / PIECE)
         if self._next < now or self._next > now + _LATE * RATE / PIECE:
@@ -94,11 +102,13 @@ class _Stream:
 
 @dataclass(slots=True)
 class _State:
-    """Switch, volume and audio objects of the preview; ``heard``: the signal that is played by
-    `hear`."""
+    """Switch, settings and audio objects of the preview; ``listener``: the only one that is heard,
+    "" for all; ``heard``: the signal that is played by `hear`."""
 
     on: bool = False
     volume: float = 0.5
+    listener: str = ""
+    sharper: bool = False
     stream: _Stream | None = None
     heard: Any = None
 
@@ -128,11 +138,12 @@ def switch_off() -> None:
         _state.stream = None
 
 
-def set_volume(volume: float) -> None:
-    """Set the volume, 0 to 1."""
-    _state.volume = volume
+def adjust(settings: HapticLiveOutputProperties) -> None:
+    """Take over a scene's settings."""
+    _state.volume, _state.sharper = settings.preview_volume, settings.sharper
+    _state.listener = settings.heard.name_full if settings.heard is not None else ""
     if _state.stream is not None:
-        _state.stream.handle.volume = volume
+        _state.stream.handle.volume = _state.volume
 
 
 def hear(signal: Signal) -> None:
@@ -153,13 +164,22 @@ def silence() -> None:
         _state.stream.silence()
 
 
-def play(body_parts: list[str], samples: FloatArray, sample_rate: float) -> None:
+def play(listeners: Sequence[Listener], samples: FloatArray, sample_rate: float) -> None:
     """Play the next block, ``samples`` (listeners, n). Does nothing while the preview is off."""
     if not _state.on:
         return
     if _state.stream is None or _state.stream.sample_rate != sample_rate:
-        _state.stream = _Stream(sample_rate, _state.volume)
-    _state.stream.append(stereo_mix(body_parts, samples))
+        _state.stream = _Stream(sample_rate)
+        _state.stream.handle.volume = _state.volume
+    heard = [k for k, item in enumerate(listeners) if _state.listener in ("", item.name)]
+    mix = stereo_mix([listeners[k].body_part for k in heard], samples[heard])
+    _state.stream.append(mix, _state.sharper)
+
+
+def _carrier(first: int, count: int, sample_rate: float) -> FloatArray:
+    """The samples from number ``first`` on by which what is heard is multiplied: its frequencies
+    become their sums and differences with `SHIFT`, as loud as they were."""
+    return np.sqrt(2) * np.sin(2 * np.pi * SHIFT / sample_rate * np.arange(first, first + count))
 
 
 def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:

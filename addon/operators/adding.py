@@ -16,8 +16,9 @@ from ...sample_scenes import SAMPLES, build_sample
 from ..authoring import materials
 from ..blender.compatibility import animated_paths
 from ..blender.polling import Edit, OnActive
+from ..blender.units import metres_per_unit
 from ..scene_reader import triggers
-from ..scene_reader.roles import haptic_carrier
+from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from .tagging import make_source
 
 _rpt = bpy.app.translations.pgettext_rpt
@@ -48,7 +49,9 @@ class HAPTIC_OT_add_source_object(Edit, Operator):
             if context.object is not None and context.object.select_get()
             else None
         )
+        follow_unit_scale(context.scene)
         place = Matrix.Translation(context.scene.cursor.location)
+        place @= Matrix.Scale(1 / metres_per_unit(context.scene), 4)
         if carrier is not None:
             obj = bpy.data.objects.new(title, None)
             obj.empty_display_type, obj.empty_display_size = "SPHERE", 0.1
@@ -149,6 +152,7 @@ class HAPTIC_OT_add_medium(Edit, Operator):
     )
 
     def apply(self, context: Context) -> None:
+        follow_unit_scale(context.scene)
         material = MATERIALS[self.medium]
         corners = [
             obj.matrix_world @ Vector(corner)
@@ -156,16 +160,19 @@ class HAPTIC_OT_add_medium(Edit, Operator):
             if obj.type == "MESH"
             for corner in obj.bound_box
         ]
+        metre, cursor = 1 / metres_per_unit(context.scene), context.scene.cursor.location
         corners = corners or [
-            context.scene.cursor.location + Vector((2, 2, 2)),
-            context.scene.cursor.location - Vector((2, 2, 2)),
+            cursor + Vector((2, 2, 2)) * metre,
+            cursor - Vector((2, 2, 2)) * metre,
         ]
         low = Vector(map(min, zip(*corners, strict=True)))
         high = Vector(map(max, zip(*corners, strict=True)))
         mesh = bpy.data.meshes.new(material.title)
         edited = bmesh.new()
         bmesh.ops.create_cube(
-            edited, size=1.0, matrix=Matrix.Diagonal((*(high - low + Vector((0.5, 0.5, 0.5))), 1))
+            edited,
+            size=1.0,
+            matrix=Matrix.Diagonal((*(high - low + Vector((0.5, 0.5, 0.5)) * metre), 1)),
         )
         edited.to_mesh(mesh)
         edited.free()

@@ -10,7 +10,7 @@ from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, Bo
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
-from ..scene_reader.roles import haptic_carrier
+from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from .materials import BODY_ITEMS
 
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
@@ -43,6 +43,7 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
     body: EnumProperty(name="Body", description="How a new body damps vibration", items=BODY_ITEMS)
 
     def apply(self, context: Context) -> None:
+        follow_unit_scale(context.scene)
         context.view_layer.update()
         active = context.object
         armature = body_kit.armature_of(active)
@@ -79,7 +80,7 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         if body is None:
             self.report(
                 {"WARNING"},
-                "This armature moves no mesh: choose its body in the panel Haptic Object, else "
+                "This armature moves no mesh: choose its body in the panel Selected Object, else "
                 "nothing is felt",
             )
         else:
@@ -99,9 +100,9 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         that ``is_new``, which had no listeners yet, damps as chosen, except in a scene as in the
         paper."""
         if not body.haptics.enabled:
-            materials.make_haptic(
-                context.scene, {body: materials.guessed(body) or MATERIALS["flesh"]}
-            )
+            guess = materials.guesses([body])[body]
+            materials.make_haptic(context.scene, {body: guess or MATERIALS["flesh"]})
+            body.haptics.surface = "SEEN"
         is_chosen = self.body != "MEASURED" or body.haptics.function == "haptic_tracing"
         if (
             is_new

@@ -166,9 +166,7 @@ class HAPTIC_OT_make_felt(Edit, Operator):
                 )
             planned = felt.plan(result, traced.settings, name, self.margin, means)
             if planned.before == -math.inf:
-                raise Refused(
-                    _rpt("Nothing reaches '{}'; the reason is in Why Is It Silent?").format(name)
-                )
+                raise Refused(_rpt("Nothing reaches '{}'; the reason is in Why").format(name))
             plans.append(planned)
             result = planned.result
         return tuple(plans)
@@ -274,10 +272,7 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
         scene = context.scene
         missing: dict[str, float] = {}
         for remaining in reversed(range(_ROUNDS + 1)):
-            session.trace(scene, context.evaluated_depsgraph_get(), live=True)
-            traced = sessions.shown(scene)
-            if traced is None:
-                raise Refused(why_untraced(session.problems_of(scene)))
+            traced = _traced_now(context)
             if scene.haptics.mode not in ("HT", "SD"):
                 raise Refused(_rpt("Materials count in modes HT and SD only"))
             shown = {level.listener: level for level in levels.shown_levels(traced, False)}
@@ -380,10 +375,9 @@ class HAPTIC_OT_fit_material(Action, Operator):
     def apply(self, context: Context) -> set[str]:
         scene = context.scene
         chosen = scene.haptics.materials.fit
-        session.trace(scene, context.evaluated_depsgraph_get(), live=True)
-        traced = sessions.shown(scene)
-        if traced is None or chosen.object is None or not is_editable(chosen.object):
-            raise ValueError(_rpt("Nothing traced yet" if traced is None else LINKED))
+        traced = _traced_now(context)
+        if chosen.object is None or not is_editable(chosen.object):
+            raise ValueError(_rpt(LINKED))
         read = recordings.read_recordings(
             *(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file))
         )

@@ -19,7 +19,7 @@ from ..blender import job
 from ..blender.polling import Action
 from ..blender.single_precision import shortest
 from ..blender.text import wrapped
-from ..io import capture, frame_scene, last_export
+from ..io import capture, engine, frame_scene, last_export
 from ..properties.kinds import choice, switch, text
 
 if TYPE_CHECKING:
@@ -293,6 +293,64 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
             self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format)
         )
         return self.captured(context, False, True, write)
+
+
+class HAPTIC_OT_export_engine(Operator, RangeExport):
+    """Write the scene as glTF, its haptics with the same names, and what is felt in a form that plays without Blender"""
+
+    bl_idname = "export_scene.haptic_engine"
+    bl_label = "Export for an Engine"
+    bl_options = {"PRESET"}
+    endings = (".glb",)
+    filename_ext = ".glb"
+
+    filter_glob: StringProperty(default="*.glb", options={"HIDDEN"})
+    packed: switch(
+        "Baked Pack",
+        "Also what plays without a server: tracks, blows and one-shots as they are felt",
+        default=True,
+    )
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        self.draw_range(layout)
+        layout.prop(self, "packed")
+
+    def apply(self, context: Context) -> set[str]:
+        path = Path(bpy.path.abspath(self.filepath.removesuffix(".glb")))
+        if not path.parent.is_dir():
+            raise ValueError(_rpt("There is no folder {}").format(path.parent))
+        work = engine.EngineExport(
+            context.scene, self.frame_start, self.frame_end, path, self.packed
+        )
+        return job.run(
+            self,
+            context,
+            job.Job(
+                "Exporting",
+                self.frame_end - self.frame_start + 1,
+                work.steps(),
+                lambda running: written(work.write(), ()),
+            ),
+        )
+
+
+class HAPTIC_OT_copy_methods(Action, Operator):
+    """Copy a paragraph for a paper on how this frame is traced: program, settings, scene and its digest"""
+
+    bl_label = "Copy Methods"
+
+    def apply(self, context: Context) -> None:
+        context.window_manager.clipboard = methods(context)
+        self.report({"INFO"}, _rpt("Copied"))
+
+
+def methods(context: Context) -> str:
+    """The paragraph of `Export.methods` for the scene as *Haptic Scene* writes this frame."""
+    scene = frame_scene.current_scene(context)
+    return frame_scene.written_export("", context.scene, scene).methods()
 
 
 def track_writer(

@@ -1,5 +1,5 @@
 """Gizmos in the viewport: circles for the amplitude of a source and the radius of a listener, each
-with a handle."""
+with a handle; and what is under the mouse in the overlay."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ import math
 from typing import Any
 
 import bpy
-from bpy.types import Context, GizmoGroup
+from bpy.types import Context, Gizmo, GizmoGroup
 from mathutils import Matrix
 
 from ..blender.polling import is_editable
+from ..blender.units import metres_per_unit
+from ..session import sessions
+from ..view import inspection
 
 _ROLES = (
     ("source", "amplitude", (0.95, 0.42, 0.24), -0.5),
@@ -53,11 +56,15 @@ class HAPTIC_GGT_extents(GizmoGroup):
         handle.color_highlight = (1.0, 1.0, 1.0)
 
         def pulled(value: Any) -> None:
-            setattr(getattr(bpy.context.object.haptics, role), name, max(value, 0.0))
+            held = getattr(bpy.context.object.haptics, role)
+            setattr(held, name, max(value, 0.0) * metres_per_unit(bpy.context.scene))
 
         handle.target_set_handler(
             "offset",
-            get=lambda: getattr(getattr(bpy.context.object.haptics, role), name),
+            get=lambda: (
+                getattr(getattr(bpy.context.object.haptics, role), name)
+                / metres_per_unit(bpy.context.scene)
+            ),
             set=pulled,
         )
         return circle, handle
@@ -68,5 +75,59 @@ class HAPTIC_GGT_extents(GizmoGroup):
         for role, name, turn, circle, handle in self.pairs:
             properties = getattr(context.object.haptics, role)
             circle.hide = handle.hide = not properties.enabled
-            circle.matrix_basis = place @ Matrix.Scale(max(getattr(properties, name), 1e-3), 4)
+            radius = max(getattr(properties, name), 1e-3) / metres_per_unit(context.scene)
+            circle.matrix_basis = place @ Matrix.Scale(radius, 4)
             handle.matrix_basis = place @ Matrix.Rotation(turn * math.pi, 4, "Y")
+
+
+class HAPTIC_GT_inspection(Gizmo):
+    """The connection of the overlay under the mouse; a click selects its object and shows Why"""
+
+    bl_idname = "HAPTIC_GT_inspection"
+
+    def setup(self) -> None:
+        self.mouse = (0.0, 0.0)
+        self.link: Any = None
+
+    def draw(self, context: Any) -> None:
+        # What is drawn here would be under the labels.
+        hovered = (self.link, self.mouse) if self.is_highlight and self.link is not None else None
+        inspection.hovered[context.region.as_pointer()] = hovered
+
+    def test_select(self, context: Any, location: Any) -> int:
+        before, self.link = self.link, inspection.under(context, location)
+        if self.link is not None:
+            self.mouse = (float(location[0]), float(location[1]))
+        if self.link is not before:
+            context.region.tag_redraw()
+        return -1 if self.link is None else 0
+
+    def invoke(self, context: Any, event: Any) -> set[str]:
+        own = sessions.known(context.scene)
+        if own is not None:
+            own.watched = self.link.listener
+        bpy.ops.haptic.select_object("EXEC_DEFAULT", True, name=self.link.first)
+        bpy.ops.wm.call_panel(name="HAPTIC_PT_why")
+        return {"FINISHED"}
+
+    def modal(self, context: Any, event: Any, tweak: Any) -> set[str]:
+        """Never called; Blender calls ``invoke`` only where this is there, too."""
+        return {"FINISHED"}
+
+
+class HAPTIC_GGT_inspection(GizmoGroup):
+    """Tooltips of the haptic graph"""
+
+    bl_idname = "HAPTIC_GGT_inspection"
+    bl_label = "Haptic Inspection"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "WINDOW"
+    bl_options = {"PERSISTENT"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        overlay = context.space_data.overlay.show_overlays and context.scene.haptics.show_overlay
+        return overlay and context.mode == "OBJECT" and sessions.shown(context.scene) is not None
+
+    def setup(self, context: Context) -> None:
+        self.gizmos.new("HAPTIC_GT_inspection")

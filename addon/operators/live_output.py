@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import EnumProperty, StringProperty
-from bpy.types import Context, Operator
+from bpy.types import Context, Event, Operator
 
+from ...core.scene.declaration import Curve
 from ..blender.extension import profile_folders
-from ..blender.polling import UNDO, Action, Refused, is_editable
-from ..live_output import outputs, player, preview, refresh
+from ..blender.polling import UNDO, Action, OnActive, Refused, is_editable
+from ..live_output import handlers, outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.preferences import preferences
+from ..properties.sound import device_profiles
+
+if TYPE_CHECKING:
+    from ...core.devices.profiles import Actuator, Profile
 
 # A guard that does not answer is replaced within half a second, and the new one has silenced the
 # devices after another second.
@@ -131,20 +138,68 @@ class HAPTIC_OT_choose_actuator(Action, Operator):
             settings.actuators = actuators.toggled(settings.actuators, self.place)
 
 
-class HAPTIC_OT_toggle_preview(Action, Operator):
-    """Hear what the listeners feel through Blender's own sound output, while the timeline plays"""
+def _calibrations() -> dict[str, tuple[Profile, Actuator]]:
+    """The actuators whose profile says what they do at full scale, by device and name."""
+    return {
+        f"{profile.title}: {actuator.name}": (profile, actuator)
+        for profile in device_profiles().values()
+        for actuator in profile.actuators
+        if actuator.full_scale
+    }
 
-    bl_label = "Preview as Sound"
+
+def _calibrated_actuators(self: Operator, context: Context, typed: str) -> list[str]:
+    return sorted(_calibrations())
+
+
+class HAPTIC_OT_calibrate_listener(OnActive, Operator):
+    """Take what the device of this listener does at full scale from the device's profile"""
+
+    bl_label = "Calibrate by Profile"
+    bl_options = UNDO
+    bl_property = "actuator"
+
+    actuator: StringProperty(
+        name="Actuator",
+        description="Device and actuator; only profiles with a full_scale are listed",
+        search=_calibrated_actuators,
+    )
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        return context.window_manager.invoke_props_dialog(self)
 
     def apply(self, context: Context) -> None:
-        if preview.is_on():
+        known = _calibrations()
+        if self.actuator not in known:
+            raise Refused(
+                _rpt(
+                    "No profile says what '{}' does at full scale: enter it, or measure it by "
+                    "'haptic-tracing devices calibrate'"
+                ).format(self.actuator)
+            )
+        profile, actuator = known[self.actuator]
+        listener = context.object.haptics.listener
+        listener.full_scale = Curve.text(actuator.full_scale)  # type: ignore[assignment]
+        listener.full_scale_unit = actuator.full_scale_unit
+        listener.full_scale_source = f"{profile.title}: {actuator.full_scale_source}"
+
+
+class HAPTIC_OT_toggle_preview(Action, Operator):
+    """Hear what the listeners feel through Blender's own sound output while the timeline plays, as happens by itself without a device; or stay silent"""
+
+    bl_label = "Hear It"
+
+    def apply(self, context: Context) -> None:
+        is_heard = preview.is_on() or handlers.may_hear()
+        preferences().hear = not is_heard
+        if is_heard:
             preview.switch_off()
             return
         try:
             preview.switch_on()
         except preview.AudioUnavailable as error:
             raise Refused(_rpt("No preview: {}").format(error)) from None
-        preview.set_volume(context.scene.haptics.live_output.preview_volume)
+        preview.adjust(context.scene.haptics.live_output)
 
 
 class HAPTIC_OT_panic(Action, Operator):

@@ -6,7 +6,7 @@ from typing import Any
 
 from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.app.translations import pgettext_tip
-from bpy.types import Context, Operator
+from bpy.types import Context, Event, Operator
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
@@ -21,9 +21,11 @@ from ..blender.polling import (
 )
 from ..blender.progress import progress
 from ..properties.kinds import choice, switch, text
-from ..properties.materials import TARGET_ITEMS, add_material, made_of, own_values
+from ..properties.materials import PRESET_ITEMS, TARGET_ITEMS, add_material, made_of, own_values
+from ..scene_reader.instances import with_instanced
 
-PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
+_MOST_ROWS = 30
+"""Rows of the list of names."""
 
 MODEL_ITEMS = (
     (
@@ -119,11 +121,40 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
     bl_label = "Guess Material"
 
     def apply(self, context: Context) -> set[str]:
-        objects = [obj for obj in editable(context.selected_objects) if obj.type in SOLID_TYPES]
+        chosen = with_instanced(context.selected_objects)
+        objects = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         known = library.apply_guesses(context.scene, objects)
         message = _rpt("{} of {} objects have a name, shape or mass that tells their material")
         self.report({"INFO"}, message.format(known, len(objects)))
         return {"FINISHED"} if known else {"CANCELLED"}
+
+
+class HAPTIC_OT_match_materials(OnSelected, Operator):
+    """Say once what the Blender materials of the selected objects stand for; Make Haptic and Guess Material then follow that"""
+
+    bl_label = "Match Materials"
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        library.list_names(context.scene, with_instanced(context.selected_objects))
+        return context.window_manager.invoke_props_dialog(self, width=420)
+
+    def draw(self, context: Context) -> None:
+        rows = context.scene.haptics.materials.names
+        wanted = library.names_of_surfaces(with_instanced(context.selected_objects))
+        column = self.layout.column(align=True)
+        for name in wanted[:_MOST_ROWS]:
+            if name in rows:
+                split = column.split(factor=0.5)
+                split.label(text=name, translate=False)
+                split.prop(rows[name], "preset", text="")
+
+    def apply(self, context: Context) -> None:
+        shown = with_instanced(context.selected_objects)
+        chosen = [obj for obj in editable(shown) if obj.haptics.enabled]
+        library.list_names(context.scene, shown)
+        known = library.apply_guesses(context.scene, chosen)
+        message = _rpt("{} of {} objects have a name, shape or mass that tells their material")
+        self.report({"INFO"}, message.format(known, len(chosen)))
 
 
 class HAPTIC_OT_set_model(Edit, Operator):
@@ -144,7 +175,7 @@ class HAPTIC_OT_set_model(Edit, Operator):
 
     def apply(self, context: Context) -> None:
         scene = context.scene
-        objects = [obj for obj in editable(scene.objects) if obj.haptics.enabled]
+        objects = [obj for obj in editable(with_instanced(scene.objects)) if obj.haptics.enabled]
         if self.model == "PAPER":
             scene.haptics.strategy = "as_in_the_paper"
             known = library.use_paper(scene, objects)
@@ -168,9 +199,8 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
         return pgettext_tip(next(about for name, _, about in BODY_ITEMS if name == properties.body))
 
     def apply(self, context: Context) -> None:
-        if not library.set_bodies(
-            (obj for obj in editable(context.scene.objects) if obj.haptics.enabled), self.body
-        ):
+        shown = editable(with_instanced(context.scene.objects))
+        if not library.set_bodies((obj for obj in shown if obj.haptics.enabled), self.body):
             raise ValueError(
                 _rpt(
                     "No haptic object is made of flesh: select a body and press Add Body Listeners"

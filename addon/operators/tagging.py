@@ -6,7 +6,8 @@ from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, StringProperty
-from bpy.types import Context, Object, Operator, Scene
+from bpy.types import Context, Event, Object, Operator, Scene
+from mathutils import Vector
 
 from ...core.scene.materials import is_wide_and_flat
 from ..authoring import materials
@@ -22,23 +23,26 @@ from ..blender.polling import (
     linked_message,
 )
 from ..blender.progress import progress
+from ..blender.units import metres_per_unit
 from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch
-from ..scene_reader.roles import haptic_carrier
+from ..scene_reader.instances import with_instanced
+from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from ..session import session, worker
 
 _rpt = bpy.app.translations.pgettext_rpt
+_FEW = 4
+"""Number of objects up to which nothing is asked about their materials."""
 
 
 def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     """Make objects haptic, with guessed materials where they were not haptic before. Returns how
     many materials were guessed."""
+    follow_unit_scale(scene)
     new = [obj for obj in objects if not obj.haptics.enabled]
-    guesses = {
-        obj: materials.guessed(obj) if guess and not obj.haptics.material.name else None
-        for obj in new
-    }
-    materials.make_haptic(scene, guesses)
+    unknown = [obj for obj in new if guess and not obj.haptics.material.name]
+    guesses = materials.guesses(unknown)
+    materials.make_haptic(scene, {obj: guesses.get(obj) for obj in new})
     for obj in new:
         obj.haptics.surface = "SEEN"
     return sum(material is not None for material in guesses.values())
@@ -58,22 +62,44 @@ class HAPTIC_OT_make_objects(OnSelected, Operator):
         "Make the objects rigid bodies: wide and flat ones are passive, all others fall",
     )
 
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        return self.execute(context)
+
     def apply(self, context: Context) -> None:
         chosen = context.selected_objects
-        solid = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
+        solid = [obj for obj in editable(with_instanced(chosen)) if obj.type in SOLID_TYPES]
         if not solid:
+            instancer = next((obj for obj in editable(chosen) if obj.instance_collection), None)
+            if instancer is not None:
+                message = _rpt(
+                    "'{}' shows a collection that is linked from a library or has no surface: "
+                    "press Realize Instances, then make the objects haptic"
+                )
+                raise ValueError(message.format(instancer.name))
             message = (
                 "None of the selected objects has a surface that can touch others; select "
                 "meshes that are not linked from a library"
             )
             raise ValueError(linked_message(chosen) or message)
+        new = [obj for obj in solid if not obj.haptics.enabled]
         known = make_haptic(context.scene, solid, self.guess)
+        if self.options.is_invoke and self.guess and len(new) > max(_FEW, 2 * known):
+            bpy.ops.haptic.match_materials("INVOKE_DEFAULT")
         if self.physics:
             _add_physics(context, solid)
         self.report(
             {"INFO"},
             _rpt("Objects made haptic: {}, with a guessed material: {}").format(len(solid), known),
         )
+
+
+class HAPTIC_OT_make_object(OnActive, Operator):
+    """Let vibration pass through this object; what it is made of is guessed from its name, shape and mass"""
+
+    bl_label = "Haptic Object"
+
+    def apply(self, context: Context) -> None:
+        make_haptic(context.scene, [context.object])
 
 
 def _add_physics(context: Context, objects: list[Object]) -> None:
@@ -89,11 +115,13 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
         bpy.ops.rigidbody.object_add()  # and the scene's Rigid Body World if it is missing
     world = context.scene.rigidbody_world
     assert world is not None
+    metres = metres_per_unit(context.scene)
     for obj in progress(new):
         if obj.rigid_body is None:
             world.collection.objects.link(obj)
         body: Any = obj.rigid_body
-        body.type = "PASSIVE" if is_wide_and_flat(tuple(obj.dimensions)) else "ACTIVE"
+        body.type = "PASSIVE" if is_wide_and_flat(tuple(obj.dimensions * metres)) else "ACTIVE"
+        body.mass = metres**-3  # 1 kg
 
 
 class HAPTIC_OT_add_source(OnActive, Operator):
@@ -179,18 +207,65 @@ class HAPTIC_OT_use_real_surface(Edit, Operator):
 
     all: switch(
         "All Objects",
-        "All haptic objects of the scene without a rigid body, not only the active one",
+        "All haptic objects of the scene, not only the active one",
     )
 
     def apply(self, context: Context) -> None:
-        chosen = context.scene.objects if self.all else [context.object]
-        hulled = [
-            obj
-            for obj in chosen
-            if obj is not None and obj.haptics.surface == "CONVEX_HULL" and obj.rigid_body is None
-        ]
+        active = [] if context.object is None else [context.object]
+        chosen = with_instanced(context.scene.objects if self.all else active)
+        hulled = [obj for obj in chosen if obj.haptics.surface == "CONVEX_HULL"]
         for obj in progress(editable(obj for obj in hulled if obj.haptics.enabled)):
             obj.haptics.surface = "SEEN"
+
+
+class HAPTIC_OT_use_unit_scale(Edit, Operator):
+    """Let lengths, speeds, masses and gravity be those that Blender shows with the scene's unit scale, instead of a metre per unit"""
+
+    bl_label = "Use Unit Scale"
+
+    def apply(self, context: Context) -> None:
+        context.scene.haptics.use_unit_scale = True
+
+
+class HAPTIC_OT_set_gravity(Edit, Operator):
+    """Let things fall as on Earth at the scene's unit scale, which Blender's physics ignores. Simulate again afterwards"""
+
+    bl_label = "Set Gravity"
+
+    def apply(self, context: Context) -> None:
+        scene = context.scene
+        down = scene.gravity.normalized() if any(scene.gravity) else Vector((0, 0, -1))
+        scene.use_gravity = True
+        scene.gravity = down * (9.81 / metres_per_unit(scene))
+
+
+class HAPTIC_OT_impacts_in_units(Edit, Operator):
+    """Judge the energy of impacts as if a unit were a metre, as Blender's physics does, instead of by the unit scale"""
+
+    bl_label = "Impacts in Units"
+
+    def apply(self, context: Context) -> None:
+        context.scene.haptics.impacts_in_units = True
+
+
+class HAPTIC_OT_realize_instances(OnSelected, Operator):
+    """Make the instances of the selected objects objects of their own: each can then be edited, and be a source or feel by itself"""
+
+    bl_label = "Realize Instances"
+
+    def apply(self, context: Context) -> None:
+        instancers = [obj for obj in context.selected_objects if obj.instance_type != "NONE"]
+        if not instancers:
+            raise ValueError(
+                _rpt(
+                    "None of the selected objects shows instances of a collection. For those of "
+                    "geometry nodes, add the node Realize Instances"
+                )
+            )
+        with context.temp_override(
+            selected_objects=instancers, selected_editable_objects=instancers
+        ):
+            bpy.ops.object.duplicates_make_real()
 
 
 class HAPTIC_OT_use_mesh(OnActive, Operator):

@@ -16,7 +16,7 @@ from ..changes.redraw import redraw_viewports
 from ..properties.kinds import number, switch
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions, worker
-from ..view import graph_mesh
+from ..view import graph_mesh, table
 
 _ITEMS = (
     *((mode.value, *words) for mode, words in MODES.items()),
@@ -66,6 +66,22 @@ class HAPTIC_OT_cancel_tracing(Action, Operator):
     def apply(self, context: Context) -> None:
         session.give_up()
         redraw_viewports()
+
+
+class HAPTIC_OT_copy_result(Action, Operator):
+    """Copy the result as text, a row per source and listener, columns separated by tabulators, for a spreadsheet"""
+
+    bl_label = "Copy Result"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        is_traced = sessions.shown(context.scene) is not None
+        return permitted(
+            cls, is_traced, "Nothing has been traced yet: play, or press Trace This Frame"
+        )
+
+    def apply(self, context: Context) -> None:
+        context.window_manager.clipboard = table.as_text(context.scene)
 
 
 class HAPTIC_OT_set_mode(Action, Operator):

@@ -1,105 +1,225 @@
-"""The summary at the top of the sidebar: what the chosen listener feels, from which source, or why
-it feels nothing."""
+"""The summary at the top of the sidebar, always of the same height: what the watched listener
+feels, from which source, or why it feels nothing; and the way to it, row by row."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Context, UILayout
+from bpy.types import Context, Scene, UILayout
 
 from ...core.message import Chain, written
 from ..bake import playback, storage
 from ..blender.time import is_playing
+from ..live_output import handlers, unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
-from ..view import explanation, levels, paths, watched
+from ..view import air_contacts, doubtful_scale, explanation, levels, paths, watched
 from .cures import draw_cure
-from .drawing import draw_level, select_button
-from .texts import draw_sentence, source_title
+from .drawing import draw_pair, draw_problems, select_button
+from .hints import next_step, of_units
+from .texts import draw_lines, draw_sentence, fitted, source_title
 
 if TYPE_CHECKING:
     from ...core.diagnosis.waterfall import Waterfall
 
-
-def draw_progress(layout: UILayout, context: Context) -> None:
-    """Draw for how long a newer frame has been traced, with a button that cancels it."""
-    seconds = sessions.seconds_behind(context.scene)
-    if seconds > 0 and not is_playing():
-        row = layout.row(align=True)
-        row.label(
-            text=iface_("Tracing for {:.0f} s...").format(seconds)
-            if seconds >= 1
-            else "Tracing...",
-            icon="SORTTIME",
-        )
-        row.operator("haptic.cancel_tracing", text="", icon="X")
+_LINES = 5
+"""Lines of the summary: the level and the verdict, and three of the origin or of a reason."""
+_WHY_LINES = 14
+_OBJECTS, _NAMES = 0.48, 0.45  # of the width
+_MUCH = 5.0  # milliseconds a frame of reading instances that are worth a notice
 
 
-def draw_answer(layout: UILayout, context: Context) -> bool:
-    """Draw the result of the watched listener. Returns False if there is no listener."""
+def draw_answer(layout: UILayout, context: Context) -> None:
+    """Draw the result of the watched listener or the next step, a notice, and a remedy."""
     scene = context.scene
-    if sessions.shown(scene) is None:
-        return False
-    name = watched.watched(scene)
-    level = next((level for level in watched.levels_of(scene) if level.listener == name), None)
+    column = layout.box().column()
+    level, hint, reasons = _watched_level(scene), None, explanation.Explanation()
     if level is None:
-        return False
-    box = layout.box()
-    if storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
-        row = box.split(factor=0.6)
-        row.label(text="Baked, out of date", icon="ERROR")
-        row.operator("haptic.bake", text="Bake Again", icon="REC")
-    _draw_level(box, level)
-    path = paths.path_of(scene)
-    if path is not None and path.value is not None and path.value.fall.listener == name:
-        _draw_origin(box, path.value.fall)
-    if not level.is_felt:
-        _draw_reasons(box, context, name)
-    return True
+        hint = next_step(scene)
+        used = draw_lines(column, hint.words, "INFO", _LINES) if hint is not None else 0
+    else:
+        _draw_level(column, level)
+        path = paths.path_of(scene)
+        if level.is_silent:
+            reasons = explanation.why_silent(scene, level.listener)
+            used = 2 + draw_lines(column, _first_words(reasons), "INFO", _LINES - 2)
+        elif path is None or path.value is None or path.value.fall.listener != level.listener:
+            used = 2
+        else:
+            used = 2 + _draw_origin(column, path.value.fall)
+    _pad(column, _LINES - used)
+    row = column.row(align=True)
+    if not _draw_notice(row, scene, level is not None):
+        _pad(row)
+    row = column.row(align=True)
+    if hint is not None and hint.operators:
+        for operator, icon in hint.operators:
+            row.operator(operator, icon=icon)
+    elif level is not None and not level.is_silent and not level.is_felt:
+        row.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
+    elif not (reasons.is_current and reasons.reasons) or not draw_cure(
+        row, context, reasons.reasons[0]
+    ):
+        _pad(row)
+
+
+def _pad(layout: UILayout, count: int = 1) -> None:
+    """Draw empty lines, such that what is below keeps its place."""
+    for _ in range(count):
+        layout.label(text="")
+
+
+def _watched_level(scene: Scene) -> levels.Level | None:
+    name = watched.watched(scene)
+    return next((level for level in watched.levels_of(scene) if level.listener == name), None)
+
+
+def _first_words(why: explanation.Explanation) -> str:
+    """The first reason for silence."""
+    if not why.is_current:
+        return iface_("Looking for reasons...")
+    return sentence(why.reasons[0]) if why.reasons else why.notice
 
 
 def _draw_level(layout: UILayout, level: levels.Level) -> None:
+    """Draw a listener's name, which selects it, its level as a bar, and whether that is felt."""
+    split = layout.split(factor=0.5)
+    name = fitted(level.listener, 0.5, icon=True)
+    select_button(split, level.listener, name, icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
     text = levels.decibels(level.rms)
-    draw_level(layout, level, 0.5, text if level.is_silent else iface_("Level {}").format(text))
-    if level.is_felt:
-        layout.label(
-            text=iface_("Felt: margin {}").format(level.margin_text()),
-            icon="CHECKMARK",
-            translate=False,
-        )
-    elif level.is_silent:
-        layout.label(text="Feels nothing", icon="ERROR")
-    else:
-        layout.label(
-            text=iface_("Too weak to be felt: margin {}").format(level.margin_text()),
-            icon="ERROR",
-            translate=False,
-        )
-        layout.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
+    split.progress(
+        factor=level.place, text=text if level.is_silent else iface_("Level {}").format(text)
+    )
+    words = iface_("Felt: margin {}" if level.is_felt else "Too weak: margin {}")
+    layout.label(
+        text=iface_("Feels nothing") if level.is_silent else words.format(level.margin_and_basis()),
+        icon="CHECKMARK" if level.is_felt else "ERROR",
+        translate=False,
+    )
 
 
-def _draw_origin(layout: UILayout, path: Waterfall) -> None:
-    """Draw the strongest source, the gain from it, and the objects on its path."""
-    split = layout.split(factor=0.6)
+def _draw_origin(layout: UILayout, path: Waterfall) -> int:
+    """Draw the strongest source, the gain from it, and the objects on its path. Returns the number
+    of lines."""
+    split = layout.split(factor=_NAMES)
     name = path.source.name if path.source.second_object is None else path.source.object
     select_button(
-        split, name, source_title(path.source, 0.6), icon="OUTLINER_OB_FORCE_FIELD", emboss=False
+        split, name, source_title(path.source, _NAMES), icon="OUTLINER_OB_FORCE_FIELD", emboss=False
     )
     split.label(text=iface_("Gain {}").format(levels.decibels(path.gain)), translate=False)
-    if path.hops:
-        draw_sentence(
-            layout, iface_("through {}").format(written(Chain(hop.object for hop in path.hops)))
-        )
+    if not path.hops:
+        return 1
+    chain = written(Chain(hop.object for hop in path.hops))
+    return 1 + draw_lines(layout, iface_("Through {}").format(chain), most=_LINES - 3)
 
 
-def _draw_reasons(layout: UILayout, context: Context, name: str) -> None:
-    """Draw the first reason for silence, and its remedy."""
-    why = explanation.why_silent(context.scene, name)
-    if why.notice:
-        draw_sentence(layout, why.notice, "INFO")
+def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
+    """Draw the first of what the user should know, with its button. Returns False if there is
+    nothing."""
+    seconds = sessions.seconds_behind(scene)
+    problems = sessions.shown_problems(scene)
+    if is_answered and not scene.haptics.tracing:
+        row.label(text="Tracing is switched off", icon="ERROR")
+        row.operator("haptic.toggle_tracing", text="", icon="HIDE_OFF")
+    elif seconds > 0 and not is_playing():
+        words = iface_("Tracing for {:.0f} s...") if seconds >= 1 else iface_("Tracing...")
+        row.label(text=words.format(seconds), icon="SORTTIME", translate=False)
+        row.operator("haptic.cancel_tracing", text="", icon="X")
+    elif storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
+        row.label(text="Baked, out of date", icon="ERROR")
+        row.operator("haptic.bake", text="Bake Again", icon="REC")
+    elif problems:
+        words = "1 problem" if len(problems) == 1 else iface_("{} problems").format(len(problems))
+        row.label(text=words, icon="ERROR")
+        if problems[0].object:
+            name = problems[0].object
+            select_button(row, name, fitted(name, 0.5, True), icon="RESTRICT_SELECT_OFF")
+    elif handlers.is_new():
+        row.label(text="Heard, too: see the speaker below", icon="SPEAKER")
+    elif sessions.shown(scene) is not None and air_contacts.contacts_in_air(scene) > 0:
+        count = air_contacts.contacts_in_air(scene)
+        row.label(text=iface_("Through air: {}").format(count), icon="INFO", translate=False)
+        row.operator(
+            "haptic.use_real_surface", text="Use Real Surface", icon="MESH_DATA"
+        ).all = True
+    elif (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
+        words = iface_("{:,} instances move: {:.0f} ms a frame").format(*moving)
+        row.label(text=words, icon="INFO", translate=False)
+        row.operator("haptic.realize_instances", icon="OUTLINER_OB_GROUP_INSTANCE")
+    elif (units := of_units(scene)) is not None:
+        row.label(text=units.words, icon="INFO", translate=False)
+        for operator, icon in units.operators:
+            row.operator(operator, text="", icon=icon)
+    elif (doubt := doubtful_scale.doubt(scene)) is not None:
+        word, size = doubt
+        words = iface_("'{}' of {:.0f} m") if word else iface_("{1:,} objects, no contact")
+        row.label(text=words.format(word, size), icon="QUESTION", translate=False)
+        row.prop(scene.unit_settings, "scale_length")
+    else:
+        return False
+    return True
+
+
+def _moving_instances(scene: Scene) -> tuple[int, float] | None:
+    """How many instances were read in the shown frame, and the milliseconds that took."""
+    traced = sessions.shown(scene)
+    return None if traced is None or traced.reading is None else traced.reading.moving_instances
+
+
+def draw_why(layout: UILayout, context: Context) -> None:
+    """Draw the problems of the scene, and, in a fixed number of lines, the way to the watched
+    listener or the reasons for which it feels nothing."""
+    draw_problems(layout, context)
+    scene, name = context.scene, watched.watched(context.scene)
+    column = layout.column(align=True)
+    level, path = _watched_level(scene), paths.path_of(scene)
+    if level is None:
+        used = draw_lines(column, iface_("No listener: add one to feel something"))
+    elif path is None or path.value is None or level.is_silent:
+        used = _draw_reasons(column, context, explanation.why_silent(scene, name))
+    else:
+        used = _draw_path(column, context, path.value)
+    _pad(column, _WHY_LINES - used)
+    if name:
+        draw_sentence(layout, unfelt.device_words(scene, name))
+
+
+def _draw_reasons(layout: UILayout, context: Context, why: explanation.Explanation) -> int:
+    """Draw reasons with their cures. Returns the number of lines."""
+    used = draw_lines(layout, why.notice, "INFO", 3) if why.notice else 0
     if not why.is_current:
         layout.label(text="Looking for reasons...", icon="SORTTIME")
-    for reason in why.reasons[:1] if why.is_current else ():
-        draw_sentence(layout, sentence(reason), "INFO")
-        draw_cure(layout, context, reason)
+        return used + 1
+    for reason in why.reasons:
+        if used + 4 > _WHY_LINES:
+            break
+        used += draw_lines(layout, sentence(reason), "INFO", 3)
+        used += draw_cure(layout.row(align=True), context, reason)
+    return used
+
+
+def _draw_path(layout: UILayout, context: Context, path: paths.ListenerPath) -> int:
+    """Draw the table of a path: an object has a button that selects it, pressed for the active one,
+    and its distance. Returns the number of lines."""
+    meters = context.scene.haptics.meters
+    row = layout.row(align=True)
+    row.label(text=source_title(path.fall.source, 0.8), translate=False)
+    row.prop(meters, "sort_path", text="", icon="SORTSIZE")
+    rows = paths.rows(path, meters.sort_path)
+    surplus, last = len(rows) + 1 - _WHY_LINES, sum(row.is_object for row in rows)
+    if surplus > 0:
+        cut = rows[last - surplus : last + 1]
+        more = iface_("and {} more").format(len(cut))
+        rows[last - surplus : last + 1] = [paths.Row(more, sum(row.decibels for row in cut))]
+    active = context.object.name_full if context.object is not None else ""
+    for item in rows:
+        words = levels.change_words(item.decibels)
+        if item.is_object:
+            split = layout.split(factor=_OBJECTS, align=True)
+            title = fitted(item.name, _OBJECTS, button=True)
+            select_button(split, item.name, title, depress=item.name == active)
+            draw_pair(split, item.distance, words, 0.45)
+        else:
+            draw_pair(layout, f"= {item.name}" if item.is_sum else item.name, words, 0.76)
+    return len(rows) + 1

@@ -1,4 +1,4 @@
-"""Panel "Bake"."""
+"""Panel "Bake", with the takes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..bake import playback, storage, takes
 from ..blender import job
 from ..blender.text import wrapped
 from ..view import levels
-from .drawing import ClosedPanel, HapticsPanel, draw_each, draw_pair, settings_layout
+from .drawing import ScenePanel, draw_each, draw_pair, settings_layout
 from .texts import fitted
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _MOST_TAKES = 20
 
 
-class HAPTIC_PT_bake(ClosedPanel, Panel):
+class HAPTIC_PT_bake(ScenePanel, Panel):
     bl_label = "Bake"
     bl_order = 50
 
@@ -42,6 +42,8 @@ class HAPTIC_PT_bake(ClosedPanel, Panel):
             "haptic.bake", text="Bake" if bake.track is None else "Bake Again", icon="REC"
         )
         _draw_track(layout, scene, storage.track_of(scene))
+        if bake.track is not None or bake.takes:
+            _draw_takes(layout, scene)
 
 
 def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> None:
@@ -67,37 +69,24 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
     layout.operator("haptic.delete_bake", icon="TRASH")
 
 
-class HAPTIC_PT_takes(HapticsPanel, Panel):
-    bl_parent_id = "HAPTIC_PT_bake"
-    bl_label = "Takes"
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return job.running() is None and (
-            context.scene.haptics.bake.track is not None
-            or len(context.scene.haptics.bake.takes) > 0
-        )
-
-    def draw(self, context: Context) -> None:
-        layout = self.layout
-        bake = context.scene.haptics.bake
-        layout.operator("haptic.keep_take", icon="ADD")
-        column = layout.column(align=True)
-        for index, take in enumerate(bake.takes[:_MOST_TAKES]):
-            row = column.row(align=True)
-            row.prop(take, "name", text="")
-            row.operator(
-                "haptic.play_take", text="", icon="PLAY", depress=take.track == bake.track
-            ).index = index
-        other = next(
-            (index for index, take in enumerate(bake.takes) if take.track == bake.compared), None
-        )
-        if other is not None and bake.compared != bake.track:
-            words = iface_("Switch to {}").format(bake.takes[other].name)
-            layout.operator(
-                "haptic.play_take", text=words, icon="ARROW_LEFTRIGHT", translate=False
-            ).index = other
-            _draw_differences(layout, context.scene, bake.takes[other].name)
+def _draw_takes(layout: UILayout, scene: Scene) -> None:
+    """Draw the takes, and how the one played differs from the one played before."""
+    bake = scene.haptics.bake
+    layout.operator("haptic.keep_take", icon="ADD")
+    column = layout.column(align=True)
+    for index, take in enumerate(bake.takes[:_MOST_TAKES]):
+        row = column.row(align=True)
+        row.prop(take, "name", text="")
+        is_played = take.track == bake.track
+        row.operator("haptic.play_take", text="", icon="PLAY", depress=is_played).index = index
+    other = next((i for i, take in enumerate(bake.takes) if take.track == bake.compared), None)
+    if other is not None and bake.compared != bake.track:
+        name = bake.takes[other].name
+        words = iface_("Switch to {}").format(name)
+        layout.operator(
+            "haptic.play_take", text=words, icon="ARROW_LEFTRIGHT", translate=False
+        ).index = other
+        _draw_differences(layout, scene, name)
 
 
 def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:

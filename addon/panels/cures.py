@@ -14,24 +14,21 @@ _COMPLETE = {
     Cause.ZERO_AMPLITUDE,
     Cause.LISTENER_GAIN,
     Cause.NO_SOURCE,
-    Cause.NOT_RENDERED,
-    Cause.PAUSE,
 }
 """Causes whose remedy needs no selection of an object."""
 
 
-def draw_cure(layout: UILayout, context: Context, reason: Message) -> None:
-    """Draw the button or field that removes the reason, if there is one."""
+def draw_cure(layout: UILayout, context: Context, reason: Message) -> bool:
+    """Draw the button or field that removes the reason, in one line. Returns False if there is
+    none."""
     obj, haptics = bpy.data.objects.get(reason.object), context.scene.haptics
     match reason.cause:
         case Cause.NO_SOURCE:
             layout.operator("haptic.add_source", icon="OUTLINER_OB_FORCE_FIELD")
-        case Cause.NOT_RENDERED | Cause.PAUSE:
-            layout.operator("screen.animation_play", text="Play", icon="PLAY")
         case Cause.FINISHED:
             layout.operator("screen.frame_jump", text="Jump to First Frame", icon="REW").end = False
         case Cause.NEAREST_LISTENER_ONLY:
-            layout.operator("haptic.set_mode", text="Set Mode to HT").mode = "HT"
+            layout.operator("haptic.set_mode", text="Set Mode to Haptic Tracing").mode = "HT"
         case Cause.LOCALISED:
             layout.prop(haptics, "localise")
         case Cause.NARROW_GAP:
@@ -46,7 +43,9 @@ def draw_cure(layout: UILayout, context: Context, reason: Message) -> None:
             layout.prop(obj.haptics.source, "amplitude")
         case Cause.LISTENER_GAIN if obj is not None:
             layout.prop(obj.haptics.listener, "gain")
+        case _ if not reason.object or reason.cause in _COMPLETE:
+            return False
     if reason.object and reason.cause not in _COMPLETE:
-        select_button(
-            layout, reason.object, fitted(reason.object, icon=True), icon="RESTRICT_SELECT_OFF"
-        )
+        name = fitted(reason.object, 0.5, icon=True, button=True)
+        select_button(layout, reason.object, name, icon="RESTRICT_SELECT_OFF")
+    return True

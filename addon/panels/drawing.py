@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, UILayout
@@ -12,38 +12,58 @@ from ..blender.documentation import page_url
 from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
-from .texts import draw_sentence, fitted
-
-if TYPE_CHECKING:
-    from ..view.levels import Level
+from .texts import ICON, content_width, draw_sentence, fitted, lines
 
 
 class HapticsPanel:
-    """Mixin: a panel in the add-on's tab of the 3D viewport's sidebar."""
-
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = SIDEBAR_TAB
+    """Mixin: a panel with a button that opens its page of the documentation."""
 
     def draw_header_preset(self: Any, context: Context) -> None:
-        """Draw the button that opens the panel's page of the documentation."""
+        """Draw the button."""
         module = type(self).__module__.rpartition(".")[2]
         self.layout.operator("wm.url_open", text="", icon="HELP", emboss=False).url = page_url(
             _PAGES.get(module, f"panels/{module}")
         )
 
 
-class ClosedPanel(HapticsPanel):
-    """Mixin: such a panel, closed at first."""
+class SidebarPanel(HapticsPanel):
+    """Mixin: such a panel in the add-on's tab of the 3D viewport's sidebar."""
 
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = SIDEBAR_TAB
+
+
+class ScenePanel(HapticsPanel):
+    """Mixin: such a panel in Properties > Scene > Haptics, closed at first."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "scene"
+    bl_parent_id = "HAPTIC_PT_settings"
+    bl_ui_units_x = 14
     bl_options: Any = {"DEFAULT_CLOSED"}
 
 
+class ObjectPanel(ScenePanel):
+    """Mixin: such a panel in Properties > Object > Haptics."""
+
+    bl_context = "object"
+    bl_parent_id = "HAPTIC_PT_object_settings"
+
+
 _SHOWN_PROBLEMS = 5
+_SPLIT = 320.0
+"""Width of a panel's content [points] from which on labels stand beside values."""
 _PAGES = {
+    "roles": "panels/object",
+    "settings": "panels/scene",
+    "output": "devices",
     "live_output": "devices",
+    "quick_start": "tutorial",
     "export": "formats",
     "gltf": "formats",
+    "vr": "vr",
     "modalities": "panels/warmth",
 }
 """Documentation pages by panel module, if they differ from the module's name."""
@@ -59,11 +79,12 @@ def select_button(layout: UILayout, name: str, text: str, **look: Any) -> None:
     layout.operator("haptic.select_object", text=text, translate=False, **look).name = name
 
 
-def settings_layout(panel: Any) -> UILayout:
-    """The layout of a panel of settings: labels to the left of values, without keyframe buttons."""
+def settings_layout(panel: Any, is_animated: bool = False) -> UILayout:
+    """The layout of a panel of settings: labels to the left of values where these have room beside
+    them, else in them; with keyframe buttons if ``is_animated``."""
     layout: UILayout = panel.layout
-    layout.use_property_split = True
-    layout.use_property_decorate = False
+    layout.use_property_split = content_width() >= _SPLIT
+    layout.use_property_decorate = is_animated
     return layout
 
 
@@ -91,22 +112,6 @@ def draw_held(
             layout.prop(owner, name)
 
 
-def draw_level(layout: UILayout, level: Level, share: float, text: str) -> None:
-    """Draw a listener's name on a ``share`` of the width, which selects it, and its level as a bar
-    with ``text``."""
-    split = layout.split(factor=0.5)
-    row = split.row()
-    row.alignment = "LEFT"
-    select_button(
-        row,
-        level.listener,
-        fitted(level.listener, share, icon=True),
-        icon="OUTLINER_OB_LIGHTPROBE",
-        emboss=False,
-    )
-    split.progress(factor=level.place, text=text)
-
-
 def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
     """Draw the haptic object of a source or listener, or a warning if there is none."""
     carrier = haptic_carrier(obj)
@@ -125,11 +130,12 @@ def draw_pair(layout: UILayout, name: str, value: str, share: float = 0.6) -> No
     row.label(text=value)
 
 
-def warn(layout: UILayout, *lines: str) -> None:
-    """Draw a warning in several lines."""
+def warn(layout: UILayout, *sentences: str) -> None:
+    """Draw a warning, each of its parts from a new line on."""
     column = layout.column(align=True)
-    for number, line in enumerate(lines):
-        column.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
+    found = [line for text in sentences for line in lines(iface_(text), content_width() - ICON)]
+    for number, line in enumerate(found):
+        column.label(text=line, icon="ERROR" if number == 0 else "BLANK1", translate=False)
 
 
 def draw_problems(layout: UILayout, context: Context) -> None:

@@ -9,7 +9,7 @@ from bpy.types import Context, FileHandler, Menu, Panel, UILayout
 from ...core.formats.io.catalogue import FORMATS, READERS
 from ..blender import job
 from ..io import last_export
-from .drawing import ClosedPanel
+from .drawing import ScenePanel
 
 MOST_SHOWN = 12
 """Listeners, or onsets of a listener, that are shown."""
@@ -17,20 +17,18 @@ POOR = 3.0
 """Change of level (dB) from which a listener is marked."""
 
 
-class HAPTIC_PT_export(ClosedPanel, Panel):
+class HAPTIC_PT_export(ScenePanel, Panel):
     bl_label = "Export"
-    bl_order = 90
 
     def draw(self, context: Context) -> None:
         layout = self.layout
         if job.draw_running(layout):
             return
-        column = layout.column(align=True)
-        column.operator("export_scene.haptic_scene", text="Haptic Scene", icon="EXPORT")
-        column.operator("export_scene.haptic_tracks", text="Haptic Tracks", icon="EXPORT")
-        column = layout.column(align=True)
-        column.operator("import_scene.haptic_scene", text="Haptic Scene", icon="IMPORT")
-        column.operator("haptic.import_signal", icon="IMPORT")
+        layout.operator("import_scene.haptic_scene", text="Haptic Scene", icon="IMPORT")
+        layout.operator("haptic.import_signal", icon="IMPORT")
+        row = layout.row(align=True)
+        row.operator("export_scene.haptic_engine", icon="EXPORT")
+        row.operator("haptic.copy_methods", icon="COPYDOWN")
         _draw_losses(layout)
 
 
@@ -93,6 +91,7 @@ def _in_viewport(context: Context) -> bool:
 def draw_export(self: Menu, context: Context) -> None:
     """Entries of File > Export."""
     self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
+    self.layout.operator("export_scene.haptic_engine", text="Haptics for an Engine (.glb)")
     endings = "/".join(form.suffix for form in FORMATS.values() if form.name != "scene")
     _draw_entry(self.layout, "export_scene.haptic_tracks", iface_("Haptic Tracks"), endings)
 

@@ -9,13 +9,12 @@ from bpy.types import Context, Panel, UILayout
 from ...core.render import mixing
 from ...core.scene.values import Listener
 from ..properties.listener import HapticListenerProperties
-from .drawing import HapticsPanel, draw_carrier, draw_held, poll_object
+from .drawing import ObjectPanel, draw_carrier, draw_held, poll_object, settings_layout
 from .formula import draw_finding
 
 
-class HAPTIC_PT_listener(HapticsPanel, Panel):
+class HAPTIC_PT_listener(ObjectPanel, Panel):
     bl_label = "Haptic Listener"
-    bl_order = 30
 
     poll = classmethod(poll_object)
 
@@ -23,8 +22,7 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
         self.layout.prop(context.object.haptics.listener, "enabled", text="")
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
+        layout = settings_layout(self, is_animated=True)
         listener = context.object.haptics.listener
         if not listener.enabled:
             return
@@ -34,6 +32,9 @@ class HAPTIC_PT_listener(HapticsPanel, Panel):
             Listener,
             radius=partial(_draw_radius, listener),
             mixing_expression=partial(_draw_formula, listener),
+            full_scale=partial(_draw_full_scale, listener),
+            full_scale_unit=None,
+            full_scale_source=None,
         )
         layout.prop(listener, "muted")
         draw_carrier(layout, context.object, "Feels")
@@ -48,6 +49,18 @@ def _draw_radius(listener: HapticListenerProperties, layout: UILayout) -> None:
     row = layout.row()
     row.active = listener.extent != "none"
     row.prop(listener, "radius")
+
+
+def _draw_full_scale(listener: HapticListenerProperties, layout: UILayout) -> None:
+    """Draw the calibration of the device; margins of listeners without one are assumed."""
+    row = layout.row(align=True)
+    row.prop(listener, "full_scale")
+    row.operator("haptic.calibrate_listener", text="", icon="PRESET")
+    if listener.full_scale:
+        layout.prop(listener, "full_scale_unit")
+        layout.prop(listener, "full_scale_source")
+    else:
+        layout.label(text="Not calibrated: its margins are assumed", icon="INFO")
 
 
 def _draw_formula(listener: HapticListenerProperties, layout: UILayout) -> None:

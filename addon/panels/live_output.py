@@ -1,20 +1,21 @@
-"""Panel "Live Output": devices and their state, the actuators of listeners, and losses."""
+"""Panel "Devices": devices and their state, the actuators of listeners, and losses."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import AddonPreferences, Context, Panel, Scene, UILayout
 
 from ...core.devices import connection, mapping
 from ...core.render import limiter
 from ..blender.text import wrapped
 from ..blender.time import frame_seconds
-from ..live_output import handlers, outputs, player, preview
+from ..live_output import handlers, outputs, player
 from ..properties.preferences import preferences
 from ..session import sessions
 from ..translations.sentences import sentence
-from .drawing import ClosedPanel, HapticsPanel, draw_each, draw_pair
+from .drawing import ScenePanel, draw_each, draw_pair
 
 if TYPE_CHECKING:
     from ...core.devices.status import Status
@@ -24,54 +25,49 @@ EARLIEST = -0.015
 _BLOCKED = 0.25
 
 
-class HAPTIC_PT_live_output(ClosedPanel, Panel):
-    bl_label = "Live Output"
-    bl_order = 50
+class HAPTIC_PT_live_output(ScenePanel, Panel):
+    bl_label = "Devices"
 
     def draw(self, context: Context) -> None:
         layout = self.layout
-        row = layout.row(align=True)
-        row.operator(
-            "haptic.find_devices",
-            text="Looking..." if outputs.is_finding() else "Find Devices",
-            icon="VIEWZOOM",
-        )
-        row.operator("haptic.panic", text="", icon="CANCEL")
+        draw_search(layout)
         column = layout.column(align=True)
         column.prop(context.scene.haptics.live_output, "sound_cards")
         if isinstance(preferences(), AddonPreferences):
             column.prop(preferences(), "haptic_players")
-        layout.operator("haptic.toggle_preview", icon="PLAY_SOUND", depress=preview.is_on())
-        if preview.is_on():
-            layout.prop(context.scene.haptics.live_output, "preview_volume")
         _draw_devices(layout, context.scene)
+        _draw_actuators(layout, context.scene)
 
 
-class HAPTIC_PT_actuators(HapticsPanel, Panel):
-    bl_parent_id = "HAPTIC_PT_live_output"
-    bl_label = "Listeners"
+def draw_search(layout: UILayout) -> None:
+    """Draw the buttons that find devices, and that stop all output."""
+    row = layout.row(align=True)
+    words = "Looking..." if outputs.is_finding() else "Find Devices"
+    row.operator("haptic.find_devices", text=words, icon="VIEWZOOM")
+    row.operator("haptic.panic", text="", icon="CANCEL")
 
-    def draw(self, context: Context) -> None:
-        layout = self.layout
-        traced = sessions.shown(context.scene)
-        result = None if traced is None else traced.result
-        if result is None or not result.listeners:
-            layout.label(text="No listener was traced yet", icon="INFO")
-            return
-        choices = handlers.choices(result)
-        mapped = player.mapping_of(result, choices)
-        for row_number, listener in enumerate(result.listeners):
-            column = layout.column(align=True)
-            row = column.split(factor=0.45)
-            row.label(text=listener.name)
-            text = ", ".join(_actuators_of(mapped, row_number)) or "none"
-            text = text if listener.name in choices else f"Auto: {text}"
-            row.operator_menu_enum(
-                "haptic.choose_actuator", "place", text=text
-            ).listener = listener.name
-            for loss in mapped.losses:
-                if loss.listener == listener.name and outputs.running():
-                    _draw_text(column, sentence(loss.message))
+
+def _draw_actuators(layout: UILayout, scene: Scene) -> None:
+    """Draw the actuators of each listener, and what it loses."""
+    traced = sessions.shown(scene)
+    if traced is None or not traced.result.listeners:
+        layout.label(text="No listener was traced yet", icon="INFO")
+        return
+    choices = handlers.choices(traced.result)
+    mapped = player.mapping_of(traced.result, choices)
+    layout.label(text="Actuators")
+    for row_number, listener in enumerate(traced.result.listeners):
+        column = layout.column(align=True)
+        row = column.split(factor=0.45)
+        row.label(text=listener.name, translate=False)
+        text = ", ".join(_actuators_of(mapped, row_number)) or iface_("none")
+        text = text if listener.name in choices else iface_("Auto: {}").format(text)
+        row.operator_menu_enum(
+            "haptic.choose_actuator", "place", text=text, translate=False
+        ).listener = listener.name
+        for loss in mapped.losses:
+            if loss.listener == listener.name and outputs.running():
+                _draw_text(column, sentence(loss.message))
 
 
 def _actuators_of(mapped: mapping.ActuatorMapping, row: int) -> list[str]:

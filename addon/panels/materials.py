@@ -13,7 +13,7 @@ from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender import job
 from ..view import levels, watched
-from .drawing import ClosedPanel, draw_each, draw_held, draw_pair, settings_layout
+from .drawing import ScenePanel, draw_each, draw_held, draw_pair, settings_layout
 from .texts import draw_sentence, fitted
 from .thumbnails import cell
 
@@ -57,6 +57,7 @@ class HAPTIC_MT_materials(Menu):
         layout = self.layout
         target = context.scene.haptics.materials.target
         layout.operator("haptic.guess_material", icon="VIEWZOOM")
+        layout.operator("haptic.match_materials", icon="LINENUMBERS_ON")
         layout.operator("haptic.new_material", icon="ADD")
         layout.separator()
         flow = layout.column_flow(columns=7)
@@ -67,10 +68,8 @@ class HAPTIC_MT_materials(Menu):
             properties.preset, properties.target = name, target
 
 
-class HAPTIC_PT_materials(ClosedPanel, Panel):
-    bl_parent_id = "HAPTIC_PT_scene"
+class HAPTIC_PT_materials(ScenePanel, Panel):
     bl_label = "Materials"
-    bl_order = 1
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -107,7 +106,7 @@ def draw_models(layout: UILayout) -> None:
     row.operator("haptic.set_model", text="As in the Paper").model = "PAPER"
 
 
-class HAPTIC_PT_wishes(ClosedPanel, Panel):
+class HAPTIC_PT_wishes(ScenePanel, Panel):
     bl_parent_id = "HAPTIC_PT_materials"
     bl_label = "Design by Wish"
 
@@ -144,7 +143,7 @@ class HAPTIC_PT_wishes(ClosedPanel, Panel):
         layout.operator("haptic.design_by_wish", icon="SHADERFX")
 
 
-class HAPTIC_PT_fit(ClosedPanel, Panel):
+class HAPTIC_PT_fit(ScenePanel, Panel):
     bl_parent_id = "HAPTIC_PT_materials"
     bl_label = "Fit Material"
 

@@ -9,14 +9,11 @@ from bpy.types import Context, Panel, UILayout
 from ...core.modalities import Modality
 from ..properties.modalities import SHOWN
 from ..session import sessions
-from .drawing import ClosedPanel, draw_carrier
+from .drawing import ObjectPanel, ScenePanel, draw_carrier, settings_layout
 from .formula import draw_parameters
 
 if TYPE_CHECKING:
     from ...core.modalities.propagation import Felt
-
-_ORDER = 35
-"""Position after the panels of objects, sources and listeners."""
 
 
 def _scene_panel(modality: Modality) -> type[Panel]:
@@ -36,17 +33,13 @@ def _scene_panel(modality: Modality) -> type[Panel]:
         if felt is None:
             layout.label(text="Switch it on and trace a frame", icon="INFO")
         elif not felt.emitters:
-            layout.label(text="No source: make an object one below", icon="INFO")
+            layout.label(text="No source: make an object one in its tab", icon="INFO")
         else:
             column = layout.column(align=True)
             for index in range(len(felt.listeners)):
                 _draw_listener(column, felt, index)
 
-    return _panel(
-        modality,
-        "scene",
-        {"bl_label": modality.title, "bl_order": _ORDER, "draw_header": draw_header, "draw": draw},
-    )
+    return _panel(modality, "scene", ScenePanel, {"draw_header": draw_header, "draw": draw})
 
 
 def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
@@ -68,8 +61,7 @@ def _object_panel(modality: Modality) -> type[Panel]:
         return context.object is not None and context.object.type != "ARMATURE"
 
     def draw(self: Panel, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
+        layout = settings_layout(self, is_animated=True)
         obj: Any = context.object
         group = getattr(obj.haptics.modalities, modality.name)
         if obj.haptics.enabled:
@@ -80,18 +72,15 @@ def _object_panel(modality: Modality) -> type[Panel]:
             layout.prop(group, "source_value")
             draw_carrier(layout, obj, "Goes into")
 
-    values = {
-        "bl_label": "Active Object",
-        "bl_parent_id": f"HAPTIC_PT_{modality.name}_scene",
-        "poll": classmethod(poll),
-        "draw": draw,
-    }
-    return _panel(modality, "object", values)
+    return _panel(modality, "object", ObjectPanel, {"poll": classmethod(poll), "draw": draw})
 
 
-def _panel(modality: Modality, part: str, values: dict[str, object]) -> type[Panel]:
+def _panel(
+    modality: Modality, part: str, kind: type[ScenePanel], values: dict[str, object]
+) -> type[Panel]:
     name = f"HAPTIC_PT_{modality.name}_{part}"
-    return type(name, (ClosedPanel, Panel), {"bl_idname": name, "__module__": __name__, **values})
+    given = {"bl_idname": name, "bl_label": modality.title, "__module__": __name__, **values}
+    return type(name, (kind, Panel), given)
 
 
 PANELS = tuple(panel(modality) for modality in SHOWN for panel in (_scene_panel, _object_panel))

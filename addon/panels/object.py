@@ -1,8 +1,8 @@
-"""Panel "Haptic Object": the material of the active object, and how it transmits vibration."""
+"""Panel "Haptics" in Properties > Object: the material of the active object, and how it transmits
+vibration."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -14,18 +14,19 @@ from bpy.types import Context, Object, Panel, Scene, UILayout
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.values import HapticObject
-from ..blender.polling import is_editable
+from ..blender.polling import SOLID_TYPES, is_editable
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..session import sessions
 from ..view import gain_plot, panel_picture
 from .drawing import (
-    ClosedPanel,
     HapticsPanel,
+    ObjectPanel,
     draw_held,
     draw_pair,
     draw_properties,
     poll_object,
+    settings_layout,
     warn,
 )
 from .formula import draw_parameters
@@ -56,32 +57,44 @@ def _poll_haptic(cls: type[Panel], context: Context) -> bool:
     )
 
 
-class HAPTIC_PT_object(HapticsPanel, Panel):
-    bl_label = "Haptic Object"
-    bl_order = 10
+class HAPTIC_PT_object_settings(HapticsPanel, Panel):
+    bl_label = "Haptics"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "object"
 
     poll = classmethod(poll_object)
 
+    def draw(self, context: Context) -> None:
+        draw_override(self.layout, context.object)
+        if context.object.type == "ARMATURE":
+            self.layout.prop(context.object.haptics, "body")
+
+
+class HAPTIC_PT_object(ObjectPanel, Panel):
+    bl_label = "Haptic Object"
+    bl_options: Any = set()
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.object is not None and context.object.type != "ARMATURE"
+
     def draw_header(self, context: Context) -> None:
-        self.layout.prop(context.object.haptics, "enabled", text="")
+        obj = context.object
+        if obj.type in SOLID_TYPES and not obj.haptics.is_property_set("enabled"):
+            # The property alone would leave a new object the function of earlier scripts.
+            self.layout.operator("haptic.make_object", text="", icon="CHECKBOX_DEHLT", emboss=False)
+        else:
+            self.layout.prop(obj.haptics, "enabled", text="")
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
+        layout = settings_layout(self, is_animated=True)
         obj = context.object
         haptics = obj.haptics
-        if not is_editable(obj):
-            warn(layout, "Linked: override it to edit it")
-            layout.operator("object.make_override_library", icon="LIBRARY_DATA_OVERRIDE")
-        if obj.type == "ARMATURE":
-            layout.prop(haptics, "body")
-            return
         if not haptics.enabled:
             return
-        layout.label(text=obj.name, icon="OBJECT_DATA", translate=False)
+        draw_transmission(layout, context, obj)
         material = library_owner(context, obj)
-        _draw_material(layout, context.scene, haptics.material, material)
-        draw_properties(layout, material or haptics, "kappa", "rho")
         if material is not None:  # the library's values are shared and cannot be keyed
             layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
         layout.prop(haptics, "function")
@@ -93,6 +106,20 @@ class HAPTIC_PT_object(HapticsPanel, Panel):
             warn(layout, *lines)
 
 
+def draw_override(layout: UILayout, obj: Object) -> None:
+    """Draw, for a linked object, the button that makes it editable."""
+    if not is_editable(obj):
+        warn(layout, "Linked: override it to edit it")
+        layout.operator("object.make_override_library", icon="LIBRARY_DATA_OVERRIDE")
+
+
+def draw_transmission(layout: UILayout, context: Context, obj: Object) -> None:
+    """Draw the material of an object with its κ and ρ."""
+    material = library_owner(context, obj)
+    _draw_material(layout, context.scene, obj.haptics.material, material)
+    draw_properties(layout, material or obj.haptics, "kappa", "rho")
+
+
 def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
     """Draw what of an object touches others, and how far its convex hull is from its surface."""
     haptics, body = obj.haptics, obj.rigid_body
@@ -101,23 +128,29 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
         if haptics.surface in ("SEEN", "SOLID"):
             layout.prop(haptics, "sunk_in")
     traced = sessions.shown(context.scene)
-    hull = (
-        None
-        if traced is None or traced.reading is None
-        else traced.reading.hulls.get(obj.name_full)
-    )
+    reading = None if traced is None else traced.reading
+    hull = None if reading is None else reading.hulls.get(obj.name_full)
+    rebuilding = 0.0 if reading is None else reading.rebuilt.get(obj.name_full, 0.0)
+    if rebuilding > 1:
+        words = iface_("Its surface changes: to read it takes {:.0f} ms a frame")
+        draw_sentence(layout, words.format(rebuilding), "INFO")
     is_hull = (
         haptics.surface == "CONVEX_HULL" if body is None else body.collision_shape == "CONVEX_HULL"
     )
+    has_bones = body is None and hull is not None and hull.shape.type == "compound"
     if (
         hull is None
         or haptics.medium
-        or not is_hull
+        or not (is_hull or has_bones)
         or hull.deviation <= context.scene.haptics.contact_tolerance / 10
     ):
         return
     unit = context.scene.unit_settings.system
     length = bpy.utils.units.to_string(unit, "LENGTH", hull.deviation, precision=2)
+    if has_bones:
+        words = iface_("A convex part for each bone touches, up to {} beside its surface")
+        draw_sentence(layout, words.format(length), "INFO")
+        return
     warn(layout, "Its convex hull touches,", iface_("up to {} beside its surface").format(length))
     if body is None:
         layout.operator("haptic.use_real_surface", icon="MESH_DATA")
@@ -189,9 +222,10 @@ def _twin(context: Context, haptics: Any) -> str | None:
     return None
 
 
-class HAPTIC_PT_gain(HapticsPanel, Panel):
+class HAPTIC_PT_gain(ObjectPanel, Panel):
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Gain over Distance"
+    bl_options: Any = set()
 
     poll = classmethod(_poll_haptic)
 
@@ -226,28 +260,6 @@ class HAPTIC_PT_gain(HapticsPanel, Panel):
             draw_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
         if curve.bands is not None:
             column.label(text="Thin lines: 30, 100 and 300 Hz")
-        if haptics.function == "haptic_tracing":
-            crossing = _crossing(context, haptics)
-            if crossing is not None:
-                draw_sentence(
-                    layout,
-                    iface_("Crosses {} at {:.1f} m: the higher gain near by falls sooner").format(
-                        *crossing
-                    ),
-                    "INFO",
-                )
-
-
-def _crossing(context: Context, haptics: Any) -> tuple[str, float] | None:
-    """The material of the scene's library whose curve, by the paper's function, crosses the
-    object's curve first, and the distance [m]."""
-    k, least = transfer_coefficient(haptics.kappa, haptics.rho), context.scene.haptics.epsilon
-    found = []
-    for item in context.scene.haptics.materials.items:
-        other = transfer_coefficient(item.kappa, item.rho)
-        if k > 0 and other > 0 and abs(k - other) > _SAME and max(k, least) != max(other, least):
-            found.append((math.log(k / other) / (max(k, least) - max(other, least)), item.name))
-    return None if not found else min(found)[::-1]
 
 
 def _curve_key(
@@ -260,7 +272,7 @@ def _curve_key(
         return None
 
 
-class HAPTIC_PT_bands(ClosedPanel, Panel):
+class HAPTIC_PT_bands(ObjectPanel, Panel):
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Frequency Bands"
 
@@ -271,8 +283,7 @@ class HAPTIC_PT_bands(ClosedPanel, Panel):
         self.layout.prop(owner, "use_bands", text="")
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
+        layout = settings_layout(self, is_animated=True)
         owner = library_owner(context, context.object) or context.object.haptics.material
         layout.active = owner.use_bands
         layout.label(text="Extra attenuation per metre")

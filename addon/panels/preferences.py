@@ -18,7 +18,12 @@ class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
         draw_each(
-            layout.column(heading="Display"), self, "gain_unit", "overlay_size", "curve_colour"
+            layout.column(heading="Display"),
+            self,
+            "gain_unit",
+            "overlay_size",
+            "curve_colour",
+            "show_quick_start",
         )
         draw_each(
             layout.column(heading="Devices"), self, "default_device", "keep_awake", "haptic_players"

@@ -8,11 +8,11 @@ from ..blender import compatibility
 from ..properties.preferences import preferences
 from ..properties.sound import SHOWN
 from ..view import panel_picture, sound_picture
-from .drawing import HapticsPanel, draw_properties, settings_layout
+from .drawing import ObjectPanel, draw_properties, settings_layout
 from .texts import draw_sentence
 
 
-class HAPTIC_PT_sound(HapticsPanel, Panel):
+class HAPTIC_PT_sound(ObjectPanel, Panel):
     bl_parent_id = "HAPTIC_PT_source"
     bl_label = "Sound to Vibration"
 

@@ -7,9 +7,18 @@ from bpy.types import Context, Object, Panel, Scene, UILayout
 from ...core.scene.values import Source
 from ..io import drawings, signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
+from ..properties.source import HapticSourceProperties
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
-from .drawing import HapticsPanel, draw_carrier, draw_each, draw_held, draw_properties, poll_object
+from .drawing import (
+    ObjectPanel,
+    draw_carrier,
+    draw_each,
+    draw_held,
+    draw_properties,
+    poll_object,
+    settings_layout,
+)
 from .object import draw_wave_speed, library_owner
 from .texts import draw_sentence
 from .thumbnails import cell
@@ -86,9 +95,8 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
         row.operator("haptic.edit_emphasis", text="", icon="X").index = number
 
 
-class HAPTIC_PT_source(HapticsPanel, Panel):
+class HAPTIC_PT_source(ObjectPanel, Panel):
     bl_label = "Haptic Source"
-    bl_order = 20
 
     poll = classmethod(poll_object)
 
@@ -96,22 +104,15 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
         self.layout.prop(context.object.haptics.source, "enabled", text="")
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
+        layout = settings_layout(self, is_animated=True)
         source = context.object.haptics.source
         if not source.enabled:
             return
-        layout.prop(source, "amplitude")
-        row = layout.row(align=True)
-        row.prop(source, "signal")
-        row.popover("HAPTIC_PT_signals", text="", icon="IMGDISPLAY")
-        row.operator("haptic.hear_signal", text="", icon="PLAY").filepath = ""
+        draw_signal(layout, source)
         if source.signal == "FILE":
             layout.prop(source, "filepath")
         elif source.signal == "DRAWN":
             draw_drawing(layout, context.object)
-        elif source.signal not in ("NOISE", "SOUND", "KEPT", "BLAST"):
-            layout.prop(source, "frequency")
         _draw_faults(layout, context.scene, context.object, "signal")
         layout.operator("haptic.import_signal", icon="IMPORT")
         layout.prop(source, "decay")
@@ -131,6 +132,17 @@ class HAPTIC_PT_source(HapticsPanel, Panel):
             and carrier.haptics.function == "physical"
         ):
             _draw_front(layout, context, carrier)
+
+
+def draw_signal(layout: UILayout, source: HapticSourceProperties) -> None:
+    """Draw how strong a source is, what it emits, and the frequency where that is a number."""
+    layout.prop(source, "amplitude")
+    row = layout.row(align=True)
+    row.prop(source, "signal")
+    row.popover("HAPTIC_PT_signals", text="", icon="IMGDISPLAY")
+    row.operator("haptic.hear_signal", text="", icon="PLAY_SOUND").filepath = ""
+    if source.signal in ("SINE", "PULSE"):
+        layout.prop(source, "frequency")
 
 
 def _draw_triggers(layout: UILayout, scene: Scene, obj: Object) -> None:

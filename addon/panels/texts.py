@@ -9,7 +9,7 @@ import bpy
 from bpy.types import UILayout
 
 from ...core.scene.choices import SourceKind
-from ..blender.text import shortened, text_width
+from ..blender.text import ELLIPSIS, shortened, text_width
 
 if TYPE_CHECKING:
     from ...core.scene.values import Source
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 _WIDTH = 200.0
 """Width of a panel's content [points] at the default width of the sidebar, also used without a
 sidebar."""
-_BORDERS = 66.0
-"""Width of the tabs, the scroll bar and the edges of a box [points]."""
-_ICON = 24.0
+_BORDERS = {"UI": 66.0, "WINDOW": 48.0}
+"""Width of the tabs of a sidebar, the scroll bar and the edges of a box [points], by region."""
+ICON = 24.0
 _BUTTON = 16.0  # points that a button needs beside its text
 
 
@@ -27,17 +27,28 @@ def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
     """Draw a sentence in as many lines as necessary."""
     column = layout.column(align=True)
     column.scale_y = 0.85
-    for number, line in enumerate(
-        lines(text[:1].upper() + text[1:], content_width() - (_ICON if icon != "NONE" else 0.0))
-    ):
-        column.label(
+    draw_lines(column, text, icon)
+
+
+def draw_lines(layout: UILayout, text: str, icon: str = "NONE", most: int = 99) -> int:
+    """Draw a sentence in at most so many lines. Returns how many they are."""
+    found = lines(text[:1].upper() + text[1:], content_width() - (ICON if icon != "NONE" else 0.0))
+    if len(found) > most:
+        found = (*found[: most - 1], found[most - 1] + ELLIPSIS)
+    for number, line in enumerate(found):
+        layout.label(
             text=line, icon=icon if number == 0 or icon == "NONE" else "BLANK1", translate=False
         )
+    return len(found)
 
 
 def fitted(text: str, share: float = 1.0, icon: bool = False, button: bool = False) -> str:
     """A text for a ``share`` of the panel's width, shortened in the middle if it is longer."""
-    width = content_width() * share - _ICON * icon - _BUTTON * button
+    return shortened_to(text, content_width() * share - ICON * icon - _BUTTON * button)
+
+
+def shortened_to(text: str, width: float) -> str:
+    """A text of at most ``width`` points, shortened in the middle if it is longer."""
     return shortened(text, width, font_size(), text_width) or text
 
 
@@ -56,9 +67,9 @@ def source_title(source: Source, share: float = 1.0) -> str:
 def content_width() -> float:
     """Width of a panel's content in points."""
     region = bpy.context.region
-    if region is None or region.type != "UI":
+    if region is None or region.type not in _BORDERS:
         return _WIDTH
-    return region.width / ui_scale() - _BORDERS
+    return region.width / ui_scale() - _BORDERS[region.type]
 
 
 @lru_cache(maxsize=512)

@@ -21,6 +21,7 @@ from bpy.props import (
 
 from ...core.scene.declaration import (
     Choice,
+    Curve,
     Declaration,
     Number,
     Numbers,
@@ -33,8 +34,6 @@ from ...core.scene.declaration import (
 from ..blender.single_precision import authored
 
 _Group = TypeVar("_Group", bound=type)
-_UNITS = {"m": "LENGTH", "kg": "MASS", "m/s": "VELOCITY"}
-"""Units that Blender shows itself; labels name others."""
 _LEAST = float(np.finfo(np.float32).tiny)
 """The least number above 0 that a property holds."""
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -81,9 +80,7 @@ def _property(cls: type, key: str, declaration: Declaration, more: Mapping[str, 
     unit = getattr(declaration, "unit", "")
     default = default_of(cls, key) if declaration.shown is None else declaration.shown
     common: dict[str, Any] = {
-        "name": declaration.label
-        if unit in ("", *_UNITS)
-        else f"{declaration.label} ({unit})".replace(") (", ", "),
+        "name": f"{declaration.label} ({unit})".replace(") (", ", ") if unit else declaration.label,
         "description": declaration.about,
         "translation_context": declaration.context or "*",
         "default": default,
@@ -108,11 +105,12 @@ def _property(cls: type, key: str, declaration: Declaration, more: Mapping[str, 
             return FloatProperty(
                 **{
                     "subtype": subtype,
-                    "unit": _UNITS.get(unit, "NONE"),
                     **_limits(declaration),
                     **common,
                 }
             )
+        case Curve():
+            return StringProperty(**{**common, "default": declaration.text(default)})
     return StringProperty(**common)
 
 
@@ -153,6 +151,8 @@ def _held_as(declaration: Declaration, value: Any) -> Any:
             return _nearest(declaration, value)
         case Text():
             return value or declaration.shown or ""
+        case Curve():
+            return declaration.text(value)
     return value
 
 
@@ -178,10 +178,14 @@ def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, A
             held = tuple(held)
         if key in stored and _held_as(declaration, stored[key]) == held:
             continue
-        values[key] = (
-            _values_of(cls, key)[held] if isinstance(declaration, Choice) else authored(held)
-        )
-        if declaration.optional and not values[key]:
+        match declaration:
+            case Choice():
+                values[key] = _values_of(cls, key)[held]
+            case Curve():
+                values[key] = declaration.read(held)
+            case _:
+                values[key] = authored(held)
+        if declaration.optional and not values[key] and values[key] != ():
             values[key] = None
     return values
 

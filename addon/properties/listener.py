@@ -5,6 +5,7 @@ from __future__ import annotations
 from bpy.types import Context, PropertyGroup
 
 from ...core.scene.values import Extent, Listener
+from ..blender.units import metres_per_unit
 from .callbacks import Stored, changed, updating
 from .declared import holding
 from .kinds import limited, switch
@@ -27,7 +28,7 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
     """Set the size of an empty that is displayed as a sphere to the listener's radius."""
     empty = self.id_data
     if empty.type == "EMPTY" and empty.empty_display_type == "SPHERE":
-        empty.empty_display_size = self.radius
+        empty.empty_display_size = self.radius / metres_per_unit(context.scene)
     changed(self, context)
 
 

@@ -3,10 +3,10 @@ device."""
 
 from __future__ import annotations
 
-from bpy.props import CollectionProperty
-from bpy.types import Context, PropertyGroup
+from bpy.props import CollectionProperty, PointerProperty
+from bpy.types import Context, Object, PropertyGroup
 
-from ..changes.events import device_adjusted, preview_volume_changed
+from ..changes.events import device_adjusted, preview_adjusted
 from ..changes.revisions import mark_actuators
 from .callbacks import updating
 from .kinds import limited, share, switch, text
@@ -16,8 +16,8 @@ def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
     mark_actuators()
 
 
-def _volume_changed(self: HapticLiveOutputProperties, context: Context) -> None:
-    preview_volume_changed(self.preview_volume)
+def _preview_changed(self: HapticLiveOutputProperties, context: Context) -> None:
+    preview_adjusted(self)
 
 
 @updating(lambda device, context: device_adjusted(device))
@@ -72,8 +72,20 @@ class HapticLiveOutputProperties(PropertyGroup):
         "Volume",
         "How loud listeners are heard",
         0.5,
-        update=_volume_changed,
+        update=_preview_changed,
         translation_context="Haptics",
+    )
+    heard: PointerProperty(
+        type=Object,
+        name="Heard Listener",
+        description="The only listener that is heard; without one all are",
+        poll=lambda self, obj: obj.haptics.listener.enabled,
+        update=_preview_changed,
+    )
+    sharper: switch(
+        "Sharper",
+        "Move what is heard up in pitch by 250 Hz, for loudspeakers too small for low tones",
+        update=_preview_changed,
     )
 
 

@@ -25,6 +25,7 @@ from ...core.scene.bands import BAND_COUNT
 from ...core.scene.declaration import shown
 from ...core.scene.functions import Spectrum
 from ...core.scene.library import LibraryMaterial
+from ...core.scene.materials import MATERIALS
 from ..blender.progress import progress
 from .callbacks import Stored, updating
 from .declared import holding
@@ -205,7 +206,7 @@ class HapticFit(PropertyGroup):
         "enabled",
     )
     is_calibrated: switch(
-        "Calibrated Alike",
+        "Same Calibration",
         "Both recordings have the same scale. If not, they determine only how much more high "
         "frequencies lose than low ones",
         True,
@@ -221,10 +222,26 @@ class HapticFit(PropertyGroup):
     doubts: StringProperty(options={"HIDDEN"})
 
 
+PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
+
+
+class HapticMaterialName(PropertyGroup):
+    """What the objects of a Blender material, or of a name, are made of; `name` is its name."""
+
+    preset: choice(
+        "Material",
+        "What Make Haptic takes objects of this name for",
+        (("NONE", "Not Known", ""), *PRESET_ITEMS),
+        options=set(),
+    )
+
+
 class HapticMaterialLibrary(PropertyGroup):
-    """The haptic materials of a scene."""
+    """The haptic materials of a scene. ``names``: what names of Blender materials, objects and
+    collections stand for."""
 
     items: CollectionProperty(type=HapticMaterial)  # type: ignore[assignment]  # in place of items() of bpy_struct
+    names: CollectionProperty(type=HapticMaterialName)
     active: IntProperty(name="Active Material", default=0, min=0, options=set())
     target: choice("Apply To", "What a material is applied to", TARGET_ITEMS, options=set())
     fit: PointerProperty(type=HapticFit)

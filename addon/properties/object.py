@@ -34,7 +34,12 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
                 "Convex Hull",
                 "A skin around all vertices, which closes holes and hollows",
             ),
-            ("SEEN", "As Seen", "The surface: a solid if it is closed, otherwise a shell"),
+            (
+                "SEEN",
+                "As Seen",
+                "The surface: a solid if it is closed, otherwise a shell; where an armature moves "
+                "it, a convex part for each bone",
+            ),
             (
                 "SOLID",
                 "Solid",
@@ -49,12 +54,11 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
         ),
     )
     sunk_in: number(
-        "Sunk In",
+        "Sunk In (m)",
         "Depth inside a solid down to which things touch it, at most half the size of the thing: "
         "a fingertip in a sofa",
         0.05,
         (0.001, 0.5),
-        unit="LENGTH",
         precision=3,
     )
     source: PointerProperty(type=HapticSourceProperties)

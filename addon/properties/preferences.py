@@ -59,6 +59,15 @@ class PreferenceProperties:
         "Look on this computer, and only here, for bHaptics Player and Intiface as well, which "
         "drive vests and other devices",
     )
+    hear: switch(
+        "Hear It",
+        "Play what listeners feel as sound while the timeline plays and no device is connected",
+        bpy.app.version >= (5, 2, 0),
+    )
+    was_told: switch("Hearing Was Explained", "", options={"HIDDEN"})
+    show_quick_start: switch(
+        "Quick Start", "Show the six steps of the quick start in the sidebar", True
+    )
 
 
 _DEFAULTS = SimpleNamespace(

@@ -12,6 +12,8 @@ from .callbacks import Stored, changed, updating, view_changed
 from .declared import holding
 from .kinds import choice, switch, text
 
+_COLUMNS = ("Listener", "Source", "Gain", "Level", "Margin")
+
 
 @updating(view_changed)
 class HapticMetersProperties(PropertyGroup):
@@ -26,11 +28,12 @@ class HapticMetersProperties(PropertyGroup):
     show_body: switch("Body", "Draw a body whose parts light up where they feel something", True)
     show_lane: switch(
         "Timeline of Touch",
-        "Draw over Timeline and Dope Sheet what each listener feels: waves and impacts of the "
-        "frames baked or played, and in "
-        "orange the threshold of feeling",
+        "Draw over Timeline and Dope Sheet how strong sources are and what each listener feels in "
+        "the frames baked or played: levels from -60 to 0 dB, filled above the threshold of "
+        "feeling, and impacts. One-shots can be dragged",
         True,
     )
+    lane_wave: switch("Waves", "Draw the waves of the listeners in place of their levels")
     corner: choice(
         "Corner",
         "Corner of the viewport in which the meters are drawn; the legend stands on the other side",
@@ -46,6 +49,12 @@ class HapticMetersProperties(PropertyGroup):
         "Sort by Loss",
         "Sort the objects of a path by loss, largest first, instead of in path order",
         update=None,
+    )
+    sort_table: choice(
+        "Sort By",
+        "The column by which the result is sorted: names in their order, numbers from the highest "
+        "on",
+        tuple((title.lower(), title, "") for title in _COLUMNS),
     )
 
 
@@ -82,6 +91,16 @@ class HapticSceneProperties(Stored, PropertyGroup):
 
     tracing: switch(
         "Trace", "Trace haptics at every frame while the timeline plays or objects move", True
+    )
+    use_unit_scale: switch(
+        "Use Unit Scale",
+        "Lengths, speeds, masses and gravity are those that Blender shows; otherwise a unit is a "
+        "metre",
+    )
+    impacts_in_units: switch(
+        "Impacts in Units",
+        "Judge the energy of impacts as if a unit were a metre, where gravity was never adapted "
+        "to the unit scale",
     )
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)

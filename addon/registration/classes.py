@@ -13,6 +13,7 @@ from ..operators import (
     exporting,
     gizmos,
     importing,
+    lane,
     live_output,
     materials,
     rules,
@@ -20,18 +21,34 @@ from ..operators import (
     tagging,
     tracing,
 )
+from ..operators import vr as vr_operators
 from ..panels import bake as bake_panel
-from ..panels import export, listener, object, object_menus, preferences, result, scene, source
+from ..panels import (
+    export,
+    listener,
+    object,
+    object_menus,
+    output,
+    preferences,
+    quick_start,
+    result,
+    roles,
+    scene,
+    settings,
+    source,
+)
 from ..panels import live_output as live_output_panels
 from ..panels import materials as materials_panels
 from ..panels import modalities as modalities_panels
 from ..panels import rules as rules_panels
 from ..panels import sound as sound_panels
+from ..panels import vr as vr_panels
 from .properties import classes_of
 
 CLASSES = (
     *classes_of(
-        preferences, job, tagging, adding, tracing, design, gizmos, materials, body_kit, rules
+        *(preferences, job, tagging, adding, tracing, design, gizmos, lane),
+        *(materials, body_kit, rules),
     ),
     *classes_of(
         bake,
@@ -39,17 +56,23 @@ CLASSES = (
         importing,
         signals,
         live_output,
+        quick_start,
         scene,
+        settings,
         object,
         source,
         sound_panels,
         listener,
+        roles,
         result,
+        output,
         export,
     ),
     *classes_of(materials_panels),
     *modalities_panels.PANELS,
-    *classes_of(rules_panels, bake_panel, live_output_panels, object_menus),
+    *classes_of(
+        rules_panels, bake_panel, live_output_panels, vr_operators, vr_panels, object_menus
+    ),
 )
 """All classes, a panel before its subpanels."""
 

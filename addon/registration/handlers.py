@@ -25,6 +25,7 @@ from ..gateway import is_loaded
 from ..live_output import handlers as live_output
 from ..scene_reader import roles
 from ..session import session, sessions, worker
+from ..vr import handlers as vr
 from . import properties
 
 _PATIENCE = 1.0
@@ -54,11 +55,11 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
                 scene,
                 depsgraph,
                 live=True,
-                plays=live_output.is_wanted(),
+                plays=live_output.is_wanted(scene),
                 baked_impacts=playback.impacts_of(scene),
             )
     finally:
-        if live_output.is_wanted():
+        if live_output.is_wanted(scene):
             live_output.frame_changed(scene, playback.plays(scene))
         _make_way(_PATIENCE)
 
@@ -217,6 +218,7 @@ def register() -> None:
     """Start listening to Blender's events."""
     _HANDLERS.add()
     live_output.register()
+    vr.register()
 
 
 def unregister() -> None:
@@ -224,6 +226,7 @@ def unregister() -> None:
     job.stop()
     if bpy.app.timers.is_registered(trace_opened):
         bpy.app.timers.unregister(trace_opened)
+    vr.unregister()
     live_output.unregister()
     _HANDLERS.remove()
     file_changed()

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Depsgraph, Object, Scene
+from bpy.types import Depsgraph, Mesh, Object, Scene
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.bullet_shapes import (
@@ -26,6 +26,8 @@ from ...core.contacts.surface_shape import Surface, SurfaceShape, hull_deviation
 from ...core.scene.values import Pose
 from ..blender.arrays import read_array
 from ..blender.single_precision import shortest
+from ..blender.units import metres_per_unit
+from .instances import Found
 
 _MOST_KEPT = 20_000
 """Triangles up to which the shape of a mesh is kept."""
@@ -40,51 +42,78 @@ def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
     body = obj.rigid_body
     if body is None:
         return obj.haptics.surface, obj.haptics.sunk_in, scene.haptics.contact_tolerance
-    return body.collision_shape, body.mesh_source, body.use_margin, body.collision_margin
+    margin = body.collision_margin * metres_per_unit(scene)
+    return body.collision_shape, body.mesh_source, body.use_margin, margin
 
 
 def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
-    """The shape of ``obj`` with its world scale (3,), negative where mirrored, in the object's
-    rotated frame.
+    """The shape of ``obj`` with its world scale (3,) [m per unit of the mesh], negative where
+    mirrored, in the object's rotated frame.
 
     A rigid body's own shape, otherwise what the object's *Surface* says of the evaluated mesh.
     Raises ValueError if there is none, or if it extends further than `LARGEST`.
     """
     if np.any(np.abs(scale) < 1e-9):
         raise ValueError(iface_("its scale is 0: give it an extent in every direction"))
-    corners = np.abs(_bounding_box(obj, depsgraph) * scale)
+    bounds = _bounding_box(obj, depsgraph)
+    corners = np.abs(bounds * scale)
     if np.any((corners > LARGEST) & np.isfinite(corners)):
         raise ValueError(iface_("it is larger than 10,000 km: reduce its scale, or mend its mesh"))
-    size, mirror = np.abs(scale), np.sign(scale)
-    body = obj.rigid_body
-    if body is None:
-        vertices, triangles = _triangles(obj, depsgraph, "FINAL")
-        outwards = triangles if mirror.prod() > 0 else triangles[:, ::-1]
-        surface, sunk_in = Surface(obj.haptics.surface.lower()), shortest(obj.haptics.sunk_in)
-        tolerance = depsgraph.scene.haptics.contact_tolerance / 10
-        if surface is not Surface.CONVEX_HULL:
-            _check_number(triangles)
-        if len(triangles) > _MOST_KEPT:
-            found = surface_shape(vertices * scale, outwards, surface, tolerance, sunk_in)
-        else:
-            found = _surface_shape(
-                (vertices * scale).tobytes(), outwards.tobytes(), surface, tolerance, sunk_in
-            )
-        return (
-            replace(found, seen=None) if obj.haptics.is_property_set("surface") else found
-        )  # a hull that was chosen
-    return _shape_of_body(obj, body, depsgraph, corners, size, mirror)
+    if obj.rigid_body is None:
+        surface = _triangles(obj, depsgraph, "FINAL")
+        return _shape_of_surface(obj, *surface, depsgraph.scene, scale)
+    return _shape_of_body(obj, depsgraph, bounds, scale)
+
+
+def shape_of_instance(found: Found, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
+    """The shape of an instance: that of the object which it shows, or of a mesh without an object.
+    Raises ValueError as `collision_shape` does."""
+    shown, owner = found.shown, found.owner
+    if shown.original == owner and owner != found.instancer:
+        return collision_shape(owner, depsgraph, scale)
+    if not isinstance(shown.data, Mesh) or len(shown.data.vertices) == 0:
+        raise ValueError(iface_("its mesh has no vertices"))
+    points, triangles = _arrays_of(shown.data)
+    return _shape_of_surface(owner, points, triangles, depsgraph.scene, scale)
+
+
+def _shape_of_surface(
+    owner: Object, vertices: FloatArray, triangles: IntArray, scene: Scene, scale: FloatArray
+) -> SurfaceShape:
+    """What the *Surface* of an object says of these triangles.
+
+    Args:
+        owner: the object whose properties count.
+        vertices: (n, 3) in its own space.
+        triangles: (t, 3) over them.
+        scene: whose contact tolerance counts.
+        scale: of the object in the world (3,).
+    """
+    haptics = owner.haptics
+    outwards = triangles if scale.prod() > 0 else triangles[:, ::-1]
+    surface, sunk_in = Surface(haptics.surface.lower()), shortest(haptics.sunk_in)
+    tolerance = scene.haptics.contact_tolerance / 10
+    if surface is not Surface.CONVEX_HULL:
+        _check_number(triangles)
+    if len(triangles) > _MOST_KEPT:
+        found = surface_shape(vertices * scale, outwards, surface, tolerance, sunk_in)
+    else:
+        found = _surface_shape(
+            (vertices * scale).tobytes(), outwards.tobytes(), surface, tolerance, sunk_in
+        )
+    return (
+        replace(found, seen=None) if haptics.is_property_set("surface") else found
+    )  # a hull that was chosen
 
 
 def _shape_of_body(
-    obj: Object,
-    body: Any,
-    depsgraph: Depsgraph,
-    corners: FloatArray,
-    size: FloatArray,
-    mirror: FloatArray,
+    obj: Object, depsgraph: Depsgraph, bounds: FloatArray, scale: FloatArray
 ) -> SurfaceShape:
-    margin, use_margin = body.collision_margin, body.use_margin
+    """The shape of a rigid body with these ``bounds`` (2, 3) in its own space."""
+    body: Any = obj.rigid_body
+    size, mirror, metres = np.abs(scale), np.sign(scale), metres_per_unit(depsgraph.scene)
+    own = body.collision_margin * metres
+    margin = own if body.use_margin else DEFAULT_MARGIN * metres
     match body.collision_shape:
         case "CONVEX_HULL":
             vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
@@ -92,32 +121,21 @@ def _shape_of_body(
                 (vertices * mirror).tobytes(),
                 triangles.tobytes(),
                 tuple(size.tolist()),
-                margin,
-                use_margin,
+                own if body.use_margin else None,
             )
         case "MESH":
             vertices, triangles = _triangles(obj, depsgraph, body.mesh_source)
             if len(triangles) == 0:
                 raise ValueError(iface_("its mesh has no faces"))
             _check_number(triangles)
-            return SurfaceShape(
-                mesh_shape(
-                    vertices * mirror,
-                    triangles,
-                    size.tolist(),
-                    margin if use_margin else DEFAULT_MARGIN,
-                )
-            )
+            return SurfaceShape(mesh_shape(vertices * mirror, triangles, size.tolist(), margin))
         case "COMPOUND":
             return SurfaceShape(_compound(obj, depsgraph, size))
         case kind:
-            if not corners.any():
+            if not bounds.any():
                 raise ValueError(iface_("its mesh has no vertices"))
-            return SurfaceShape(
-                shape_from_bounding_box(
-                    kind, _bounding_box(obj, depsgraph), size.tolist(), margin, use_margin
-                )
-            )
+            outside = own if kind == "CONE" else margin
+            return SurfaceShape(shape_from_bounding_box(kind, bounds, size.tolist(), outside))
 
 
 def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
@@ -136,12 +154,12 @@ def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
 
 @lru_cache(maxsize=1024)
 def _hull(
-    vertices: bytes, triangles: bytes, size: tuple[float, ...], margin: float, use_margin: bool
+    vertices: bytes, triangles: bytes, size: tuple[float, ...], margin: float | None
 ) -> SurfaceShape:
     """The hull of a mesh, shared by its objects, because shrinking it by the margin takes
     milliseconds. ``vertices``: (n, 3) as bytes, ``triangles`` (t, 3) too."""
     points = np.frombuffer(vertices).reshape(-1, 3)
-    shape = convex_hull_shape(points, size, margin, use_margin)
+    shape = convex_hull_shape(points, size, margin)
     return SurfaceShape(
         shape,
         hull_deviation(points * size, np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)),
@@ -152,7 +170,15 @@ def _hull(
 def _surface_shape(
     vertices: bytes, triangles: bytes, surface: Surface, tolerance: float, sunk_in: float
 ) -> SurfaceShape:
-    """`surface_shape` of a mesh, kept by its content: undo and duplicates read it again."""
+    """`surface_shape` of a mesh, kept by its content: undo and duplicates read it again.
+
+    Args:
+        vertices: (n, 3) as bytes [m].
+        triangles: (t, 3) as bytes.
+        surface: what of the mesh touches others.
+        tolerance: as of `surface_shape` [m].
+        sunk_in: likewise [m].
+    """
     points, corners = (
         np.frombuffer(vertices).reshape(-1, 3),
         np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3),
@@ -163,12 +189,12 @@ def _surface_shape(
 def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
     """The children's shapes, placed relative to their parent."""
     children = []
-    inverse = obj.matrix_world.inverted_safe()
+    inverse, metres = obj.matrix_world.inverted_safe(), metres_per_unit(depsgraph.scene)
     for child in obj.children:
         if child.rigid_body is None:
             continue
         location, rotation, _ = (inverse @ child.matrix_world).decompose()
-        child_scale = np.array(child.matrix_world.to_scale(), dtype=np.float64)
+        child_scale = metres * np.array(child.matrix_world.to_scale(), dtype=np.float64)
         position = np.array(location, dtype=np.float64) * scale
         pose = Pose(tuple(position.tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
         children.append((collision_shape(child, depsgraph, child_scale).shape, pose))
@@ -207,9 +233,17 @@ def vertices_of(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:
 
 def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArray, IntArray]:
     with _surface(obj, depsgraph, source) as mesh:
-        mesh.calc_loop_triangles()
-        triangles = read_array(mesh.loop_triangles, "vertices", 3, np.int32)
-        return read_array(mesh.vertices, "co", 3).astype(np.float64), triangles.astype(np.int64)
+        return _arrays_of(mesh)
+
+
+def _arrays_of(mesh: Mesh) -> tuple[FloatArray, IntArray]:
+    """Its vertices (n, 3) and triangles (t, 3). Raises ValueError where it has no extent."""
+    mesh.calc_loop_triangles()
+    triangles = read_array(mesh.loop_triangles, "vertices", 3, np.int32)
+    vertices = read_array(mesh.vertices, "co", 3).astype(np.float64)
+    if not np.ptp(vertices, axis=0).any():
+        raise ValueError(iface_("its vertices are all in one place: move them apart"))
+    return vertices, triangles.astype(np.int64)
 
 
 def _check_number(triangles: IntArray) -> None:

@@ -22,6 +22,7 @@ from ...core.regular_file import open_regular
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_in, fcurves_of
 from ..blender.paths import local_path
+from ..blender.units import metres_per_unit
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from .drawings import mapping_of, points_of
 from .roles import is_tagged, regions_of
@@ -67,6 +68,7 @@ _NOT_FELT = frozenset(
         *(
             "rna_type",
             "tracing",
+            "use_unit_scale",
             "show_overlay",
             "show_intra",
             "show_best_paths",
@@ -77,11 +79,12 @@ _NOT_FELT = frozenset(
             "meters",
         ),
         *("live_output", "materials", "gltf", "modalities", "kept_impacts", "felt", "sound"),
+        *("full_scale", "full_scale_unit", "full_scale_source"),
     }
 )
 """Properties that change nothing of what is baked: of the view, of output, of other modalities, and
 those whose values objects copy."""
-_ADDED = {"surface", "sunk_in"}
+_ADDED = {"surface", "sunk_in", "impacts_in_units"}
 """Properties that the digests of earlier versions lack: left out where they have their default."""
 _NOT_EFFECTIVE = ("open_", "show_", "select", "is_active", "active", "use_pin", "strip_time")
 """Beginnings of the names of properties of modifiers, constraints and strips that have no
@@ -121,7 +124,8 @@ _BODY = (
 def digest_of(scene: Scene) -> Digest:
     """The current digest of a scene, which does not depend on the current frame."""
     animated, animation = _animation(scene)
-    settings, rules = {}, [animation]
+    settings: dict[str, Any] = {"metres per unit": metres_per_unit(scene)}
+    rules = [animation]
     for key, value in _values(scene.haptics, animated, "haptics."):
         if scene.haptics.bl_rna.properties[key].type in _PLAIN_TYPES:
             settings[key] = value
@@ -150,7 +154,9 @@ def motion_of(scene: Scene) -> str:
     moving = _with_movers(
         obj for obj in _layer_objects(scene) if _may_hit(obj) or obj.name in regions
     )
-    return _sum([_physics(scene), [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]])
+    motions = [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]
+    units = () if metres_per_unit(scene) == 1.0 else (metres_per_unit(scene),)
+    return _sum([_physics(scene), motions, *units])
 
 
 def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:

@@ -13,6 +13,7 @@ from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.settings import ContactSettings
 from ...core.contacts.shapes import pose_matrix
 from ...core.scene.values import Pose
+from ...core.unchanged import Unchanged
 from .imported import NEAR, FileContacts, file_contacts, stored_item
 
 
@@ -53,9 +54,7 @@ class ImportedContacts:
     def __init__(self) -> None:
         self.problems: tuple[str, ...] = ()
         self._kept = FileContacts()
-        self._authored: (
-            tuple[tuple[FileContacts, Homes, frozenset[str]], AuthoredContacts] | None
-        ) = None
+        self._authored = Unchanged(_authored)
 
     def read(self, scene: Scene) -> None:
         """Read the stored contacts of the scene again."""
@@ -75,16 +74,10 @@ class ImportedContacts:
         settled = settled if kept.tolerance == settings.tolerance and kept.contacts else frozenset()
         if not settled and not kept.transmissions:
             return None
-        key = kept, homes, settled
-        if self._authored is None or self._authored[0] != key:
-            contacts = [
-                item
-                for pair, items in kept.contacts.items()
-                if settled.issuperset(pair)
-                for item in items
-            ]
-            self._authored = (
-                key,
-                AuthoredContacts.of(homes.names, settled, contacts, kept.transmissions),
-            )
-        return self._authored[1]
+        return self._authored(kept, homes, settled)
+
+
+def _authored(kept: FileContacts, homes: Homes, settled: frozenset[str]) -> AuthoredContacts:
+    pairs = (items for pair, items in kept.contacts.items() if settled.issuperset(pair))
+    contacts = [item for items in pairs for item in items]
+    return AuthoredContacts.of(homes.names, settled, contacts, kept.transmissions)

@@ -12,6 +12,7 @@ from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.declaration import declared
 from ...core.scene.functions import ALL_FUNCTIONS
 from ...core.scene.values import HapticObject, Vector
+from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
 from ..properties.modalities import SHOWN
 from .imported import near, stored_modalities
@@ -36,6 +37,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
     """The values of the haptic objects ``names`` of a scene. Raises ValueError if imported data is
     damaged."""
     values, forms, emitters, prefix = {}, {}, [], f"{modality.name}."
+    metres = metres_per_unit(scene)
     for obj in scene.objects:
         group = getattr(obj.haptics.modalities, modality.name)
         if obj.name_full not in names and not group.is_source:
@@ -58,7 +60,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
                     for key, value in _values(cls, group, numbers).items()
                 }
                 forms[obj.name_full] = {"function": group.function, **parameters}
-        emitter = _emitter(modality, obj, homes.get(modality.name), numbers, names)
+        emitter = _emitter(modality, obj, homes.get(modality.name), numbers, names, metres)
         if emitter is not None:
             emitters.append(emitter)
     return ModalityScene(
@@ -82,14 +84,27 @@ def _emitter(
     home: Vector | None,
     numbers: Mapping[str, float],
     names: set[str],
+    metres: float,
 ) -> Emitter | None:
-    """The object as a source, at its place ``home`` in a file, if it is one on any of the objects
-    ``names``, else None."""
+    """The object as a source of a modality.
+
+    Args:
+        modality: The modality.
+        obj: The object.
+        home: Its place in a file, None without one.
+        numbers: Values of a file by property.
+        names: The objects that it may be on.
+        metres: Those of a unit.
+
+    Returns:
+        The source, None if the object is none on any of those objects.
+    """
     group = getattr(obj.haptics.modalities, modality.name)
     carrier = haptic_carrier(obj) if group.is_source else None
     if carrier is None or carrier.name_full not in names:
         return None
-    position = tuple(obj.matrix_world.translation)
+    x, y, z = obj.matrix_world.translation * metres
+    position = x, y, z
     position = home if home is not None and near(home, position) else position
     return Emitter(
         obj.name_full,

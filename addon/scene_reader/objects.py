@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
-from bpy.types import Object
+from bpy.types import Object, Scene
 
 from ...core.contacts.settings import Motion
+from ...core.scene.declaration import Curve
 from ...core.scene.materials import named_in
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import impact_material
 from ..blender.single_precision import shortest
+from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
 from .animated_curves import Curves
 from .functions import read_function
@@ -17,7 +21,7 @@ from .imported import stored_item
 from .signals import decaying, played_once, read_signal
 
 
-def read_object(obj: Object) -> HapticObject:
+def read_object(obj: Object, scene: Scene) -> HapticObject:
     """The haptic object of a Blender object, without shape and pose. Raises ValueError if its
     function is invalid."""
     haptics = obj.haptics
@@ -27,12 +31,20 @@ def read_object(obj: Object) -> HapticObject:
         "propagation": read_function(haptics, stored.get("propagation")),
         "shape": None,
         "pose": None,
-        "mass": shortest(obj.rigid_body.mass) if obj.rigid_body is not None else stored.get("mass"),
+        "mass": stored.get("mass") if obj.rigid_body is None else mass_of(obj, scene),
         "motion": read_motion(obj, stored.get("motion")),
         "impact_material": read_impact_material(obj) or stored.get("impact_material", ""),
         "material": haptics.material.name,
     }
     return HapticObject(obj.name_full, **values)
+
+
+def mass_of(obj: Object, scene: Scene) -> float:
+    """The mass [kg] of a rigid body as Blender shows it, with the cube of the unit scale; for
+    *Impacts in Units*, that with which energies are as if a unit were a metre."""
+    assert obj.rigid_body is not None
+    power = -2 if scene.haptics.impacts_in_units else 3
+    return float(f"{shortest(obj.rigid_body.mass) * metres_per_unit(scene) ** power:.7g}")
 
 
 def read_source(
@@ -56,6 +68,20 @@ def read_source(
     if is_silenced:
         values["amplitude"] = 0.0
     return Source(obj.name_full, carrier, **values)
+
+
+def calibrated(listener: Listener) -> Listener:
+    """A listener with the calibration that the object of its name has now. Tracks keep none: it
+    belongs to the device that plays them."""
+    obj = bpy.data.objects.get(listener.name)
+    if obj is None or not obj.haptics.listener.full_scale:
+        return listener
+    held = obj.haptics.listener
+    try:
+        points = Curve(label="Full Scale").read(str(held.full_scale))
+    except ValueError:
+        return listener  # the panel names the fault
+    return replace(listener, full_scale=points, full_scale_unit=held.full_scale_unit)
 
 
 def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Listener:

@@ -6,29 +6,41 @@ bpy object is kept between calls: only session ids, row numbers and plain values
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import replace
+from time import perf_counter
 from typing import Any
 
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Depsgraph, Object, Scene
+from bpy.types import Depsgraph, Mesh, Object, Scene
 from numpy.typing import NDArray
 
-from ...core.arrays import FloatArray
-from ...core.contacts.settings import Body, ContactSettings
+from ...core.arrays import BoolArray, FloatArray
+from ...core.contacts.settings import Body, ContactSettings, Motion
 from ...core.contacts.surface_shape import SurfaceShape
+from ...core.contacts.tracker import STILL
 from ...core.scene.rule_table import RuleTable
-from ...core.scene.values import Listener, Settings, Source, TriggerKind
+from ...core.scene.values import HapticObject, Listener, Settings, Source, TriggerKind
 from ..blender import compatibility
+from ..blender.arrays import read_array
 from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of
+from ..blender.units import metres_per_unit
 from .animated_curves import AnimatedCurves
-from .collision_shapes import collision_shape, mesh_checksum, shape_settings
+from .bone_parts import BoneParts, armature_of, parts_at_rest, rest_checksum
+from .collision_shapes import (
+    collision_shape,
+    mesh_checksum,
+    shape_of_instance,
+    shape_settings,
+)
 from .imported import near, stored_item
 from .imported_contacts import ImportedContacts
+from .instances import NONE, Instances, haptic_instances, instanced_in_vain
 from .objects import read_listener, read_object, read_source
+from .parented import Parented
 from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
@@ -37,7 +49,7 @@ from .settings import read_contact_settings, read_settings, setting_values
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
 from .triggers import read_triggers, region_of
-from .world_transforms import raw_matrices, rigid_transforms, session_ids
+from .world_transforms import in_metres, raw_matrices, rigid_transforms, session_ids
 
 
 class SceneReader:
@@ -49,6 +61,18 @@ class SceneReader:
         self._shapes: dict[
             int, tuple[Any, Any, SurfaceShape]
         ] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
+        # By session id: what they were made from, the parts, their last motions, and the shape.
+        self._bone_parts: dict[
+            int, tuple[Any, BoneParts | None, FloatArray, SurfaceShape | None]
+        ] = {}
+        self._rebuilt: dict[str, float] = {}
+        self._parented = Parented({})
+        self._exact, self._frame = False, 0  # see `read`
+        self._metres = 1.0  # per unit
+        self._instances = NONE
+        self._is_instance_moved = False
+        self._problems_of_instances: tuple[Problem, ...] = ()
+        self._instance_milliseconds = 0.0  # of reading those that moved in the last frame
         self._values: tuple[Any, ...] | None = None  # what the settings were read from
         self._settings, self._contact_settings = Settings(), ContactSettings()
         self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
@@ -75,12 +99,33 @@ class SceneReader:
     def forget_shapes(self) -> None:
         """Read every mesh at the next call."""
         self._shapes.clear()
+        self._bone_parts.clear()
         self._session_ids = None
 
     def doubt_shapes(self, session_ids: Iterable[int] | None = None) -> None:
-        """Compare the geometry of these objects (None: of all) at the next call, because it may
-        have changed."""
-        self._doubtful.update(self._shapes if session_ids is None else session_ids)
+        """Compare the geometry of these objects and meshes (None: of all) at the next call, because
+        it may have changed."""
+        if session_ids is None:
+            session_ids = (
+                *self._shapes,
+                *self._bone_parts,
+                *(m.session_uid for m in bpy.data.meshes),
+            )
+        self._doubtful.update(session_ids)
+
+    def doubt_instances(self, depsgraph: Depsgraph) -> None:
+        """Read the instances at the next call if an update has moved or changed an instancer."""
+        known = self._instances
+        if known is NONE or self._is_instance_moved:
+            return
+        for update in depsgraph.updates:
+            changed = update.id and update.id.original
+            if isinstance(changed, Object) and (
+                changed.session_uid in known.instancers
+                or (update.is_updated_geometry and changed.session_uid in known.shown)
+            ):
+                self._is_instance_moved = True
+                return
 
     @property
     def is_empty(self) -> bool:
@@ -89,10 +134,15 @@ class SceneReader:
 
     def read(self, scene: Scene, depsgraph: Depsgraph, exact: bool = False) -> Reading:
         """The current scene in ``depsgraph``; ``exact``: including motions below the tolerance of
-        rest."""
+        rest, as in a frame that does not follow the last one."""
+        exact = exact or scene.frame_current - self._frame not in (0, 1)
+        self._exact, self._frame = exact, scene.frame_current
         ids = session_ids()
-        raw = raw_matrices(len(ids))
-        if self._marked(scene) != self._markers:
+        metres = metres_per_unit(scene)
+        if metres != self._metres:
+            self._metres, self._session_ids = metres, None
+        raw = in_metres(raw_matrices(len(ids)), metres)
+        if self._marked(scene) != self._markers or not self._move_instances(depsgraph):
             self._session_ids = None
         if self._session_ids is None or not np.array_equal(self._session_ids, ids):
             self._read_all(depsgraph, raw)
@@ -104,9 +154,12 @@ class SceneReader:
             self._problems = (
                 *(Problem("", problem) for problem in self._imported.problems),
                 *_instance_problems(depsgraph),
+                *self._problems_of_instances,
                 *of_rules,
             )
             self._session_ids, self._values = ids, None
+        if self._instances is not NONE:
+            raw = np.concatenate([raw, self._instances.matrices])
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [
@@ -127,6 +180,10 @@ class SceneReader:
             problems=(*self._problems, *lists.problems),
             settled=self._settled,
             hulls=lists.hulls,
+            moving_instances=(len(self._instances.places), self._instance_milliseconds)
+            if self._instance_milliseconds
+            else None,
+            rebuilt=self._rebuilt,
             authored=self._imported.authored(lists.homes, self._settled, self._contact_settings),
         )
 
@@ -162,6 +219,8 @@ class SceneReader:
             for row, obj in enumerate(bpy.data.objects)
             if obj.session_uid in shown and is_tagged(obj)
         }
+        self._lists = None
+        self._rebuilt = {}
         self._curves.clear()
         self._animated.clear()
         self.solo_roles = solo_roles(tagged.values())
@@ -172,11 +231,88 @@ class SceneReader:
                 strict=True,
             )
         )
+        instances = self._read_instances(depsgraph, len(raw))
         self._tagged = {
             row: self._read_object(row, obj, depsgraph, scales[row])
             for row, obj in progress(tuple(tagged.items()))
         }
-        self._lists = None
+        self._tagged |= instances
+        numbers = {obj.session_uid: k for k, obj in enumerate(tagged.values())}
+        # Below an untagged root, as imports have it, the first tagged one carries the others.
+        leaders, carried = dict(numbers), {}
+        for k, obj in enumerate(tagged.values()):
+            above = _tagged_above(obj, numbers)
+            leader = k if above is None else leaders.setdefault(above.session_uid, k)
+            if leader != k:
+                carried[k] = leader
+        if carried != self._parented.carried:  # else poses stay what they were to the last bit
+            self._parented = Parented(carried)
+
+    def _move_instances(self, depsgraph: Depsgraph) -> bool:
+        """Read where the instances are if they may have moved; False if all have to be read."""
+        self._instance_milliseconds = 0.0
+        if not self._is_instance_moved or self._session_ids is None or self._lists is None:
+            return True
+        self._is_instance_moved = False
+        started = perf_counter()
+        matrices = self._instances.moved(depsgraph)
+        if matrices is None or not self._doubtful.isdisjoint(self._instances.shown):
+            return False
+        known = self._lists.scales[-len(matrices) :]
+        if _scaled(rigid_transforms(matrices)[1], known).any():
+            return False
+        self._instances = replace(self._instances, matrices=matrices)
+        self._instance_milliseconds = 1000 * (perf_counter() - started)
+        return True
+
+    def _read_instances(self, depsgraph: Depsgraph, rows: int) -> dict[int, Tagged]:
+        """All instances, as objects in the rows after ``rows``."""
+        self._is_instance_moved = False
+        tagged: dict[int, Tagged] = {}
+        places: list[int] = []
+        matrices: list[NDArray[np.float32]] = []
+        instancers, shown = set(), set()
+        objects: dict[int, HapticObject] = {}
+        shapes: dict[tuple[Any, ...], SurfaceShape] = {}
+        problems: dict[Problem, None] = {}
+        for found in haptic_instances(depsgraph):
+            owner, name = found.owner, found.name
+            scale = self._scale(-1, rigid_transforms(found.matrix[None])[1][0])
+            data = 0 if found.shown.data is None else found.shown.data.as_pointer()
+            key = owner.session_uid, data, *scale.tolist()
+            try:
+                if owner.session_uid not in objects:
+                    objects[owner.session_uid] = replace(
+                        read_object(owner, depsgraph.scene), motion=Motion.KINEMATIC
+                    )
+                if key not in shapes:
+                    shapes[key] = shape_of_instance(found, depsgraph, scale)
+            except ValueError as error:
+                problems[Problem(owner.name_full, str(error))] = None
+                continue
+            item, shape = replace(objects[owner.session_uid], name=name), shapes[key]
+            body = Body.of(item, shape.shape)
+            row = rows + len(places)
+            tagged[row] = Tagged(
+                row, (), tuple(scale.tolist()), item, body, None, None, None, None, ()
+            )
+            places.append(found.place)
+            matrices.append(found.matrix)
+            instancers.add(found.instancer.session_uid)
+            if found.shown.original is not None and found.shown.original != found.instancer:
+                shown.add(found.shown.original.session_uid)
+        self._problems_of_instances = tuple(problems)
+        self._instances = NONE
+        if places:
+            identity = read_array(depsgraph.object_instances, "persistent_id", 8, np.int32)
+            self._instances = Instances(
+                identity,
+                np.array(places),
+                np.array(matrices),
+                frozenset(instancers),
+                frozenset(shown),
+            )
+        return tagged
 
     def _read_changed(
         self, depsgraph: Depsgraph, raw: NDArray[np.float32], exact: bool
@@ -187,13 +323,13 @@ class SceneReader:
         animated = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
         if lists is not self._lists:
             rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
+        elif exact:
+            rows, moved = animated, np.arange(len(lists.rows))
         else:
             # Keep the old matrix while a simulation at rest trembles.
             rows, moved = (
                 animated,
-                np.flatnonzero(
-                    ~(np.abs(raw_tagged - self._raw) <= (0.0 if exact else lists.still)).all(axis=1)
-                ),
+                np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= lists.still).all(axis=1)),
             )
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
@@ -203,16 +339,15 @@ class SceneReader:
             self._rigid = self._rigid.copy()  # the old array belongs to the last reading
             self._rigid[moved], scales = rigid_transforms(raw_tagged[moved])
         if len(moved):
+            self._parented.hold(self._rigid, exact)
             known = lists.scales[moved]
-            rows |= set(
-                lists.rows[
-                    moved[np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1)]
-                ].tolist()
-            )
-        if self._doubtful and lists is self._lists:
-            rows |= {
-                row for row in self._tagged if bpy.data.objects[row].session_uid in self._doubtful
-            }
+            rows |= set(lists.rows[moved[_scaled(scales, known)]].tolist())
+        if lists is self._lists:
+            doubtful = self._doubtful | self._bone_parts.keys() if exact else self._doubtful
+            if doubtful and self._session_ids is not None:
+                objects = lists.rows[lists.rows < len(self._session_ids)]
+                own = self._session_ids[objects]
+                rows |= set(objects[np.isin(own, list(doubtful))].tolist())
         changed = False
         again = sorted(rows)
         scales = (
@@ -227,6 +362,8 @@ class SceneReader:
                 changed = True
         if switched:  # sources and listeners may now be on another object, or on none
             for row, before in self._tagged.items():
+                if row >= len(bpy.data.objects):
+                    continue
                 self._tagged[row] = self._read_object(
                     row, bpy.data.objects[row], depsgraph, np.array(before.scale)
                 )
@@ -234,13 +371,12 @@ class SceneReader:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
         if len(moved) or lists is not self._lists:
             self._transforms = self._rigid[lists.of_bodies]
-            self._settled = lists.homes.settle(self._transforms)
-            self._transforms.setflags(write=False)  # so that the tracker knows it again
+            settled = lists.homes.settle(self._transforms)
+            self._settled = self._settled if settled == self._settled else settled
+            places = self._raw[lists.rows.searchsorted(lists.of_places), 12:15].tolist()
             self._placed = [
                 item if near(item.position, place) else item.moved(place)
-                for place, item in zip(
-                    raw[lists.of_places, 12:15].tolist(), lists.places, strict=True
-                )
+                for place, item in zip(places, lists.places, strict=True)
             ]
         self._lists = lists
         self._doubtful.clear()
@@ -257,22 +393,16 @@ class SceneReader:
         if haptics.enabled:
             try:
                 surface = self._shape(obj, depsgraph, scale)
-                haptic_object = read_object(obj)
-                body = Body(
-                    name,
-                    surface.shape,
-                    haptic_object.mass,
-                    haptic_object.motion,
-                    haptics.medium,
-                    haptic_object.material,
-                )
+                haptic_object = read_object(obj, depsgraph.scene)
+                body = Body.of(haptic_object, surface.shape)
                 home = (
                     stored_item(haptics.imported, "object").get("pose")
                     if _is_as_imported(obj, scale)
                     else None
                 )
             except ValueError as error:
-                problems.append(Problem(name, str(error)))
+                if obj.session_uid not in self._instances.instancers:
+                    problems.append(Problem(name, str(error)))
         carrier = haptic_carrier(obj)
         for role in ("source", "listener"):
             if not getattr(haptics, role).enabled or (carrier == obj and haptic_object is None):
@@ -332,6 +462,11 @@ class SceneReader:
             imported = stored_item(obj.haptics.imported, "object").get("shape")
             if imported is not None:
                 return SurfaceShape(imported)
+        if obj.haptics.surface == "SEEN" and obj.rigid_body is None:
+            armature = armature_of(obj)
+            shape = armature and self._bone_shape(obj, armature, depsgraph, scale)
+            if shape:
+                return shape
         key, session_id = (
             (tuple(scale.tolist()), shape_settings(obj, depsgraph.scene)),
             obj.session_uid,
@@ -343,9 +478,37 @@ class SceneReader:
             or known[0] != key
             or (session_id in self._doubtful and known[1] != mesh_checksum(obj, depsgraph))
         ):
+            started = perf_counter()
             known = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
+            if session_id in self._doubtful and self._lists is not None:
+                milliseconds = 1000 * (perf_counter() - started)
+                self._rebuilt = {**self._rebuilt, obj.name_full: milliseconds}
         self._shapes[session_id] = known
         return known[2]
+
+    def _bone_shape(
+        self, obj: Object, armature: Object, depsgraph: Depsgraph, scale: FloatArray
+    ) -> SurfaceShape | None:
+        """The shape of a mesh that bones deform; None if they move none of it. The deviation is
+        measured where everything is read, not from frame to frame."""
+        key = tuple(scale.tolist()), rest_checksum(obj, armature)
+        known = self._bone_parts.get(obj.session_uid)
+        is_edited = obj.data is not None and obj.data.session_uid in self._doubtful
+        if known is None or known[0] != key or is_edited:
+            known = key, parts_at_rest(obj, armature, scale), np.zeros(()), None
+        parts, motions, shape = known[1:]
+        if parts is not None:
+            now = parts.motions(obj, armature, depsgraph)
+            moved = np.abs(now - motions).max()
+            if shape is None or moved > (0.0 if self._exact else STILL):
+                motions, shape = (
+                    now,
+                    SurfaceShape(parts.posed(now), 0.0 if shape is None else shape.deviation),
+                )
+            if self._lists is None:
+                shape = replace(shape, deviation=parts.deviation(motions, obj, depsgraph, scale))
+        self._bone_parts[obj.session_uid] = key, parts, motions, shape
+        return shape
 
 
 def _with_regions(item: Source, row: int, scene: Scene) -> Source:
@@ -363,12 +526,15 @@ def _with_regions(item: Source, row: int, scene: Scene) -> Source:
 
 
 def edited_geometry(depsgraph: Depsgraph) -> set[int]:
-    """Session ids of the objects whose geometry an update may have changed, and of the compounds
-    that they are parts of."""
+    """Session ids of the meshes, and of the objects whose geometry an update may have changed, with
+    the compounds that they are parts of."""
     found = set()
     for update in depsgraph.updates:
-        if update.is_updated_geometry and isinstance(update.id, Object):
-            obj = update.id.original
+        edited = update.id and update.id.original
+        if update.is_updated_geometry and isinstance(edited, Mesh):
+            found.add(edited.session_uid)
+        if update.is_updated_geometry and isinstance(edited, Object):
+            obj: Object | None = edited
             while obj is not None:
                 found.add(obj.session_uid)
                 obj = (
@@ -379,6 +545,20 @@ def edited_geometry(depsgraph: Depsgraph) -> set[int]:
                     else None
                 )
     return found
+
+
+def _tagged_above(obj: Object, tagged: Container[int]) -> Object | None:
+    """The nearest ancestor of an object whose session id is among those ``tagged``, else the
+    farthest."""
+    above = obj.parent
+    while above is not None and above.session_uid not in tagged and above.parent is not None:
+        above = above.parent
+    return above
+
+
+def _scaled(scales: FloatArray, known: FloatArray) -> BoolArray:
+    """Which scales (n, 3) differ from those ``known`` by more than rounding."""
+    return np.asarray(np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1))
 
 
 def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
@@ -411,7 +591,7 @@ def _without_carrier(obj: Object, role: str) -> Problem:
     if above is not None:
         words = iface_(
             "its listeners and sources are on no haptic object: choose its Body in the panel "
-            "Haptic Object, and make that haptic"
+            "Selected Object, and make that haptic"
         )
         return Problem(above.name_full, words)
     if role == "source":
@@ -433,13 +613,7 @@ def _without_carrier(obj: Object, role: str) -> Problem:
 def _instance_problems(depsgraph: Depsgraph) -> tuple[Problem, ...]:
     """The problem of haptic objects inside collection instances, which are ignored."""
     words = iface_(
-        "the haptic objects of its collection don't count here: Object > Apply > Make Instances "
-        "Real"
+        "the haptic objects of its collection don't count here: press Use Real Surface for them, "
+        "or Realize Instances"
     )
-    return tuple(
-        Problem(obj.name_full, words)
-        for obj in depsgraph.view_layer.objects
-        if obj.instance_type == "COLLECTION"
-        and obj.instance_collection is not None
-        and any(map(is_tagged, obj.instance_collection.all_objects))
-    )
+    return tuple(Problem(obj.name_full, words) for obj in instanced_in_vain(depsgraph))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from mathutils import Matrix
+import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
@@ -20,7 +20,9 @@ class Reading:
     """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the
     bodies' shapes. ``settled``: the names of those that have not moved since their import;
     ``authored``: the imported contacts, None without any; ``hulls``: the shapes of those objects,
-    by name, from whose surface the convex hull deviates."""
+    by name, from whose surface the convex hull deviates. ``moving_instances``: how many instances
+    were read again in this frame, and the milliseconds that took. ``rebuilt``: the milliseconds of
+    reading a changed surface the last time, by the name of its object."""
 
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]
@@ -33,6 +35,8 @@ class Reading:
     settled: frozenset[str] = frozenset()
     authored: AuthoredContacts | None = None
     hulls: Mapping[str, SurfaceShape] = field(default_factory=dict)
+    moving_instances: tuple[int, float] | None = None
+    rebuilt: Mapping[str, float] = field(default_factory=dict)
 
     def posed_objects(self) -> tuple[HapticObject, ...]:
         """The objects with the shape and pose that they have in this frame."""
@@ -45,6 +49,14 @@ class Reading:
 
 
 def _pose_of(transform: FloatArray) -> Pose:
-    """The pose of a rigid transform (4, 4)."""
-    rotation = Matrix(transform[:3, :3].tolist()).to_quaternion()
-    return Pose(tuple(transform[:3, 3].tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
+    """The pose of a rigid transform (4, 4), in double precision: of the products of the
+    quaternion's components, the row with the largest square."""
+    turn, trace = transform[:3, :3], np.trace(transform[:3, :3])
+    products = np.empty((4, 4))
+    products[0, 0] = 1 + trace
+    products[0, 1:] = products[1:, 0] = (turn.T - turn)[(1, 2, 0), (2, 0, 1)]
+    products[1:, 1:] = turn + turn.T + (1 - trace) * np.eye(3)
+    w, x, y, z = (row := products[products.diagonal().argmax()]) / np.copysign(
+        np.linalg.norm(row), row[0]
+    )
+    return Pose(tuple(transform[:3, 3].tolist()), (w, x, y, z))

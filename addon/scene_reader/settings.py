@@ -8,8 +8,9 @@ from typing import Any
 from bpy.types import Scene
 
 from ...core.contacts.settings import ContactSettings
-from ...core.scene.values import Settings
+from ...core.scene.values import Settings, Vector
 from ..blender.single_precision import shortest
+from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
 from .imported import stored_item
 
@@ -37,12 +38,21 @@ def read_contact_settings(scene: Scene, tables: Mapping[str, Any]) -> ContactSet
     """The settings of contacts and impacts of a scene with these tables, see
     `rules.read_tables`."""
     values = read_values(ContactSettings, scene.haptics, _stored(scene, "rules"))
-    gravity = tuple(map(shortest, scene.gravity)) if scene.use_gravity else (0.0, 0.0, 0.0)
+    gravity = gravity_of(scene)
     if gravity != tuple(map(shortest, values.get("gravity", ()))):
         values["gravity"] = gravity
     if scene.rigidbody_world is not None:
         values["time_scale"] = max(shortest(scene.rigidbody_world.time_scale), 1e-3)
     return ContactSettings(**{**values, **tables})
+
+
+def gravity_of(scene: Scene) -> Vector:
+    """Gravity [m/s²] as dynamic bodies feel it."""
+    if not scene.use_gravity:
+        return 0.0, 0.0, 0.0
+    metres = metres_per_unit(scene)
+    x, y, z = (float(f"{shortest(value) * metres:.7g}") for value in scene.gravity)
+    return x, y, z
 
 
 def _stored(scene: Scene, name: str) -> Mapping[str, Any]:

@@ -82,7 +82,7 @@ class TaggedLists:
         still = (
             before.still
             if before is not None and alone is before.bodies
-            else _still([t.scale for t in tagged], bodies)
+            else _still([t.scale for t in tagged], bodies, before)
         )
         return cls(
             rows=np.array([t.row for t in tagged], dtype=np.int64),
@@ -105,11 +105,19 @@ class TaggedLists:
 
 
 def _still(
-    scales: list[tuple[float, float, float]], bodies: list[tuple[int, HapticObject, Body]]
+    scales: list[tuple[float, float, float]],
+    bodies: list[tuple[int, HapticObject, Body]],
+    before: TaggedLists | None,
 ) -> FloatArray:
     """Of objects with these ``scales``, the limits of changes of world matrices (m, 16), column by
-    column: that of a turn is less the further the corners of a body are away."""
+    column: that of a turn is less the further the corners of a body are away. Those of the same
+    bodies are taken from ``before``."""
     limits = np.full((len(scales), 16), STILL)
+    if before is not None:
+        kept = dict(zip(map(id, before.bodies), before.of_bodies.tolist(), strict=True))
+        same = [k for k, _, body in bodies if kept.get(id(body)) == k]
+        limits[same] = before.still[same]
+        bodies = [item for item in bodies if kept.get(id(item[2])) != item[0]]
     for k, _, body in bodies:
         arm = np.linalg.norm(np.abs(body.shape.local_bounds()).max(axis=0))
         limits[k, :12] *= np.repeat(np.abs(scales[k]), 4) / max(float(arm), 1e-9)

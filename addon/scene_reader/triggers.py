@@ -14,6 +14,7 @@ from ...core.scene.values import Pose, Trigger, TriggerKind
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
 from ..blender.time import seconds_of
+from ..blender.units import metres_per_unit
 from .imported import stored_item
 from .problem import Problem
 
@@ -78,9 +79,10 @@ def region_of(source: Any, scene: Scene) -> dict[str, Any]:
         corners = region.empty_display_size * np.array([(-1, -1, -1), (1, 1, 1)])
     low, high = corners.min(axis=0) * scale, corners.max(axis=0) * scale
     centre = place + rotation.to_matrix() @ type(place)((low + high) / 2)
+    metres = metres_per_unit(scene)
     return {
-        "pose": Pose(tuple(centre), tuple(rotation)),
-        "size": tuple(np.abs(high - low).tolist()),
+        "pose": Pose(tuple(centre * metres), tuple(rotation)),
+        "size": tuple((np.abs(high - low) * metres).tolist()),
     }
 
 

@@ -23,6 +23,13 @@ def raw_matrices(count: int) -> NDArray[np.float32]:
     return values.reshape(count, 16)
 
 
+def in_metres(matrices: NDArray[np.float32], metres: float) -> NDArray[np.float32]:
+    """Raw matrices (n, 16) to units of ``metres`` as matrices to metres."""
+    if metres == 1.0:
+        return matrices
+    return (matrices * np.tile((metres, metres, metres, 1.0), 4)).astype(np.float32)
+
+
 def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
     """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and scales (n, 3), negative where
     mirrored.

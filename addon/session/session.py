@@ -88,14 +88,17 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
     return session.problems
 
 
-def show(scene: Scene, result: FrameResult, samples: FloatArray) -> None:
-    """Set a result from a track, with the ``samples`` (l, n) up to its end."""
+def show(
+    scene: Scene, result: FrameResult, samples: FloatArray, paths: FloatArray | None = None
+) -> None:
+    """Set a result from a track, with the ``samples`` (l, n) up to its end, and its ``paths``."""
     session = of(scene)
     _finish(scene, session)
     session.result, session.frame = result, None
     session.history.take(result, samples)
     session.serial = next(_serials)
-    session.shown = Traced(session.serial, result, read_settings(scene), session.history.all())
+    heard = session.history.all()
+    session.shown = Traced(session.serial, result, read_settings(scene), heard, paths=paths)
     worker.submit(_follow, session)
 
 
@@ -109,6 +112,9 @@ def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
     if edited is None or edited:
         for session in sessions.every():
             session.reader.doubt_shapes(edited)
+    if depsgraph is not None:
+        for session in sessions.every():
+            session.reader.doubt_instances(depsgraph)
 
 
 def clear() -> None:
@@ -238,16 +244,22 @@ def begin(
     baked_impacts: str = "",
 ) -> None:
     """Read the current state of the scene and begin to trace it. The result is None without tagged
-    objects, or if a problem prevents it. ``live``: the result is only displayed, so contacts that
-    no signal reaches are skipped, and while frames follow each other, samples are rendered only if
-    something shows them, has asked for them, or ``plays`` them.
+    objects, or if a problem prevents it.
 
-    While the timeline stands, a frame keeps the impacts that stepping or playing to it made, or has
-    its ``baked_impacts``, a text of `text_of_impacts`: modes, gains, materials and strategies are
-    compared on the same impact, also after jumps. They are dropped when their causes change:
-    objects added, removed, moved, scaled, deformed or animated differently, masses and physics, and
-    the rules of contacts and impacts (`CollisionDetector`, `motion_of`). Bakes and exports start
-    without them."""
+    While the timeline stands, a frame keeps the impacts that stepping or playing to it made: modes,
+    gains, materials and strategies are compared on the same impact, also after jumps. They are
+    dropped when their causes change: objects added, removed, moved, scaled, deformed or animated
+    differently, masses and physics, and the rules of contacts and impacts (`CollisionDetector`,
+    `motion_of`). Bakes and exports start without them.
+
+    Args:
+        scene: to trace.
+        depsgraph: its evaluation.
+        live: the result is only displayed: contacts that no signal reaches are skipped, and while
+            frames follow each other, samples are rendered only if something shows or asks for them.
+        plays: something plays the samples.
+        baked_impacts: those of the frame in a bake, a text of `text_of_impacts`.
+    """
     session = of(scene)
     session.interrupted = None
     _finish(scene, session)
@@ -409,7 +421,16 @@ def frame_of(
     exact: bool = False,
     heard: bool = True,
 ) -> Frame:
-    """The tracer's input for a reading."""
+    """The tracer's input for a reading.
+
+    Args:
+        scene: in its current frame.
+        reading: of that frame.
+        continuous: it follows the frame traced last.
+        recall: otherwise it has the impacts of its last continuous trace.
+        exact: motions below the tolerance of rest count.
+        heard: its samples are rendered.
+    """
     return Frame(
         number=scene.frame_current,
         time=seconds_of(scene, scene.frame_current),

@@ -39,7 +39,8 @@ class Traced:
 
     ``serial`` differs between any two frames. ``samples`` (l, n): the last samples of each
     listener, up to a second. ``reading``: the input of the trace, None for a track. ``felt``:
-    results of the other modalities. ``errors``: messages of the core.
+    results of the other modalities. ``errors``: messages of the core. ``paths``: the connections
+    kept in a track, see `HapticTrack`.
     """
 
     serial: int
@@ -49,6 +50,7 @@ class Traced:
     reading: Reading | None = None
     felt: tuple[Felt, ...] = ()
     errors: tuple[str, ...] = ()
+    paths: FloatArray | None = None
 
 
 @dataclass(slots=True)

@@ -60,8 +60,15 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
 def steps(
     scene: Scene, start: int, end: int, listeners_may_change: bool = False, looks_back: bool = True
 ) -> Generator[Step, None, None]:
-    """The same, with the next frame as the scene's current one; without ``looks_back``, nothing is
-    traced before ``start``."""
+    """The same, with the next frame as the scene's current one.
+
+    Args:
+        scene: to trace.
+        start: first frame.
+        end: last frame.
+        listeners_may_change: from frame to frame.
+        looks_back: earlier frames are traced that triggers, sliding and rolling depend on.
+    """
     result: FrameResult | None = None
     began = time.perf_counter()
     with closing(_frames(scene, start, end, looks_back)) as frames:
@@ -136,7 +143,7 @@ def warm_start(scene: Scene, first: int, seconds: float) -> int:
     motion is estimated from the last poses, and ``seconds``, as of `sounding_seconds`, cover the
     refractory time and the impacts and triggers that still sound. It is a multiple of
     `EXACT_FRAMES`, at which nothing is kept from earlier frames; one multiple earlier if something
-    may slide or roll, because `Rubbing` depends on the block of frames before its own."""
+    may slide or roll, because `SlidingAndRolling` depends on the block of frames before its own."""
     blocks = (first - _MOTION_FRAMES - math.ceil(seconds / frame_seconds(scene))) // EXACT_FRAMES
     return (blocks - bool(scene.haptics.textures.items)) * EXACT_FRAMES
 

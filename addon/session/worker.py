@@ -22,7 +22,7 @@ from typing import Any, TypeVar
 import bpy
 
 from ..blender.progress import show
-from ..blender.time import is_playing
+from ..blender.time import is_playing, is_playing_anywhere
 from ..changes.redraw import redraw_sidebars, redraw_viewports
 
 Value = TypeVar("Value")
@@ -204,9 +204,7 @@ def _look() -> float | None:
         resume, _state.after_render = _state.after_render, None
         resume()
     is_idle = _state.pending == 0 and _state.after_render is None
-    if _state.owes_redraw and not any(
-        window.screen.is_animation_playing for window in bpy.context.window_manager.windows
-    ):
+    if _state.owes_redraw and not is_playing_anywhere():
         _state.owes_redraw = False
         redraw_viewports()
     elif not is_idle and time.monotonic() > _state.progress_at + _PROGRESS_INTERVAL:

@@ -14,6 +14,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ...core.arrays import FloatArray
 from ..blender.text import Measure
 from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
+from .cues import Cue
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
 from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, RenderData, Shape
@@ -43,20 +44,26 @@ def placed_annotations(
     measure: Measure,
     occupied: Sequence[Rectangle] = (),
     legend: LegendSide = "RIGHT",
+    frame: Rectangle | None = None,
+    cues: Sequence[Cue] = (),
 ) -> Hud:
-    """Labels and legend for a viewport of ``size`` pixels, seen with ``perspective`` (4, 4).
+    """Labels, cues and legend for a viewport of ``size`` pixels, seen with ``perspective`` (4, 4).
 
     Args:
         scale: pixels per point.
         free: the part of the viewport that the user interface does not cover.
         occupied: rectangles within it where something else is drawn.
         legend: the side of the legend, in the lower corner.
+        frame: the camera's frame, which the legend does not cover.
+        cues: words about objects out of sight.
     """
-    placed = (
-        HudBuilder(scale).build()
-        if legend == "NONE"
-        else _placed_legend(data, free, scale, measure, occupied, legend == "LEFT")
-    )
+    builder = HudBuilder(scale)
+    if cues:
+        _add_cues(builder, cues, free, occupied, measure)
+    placed = builder.build()
+    if legend != "NONE":
+        taken = (*occupied, *placed.bounds, *(() if frame is None else (frame,)))
+        placed = placed.joined(_placed_legend(data, free, scale, measure, taken, legend == "LEFT"))
     if not data.labels:
         return placed
     builder = HudBuilder(scale)
@@ -70,6 +77,36 @@ def placed_annotations(
         measure,
     )
     return placed.joined(builder.build())
+
+
+def _add_cues(
+    builder: HudBuilder,
+    cues: Sequence[Cue],
+    free: Rectangle,
+    occupied: Sequence[Rectangle],
+    measure: Measure,
+) -> None:
+    """Plates with the words of cues within ``free``, each at its place or above what is there."""
+    scale = builder.scale
+    text = TEXT_SIZE * scale
+    height = text * 0.95 + 2 * _PADDING[1] * scale
+    taken = list(occupied)
+    for cue in cues:
+        width = measure(cue.words, text) + 2 * _PADDING[0] * scale
+        edge = _MARGIN * scale
+        left = min(max(cue.place[0] - width / 2, free[0] + edge), free[2] - edge - width)
+        bottom = min(max(cue.place[1] - height / 2, free[1] + edge), free[3] - edge - height)
+        up = 1 if 2 * bottom < free[1] + free[3] else -1
+        for _ in range(len(cues) + len(occupied)):
+            plate = (left, bottom, left + width, bottom + height)
+            under = [other for other in taken if overlaps(other, plate)]
+            if not under:
+                break
+            bottom = under[0][3] + scale if up > 0 else under[0][1] - height - scale
+        builder.panel(plate[:2], plate[2:], 4.0)
+        taken.append(plate)
+        start = plate[0] + scale * _PADDING[0], plate[1] + scale * (_PADDING[1] + 1.2)
+        builder.text(cue.words, start, FAINT_INK)
 
 
 def label_text(label: Label) -> str:

@@ -75,7 +75,7 @@ def why_silent(scene: Scene, listener: str) -> Explanation:
         return Explanation(iface_("It was no listener when this frame was traced"))
     if listener in _silenced(traced.result.listeners, "listener"):
         return Explanation(
-            iface_("It is muted, or others are solo: see the buttons beside it in Result")
+            iface_("It is muted, or others are solo: see the buttons beside it in What Is Felt")
         )
     notice = (
         ""

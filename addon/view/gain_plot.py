@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from ...core.arrays import FloatArray, IntArray
+from ...core.arrays import FloatArray
 from ...core.scene.bands import BAND_COUNT, BAND_EDGES
 from ...core.scene.functions import ModulationFunction
 from ..session.derived import Background, Latest
-from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
+from .hud import HudBuilder
+from .panel_picture import SIZE, Colour, Picture, Pixels, painted
 
 FLOOR = -60.0
 """Gain at the bottom of the picture [dB]."""
@@ -76,46 +78,24 @@ def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
     Lines every 20 dB and at quarters of the length, in ``ink``; the curve in ``colour``, filled
     below; those at 30, 100 and 300 Hz as thin lines.
     """
-    pixels = blank()
-    inside = slice(_MARGIN, SIZE - _MARGIN)
-    for part in np.linspace(0, 1, 4):
-        tint(pixels[_place(part), inside], ink, 0.5 if part == 0 else 0.2)
-    for part in np.linspace(0, 1, 5):
-        tint(pixels[inside, _place(part)], ink, 0.5 if part == 0 else 0.2)
-    columns = np.arange(_MARGIN, SIZE - _MARGIN)
-    at = np.linspace(0, curve.length, len(columns))
+    builder, side = HudBuilder(1.0), SIZE - 2 * _MARGIN - 1
+    for count, step in ((4, (0.0, 1.0)), (5, (1.0, 0.0))):
+        for part in np.linspace(0, side, count).tolist():
+            start = [_MARGIN + 0.5 + part * to for to in step]
+            end = [at + side * (1 - to) for at, to in zip(start, step, strict=True)]
+            builder.line(start, end, (*ink, 0.2 if part else 0.5), 1.0)
+    columns = np.arange(0, side + 1, 3)
+    at = columns * curve.length / side
     bands = () if curve.bands is None else curve.bands
-    for gains, width, filled in [(curve.gains, 1.6, True), *((band, 0.7, False) for band in bands)]:
+    for gains, width in [(curve.gains, 3.2), *((band, 1.4) for band in bands)]:
         decibels = 20 * np.log10(np.maximum(np.interp(at, curve.distances, gains), 1e-9))
-        heights = _MARGIN + np.clip(1 - decibels / FLOOR, -0.02, 1) * (SIZE - 2 * _MARGIN - 1)
-        _draw(pixels, columns, heights, colour, width, filled)
-    return pixels
-
-
-def _place(part: float) -> int:
-    return _MARGIN + round(part * (SIZE - 2 * _MARGIN - 1))
-
-
-def _draw(
-    pixels: Pixels,
-    columns: IntArray,
-    heights: FloatArray,
-    colour: Colour,
-    width: float,
-    filled: bool,
-) -> None:
-    """A smooth line over ``columns``; where it is steep it covers all rows between a column and the
-    next."""
-    rows = np.arange(SIZE)[:, None]
-    following = np.append(heights[1:], heights[-1])
-    low, high = np.minimum(heights, following), np.maximum(heights, following)
-    distance = np.maximum(np.maximum(low - rows, rows - high), 0.0)
-    alpha = np.clip(width + 0.5 - distance, 0.0, 1.0)
-    if filled:
-        alpha = np.maximum(alpha, np.where((rows < heights) & (rows > _MARGIN), 0.22, 0.0))
-    chosen = pixels[:, columns]
-    tint(chosen, colour, alpha)
-    pixels[:, columns] = chosen
+        heights = _MARGIN + 0.5 + np.clip(1 - decibels / FLOOR, -0.02, 1) * side
+        corners = np.column_stack([_MARGIN + 0.5 + columns, heights]).tolist()
+        for (x, y), corner in pairwise(corners):
+            if gains is curve.gains:
+                builder.plate((x, _MARGIN), (corner[0], y), (*colour, 0.22), 0.0)
+            builder.line((x, y), corner, (*colour, 1.0), width)
+    return painted(builder.build())
 
 
 def latest_curve(

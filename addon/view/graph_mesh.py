@@ -3,8 +3,7 @@ texts that face the camera."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import bpy
@@ -14,6 +13,7 @@ from bpy.types import Collection, Material, Mesh, Object, Scene
 from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ..blender.text import text_width
+from ..blender.units import metres_per_unit
 from ..scene_reader.settings import read_settings
 from .annotations import label_text, placed_annotations
 from .camera import camera_view, picture_scale
@@ -21,7 +21,7 @@ from .colour_map import linear
 from .hud import INK, Hud
 from .options import options_of
 from .render_data import Label, render_data
-from .solids import Solid, extent_unit, flat, seen_unit, solid_graph
+from .solids import UPRIGHT, Solid, extent_unit, flat, seen_unit, solid_graph
 
 NAME = "Haptic Graph"
 COLOUR_ATTRIBUTE = "Amplitude"
@@ -50,25 +50,40 @@ def graph_in_collection(
     collection = _emptied_collection(scene)
     if scene.camera is None:
         unit = extent_unit(data) * thickness
-        graph = add_graph(collection, solid_graph(data, unit))
+        graph = add_graph(collection, solid_graph(data, unit, UPRIGHT))
         for label in data.labels if labels else ():
             _add_label(collection, label, unit)
+        _from_metres(collection.objects, scene)
         return graph, collection
     size = scene.render.resolution_x, scene.render.resolution_y
     scale = picture_scale(size)
     view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
+    metres = metres_per_unit(scene)
+    view[:3, :3] /= metres
     graph = add_graph(
         collection,
-        solid_graph(data, seen_unit(data, projection, view, size[1] / scale) * thickness),
+        solid_graph(
+            data,
+            seen_unit(data, projection, view, size[1] / scale) * metres * thickness,
+            view[:3, :3] * metres,
+        ),
     )
     if in_front:
         _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
+    _from_metres((graph,), scene)
     if labels:
         items = placed_annotations(
             data, projection @ view, size, scale, (0.0, 0.0, *size), text_width
         )
         _add_annotations(collection, items, scale, scene.camera, projection, size)
     return graph, collection
+
+
+def _from_metres(objects: Iterable[Object], scene: Scene) -> None:
+    """Place and scale objects that were made in metres."""
+    for obj in objects:
+        obj.location /= metres_per_unit(scene)
+        obj.scale /= metres_per_unit(scene)
 
 
 def _emptied_collection(scene: Scene) -> Collection:
@@ -89,7 +104,7 @@ def _emptied_collection(scene: Scene) -> Collection:
 def add_graph(collection: Collection, solid: Solid) -> Object:
     """The graph as a mesh object in ``collection``."""
     obj = bpy.data.objects.new(NAME, solid_mesh(NAME, solid))
-    obj.data.materials.append(graph_material())
+    obj.data.materials.append(flat_material(NAME))
     collection.objects.link(obj)
     return obj
 
@@ -142,7 +157,8 @@ def _add_annotations(
     shift = -projection[:2, 3] if orthographic else projection[:2, 2]
     extent = 2 * depth / np.diag(projection)[:2]  # visible size of the plane, in metres
     plane = bpy.data.objects.new("Haptic Labels", solid_mesh("Haptic Labels", flat(items, scale)))
-    plane.data.materials.append(flat_material())
+    plane.data.materials.append(flat_material("Haptic Labels"))
+    plane.data.materials[0].surface_render_method = "BLENDED"
     plane.parent = camera
     plane.location = (*((shift - 1) * extent / 2), -distance)
     plane.scale = (extent[0] / size[0], extent[1] / size[1], extent[1] / size[1])
@@ -191,7 +207,7 @@ def solid_mesh(name: str, solid: Solid) -> Mesh:
     mesh.loops.foreach_set("vertex_index", solid.triangles.astype(np.int32).reshape(-1))
     mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
     mesh.update(calc_edges=True)
-    mesh.polygons.foreach_set("use_smooth", solid.smooth)
+    mesh.shade_smooth()
     colours = mesh.color_attributes.new(COLOUR_ATTRIBUTE, "FLOAT_COLOR", "POINT")
     values = np.column_stack([linear(solid.colours[:, :3]), solid.colours[:, 3]])
     colours.data.foreach_set("color", values.astype(np.float32).reshape(-1))
@@ -199,60 +215,33 @@ def solid_mesh(name: str, solid: Solid) -> Mesh:
     return mesh
 
 
-_COLOUR = {"attribute_name": COLOUR_ATTRIBUTE}
 _EMITTING: Mapping[str, Any] = {
     "emission": ("Emission", (-440, 0), {}),
     "output": ("OutputMaterial", (0, 0), {}),
 }
-_MIXED = {
-    "colour": ("Attribute", (-660, 60), _COLOUR),
-    "clear": ("BsdfTransparent", (-440, -160), {}),
-    "mix": ("MixShader", (-220, 0), {}),
-}
 """Nodes of materials: kinds without "ShaderNode", places and settings."""
 
 
-def graph_material() -> Material:
-    """A material that emits the colours of the mesh, darker towards the edges, which looks round in
-    any light. Back faces are not drawn."""
-    strength = ("Math", (-660, -140), {"operation": "MULTIPLY_ADD"})
-    more = {
-        "strength": strength,
-        "facing": ("LayerWeight", (-880, -140), {}),
-        "side": ("NewGeometry", (-440, 240), {}),
+def flat_material(name: str) -> Material:
+    """A material that emits the colours of the mesh, with their opacity; back faces are not
+    drawn."""
+    nodes = {
+        "colour": ("Attribute", (-880, 60), {"attribute_name": COLOUR_ATTRIBUTE}),
+        "side": ("NewGeometry", (-880, -140), {}),
+        "cover": ("Math", (-660, -60), {"operation": "SUBTRACT", "use_clamp": True}),
+        "clear": ("BsdfTransparent", (-440, -160), {}),
+        "mix": ("MixShader", (-220, 0), {}),
     }
     links = [
-        ("facing", "Facing", "strength", 0),
-        ("strength", 0, "emission", "Strength"),
         ("colour", "Color", "emission", "Color"),
-    ]
-    links += [
-        ("side", "Backfacing", "mix", "Fac"),
-        ("emission", 0, "mix", 1),
-        ("clear", 0, "mix", 2),
+        ("colour", "Alpha", "cover", 0),
+        ("side", "Backfacing", "cover", 1),
+        ("cover", 0, "mix", "Fac"),
+        ("clear", 0, "mix", 1),
+        ("emission", 0, "mix", 2),
         ("mix", 0, "output", "Surface"),
     ]
-    return _material(
-        NAME,
-        {**_MIXED, **more},
-        links,
-        {("facing", "Blend"): 0.35, ("strength", 1): -0.7, ("strength", 2): 1.0},
-    )
-
-
-def flat_material() -> Material:
-    """A material that emits the colours of the mesh, with their opacity."""
-    links = [
-        ("colour", "Color", "emission", "Color"),
-        ("colour", "Alpha", "mix", "Fac"),
-        ("clear", 0, "mix", 1),
-    ]
-    return _material(
-        "Haptic Labels",
-        _MIXED,
-        [*links, ("emission", 0, "mix", 2), ("mix", 0, "output", "Surface")],
-        blended=True,
-    )
+    return _material(name, nodes, links)
 
 
 def text_material() -> Material:
@@ -261,15 +250,9 @@ def text_material() -> Material:
     return _material("Haptic Text", {"own": ("ObjectInfo", (-660, 0), {})}, links)
 
 
-def _material(
-    name: str,
-    nodes: Mapping[str, Any],
-    links: Sequence[Any],
-    values: Mapping[Any, float] = MappingProxyType({}),
-    blended: bool = False,
-) -> Material:
-    """The material ``name``; if missing, created from ``nodes`` by name, ``links`` (from, output,
-    to, input) and ``values`` of inputs."""
+def _material(name: str, nodes: Mapping[str, Any], links: Sequence[Any]) -> Material:
+    """The material ``name``; if missing, created from ``nodes`` by name and ``links`` (from,
+    output, to, input)."""
     material = bpy.data.materials.get(name)
     if material is not None:
         return material
@@ -284,8 +267,4 @@ def _material(
             setattr(made[key], setting, value)
     for start, output, end, taken in links:
         tree.links.new(made[start].outputs[output], made[end].inputs[taken])
-    for (key, taken), value in values.items():
-        made[key].inputs[taken].default_value = value
-    if blended:
-        material.surface_render_method = "BLENDED"
     return material

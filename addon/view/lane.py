@@ -1,40 +1,41 @@
-"""The timeline of touch, a lane over Dope Sheet and Timeline with the waveform of each listener in
-all frames that were baked or played."""
+"""The timeline of touch, a lane over Dope Sheet and Timeline: the strength of sources and listeners
+in all frames that were baked or played, impacts, and one-shots that can be dragged."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
-import blf
 import bpy
 import gpu
 import numpy as np
 from bpy.types import Context, Scene
 from gpu_extras.batch import batch_for_shader
 
+from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
-from ...core.render.waves import Waves, threshold_of
+from ...core.render.lane import bands, height_of
+from ...core.render.waves import Waves, level_and_threshold, row_name
 from ...core.scene.values import SourceKind
+from ..blender.arrays import read_array
+from ..blender.compatibility import fcurves_of
 from ..blender.text import text_width
 from ..blender.time import frame_seconds
 from ..changes.events import file_changed
+from ..scene_reader.triggers import PATH
 from ..session import sessions
 from ..session.derived import Derived
-from .hud import Hud, Text
-from .lane_layout import impacts, names, plates, rows_of, threshold_strip, wave_strip
+from .lane_layout import SMALL, Colours, Mark, Row, grounds, names, rows_of, snapped, stems, strip
 from .layout import pixels_per_point
 from .levels import LEVEL_SECONDS
-from .meter_layout import SCOPE_COLOUR
-from .render_data import NO_LINES, SOURCE_COLOUR
-from .screen import Recent, draw_flat, uploaded
-from .watched import watched
+from .screen import Recent, Uploaded, draw_flat, uploaded
+from .watched import active_name, watched
 
-_BOTTOM = 22.0  # points that Blender's scroll bar and markers take
+_REACH = 7.0  # points around a one-shot, and around what it snaps to
 _MOST_BYTES = 1 << 27
 """Largest size of the stored samples of played frames: 14 minutes of ten listeners."""
-_WAVE_COLOUR, _THRESHOLD_COLOUR = (*SCOPE_COLOUR[:3], 0.9), (*SOURCE_COLOUR.tolist(), 0.8)
+_OPACITY = {"felt": 0.35, "threshold": 0.5, "amplitude": 1.0, "level": 1.0, "wave": 0.9}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,15 +51,34 @@ class _Range:
     strategy: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Shown:
-    """The lane of a region on the GPU, and the values it was made from."""
+class _View(NamedTuple):
+    """What the lane of a region is made from beside the waves: the number of the last stored frame,
+    the identities of the waves, the region's size [pixels], pixels per point, the frames at its
+    edges, names that always have a row, colours, whether waves are drawn in place of levels, the
+    one-shots, and the language."""
 
-    key: Any
-    under: Any
-    strips: tuple[tuple[Any, tuple[float, ...]], ...]
-    over: Any
-    texts: tuple[Text, ...]
+    kept: int | None
+    waves: tuple[int, ...]
+    size: tuple[int, int]
+    scale: float
+    frames: tuple[float, ...]
+    first: tuple[str, str]
+    colours: Colours
+    wave: bool
+    marks: tuple[Mark, ...]
+    locale: str
+
+
+class _Shown(NamedTuple):
+    """The lane of a region on the GPU, its view, and what the mouse can reach: one-shots with their
+    places, and the frames of impacts."""
+
+    view: _View
+    under: Uploaded
+    shapes: tuple[tuple[Any, tuple[float, ...]], ...]
+    over: Uploaded
+    marks: tuple[tuple[Mark, tuple[float, float]], ...]
+    impacts: FloatArray
 
 
 # By session id of the scene: the range, the listeners and the rate; frames that were played.
@@ -85,7 +105,13 @@ def _keep(traced: sessions.Traced, frames: _Range, before: int | None) -> int:
         )
         _played[frames.scene] = known
     latest = traced.samples[:, -round(LEVEL_SECONDS * result.sample_rate) :]
-    known[1].write(result.first_sample, result.block, threshold_of(latest, result.sample_rate))
+    felt = level_and_threshold(latest, result.sample_rate, result.listeners)
+    waiting = {item.name: 0.0 for item in traced.reading.sources if item.triggers is not None}
+    sounding = waiting | {
+        row_name(item.name, item.second_object, item.onset): item.amplitude
+        for item in result.sources
+    }
+    known[1].write(result.first_sample, result.block, *felt, sounding)
     _add_impacts(known[1], result, frames)
     return traced.serial
 
@@ -136,91 +162,150 @@ def _draw_lane(
 ) -> None:
     region, scale = context.region, pixels_per_point(context)
     size = region.width, region.height
-    left, right = (region.view2d.region_to_view(x, 0)[0] for x in (0, region.width))
-    chosen = watched(scene)
-    key = (
+    view = _View(
         kept,
         tuple(map(id, sources)),
         size,
         scale,
-        left,
-        right,
-        chosen,
+        tuple(region.view2d.region_to_view(x, 0)[0] for x in (0, region.width)),
+        (watched(scene), active_name()),
+        _theme(context, size[1] > SMALL * scale),
+        scene.haptics.meters.lane_wave,
+        tuple(mark for waves in sources for name in waves.sources for mark in marks_of(name)),
         bpy.app.translations.locale,
     )
     known: _Shown | None = _shown.get(region.as_pointer())
-    if known is None or known.key != key:
-        known = _shown[region.as_pointer()] = _lane(
-            key, sources, chosen, (left, right), size, scale
-        )
+    if known is None or known.view != view:
+        known = _shown[region.as_pointer()] = _lane(sources, view)
     draw_flat(known.under, size, scale)
     gpu.state.blend_set("ALPHA")
     program = gpu.shader.from_builtin("UNIFORM_COLOR")
     program.bind()
-    for batch, colour in known.strips:
+    for batch, colour in known.shapes:
         program.uniform_float("color", colour)
         batch.draw(program)
     gpu.state.blend_set("NONE")
     draw_flat(known.over, size, scale)
-    # Not by the atlas, whose frame buffer belongs to the context in which viewports are drawn.
-    for text in known.texts:
-        blf.size(0, text.size)
-        blf.color(0, *text.colour, 1.0)
-        blf.position(0, *text.position, 0.0)
-        blf.draw(0, text.words)
 
 
-def _lane(
-    key: Any,
-    sources: tuple[Waves, ...],
-    chosen: str,
-    frames: tuple[float, float],
-    size: tuple[int, int],
-    scale: float,
-) -> _Shown:
-    """The lane on the GPU.
+def _theme(context: Context, covers: bool) -> Colours:
+    """The colours of the theme in use; the ground ``covers`` keyframes, or lets them through."""
+    theme = context.preferences.themes[0]
+    space, icons = theme.dopesheet_editor.space, theme.user_interface
+    own = tuple(icons.icon_object)[:3], tuple(icons.icon_object_data)[:3]
+    return Colours((*space.back, 0.8 if covers else 0.3), tuple(space.text_hi), *own)
 
-    Args:
-        sources: the first that contains a frame is drawn.
-        chosen: the listener that always has a row.
-        frames: at the left and right edges of the region.
-    """
-    listeners = tuple(dict.fromkeys(name for waves in sources for name in waves.listeners))
-    rows = rows_of(listeners, chosen, size[1], _BOTTOM * scale, scale)
-    x = np.arange(0.0, size[0] + 1)
-    edges, free = (
-        frames[0] + x * (frames[1] - frames[0]) / size[0],
-        np.ones(size[0], dtype=np.bool_),
+
+def marks_of(name: str) -> tuple[Mark, ...]:
+    """The one-shots that are keyframes of a source's trigger."""
+    obj = bpy.data.objects.get(name)
+    curve = None if obj is None or not obj.haptics.source.one_shot else trigger_curve(obj)
+    if curve is None:
+        return ()
+    keys = read_array(curve.keyframe_points, "co", 2).tolist()
+    return tuple(Mark(name, k, frame) for k, (frame, value) in enumerate(keys) if value > 0)
+
+
+def trigger_curve(obj: Any) -> Any:
+    """The F-curve of a source's trigger, None without one."""
+    return next((curve for curve in fcurves_of(obj) if curve.data_path == PATH), None)
+
+
+def _lane(sources: tuple[Waves, ...], view: _View) -> _Shown:
+    """The lane on the GPU. ``sources``: the first that contains a frame is drawn."""
+    _, _, size, scale, frames, first, colours, wave, marks, _ = view
+    emitting, felt = (
+        tuple(dict.fromkeys(name for waves in sources for name in getattr(waves, kind)))
+        for kind in ("sources", "listeners")
     )
-    strips: list[tuple[Any, tuple[float, ...]]] = []
-    over = names(rows, len(listeners) - len(rows), scale, text_width)
+    rows = rows_of(emitting, felt, first, size[1], scale)
+    x = np.arange(0.0, size[0] + 1)
+    per_pixel = (frames[1] - frames[0]) / size[0]
+    edges, free = frames[0] + x * per_pixel, np.ones(size[0], dtype=np.bool_)
+    shapes: list[tuple[Any, tuple[float, ...]]] = []
     for waves in sources if rows else ():
-        own = [row for row in rows if row.listener in waves.listeners]
-        numbers = [waves.listeners.index(row.listener) for row in own]
         parts = waves.columns(edges)
         parts = replace(parts, known=parts.known & free)
         free &= ~parts.known
-        shapes = (wave_strip, _WAVE_COLOUR), (threshold_strip, _THRESHOLD_COLOUR)
-        for strip, colour in shapes if own else ():
-            corners = {"pos": strip(own, x[:-1] + 0.5, parts, numbers)}
-            strips.append(
-                (
-                    batch_for_shader(
-                        gpu.shader.from_builtin("UNIFORM_COLOR"), "TRI_STRIP", corners
-                    ),
-                    colour,
-                )
-            )
-        over = over.joined(
-            Hud(NO_LINES, impacts(own, waves, numbers, edges, parts.known, scale), ())
-        )
-    return _Shown(
-        key,
-        uploaded(plates(rows, size[0], scale)),
-        tuple(strips),
-        uploaded(replace(over, texts=())),
-        over.texts,
+        for kind, own, low, high in _bands(waves, rows, parts, edges, wave):
+            corners = strip(own, x[:-1] + 0.5, low, high, parts.known)
+            colour = colours.source if own[0].is_source else colours.listener
+            shapes.append((_batch("TRI_STRIP", corners), (*colour, _OPACITY[kind])))
+        own = [row for row in rows if row.name in waves.listeners and not row.is_source]
+        begun, gains = waves.impacts
+        at = (begun - edges[0]) / per_pixel
+        is_shown = (at >= 0) & (at < size[0])
+        is_shown[is_shown] = parts.known[at[is_shown].astype(np.int64)]
+        felt_gains = gains[is_shown][:, [waves.listeners.index(row.name) for row in own]]
+        if own and felt_gains.any():
+            ends = stems(own, at[is_shown], felt_gains)
+            shapes.append((_batch("LINES", ends), (*colours.ink, 0.7)))
+    middles = {row.name: row.low + row.height / 2 for row in rows if row.is_source}
+    if rows:  # the active source can be edited where it has no row
+        middles.setdefault(first[1], rows[-1].low + rows[-1].height / 2)
+    placed = tuple(
+        (mark, ((mark.frame - edges[0]) / per_pixel, middles[mark.source]))
+        for mark in marks
+        if mark.source in middles
     )
+    over = names(
+        rows,
+        [place for _, place in placed],
+        len(emitting) + len(felt) - len(rows),
+        colours,
+        scale,
+        text_width,
+    )
+    return _Shown(
+        view,
+        uploaded(grounds(rows, size[0], colours, scale)),
+        tuple(shapes),
+        uploaded(over),
+        placed,
+        np.concatenate([waves.impacts[0] for waves in sources]),
+    )
+
+
+def _bands(waves: Waves, rows: tuple[Row, ...], parts: Any, edges: FloatArray, wave: bool) -> Any:
+    """Kind, rows, and low and high ends (r, c) of everything that is drawn of some waves."""
+    own = [row for row in rows if row.name in waves.sources and row.is_source]
+    if own:
+        levels = np.array([waves.sources[row.name] for row in own])
+        height = height_of(waves.highest(levels, edges))
+        yield "amplitude", own, height, height
+    own = [row for row in rows if row.name in waves.listeners and not row.is_source]
+    numbers = [waves.listeners.index(row.name) for row in own]
+    for kind, low, high in bands(parts, wave) if own else ():
+        yield kind, own, low[numbers], high[numbers]
+
+
+def _batch(kind: str, corners: Any) -> Any:
+    program = gpu.shader.from_builtin("UNIFORM_COLOR")
+    return batch_for_shader(program, kind, {"pos": corners})
+
+
+def under(context: Context, mouse: tuple[float, float]) -> Mark | None:
+    """The one-shot within reach of the mouse [pixels of the region]."""
+    known: _Shown | None = _shown.get(context.region.as_pointer())
+    if known is None or not context.scene.haptics.meters.show_lane:
+        return None
+    near = [
+        (math.dist(mouse, place), mark)
+        for mark, place in known.marks
+        if math.dist(mouse, place) <= _REACH * pixels_per_point(context)
+    ]
+    return min(near)[1] if near else None
+
+
+def snap(context: Context, x: float) -> float:
+    """The frame at ``x`` [pixels of the region]: that of an impact or marker within reach, else a
+    whole one."""
+    view, reach = context.region.view2d, _REACH * pixels_per_point(context)
+    frame, end = (view.region_to_view(at, 0)[0] for at in (x, x + reach))
+    known: _Shown | None = _shown.get(context.region.as_pointer())
+    markers = [float(marker.frame) for marker in context.scene.timeline_markers]
+    impacts = np.zeros(0) if known is None else known.impacts
+    return snapped(frame, np.concatenate([impacts, markers]), end - frame)
 
 
 file_changed.subscribe(_played.clear)

@@ -4,12 +4,14 @@ meters."""
 from __future__ import annotations
 
 from bpy.types import Context
+from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 from ..properties.preferences import preferences
 from .hud import Rectangle, overlaps
 
 _TEXT_HEIGHT = 56.0  # points of Blender's own text at the upper left
 _GIZMO_WIDTH = 110.0  # points of the navigation gizmo and its buttons at the upper right
+_LEAST_BESIDE = 160.0  # points beside the camera's frame that an element needs
 
 
 def pixels_per_point(context: Context) -> float:
@@ -63,12 +65,29 @@ def is_main_view(context: Context) -> bool:
     return not len(space.region_quadviews) or context.region_data == space.region_3d
 
 
+def camera_frame(context: Context) -> Rectangle | None:
+    """The camera's frame in pixels of a viewport that looks through it; None elsewhere."""
+    view = context.region_data
+    camera = context.space_data.camera if view.view_perspective == "CAMERA" else None
+    if camera is None or camera.type != "CAMERA":
+        return None
+    turned = camera.matrix_world.normalized()
+    places = [
+        location_3d_to_region_2d(context.region, view, turned @ corner)
+        for corner in camera.data.view_frame(scene=context.scene)
+    ]
+    if None in places:
+        return None
+    across, up = ([place[axis] for place in places] for axis in (0, 1))
+    return min(across), min(up), max(across), max(up)
+
+
 def corner_room(
     context: Context, corner: str, width: float, scale: float, margin: float
 ) -> Rectangle:
     """The free part of the viewport for an element of ``width`` pixels in a ``corner``: ``margin``
-    pixels from the edges of the uncovered part, without Blender's own text, its navigation gizmo
-    and the panel Adjust Last Operation.
+    pixels from the edges of the uncovered part, without Blender's own text, its navigation gizmo,
+    the panel Adjust Last Operation, and the camera's frame: beside it, or else below or above.
     """
     vertical, horizontal = corner.split("_")
     space, free = context.space_data, free_rectangle(context)
@@ -94,4 +113,15 @@ def corner_room(
     for panel in redo_panels(context):
         if overlaps(panel, (left, bottom, right, top)):
             bottom = max(bottom, panel[3] + margin)
+    frame = camera_frame(context)
+    if frame is not None and overlaps(frame, (left, bottom, right, top)):
+        beside = frame[0] - margin - left if horizontal == "LEFT" else right - frame[2] - margin
+        if beside < _LEAST_BESIDE * scale and vertical == "BOTTOM":
+            top = min(top, frame[1] - margin)
+        elif beside < _LEAST_BESIDE * scale:
+            bottom = max(bottom, frame[3] + margin)
+        elif horizontal == "LEFT":
+            right = left + beside
+        else:
+            left = right - beside
     return left, bottom, max(right, left), max(top, bottom)

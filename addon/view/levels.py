@@ -15,7 +15,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
-from ...core.render.history import still_samples
+from ...core.render.history import lasts, still_samples
 from ...core.render.levels import LEVEL_SECONDS as LEVEL_SECONDS
 from ...core.render.levels import level_and_margin as level_and_margin
 from ..session.derived import Derived
@@ -32,7 +32,8 @@ class Level:
     """The strength at a listener in decibels, minus infinity for silence.
 
     ``peak`` and ``rms``: of full scale. ``margin``: above the threshold of feeling. ``threshold``:
-    the RMS level of this vibration at the threshold of feeling, None for silence.
+    the RMS level of this vibration at the threshold of feeling, None for silence. ``is_assumed``:
+    the device isn't calibrated.
     """
 
     listener: str
@@ -41,6 +42,7 @@ class Level:
     rms: float
     margin: float
     threshold: float | None
+    is_assumed: bool = True
 
     @property
     def is_felt(self) -> bool:
@@ -64,6 +66,15 @@ class Level:
     def margin_text(self) -> str:
         """The margin with its sign: "+23 dB", "−5 dB", "" for silence."""
         return margin_words(self.margin)
+
+    def margin_and_basis(self) -> str:
+        """The margin, and whether its threshold is assumed: "+23 dB (assumed)"."""
+        return basis_words(self.margin_text(), self.is_assumed)
+
+
+def basis_words(words: str, is_assumed: bool) -> str:
+    """Words about a margin, with "(assumed)" if the listener's device isn't calibrated."""
+    return iface_("{} (assumed)").format(words) if is_assumed else words
 
 
 def place_of(level: float) -> float:
@@ -102,7 +113,7 @@ def levels(
     with np.errstate(divide="ignore"):
         loud = 20 * np.log10(peak)
     mean, margin = level_and_margin(
-        _end(samples, LEVEL_SECONDS, result.sample_rate), result.sample_rate
+        _end(samples, LEVEL_SECONDS, result.sample_rate), result.sample_rate, result.listeners
     )
     return tuple(
         Level(
@@ -112,6 +123,7 @@ def levels(
             r,
             m,
             r - m if math.isfinite(m) and math.isfinite(r) else None,
+            listener.device is None,
         )
         for listener, p, r, m in zip(
             result.listeners, loud.tolist(), mean.tolist(), margin.tolist(), strict=True
@@ -143,20 +155,15 @@ def shown_levels(
 def felt_samples(traced: Traced, is_playing: bool) -> FloatArray:
     """The samples (l, n) from which `shown_levels` computes the levels."""
     if _shows_still(traced, is_playing):
-        return still_samples(traced.result, LEVEL_SECONDS)
+        return still_samples(traced.result)
     return _end(traced.samples, LEVEL_SECONDS, traced.result.sample_rate)
 
 
 def _shows_still(traced: Traced, is_playing: bool) -> bool:
-    result, block = traced.result, traced.result.block
-    fade_in = 0 if block is None else block.shape[1]  # sources fade in over the first frame
-    is_long = traced.samples.shape[1] >= round(LEVEL_SECONDS * result.sample_rate) + fade_in
-    return traced.reading is not None and not (is_playing and is_long)
+    return traced.reading is not None and not (is_playing and lasts(traced.result, traced.samples))
 
 
-STILL: Derived[None, FloatArray] = Derived(
-    lambda traced, *_: still_samples(traced.result, LEVEL_SECONDS)
-)
+STILL: Derived[None, FloatArray] = Derived(lambda traced, *_: still_samples(traced.result))
 """The samples (l, n) of a frame as if it lasted."""
 
 LEVELS: Derived[bool, tuple[Level, ...]] = Derived(shown_levels, every_frame=True, hears=True)

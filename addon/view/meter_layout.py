@@ -4,7 +4,7 @@ of the GPU."""
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -158,11 +158,12 @@ def meter_hud(
         builder.text(iface_("and {} more").format(layout.hidden), (x, y + 4 * scale), FAINT_INK)
     if layout.scope is not None:
         y -= (SCOPE_HEIGHT + GAP) * scale
-        _add_scope(builder, (x, y), columns.width * scale, layout.scope, measure)
+        size = columns.width * scale, SCOPE_HEIGHT * scale
+        add_scope(builder, (x, y), size, layout.scope, measure)
     if layout.body:
         parts = {level.body_part: level for level in levels if level.body_part}
         left = x + (columns.width - 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH) / 2 * scale
-        _add_body(
+        add_body(
             builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, spots, measure
         )
     return builder.build()
@@ -279,14 +280,18 @@ def _add_row(
         )
 
 
-def _add_scope(
-    builder: HudBuilder, corner: tuple[float, float], width: float, scope: Scope, measure: Measure
+def add_scope(
+    builder: HudBuilder,
+    corner: tuple[float, float],
+    extent: tuple[float, float],
+    scope: Scope,
+    measure: Measure,
 ) -> None:
-    """The last second: for every column the range between its lowest and highest sample, the latest
-    at the right."""
+    """The last second in a box of ``extent`` [pixels]: for every column the range between its
+    lowest and highest sample, the latest at the right."""
     scale, size = builder.scale, SMALL_TEXT * builder.scale
-    left, low = corner
-    high = low + SCOPE_HEIGHT * scale
+    (left, low), width = corner, extent[0]
+    high = low + extent[1]
     top = high - _CAPTION * scale
     middle, half = (low + top) / 2, (top - low) / 2 - 2 * scale
     builder.plate((left, low), (left + width, high), _TRACK, 3.0)
@@ -338,11 +343,11 @@ def spans(scope: Scope, count: int) -> tuple[IntArray, FloatArray, FloatArray]:
     return filled, np.minimum.reduceat(samples, starts), np.maximum.reduceat(samples, starts)
 
 
-def _add_body(
+def add_body(
     builder: HudBuilder,
     corner: tuple[float, float],
     height: float,
-    parts: dict[str, Level],
+    parts: Mapping[str, Level],
     spots: Sequence[Spot],
     measure: Measure,
 ) -> None:

@@ -11,6 +11,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene
 
 from ...core.scene.body_map import Spot
+from ...core.scene.values import MODES, Mode
 from ..blender.text import text_width
 from ..blender.time import is_playing
 from ..changes.events import file_changed
@@ -20,7 +21,7 @@ from .hud import Hud, Rectangle
 from .layout import corner_room, free_rectangle, is_main_view, pixels_per_point
 from .levels import STILL
 from .meter_layout import Scope, meter_hud
-from .screen import ATLAS, Recent, draw_flat, uploaded
+from .screen import Recent, draw_flat, uploaded
 from .watched import levels_of, watched
 
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
@@ -119,10 +120,10 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
     region, scale = context.region, pixels_per_point(context)
     key = spots, *_key(context, scene, scale)
     known, batch, _ = _shown.get(region.as_pointer(), _NOTHING)
-    if known != (*key, ATLAS.generation):
+    if known != key:
         hud = _placed_meters(context, scene, scale, spots)
-        batch = uploaded(hud)  # which may empty the atlas
-        _shown[region.as_pointer()] = (*key, ATLAS.generation), batch, hud.bounds
+        batch = uploaded(hud)
+        _shown[region.as_pointer()] = key, batch, hud.bounds
     draw_flat(batch, (region.width, region.height), scale)
 
 
@@ -142,7 +143,7 @@ def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
 
 def _title(scene: Scene) -> str:
     is_late = sessions.is_behind(scene) and not is_playing()
-    return iface_("Tracing...") if is_late else iface_("Mode {}").format(scene.haptics.mode)
+    return iface_("Tracing..." if is_late else MODES[Mode(scene.haptics.mode)][0])
 
 
 def _room(context: Context, scene: Scene, scale: float) -> Rectangle:

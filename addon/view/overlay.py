@@ -1,7 +1,7 @@
 """The haptic graph over every 3D viewport: draw callbacks, and their state between redraws.
 
 The shapes are made on the worker thread. A redraw with nothing changed compares one signature and
-issues two draw calls: one for the graph, one for labels and legend.
+issues two draw calls: one for the graph, one for the plates of labels and legend, and the texts.
 """
 
 from __future__ import annotations
@@ -13,23 +13,26 @@ import bpy
 import gpu
 import numpy as np
 from bpy.types import Context, Scene
+from mathutils import Matrix
 
 from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
 from ..blender.text import text_width
 from ..blender.time import seconds_of
+from ..blender.units import metres_per_unit
 from ..changes.events import file_changed
 from ..session import sessions
 from ..session.derived import Derived
-from . import meters, shader, touching_shape
+from . import inspection, meters, shader, touching_shape
 from .annotations import LegendSide, placed_annotations
+from .cues import Cue, cues_of
 from .hud import Rectangle
-from .layout import free_rectangle, is_main_view, pixels_per_point, redo_panels
+from .layout import camera_frame, free_rectangle, is_main_view, pixels_per_point, redo_panels
 from .options import options_of
 from .quads import Quads, quads
 from .render_data import Options, RenderData, render_data
-from .screen import ATLAS, Recent, draw_flat, uploaded
+from .screen import Recent, draw_flat, uploaded
 
 HIDDEN = 0.15  # opacity of parts hidden by objects, where the graph is not drawn in front
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
@@ -55,6 +58,7 @@ class GraphShapes:
         settings: Settings,
         options: Options,
         before: GraphShapes | None = None,
+        paths: FloatArray | None = None,
     ) -> GraphShapes:
         """The shapes of ``result``, or ``before`` if nothing visible has changed: the tracer reuses
         an unchanged graph and its gains."""
@@ -64,7 +68,7 @@ class GraphShapes:
             and _look_alike(before.result, result)
         ):
             return before
-        data = render_data(result, settings, options)
+        data = render_data(result, settings, options, paths)
         return cls(result, settings, options, data, quads(data))
 
 
@@ -87,7 +91,8 @@ class Drawing:
 
 
 _SHAPES: Derived[Options, GraphShapes] = Derived(
-    lambda one, *more: GraphShapes.of(one.result, one.settings, *more), every_frame=True
+    lambda one, choice, before: GraphShapes.of(one.result, one.settings, choice, before, one.paths),
+    every_frame=True,
 )
 
 
@@ -116,7 +121,8 @@ def draw_graph(
     xray: bool,
     flow: float | None,
 ) -> None:
-    """Lines and points, in world space. ``flow``: seconds of the signal flow, None for no flow."""
+    """Lines and points; ``view``: from metres in the world to the viewer. ``flow``: seconds of
+    the signal flow, None for no flow."""
     if drawing.batch is None:
         return
     passes = (("NONE", 1.0),) if xray else (("GREATER", HIDDEN), ("LESS_EQUAL", 1.0))
@@ -130,7 +136,7 @@ def draw_graph(
                 projection @ view,
                 size,
                 pixels_per_point=scale,
-                bias=depth_bias(projection),
+                bias=depth_bias(projection, view.median_scale),
                 flow=(0.0, 0.0)
                 if flow is None
                 else (flow * PULSE_SPEED / PULSE_LENGTH, PULSE_LENGTH),
@@ -141,11 +147,11 @@ def draw_graph(
         gpu.state.blend_set("NONE")
 
 
-def depth_bias(projection: Any) -> tuple[float, float]:
+def depth_bias(projection: Any, units: float) -> tuple[float, float]:
     """Depth bias towards the viewer, so that surfaces do not hide elements on them: 1 % of the
-    distance in perspective, 2 cm in an orthographic view."""
+    distance in perspective, 2 cm in an orthographic view. ``units`` per metre."""
     orthographic = projection[3][3] == 1.0
-    return (0.0, 0.02 * abs(projection[2][2])) if orthographic else (0.01, 0.0)
+    return (0.0, 0.02 * units * abs(projection[2][2])) if orthographic else (0.01, 0.0)
 
 
 def draw_annotations(
@@ -156,18 +162,36 @@ def draw_annotations(
     free: Rectangle,
     occupied: tuple[Rectangle, ...] = (),
     legend: LegendSide = "RIGHT",
+    frame: Rectangle | None = None,
+    cues: tuple[Cue, ...] = (),
 ) -> None:
-    """Labels and legend in pixels, within ``free`` and outside ``occupied``."""
-    key = (perspective.tobytes(), size, scale, free, occupied, legend, bpy.app.translations.locale)
-    known = drawing.views.get((*key, ATLAS.generation))
+    """Labels, cues and legend in pixels, within ``free`` and outside ``occupied``; the legend
+    outside the camera's ``frame``, too."""
+    around = (free, occupied, legend, frame, cues)
+    key = (perspective.tobytes(), size, scale, *around, bpy.app.translations.locale)
+    known = drawing.views.get(key)
     if known is None:
         known = uploaded(
             placed_annotations(
-                drawing.shapes.data, perspective, size, scale, free, text_width, occupied, legend
+                drawing.shapes.data,
+                perspective,
+                size,
+                scale,
+                free,
+                text_width,
+                occupied,
+                legend,
+                frame,
+                cues,
             )
         )
-        drawing.views[*key, ATLAS.generation] = known
+        drawing.views[key] = known
     draw_flat(known, size, scale)
+
+
+def from_metres(scene: Scene) -> Matrix:
+    """From metres, in which results are, to the scene's units."""
+    return Matrix.Scale(1 / metres_per_unit(scene), 4)
 
 
 def _is_shown(context: Context) -> bool:
@@ -198,7 +222,7 @@ def draw_view() -> None:
         draw_graph(
             drawing,
             view.window_matrix,
-            view.view_matrix,
+            view.view_matrix @ from_metres(scene),
             (region.width, region.height),
             pixels_per_point(context),
             xray=scene.haptics.xray,
@@ -214,17 +238,22 @@ def draw_pixels() -> None:
     if drawing is None:
         return
     region, scene = context.region, context.scene
-    perspective = np.array(context.region_data.perspective_matrix, dtype=np.float64)
+    seen = context.region_data.perspective_matrix
+    perspective = np.array(seen @ from_metres(scene), dtype=np.float64)
+    free = free_rectangle(context)
     with sessions.drawing(scene):
         draw_annotations(
             drawing,
             perspective,
             (region.width, region.height),
             pixels_per_point(context),
-            free_rectangle(context),
+            free,
             meters.occupied(context) + redo_panels(context),
             _legend_side(context),
+            camera_frame(context),
+            cues_of(context, np.array(seen), free) if scene.haptics.show_best_paths else (),
         )
+        inspection.draw(context)
 
 
 def _legend_side(context: Context) -> LegendSide:
@@ -239,7 +268,6 @@ def forget() -> None:
     """Free everything cached between redraws."""
     _drawings.clear()
     touching_shape.forget()
-    ATLAS.free()
 
 
 file_changed.subscribe(forget)

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from ..changes.events import disabled
 from ..session.derived import Background
+from .hud import Hud
+from .render_data import Drawn, Shape
 
 Pixels = NDArray[np.float32]
 Colour = tuple[float, float, float]
@@ -56,11 +58,39 @@ def blank() -> Pixels:
     return np.zeros((SIZE, SIZE, 4), dtype=np.float32)
 
 
-def tint(pixels: Pixels, colour: Colour, alpha: float | NDArray[Any]) -> None:
+def tint(pixels: Pixels, colour: Colour | Drawn, alpha: float | NDArray[Any]) -> None:
     """Blend a colour over pixels (..., 4) with opacity ``alpha``, a number or (...)."""
     cover = np.broadcast_to(np.asarray(alpha, dtype=np.float32), pixels.shape[:-1])[..., None]
     pixels *= 1 - cover
     pixels += cover * np.array([*colour, 1.0], dtype=np.float32)
+
+
+def painted(items: Hud) -> Pixels:
+    """The plates and lines of a layout of `SIZE` points, without its texts and symbols."""
+    pixels, lines = blank(), items.lines
+    for (start, end), colour, width, shape in zip(
+        lines.position[:, :, :2], lines.colour[:, 0], lines.width, lines.shape, strict=True
+    ):
+        low, high = np.minimum(start, end), np.maximum(start, end)
+        (left, bottom), (right, top) = (
+            np.clip(corner, 0, SIZE).astype(int)
+            for corner in (low - width, np.ceil(high + width) + 1)
+        )
+        y, x = np.mgrid[bottom:top, left:right] + 0.5
+        if shape == Shape.PLATE:
+            away = np.maximum(
+                np.abs(x - (low[0] + high[0]) / 2) - (high[0] - low[0]) / 2,
+                np.abs(y - (low[1] + high[1]) / 2) - (high[1] - low[1]) / 2,
+            )
+        else:
+            way = end - start
+            square = max(float(way @ way), 1e-12)
+            along = np.clip(((x - start[0]) * way[0] + (y - start[1]) * way[1]) / square, 0, 1)
+            away = (
+                np.hypot(x - start[0] - along * way[0], y - start[1] - along * way[1]) - width / 2
+            )
+        tint(pixels[bottom:top, left:right], colour[:3], colour[3] * np.clip(0.5 - away, 0, 1))
+    return pixels
 
 
 def theme_ink(context: Context) -> Colour:

@@ -14,15 +14,17 @@ from ...core.message import Metres, written
 from ..blender.time import is_playing
 from ..session.derived import Derived, Latest
 from ..session.sessions import Traced
-from .levels import LEVEL_SECONDS, felt_samples, level_and_margin
+from .levels import LEVEL_SECONDS, basis_words, felt_samples, level_and_margin
 from .watched import active_name, watched
 
 
 class ListenerPath(NamedTuple):
-    """The way to a listener from one of its sources, and the listener's margin [dB]."""
+    """The way to a listener from one of its sources, the listener's margin [dB], and whether that
+    assumes a threshold (``is_assumed``)."""
 
     fall: Waterfall
     margin: float
+    is_assumed: bool
 
 
 class Row(NamedTuple):
@@ -56,11 +58,12 @@ def listener_path(
         named[0] if named else max(reaching, key=lambda row: float(result.amplitudes[row, column]))
     )
     (level,), (margin,) = level_and_margin(
-        felt_samples(traced, plays)[[column]], result.sample_rate
+        felt_samples(traced, plays)[[column]], result.sample_rate, [result.listeners[column]]
     )
     return ListenerPath(
         waterfall(result, traced.settings.mode, row, column, float(level), LEVEL_SECONDS),
         float(margin),
+        result.listeners[column].device is None,
     )
 
 
@@ -113,7 +116,7 @@ def rows(path: ListenerPath, by_loss: bool = False) -> list[Row]:
     if math.isfinite(path.margin):
         margin = round(path.margin, 1)
         shown += [
-            Row(iface_("Threshold of feeling"), level - margin),
+            Row(basis_words(iface_("Threshold of feeling"), path.is_assumed), level - margin),
             Row(iface_("Margin", "Haptics"), margin, is_sum=True),
         ]
     return shown

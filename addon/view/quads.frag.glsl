@@ -66,9 +66,6 @@ void main()
     }
     result = over(result, colour.rgb, opacity);
   }
-  else if (kind == SHAPE_TEXT) {
-    result = over(result, colour_a.rgb, colour_a.a * texture(atlas, plate).a);
-  }
   else if (kind == SHAPE_PLATE) {
     vec4 colour = mix(colour_a, colour_b, clamp(local.x / (2.0 * plate.x) + 0.5, 0.0, 1.0));
     result = over(result, colour.rgb, colour.a * covered(box(local, plate, half_width)));

@@ -26,15 +26,9 @@ void main()
   along = length_pixels > 1e-4 ? along / length_pixels : vec2(1.0, 0.0);
   half_width = 0.5 * style.x * screen.z;
   kind = shape;
-  /* A plate or a text lies between two corners; everything else around a line. One more pixel for smooth edges. */
+  /* A plate lies between two corners; everything else around a line. One more pixel for smooth edges. */
   vec2 pixels;
-  if (shape == SHAPE_TEXT) {
-    vec2 place = corner * 0.5 + 0.5;
-    plate = mix(colour_end.xy, colour_end.zw, place);
-    local = vec2(0.0);
-    pixels = mix(a_pixels, b_pixels, place);
-  }
-  else if (shape == SHAPE_PLATE) {
+  if (shape == SHAPE_PLATE) {
     along = vec2(1.0, 0.0);
     vec2 extent = 0.5 * abs(b_pixels - a_pixels);
     plate = extent;

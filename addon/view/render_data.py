@@ -4,7 +4,7 @@ independent of the GPU."""
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from functools import partial
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import BoolArray, FloatArray, IntArray
+from ...core.diagnosis.connections import connections
 from ...core.graph.distance_only import distance_only
 from ...core.graph.haptic_graph import HapticGraph, SourceNodes, distances
 from ...core.propagation.spread import Spread, spread
@@ -33,7 +34,6 @@ class Shape(IntEnum):
     LISTENER = 3
     IMPACT = 4
     PLATE = 5
-    TEXT = 6
 
 
 SOURCE_COLOUR = hex_colour("#f2673c")
@@ -189,15 +189,21 @@ class RenderData:
     scale: AmplitudeScale
 
 
-def render_data(result: FrameResult, settings: Settings, options: Options) -> RenderData:
-    """The drawing of ``result``, which was traced with ``settings``."""
+def render_data(
+    result: FrameResult, settings: Settings, options: Options, kept: FloatArray | None = None
+) -> RenderData:
+    """The drawing of ``result``, which was traced with ``settings``. ``kept``: the connections of
+    the best paths (`Connections.rows`) of a frame that was not traced now."""
     graph = distance_only(result.graph) if settings.mode is Mode.SD else result.graph
     scale = AmplitudeScale.of_threshold(settings.threshold)
     spreading = _spread(result, graph, settings, options)
     pairs = _shown_pairs(result, options)
     on_graph = settings.mode in (Mode.HT, Mode.SD)
     tree = _tree_lines(graph, spreading, scale, UNSELECTED if options.listeners else 1.0)
-    paths = _path_lines(result, graph, settings.mode, pairs, scale)
+    if kept is None:
+        paths = _path_lines(result, settings.mode, pairs, scale)
+    else:
+        paths = drawn_paths(kept, scale)
     return RenderData(
         tree=tree if options.show_intra and on_graph else NO_LINES,
         highlight=_highlight_lines(result, options)
@@ -252,31 +258,21 @@ def _tree_lines(
     )
 
 
-def _path_lines(
-    result: FrameResult, graph: HapticGraph, mode: Mode, pairs: BoolArray, scale: AmplitudeScale
-) -> Lines:
+def _path_lines(result: FrameResult, mode: Mode, pairs: BoolArray, scale: AmplitudeScale) -> Lines:
     """The best paths of the shown pairs, each connection once, as strong as its strongest use; weak
     ones first."""
-    paths = {
-        pair: nodes
-        for pair, nodes in result.propagation.best_path.items()
-        if pairs[pair] and result.sources[pair[0]].amplitude > 0
-    }
-    if not paths:
-        return NO_LINES
-    steps, amplitude, arc_length = path_steps(result, graph, mode, paths)
-    strongest = np.argsort(-amplitude[:, 1], kind="stable")
-    _, first = np.unique(
-        np.sort(steps[strongest], axis=1) @ (graph.node_count, 1), return_index=True
-    )
-    kept = strongest[np.sort(first)[::-1]]
-    steps, amplitude, arc_length = steps[kept], amplitude[kept], arc_length[kept]
+    return drawn_paths(connections(result, mode, pairs).rows(result.graph), scale)
+
+
+def drawn_paths(paths: FloatArray, scale: AmplitudeScale) -> Lines:
+    """The `Connections.rows` of paths as lines."""
+    amplitude = paths[:, 6:8]
     return lines_of(
-        graph.node_position[steps],
+        paths[:, :6].reshape(-1, 2, 3),
         scale.colour(amplitude),
         1.0,
         _between(PATH_LINE, scale.place(amplitude[:, 1])),
-        arc_length,
+        paths[:, 8:],
     )
 
 
@@ -302,62 +298,6 @@ def _highlight_lines(result: FrameResult, options: Options) -> Lines:
 def halos(lines: Lines) -> Lines:
     """A dark rim around lines, to be drawn under them."""
     return lines_of(lines.position, HALO_COLOUR, 0.85, lines.width + 2 * HALO)
-
-
-_LEAST = 1e-300
-"""Smallest gain, used instead of 0 so that its logarithm is finite."""
-
-
-def path_steps(
-    result: FrameResult,
-    graph: HapticGraph,
-    mode: Mode,
-    paths: Mapping[tuple[int, int], Sequence[int]],
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """The connections of paths: their nodes (m, 2), the amplitude at either end (m, 2) in the
-    source's leading band, and the metres from the source at either end (m, 2)."""
-    steps = np.array(
-        [step for nodes in paths.values() for step in itertools.pairwise(nodes)], dtype=np.int64
-    ).reshape(-1, 2)
-    counts = np.array([len(nodes) - 1 for nodes in paths.values()], dtype=np.int64)
-    length = distances(graph.node_position[steps[:, 0]], graph.node_position[steps[:, 1]])
-    if mode in (Mode.MD, Mode.MN):
-        factor = np.array([result.propagation.gain[pair] for pair in paths], dtype=np.float64)
-    else:
-        bands = np.repeat(np.array([graph.sources[source].band for source, _ in paths]), counts)
-        factor = np.empty(len(steps))
-        for band in set(bands.tolist()):
-            factor[bands == band] = _connection_gains(
-                graph.in_band(band), steps[bands == band], length[bands == band]
-            )
-    own = np.array([result.sources[source].amplitude for source, _ in paths])
-    cost = -np.log(np.maximum(factor, _LEAST))
-    after = _running_sums(cost, counts)
-    before = np.concatenate([[0.0], after])[:-1]
-    before[_starts(counts)] = 0.0
-    amplitude = np.repeat(own, counts)[:, None] * np.exp(-np.stack([before, after], axis=1))
-    end = _running_sums(length, counts)
-    return steps, amplitude, np.stack([end - length, end], axis=1)
-
-
-def _connection_gains(graph: HapticGraph, steps: IntArray, length: FloatArray) -> FloatArray:
-    """Gain of each connection (m,) between nodes (m, 2) that are ``length`` (m,) apart."""
-    inter = (graph.partner[steps[:, 0]] == steps[:, 1]) & (graph.contact[steps[:, 0]] >= 0)
-    index = graph.node_object[steps[:, 0]]
-    gain = np.empty(len(steps))
-    gain[inter] = graph.transmission[graph.contact[steps[inter, 0]]]
-    gain[~inter] = graph.table.gains(index[~inter], length[~inter])
-    return gain
-
-
-def _starts(counts: IntArray) -> IntArray:
-    return np.cumsum(counts) - counts
-
-
-def _running_sums(values: FloatArray, counts: IntArray) -> FloatArray:
-    """Cumulative sums of finite values that restart with every run of ``counts``."""
-    sums = np.cumsum(values)
-    return sums - np.repeat((sums - values)[_starts(counts)], counts)
 
 
 def _points(

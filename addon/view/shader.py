@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import gpu
-from gpu.types import GPUBatch, GPUShader, GPUShaderCreateInfo, GPUStageInterfaceInfo, GPUTexture
+from gpu.types import GPUBatch, GPUShader, GPUShaderCreateInfo, GPUStageInterfaceInfo
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
@@ -37,7 +37,6 @@ def shader() -> GPUShader:
     info.push_constant("VEC2", "bias")
     info.push_constant("VEC2", "flow")  # phase, metres per pulse (0: no flow)
     info.push_constant("FLOAT", "opacity_factor")
-    info.sampler(0, "FLOAT_2D", "atlas")  # coverage of texts
     info.push_constant(
         "BOOL", "srgbTarget"
     )  # set by Blender: whether the target expects linear light
@@ -52,11 +51,6 @@ def shader() -> GPUShader:
 
 def _source(stage: str) -> str:
     return Path(__file__).with_name(f"quads.{stage}.glsl").read_text("utf-8")
-
-
-@cache
-def _no_texts() -> GPUTexture:
-    return GPUTexture((1, 1), format="RGBA8")
 
 
 def upload(quads: Quads) -> GPUBatch | None:
@@ -77,11 +71,9 @@ def draw(
     bias: tuple[float, float] = (0.0, 0.0),
     flow: tuple[float, float] = (0.0, 0.0),
     opacity: float = 1.0,
-    texts: GPUTexture | None = None,
 ) -> None:
     """One draw call, with premultiplied opacity. ``matrix``: from the batch's space to clip space.
-    ``size`` of the viewport [pixels]. ``texts``: the texture of a `TextAtlas` if the batch has
-    texts."""
+    ``size`` of the viewport [pixels]."""
     program = shader()
     program.bind()
     program.uniform_float("matrix", matrix)
@@ -89,5 +81,4 @@ def draw(
     program.uniform_float("bias", bias)
     program.uniform_float("flow", flow)
     program.uniform_float("opacity_factor", opacity)
-    program.uniform_sampler("atlas", texts or _no_texts())
     batch.draw(program)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import bpy
 import gpu
 from bpy.types import Context
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
+from ...core.arrays import FloatArray
 from ...core.contacts.shape_surface import edges
 from ...core.contacts.shapes import Mesh, Shape
+from ..blender.units import metres_per_unit
 from ..session import sessions
 from .screen import Recent
 
@@ -35,7 +38,24 @@ def draw(context: Context, scale: float) -> None:
     number = next((k for k, body in enumerate(reading.bodies) if body.name == name), None)
     if number is None or _is_too_fine(reading.bodies[number].shape):
         return
-    shape = reading.bodies[number].shape
+    draw_edges(
+        reading.bodies[number].shape,
+        reading.transforms[number],
+        _COLOUR,
+        _WIDTH * scale,
+        context.scene.haptics.xray,
+    )
+
+
+def draw_edges(
+    shape: Shape,
+    transform: FloatArray,
+    colour: tuple[float, float, float, float],
+    width: float,
+    in_front: bool,
+) -> None:
+    """Draw the edges of a shape at a transform (4, 4) in the current view, ``width`` pixels
+    wide."""
     program = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     known = _batches.get(id(shape))
     if known is None:
@@ -46,14 +66,15 @@ def draw(context: Context, scale: float) -> None:
             batch_for_shader(program, "LINES", positions, indices=lines.tolist()),
         )
     program.bind()
-    program.uniform_float("viewportSize", (context.region.width, context.region.height))
-    program.uniform_float("lineWidth", _WIDTH * scale)
-    program.uniform_float("color", _COLOUR)
+    program.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+    program.uniform_float("lineWidth", width)
+    program.uniform_float("color", colour)
     gpu.state.blend_set("ALPHA")
-    gpu.state.depth_test_set("LESS_EQUAL" if not context.scene.haptics.xray else "NONE")
+    gpu.state.depth_test_set("NONE" if in_front else "LESS_EQUAL")
     try:
         with gpu.matrix.push_pop():
-            gpu.matrix.multiply_matrix(Matrix(reading.transforms[number].tolist()))
+            gpu.matrix.scale_uniform(1 / metres_per_unit(bpy.context.scene))
+            gpu.matrix.multiply_matrix(Matrix(transform.tolist()))
             known[1].draw(program)
     finally:
         gpu.state.depth_test_set("NONE")

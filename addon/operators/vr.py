@@ -1,0 +1,53 @@
+"""Operators: hands in a virtual-reality session."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as _rpt
+from bpy.types import Context, Operator
+
+from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
+from ..blender.polling import UNDO, Action, Refused, permitted
+from ..live_output import outputs
+from ..vr import actions, controllers, recording
+
+
+def poll_session(cls: type[Operator], context: Context) -> bool:
+    """A VR session runs."""
+    return permitted(cls, actions.is_running(), "Start a VR session first")
+
+
+class HAPTIC_OT_vr_hands(Action, Operator):
+    """Follow the VR controllers with two hands: the controllers play what these touch, instead of what the scene's listeners feel"""
+
+    bl_label = "VR Hands"
+    poll = classmethod(poll_session)
+
+    def apply(self, context: Context) -> None:
+        if THREADS_ENDANGER_SCRIPTS:
+            raise Refused(_rpt("VR Hands need Blender 5.1 or newer"))
+        wanted = controllers.hands() is None
+        if wanted and outputs.found(controllers.KEY) is None:
+            raise Refused(_rpt("The session has no controllers of this add-on: start it again"))
+        controllers.use_hands(wanted)
+        if wanted and controllers.KEY not in outputs.running():
+            bpy.ops.haptic.connect_device(device=controllers.KEY)
+
+
+class HAPTIC_OT_record_hands(Action, Operator):
+    """Record the hands while the timeline plays; a second click adds them as objects with keyframes"""
+
+    bl_label = "Record Hands"
+    bl_options = UNDO
+    poll = classmethod(poll_session)
+
+    def apply(self, context: Context) -> None:
+        if controllers.hands() is None:
+            raise Refused(_rpt("Switch VR Hands on first"))
+        begins = not controllers.is_recording()
+        take = controllers.record(begins)
+        if begins:
+            return
+        if not take:
+            raise Refused(_rpt("Nothing was recorded: play the timeline while recording"))
+        recording.add(context.scene, take)

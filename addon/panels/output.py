@@ -1,0 +1,62 @@
+"""Panel "Output": what is felt as sound, on devices, baked, and in files."""
+
+from __future__ import annotations
+
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Context, Panel, UILayout
+
+from ..blender import job
+from ..live_output import outputs
+from .drawing import SidebarPanel
+from .live_output import draw_search
+from .texts import fitted
+
+_DEVICES = 4
+
+
+class HAPTIC_PT_output(SidebarPanel, Panel):
+    bl_label = "Output"
+    bl_order = 30
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        haptics = context.scene.haptics
+        row = layout.row(align=True)
+        row.prop(haptics.live_output, "preview_volume")
+        row.prop(haptics.live_output, "heard", text="")
+        row.prop(haptics.live_output, "sharper", text="", icon="SHARPCURVE")
+        row = layout.row(align=True)
+        draw_search(row)
+        row.popover("HAPTIC_PT_live_output", text="", icon="PREFERENCES")
+        _draw_devices(layout.column(align=True))
+        if job.draw_running(layout):
+            return
+        row = layout.row(align=True)
+        words = "Bake" if haptics.bake.track is None else "Bake Again"
+        row.operator("haptic.bake", text=words, icon="REC")
+        row.popover("HAPTIC_PT_bake", text="", icon="PREFERENCES")
+        row = layout.row(align=True)
+        row.operator("export_scene.haptic_tracks", text="Export Tracks", icon="EXPORT")
+        row.operator("export_scene.haptic_scene", text="", icon="SCENE_DATA")
+        row.popover("HAPTIC_PT_export", text="", icon="PREFERENCES")
+
+
+def _draw_devices(layout: UILayout) -> None:
+    """Draw the connected devices and those found, each with the button that (dis)connects it."""
+    running, inventory = outputs.running(), outputs.inventory()
+    found = () if inventory is None else inventory.devices
+    titles = {device.key: device.title for device in found}
+    titles |= {key: output.profile.title for key, output in running.items()}
+    for key, title in list(titles.items())[:_DEVICES]:
+        row = layout.row(align=True)
+        is_open = key in running and running[key].status.state == "open"
+        icon = "CHECKMARK" if is_open else "ERROR" if key in running else "MOUSE_MOVE"
+        row.label(text=fitted(title, 0.8, icon=True), icon=icon, translate=False)
+        connects = "disconnect" if key in running else "connect"
+        icon = "UNLINKED" if key in running else "LINKED"
+        row.operator(f"haptic.{connects}_device", text="", icon=icon).device = key
+    more = max(len(titles) - _DEVICES, 0)
+    if more:
+        layout.label(text=iface_("and {} more").format(more), translate=False)
+    elif inventory is not None and not titles:
+        layout.label(text="No haptic device is connected", icon="INFO")

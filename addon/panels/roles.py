@@ -1,0 +1,75 @@
+"""Panel "Selected Object": its roles, with the values that matter first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.types import Context, Panel, UILayout
+
+from .drawing import SidebarPanel, draw_each
+from .object import draw_override, draw_transmission
+from .result import draw_solo_and_mute
+from .source import draw_signal
+
+
+class HAPTIC_PT_roles(SidebarPanel, Panel):
+    bl_label = "Selected Object"
+    bl_order = 10
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        obj = context.object
+        if obj is None:
+            layout.label(text="Select an object", icon="INFO")
+            return
+        row = layout.row()
+        row.label(text=obj.name, icon="OBJECT_DATA", translate=False)
+        draw_override(layout, obj)
+        haptics = obj.haptics
+        several = len(context.selected_objects) > 1
+        if obj.type == "ARMATURE":
+            layout.prop(haptics, "body")
+        elif _draw_role(
+            layout, haptics, "object", "haptic.make_objects", "OUTLINER_OB_META", several
+        ):
+            draw_transmission(layout.column(align=True), context, obj)
+        if _draw_role(
+            layout, haptics.source, "source", "haptic.add_source", "OUTLINER_OB_FORCE_FIELD"
+        ):
+            draw_signal(layout.column(align=True), haptics.source)
+        if _draw_role(
+            layout,
+            haptics.listener,
+            "listener",
+            "haptic.add_listener",
+            "OUTLINER_OB_LIGHTPROBE",
+            several,
+        ):
+            draw_each(layout.column(align=True), haptics.listener, "body_part", "gain")
+        layout.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
+
+
+def _draw_role(
+    layout: UILayout, role: Any, name: str, operator: str, icon: str, several: bool = False
+) -> bool:
+    """Draw a role of the active object. Returns whether it has it.
+
+    Args:
+        role: The properties of the role.
+        name: The name of the panel with all its values, which a button opens; Blender draws the
+            switch of the panel's header beside the button.
+        operator: Gives the role.
+        icon: Of the operator.
+        several: The role can be given to other selected objects, too.
+    """
+    if not role.enabled:
+        layout.operator(operator, icon=icon)
+        return False
+    row = layout.row(align=True)
+    row.label(text=role.bl_rna.properties["enabled"].name, icon=icon)
+    if several:
+        row.operator(operator, text="", icon="ADD")
+    if name != "object":
+        draw_solo_and_mute(row, role)
+    row.popover(f"HAPTIC_PT_{name}", text="", icon="PREFERENCES")
+    return True

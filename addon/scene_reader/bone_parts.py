@@ -1,0 +1,184 @@
+"""The shape of a mesh that bones deform: a convex part for each bone, of the vertices that it moves
+most, which moves with the bone.
+
+A mesh is read in its rest pose, as it is without modifiers; each frame only the bones' matrices.
+"""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from bpy.types import Depsgraph, Mesh, Object
+from mathutils import Matrix
+
+from ...core.arrays import FloatArray, IntArray
+from ...core.contacts.hull import convex_hull
+from ...core.contacts.shapes import Compound, ConvexHull
+from ...core.contacts.surface_shape import hull_deviation
+from ...core.scene.values import Pose
+from ..blender.arrays import read_array
+from ..blender.units import metres_per_unit
+from .world_transforms import in_metres, rigid_transforms
+
+_KEEP_PLACES = {
+    *("ARMATURE", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "MULTIRES", "NORMAL_EDIT", "SMOOTH"),
+    *("SUBSURF", "TRIANGULATE", "UV_PROJECT", "UV_WARP", "VERTEX_WEIGHT_EDIT"),
+    *("VERTEX_WEIGHT_MIX", "WEIGHTED_NORMAL"),
+}
+"""Types of modifiers after which the vertices of the mesh are still the first ones, about where
+the armature moved them."""
+
+_STRETCHED = 1e-3
+"""Part by which a bone may change lengths without a shape of its own for that."""
+
+
+@dataclass(frozen=True, slots=True)
+class BoneParts:
+    """The parts of a mesh at rest, in the object's frame with its scale in them: ``points`` (n, 3)
+    of its vertices and the number (n,) of the part of each, ``hulls``, and by part the number of
+    the bone in the pose, -1 for what no bone moves, and the inverse (4, 4) of its matrix at rest.
+    ``concavity`` [m]: how far the hulls are beside the surface."""
+
+    points: FloatArray
+    of: IntArray
+    hulls: tuple[ConvexHull, ...]
+    bones: IntArray
+    inverse_rest: FloatArray
+    concavity: float
+
+    def motions(self, obj: Object, armature: Object, depsgraph: Depsgraph) -> FloatArray:
+        """How the bones have moved the parts, as affine maps (p, 4, 4) in the object's frame."""
+        pose = armature.evaluated_get(depsgraph)
+        bones = read_array(pose.pose.bones, "matrix", 16).reshape(-1, 4, 4).transpose(0, 2, 1)
+        moved = bones[self.bones] @ self.inverse_rest
+        moved[self.bones < 0] = np.eye(4)
+        world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float32)
+        metres = metres_per_unit(depsgraph.scene)
+        rigid = rigid_transforms(in_metres(world.T.reshape(1, 16), metres))[0][0]
+        of_armature = np.diag((metres, metres, metres, 1.0)) @ np.array(pose.matrix_world)
+        to_object = np.linalg.inv(rigid) @ of_armature
+        return np.asarray(to_object @ moved @ np.linalg.inv(to_object))
+
+    def posed(self, motions: FloatArray) -> Compound:
+        """The parts after these ``motions``; where a bone stretches, its hull is stretched."""
+        linear = motions[:, :3, :3]
+        products = linear.transpose(0, 2, 1) @ linear
+        stretched = np.abs(products - np.eye(3)).max(axis=(1, 2)) > 2 * _STRETCHED
+        children = []
+        for hull, motion, stretches in zip(self.hulls, motions, stretched.tolist(), strict=True):
+            turn = motion[:3, :3]
+            if stretches:
+                left, sizes, right = np.linalg.svd(turn)
+                side = np.sign(np.linalg.det(left @ right))  # -1 where the bone mirrors
+                turn = side * (left @ right)
+                hull = _stretched(hull, np.round(right.T * (side * sizes) @ right, 3).tobytes())
+            w, x, y, z = Matrix(turn.tolist()).to_quaternion().normalized()
+            children.append((hull, Pose(tuple(motion[:3, 3].tolist()), (w, x, y, z))))
+        return Compound(tuple(children))
+
+    def deviation(
+        self, motions: FloatArray, obj: Object, depsgraph: Depsgraph, scale: FloatArray
+    ) -> float:
+        """How far the parts are at most beside the surface as it is deformed now [m]: that of the
+        hulls at rest, and how far vertices are from where their bone alone would move them."""
+        mesh = obj.evaluated_get(depsgraph).data
+        if len(mesh.vertices) < len(self.points):
+            return self.concavity
+        seen = read_array(mesh.vertices, "co", 3)[: len(self.points)] * scale
+        motion = motions[self.of]
+        alone = np.einsum("nij,nj->ni", motion[:, :3, :3], self.points) + motion[:, :3, 3]
+        return self.concavity + float(np.sqrt(((seen - alone) ** 2).sum(axis=1).max()))
+
+
+def armature_of(obj: Object) -> Object | None:
+    """The armature whose bones alone deform a mesh, None if there is none or if other modifiers
+    do, too."""
+    if obj.type != "MESH":
+        return None
+    active: list[Any] = [item for item in obj.modifiers if item.show_viewport]
+    armatures = {item.object for item in active if item.type == "ARMATURE" and item.object}
+    if any(item.type not in _KEEP_PLACES for item in active) or len(armatures) > 1:
+        return None
+    if obj.parent_type == "ARMATURE" and obj.parent is not None:  # as files before 2.5 have it
+        armatures.add(obj.parent)
+    return armatures.pop() if len(armatures) == 1 else None
+
+
+def rest_checksum(obj: Object, armature: Object) -> tuple[object, ...]:
+    """What the parts depend on beside the weights and the scale: names of bones and vertex groups,
+    matrices and places at rest."""
+    bones = armature.data.bones
+    return (
+        armature.name_full,
+        tuple((bone.name, bone.use_deform) for bone in bones),
+        tuple(obj.vertex_groups.keys()),
+        zlib.crc32(read_array(bones, "matrix_local", 16).tobytes()),
+    )
+
+
+def parts_at_rest(obj: Object, armature: Object, scale: FloatArray) -> BoneParts | None:
+    """The parts of a mesh with its world ``scale`` (3,); None if the bones move none of it."""
+    mesh = obj.data
+    points = read_array(mesh.vertices, "co", 3) * scale
+    names = [bone.name for bone in armature.pose.bones if bone.bone.use_deform]
+    bone_of = {
+        group.index: armature.pose.bones.find(group.name)
+        for group in obj.vertex_groups
+        if group.name in names
+    }
+    mesh.calc_loop_triangles()
+    triangles = read_array(mesh.loop_triangles, "vertices", 3, np.int32)
+    while True:
+        moved_by = _strongest(mesh, bone_of)
+        bones, of = np.unique(moved_by, return_inverse=True)
+        groups = [points[of == part] for part in range(len(bones))]
+        flat = [bone for bone, own in zip(bones.tolist(), groups, strict=True) if _is_point(own)]
+        if not set(flat) & set(bone_of.values()):
+            break
+        bone_of = {group: bone for group, bone in bone_of.items() if bone not in flat}
+    if not bone_of or any(map(_is_point, groups)):
+        return None
+    inside = of[triangles]
+    whole = (inside == inside[:, :1]).all(axis=1)
+    place = np.empty(len(points), dtype=np.int64)
+    deviations = []
+    for part, own in enumerate(groups):
+        place[of == part] = np.arange(len(own))
+        deviations.append(hull_deviation(own, place[triangles[whole & (inside[:, 0] == part)]]))
+    rest = read_array(armature.data.bones, "matrix_local", 16).reshape(-1, 4, 4)
+    data = [armature.data.bones.find(bone.name) for bone in armature.pose.bones]
+    inverse = np.linalg.inv(rest.transpose(0, 2, 1).astype(np.float64))[np.array(data)[bones]]
+    hulls = tuple(_hull(own.tobytes()) for own in groups)
+    return BoneParts(points, of, hulls, bones, inverse, max(deviations))
+
+
+def _strongest(mesh: Mesh, bone_of: dict[int, int]) -> IntArray:
+    """For each vertex the bone with the largest weight, of those of the vertex groups in
+    ``bone_of``; -1 where none has any."""
+    found = []
+    for vertex in mesh.vertices:
+        most, strongest = 0.0, -1
+        for entry in vertex.groups:
+            if entry.weight > most and entry.group in bone_of:
+                most, strongest = entry.weight, bone_of[entry.group]
+        found.append(strongest)
+    return np.array(found, dtype=np.int64)
+
+
+def _is_point(points: FloatArray) -> bool:
+    return not np.ptp(points, axis=0).any()
+
+
+@lru_cache(maxsize=1024)
+def _hull(points: bytes) -> ConvexHull:
+    """The hull of points (n, 3), the same object where a mesh is read again."""
+    return ConvexHull(convex_hull(np.frombuffer(points).reshape(-1, 3)).points)
+
+
+@lru_cache(maxsize=256)
+def _stretched(hull: ConvexHull, stretch: bytes) -> ConvexHull:
+    return ConvexHull(hull.points @ np.frombuffer(stretch).reshape(3, 3))

@@ -1,0 +1,106 @@
+"""Instances of collections and of geometry nodes, and those scattered over meshes, as objects of
+their own.
+
+An instance is haptic if the object that it shows is, else if its instancer is, with the properties
+of that one. Objects whose *Surface* was never chosen are of earlier versions, in which instances
+did not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from bpy.types import Depsgraph, Object
+from numpy.typing import NDArray
+
+from ..blender.arrays import read_array
+from ..blender.units import metres_per_unit
+from .roles import is_tagged
+from .world_transforms import in_metres
+
+_UNUSED = 2**31 - 1
+"""Number in the rest of a persistent id."""
+
+
+@dataclass(frozen=True, slots=True)
+class Instances:
+    """The haptic instances of a scene: ``places`` (n,) among all of a depsgraph, whose persistent
+    ids are ``identity`` (m, 8), and world ``matrices`` (n, 16) in metres, column by column.
+    ``instancers`` and ``shown``: session ids of their objects."""
+
+    identity: NDArray[np.int32]
+    places: NDArray[np.int64]
+    matrices: NDArray[np.float32]
+    instancers: frozenset[int] = frozenset()
+    shown: frozenset[int] = frozenset()
+
+    def moved(self, depsgraph: Depsgraph) -> NDArray[np.float32] | None:
+        """Where the same instances are now, None if there are others."""
+        everything = depsgraph.object_instances
+        if not np.array_equal(read_array(everything, "persistent_id", 8, np.int32), self.identity):
+            return None
+        matrices = read_array(everything, "matrix_world", 16)[self.places]
+        return in_metres(matrices, metres_per_unit(depsgraph.scene))
+
+
+NONE = Instances(
+    np.zeros((0, 8), dtype=np.int32), np.zeros(0, dtype=np.int64), np.zeros((0, 16), np.float32)
+)
+
+
+class Found(NamedTuple):
+    """A haptic instance: its ``place`` among all, its name, the object ``owner`` whose properties
+    it has, its instancer, the evaluated object that it shows, which is valid until the next one is
+    found, and its world matrix (16,), column by column."""
+
+    place: int
+    name: str
+    owner: Object
+    instancer: Object
+    shown: Object
+    matrix: NDArray[np.float32]
+
+
+def haptic_instances(depsgraph: Depsgraph) -> Iterator[Found]:
+    """The haptic instances, one after the other."""
+    metres = metres_per_unit(depsgraph.scene)
+    for place, instance in enumerate(depsgraph.object_instances):
+        if not instance.is_instance or instance.parent is None or instance.object is None:
+            continue
+        shown, instancer = instance.object.original, instance.parent.original
+        assert shown is not None and instancer is not None
+        owner = next((obj for obj in (shown, instancer) if counts(obj)), None)
+        if owner is not None:
+            number = ".".join(str(k) for k in reversed(instance.persistent_id) if k != _UNUSED)
+            name = f"{instancer.name_full}: {shown.name_full} {number}"
+            matrix = np.array(instance.matrix_world, dtype=np.float32).T.reshape(1, 16)
+            placed = in_metres(matrix, metres)[0]
+            yield Found(place, name, owner, instancer, instance.object, placed)
+
+
+def counts(obj: Object) -> bool:
+    """Whether the instances of a haptic object are haptic."""
+    return obj.haptics.enabled and obj.haptics.is_property_set("surface")
+
+
+def instanced_in_vain(depsgraph: Depsgraph) -> list[Object]:
+    """The instances of collections with haptic objects that don't count."""
+    return [
+        obj
+        for obj in depsgraph.view_layer.objects
+        if obj.instance_type == "COLLECTION"
+        and obj.instance_collection is not None
+        and any(is_tagged(o) and not counts(o) for o in obj.instance_collection.all_objects)
+    ]
+
+
+def with_instanced(objects: Iterable[Object]) -> list[Object]:
+    """Objects, and those of the collections that they show."""
+    found = dict.fromkeys(objects)
+    for obj in tuple(found):
+        if obj.instance_collection is not None:
+            found.update(dict.fromkeys(obj.instance_collection.all_objects))
+    return list(found)

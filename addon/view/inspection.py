@@ -1,0 +1,142 @@
+"""What is under the mouse in the overlay: a connection of a best path, with its objects, distance,
+loss, and the gain up to its end."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.types import Context
+
+from ...core.arrays import FloatArray
+from ...core.diagnosis.connections import connections
+from ...core.message import Metres, written
+from ..blender.text import text_width
+from ..blender.units import metres_per_unit
+from ..changes.events import file_changed
+from ..session.derived import Derived
+from ..session.sessions import Traced
+from .hud import FAINT_INK, INK, TEXT_SIZE, HudBuilder
+from .label_placement import project
+from .layout import pixels_per_point
+from .levels import change_words
+from .screen import Recent, draw_flat, uploaded
+
+_REACH = 9.0  # points around a connection
+_PADDING, _ROW = 8.0, 16.0  # points
+hovered = Recent()
+"""The link under the mouse and the mouse's place, by the region's address; None for none."""
+
+
+class Link(NamedTuple):
+    """A connection of a best path: the objects of its two nodes, the ends of the path, metres, and
+    decibels from end to end and from the source."""
+
+    first: str
+    second: str
+    source: str
+    listener: str
+    distance: float
+    loss: float
+    gain: float
+
+
+class Links(NamedTuple):
+    """The links, and the places of their nodes (m, 2, 3) [m]."""
+
+    items: tuple[Link, ...]
+    position: FloatArray
+
+
+def links_of(traced: Traced, *_: object) -> Links:
+    """Computed on the worker: all connections of best paths, the strongest use of each."""
+    result, names = traced.result, traced.result.graph.table.names
+    found = connections(result, traced.settings.mode)
+    items = []
+    for nodes, amplitude, along, (row, column) in zip(
+        found.nodes, found.amplitude.tolist(), found.along.tolist(), found.pair, strict=True
+    ):
+        first, second = (names[result.graph.node_object[node]] for node in nodes)
+        before, after = map(_decibels, amplitude)
+        items.append(
+            Link(
+                first,
+                second,
+                result.sources[row].name,
+                result.listeners[column].name,
+                along[1] - along[0],
+                before - after if math.isfinite(before) else 0.0,
+                after - _decibels(result.sources[row].amplitude),
+            )
+        )
+    return Links(tuple(items), found.ends(result.graph).reshape(-1, 2, 3))
+
+
+_LINKS: Derived[None, Links] = Derived(links_of)
+
+
+def _decibels(factor: float) -> float:
+    return 20 * math.log10(factor) if factor > 0 else -math.inf
+
+
+def under(context: Context, mouse: tuple[float, float]) -> Link | None:
+    """The connection within reach of the mouse [pixels of the viewport], the nearest one."""
+    latest = _LINKS.latest(context.scene, None)
+    if latest is None or not latest.value.items:
+        return None
+    region, view = context.region, context.region_data
+    perspective = np.array(view.perspective_matrix, dtype=np.float64)
+    ends = project(
+        latest.value.position.reshape(-1, 3) / metres_per_unit(context.scene),
+        perspective,
+        (region.width, region.height),
+    ).reshape(-1, 2, 2)
+    away = distances_to(np.array(mouse, dtype=np.float64), ends)
+    if np.isnan(away).all() or np.nanmin(away) > _REACH * pixels_per_point(context):
+        return None
+    return latest.value.items[int(np.nanargmin(away))]
+
+
+def distances_to(place: FloatArray, ends: FloatArray) -> FloatArray:
+    """Distances of a place (2,) to segments with ``ends`` (m, 2, 2); NaN where an end is NaN."""
+    start, way = ends[:, 0], ends[:, 1] - ends[:, 0]
+    square = np.maximum((way**2).sum(axis=1), 1e-12)
+    share = np.clip(((place - start) * way).sum(axis=1) / square, 0.0, 1.0)
+    return np.sqrt(((start + share[:, None] * way - place) ** 2).sum(axis=1))
+
+
+def words_of(link: Link) -> tuple[str, ...]:
+    """The lines of the tooltip."""
+    loss = change_words(-link.loss)
+    if link.first == link.second:
+        title, way = link.first, f"{written(Metres(link.distance))}, {loss}"
+    else:
+        title = f"{link.first} \N{MULTIPLICATION SIGN} {link.second}"
+        way = iface_("Contact, {}").format(loss)
+    gain = iface_("Gain up to here {}").format(change_words(link.gain))
+    return title, way, gain, f"{link.source} \N{RIGHTWARDS ARROW} {link.listener}"
+
+
+def draw(context: Context) -> None:
+    """Draw the words of the connection under the mouse on a plate beside it, within the
+    viewport."""
+    found = hovered.get(context.region.as_pointer())
+    if found is None:
+        return
+    link, mouse = found
+    scale = pixels_per_point(context)
+    builder, words = HudBuilder(scale), words_of(link)
+    width = max(text_width(line, TEXT_SIZE * scale) for line in words) + 2 * _PADDING * scale
+    height = (len(words) * _ROW + _PADDING) * scale
+    left = min(mouse[0] + 14 * scale, context.region.width - width)
+    top = max(mouse[1] - 10 * scale, height)
+    builder.panel((left, top - height), (left + width, top), 4.0)
+    for number, line in enumerate(words):
+        place = left + _PADDING * scale, top - (_ROW * (number + 1) - 2) * scale
+        builder.text(line, place, FAINT_INK if number else INK)
+    draw_flat(uploaded(builder.build()), (context.region.width, context.region.height), scale)
+
+
+file_changed.subscribe(hovered.clear)

@@ -1,0 +1,1 @@
+"""Blender's virtual-reality session: its controllers as a device."""
