@@ -2,19 +2,26 @@
 
 Each subcommand is a module with ``run(args) -> int``. Only the requested one is imported;
 `arguments` describes the arguments of all of them, so that help loads nothing else.
+
+What a command prints on stdout is its result alone: Blender's own lines, which it writes to the
+process' stdout, go to stderr, and with ``--json`` the text for people as well.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import signal
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import nullcontext, redirect_stdout
 from importlib import import_module
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn, TextIO
 
+from .. import __version__
+from . import standard_streams
 from .arguments import SUBCOMMANDS
 
 BAD_INPUT = 2
@@ -42,14 +49,36 @@ def _note(number: int, frame: FrameType | None) -> None:
 
 
 class _OneLineParser(argparse.ArgumentParser):
-    """A parser that reports invalid arguments in one line."""
+    """A parser that reports invalid arguments in one line, and takes ``--json``."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.add_argument(
+            "--json",
+            action="store_true",
+            default=argparse.SUPPRESS,
+            help="print the result as one JSON object, and all text on stderr",
+        )
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {one_line(message)} (see {self.prog} --help)\n")
 
 
+class _Completion(argparse.Action):
+    """Print what makes a shell complete the arguments, and end."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *arguments: Any) -> NoReturn:
+        try:
+            shtab: Any = import_module("shtab")
+        except ModuleNotFoundError:
+            parser.error("shtab is not installed (pip install 'haptic-tracing[completion]')")
+        print(shtab.complete(parser, arguments[1]))
+        parser.exit()
+
+
 def one_line(text: str) -> str:
     """``text`` with line breaks and other control characters escaped."""
+    text = standard_streams.in_words(text)
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
@@ -70,6 +99,13 @@ def build_parser() -> argparse.ArgumentParser:
     parser = _OneLineParser(
         prog="haptic-tracing", description="Vibration propagated through touching objects."
     )
+    parser.add_argument("--version", action="version", version=f"haptic-tracing {__version__}")
+    parser.add_argument(
+        "--print-completion",
+        action=_Completion,
+        choices=("bash", "zsh", "tcsh"),
+        help="print what makes a shell complete the arguments",
+    )
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, command in SUBCOMMANDS.items():
         command.describe(
@@ -83,19 +119,47 @@ def run(args: argparse.Namespace) -> int:
     try:
         module = import_module(f".{args.command}", __name__)
     except ModuleNotFoundError as error:
+        if error.name in ("scipy", "pandas"):
+            raise ValueError(
+                f"this needs {error.name}: pip install 'haptic-tracing[study]'"
+            ) from None
         if error.name != "bpy":
             raise
         raise ValueError(
             "this needs Blender as a Python module: pip install bpy (its version decides the "
             "Python version)"
         ) from None
-    code: int = module.run(args)
+    args.json, args.stdout = getattr(args, "json", False), sys.stdout
+    for key, suffix in standard_streams.INPUTS.items():
+        if getattr(args, key, None) == standard_streams.DASH:
+            setattr(args, key, standard_streams.from_input(suffix))
+    with redirect_stdout(sys.stderr) if args.json else nullcontext():
+        code: int = module.run(args)
     return code
+
+
+def answer(args: argparse.Namespace, result: Mapping[str, Any]) -> None:
+    """Print the result of a command, of JSON values, if ``--json`` asks for it."""
+    if args.json:
+        print_json(result, args.stdout)
+
+
+def print_json(result: Mapping[str, Any], file: TextIO | None = None) -> None:
+    """Print one JSON object."""
+    print(json.dumps(result, indent=1, ensure_ascii=False, allow_nan=False), file=file)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the program on ``argv`` (the process' arguments by default) and return its exit code: 0,
     130 after Ctrl-C, or 2 for bad input, which is explained in one line on stderr."""
+    standard_streams.keep_stdout_for_results()
+    try:
+        return _exit_code(argv)
+    finally:
+        standard_streams.remove()
+
+
+def _exit_code(argv: Sequence[str] | None) -> int:
     try:
         code = run(build_parser().parse_args(argv))
         sys.stdout.flush()

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import re
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..core.formats.io.catalogue import FORMATS, READERS
 from ..sample_scenes import SAMPLES
@@ -18,19 +20,17 @@ FORMAT_NAMES = f"{', '.join(FORMATS)}, or all"
 
 
 class Subcommand(NamedTuple):
-    """``summary``: its line in the program's help. ``describe`` adds its arguments to a parser."""
+    """``summary``: its line in the program's help. ``describe`` adds its arguments to a parser.
+    ``example``: a call of it, for its page in the manual."""
 
     summary: str
     description: str
     describe: Callable[[Parser], None]
+    example: str
 
 
 def _propagate(parser: Parser) -> None:
-    parser.add_argument(
-        "scene",
-        metavar="SCENE.json",
-        help="haptic scene; without contacts they are found from shapes and poses",
-    )
+    _add_scene(parser)
     strategies = ("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance")
     parser.add_argument(
         "--strategy", choices=strategies, help="how gains are computed (the scene's)"
@@ -67,11 +67,7 @@ def _propagate(parser: Parser) -> None:
 
 
 def _fit(parser: Parser) -> None:
-    parser.add_argument(
-        "scene",
-        metavar="SCENE.json",
-        help="haptic scene; without contacts they are found from shapes and poses",
-    )
+    _add_scene(parser)
     parser.add_argument(
         "recorded_source", metavar="SOURCE.wav", type=Path, help="recorded at the source"
     )
@@ -100,18 +96,21 @@ def _fit(parser: Parser) -> None:
         help="the recordings differ by an unknown factor; no contact is fitted then",
     )
     parser.add_argument(
-        "--out", type=Path, metavar="NEW.json", help="write the scene with the fitted values"
+        "--out",
+        type=Path,
+        metavar="NEW.json",
+        help="write the scene with the fitted values; -: print it instead of what was fitted",
     )
 
 
 def _sound(parser: Parser) -> None:
-    parser.add_argument("sound", metavar="IN.wav", type=Path, help="the sound")
+    parser.add_argument("sound", metavar="IN.wav", type=Path, help="the sound; -: standard input")
     parser.add_argument(
         "--output",
         required=True,
         metavar="OUT.json",
         type=Path,
-        help="the signal, as in a source of a haptic scene",
+        help="the signal, as in a source of a haptic scene; -: standard output",
     )
     parser.add_argument(
         "--carrier",
@@ -132,7 +131,7 @@ def _sound(parser: Parser) -> None:
 
 
 def _contacts(parser: Parser) -> None:
-    parser.add_argument("scene", metavar="SCENE.json", help="haptic scene")
+    _add_scene(parser)
     parser.add_argument(
         "--tolerance",
         type=_not_negative,
@@ -217,6 +216,35 @@ def _devices(parser: Parser) -> None:
         "--seconds", type=float, default=3.0, help="length of the sweep, 0.1 to 60 (default 3)"
     )
 
+    test.add_argument("--actuator", metavar="NAME", help="play on this actuator only")
+
+    calibrate = actions.add_parser(
+        "calibrate",
+        help="find what a device does at full scale, for the margins of a listener",
+        description="Record with an accelerometer on an actuator while `devices test NAME "
+        "--actuator NAME` plays, then give the recording; or take the values of a profile.",
+    )
+    calibrate.add_argument("recording", metavar="RECORDING.wav", type=Path, nargs="?")
+    calibrate.add_argument(
+        "--unit",
+        type=float,
+        default=1.0,
+        metavar="M/S2",
+        help="acceleration that the recording's full scale stands for [m/s^2] (default 1)",
+    )
+    calibrate.add_argument(
+        "--seconds", type=float, default=3.0, help="length of the sweep played (default 3)"
+    )
+    calibrate.add_argument(
+        "--played", metavar="FILE.wav", type=Path, help="what was played instead of the sweep"
+    )
+    calibrate.add_argument("--device", metavar="NAME", help="take the values of this profile")
+    calibrate.add_argument("--actuator", metavar="NAME", help="its actuator (the first)")
+    calibrate.add_argument(
+        "--scene", metavar="SCENE.json", type=Path, help="write the values into this haptic scene"
+    )
+    calibrate.add_argument("--listener", metavar="NAME", default="", help="its listener")
+
     encode = actions.add_parser(
         "encode", help="print the report that drives a device, as hexadecimal"
     )
@@ -240,16 +268,17 @@ def _devices(parser: Parser) -> None:
 
 
 def _export(parser: Parser) -> None:
-    parser.add_argument("scene", help="haptic scene, .json or .json.gz")
-    parser.add_argument("--to", required=True, metavar="FORMAT,...", help=FORMAT_NAMES)
+    _add_scene(parser)
+    parser.add_argument("--to", default="", metavar="FORMAT,...", help=FORMAT_NAMES)
     parser.add_argument(
         "--out",
         default="out",
         type=Path,
         metavar="FOLDER",
-        help="where the files are written (out)",
+        help="where the files are written; -: one file, to standard output (out)",
     )
     _add_format_options(parser)
+    _add_old_format_options(parser)
     parser.add_argument(
         "--seconds",
         type=float,
@@ -263,6 +292,7 @@ def _export(parser: Parser) -> None:
     parser.add_argument(
         "--losses", action="store_true", help="only say what the formats can't carry"
     )
+    _add_methods(parser, "only print")
     parser.add_argument(
         "--picture",
         action="store_true",
@@ -272,15 +302,45 @@ def _export(parser: Parser) -> None:
 
 def _convert(parser: Parser) -> None:
     parser.add_argument(
-        "source", metavar="IN", type=Path, help=f"{', '.join(READERS)}, or a scene: .json, .json.gz"
+        "source",
+        metavar="IN",
+        type=Path,
+        help=f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
     )
     parser.add_argument(
         "target",
         metavar="OUT",
         type=Path,
-        help="its ending tells the format; some formats take one file per channel",
+        help="its ending tells the format; some formats take one file per channel; -: standard "
+        "output",
     )
+    parser.add_argument("--from", dest="read_as", choices=tuple(FORMATS), help="the format of -")
+    parser.add_argument("--to", choices=tuple(FORMATS), help="the format of - as a target")
     _add_format_options(parser)
+    _add_old_format_options(parser)
+
+
+def _play(parser: Parser) -> None:
+    parser.add_argument(
+        "file",
+        metavar="FILE",
+        type=Path,
+        help=f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: a scene from standard input",
+    )
+    parser.add_argument(
+        "--device",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a device to play on, as `devices` lists it (all)",
+    )
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=10.0,
+        metavar="X",
+        help="how long a scene without frames is played (10)",
+    )
 
 
 def _sample(parser: Parser) -> None:
@@ -313,13 +373,18 @@ def _trace(parser: Parser) -> None:
     _demo(parser)
 
 
+def _engine(parser: Parser) -> None:
+    parser.add_argument("file", metavar="FILE.blend", help="Blender file with haptic objects")
+    _add_folder(parser)
+    _add_frames(parser)
+    parser.add_argument("--no-pack", action="store_true", help="write no baked pack")
+
+
 def _bake(parser: Parser) -> None:
     parser.add_argument(
         "file", metavar="FILE.blend", help="Blender file with haptic objects, sources and listeners"
     )
-    parser.add_argument(
-        "--frames", type=_frame_range, metavar="FIRST:LAST", help="only these frames (the scene's)"
-    )
+    _add_frames(parser)
     parser.add_argument(
         "--modes",
         default="",
@@ -327,13 +392,7 @@ def _bake(parser: Parser) -> None:
         help="HT, SD, MD, MN: played once in each (the scene's)",
     )
     parser.add_argument("--to", default="wav", metavar="FORMAT,...", help=f"{FORMAT_NAMES} (wav)")
-    parser.add_argument(
-        "--out",
-        default="out",
-        type=Path,
-        metavar="FOLDER",
-        help="where the files are written (out)",
-    )
+    _add_folder(parser)
     parser.add_argument(
         "--set",
         action="append",
@@ -341,17 +400,38 @@ def _bake(parser: Parser) -> None:
         metavar="PATH=VALUE",
         help='a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.threshold=0',
     )
-    _add_format_options(parser, "--option")
+    _add_format_options(parser)
+    _add_methods(parser, "also print")
     parser.add_argument(
         "--part",
         type=_part,
-        metavar="K/N",
-        help="only the K-th of N parts, for merge: NAME.K-of-N.npz in the folder",
+        metavar="K/N|K-L/N",
+        help="only the K-th of N parts, or the K-th to the L-th, for merge: NAME.K-of-N.npz in the "
+        "folder",
+    )
+    parser.add_argument(
+        "--job-template",
+        action=_JobTemplate,
+        help="print an Open Job Description of a bake in parts",
+    )
+    parser.add_argument(
+        "--progress",
+        choices=("bar", "openjd"),
+        default="bar",
+        help="a bar, if stderr is a terminal, or lines for workers of Open Job Description",
     )
     parser.add_argument(
         "--from-start",
         action="store_true",
         help="trace a part from the first frame of the range, if merge demands it",
+    )
+
+
+def _add_methods(parser: Parser, does: str) -> None:
+    parser.add_argument(
+        "--methods",
+        action="store_true",
+        help=f"{does} a paragraph for a paper: program, settings, scene and its digest",
     )
 
 
@@ -364,14 +444,8 @@ def _merge(parser: Parser) -> None:
         help="all parts of one bake or of several, or folders with them",
     )
     parser.add_argument("--to", default="wav", metavar="FORMAT,...", help=f"{FORMAT_NAMES} (wav)")
-    parser.add_argument(
-        "--out",
-        default="out",
-        type=Path,
-        metavar="FOLDER",
-        help="where the files are written (out)",
-    )
-    _add_format_options(parser, "--option")
+    _add_folder(parser)
+    _add_format_options(parser)
 
 
 def _sweep(parser: Parser) -> None:
@@ -457,6 +531,31 @@ def _study(parser: Parser) -> None:
         help="leave out the ride with measured materials, two thirds of the time",
     )
     parser.add_argument("--no-tracks", action="store_true", help="write no WAV files")
+    actions = parser.add_subparsers(metavar="run | analyse")
+
+    run = actions.add_parser("run", help="let people feel it and ask them, on two local pages")
+    run.set_defaults(command="study_run")
+    run.add_argument("--participants", type=int, required=True, metavar="N", help="how many")
+    run.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="folder with study.toml, which is put there to be filled in, and the answers",
+    )
+    run.add_argument(
+        "--device",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a device to play on, as `devices` lists it (all that are connected)",
+    )
+    run.add_argument("--port", type=int, default=7720, help="of the pages (7720)")
+    run.add_argument("--prepare", action="store_true", help="only render films and tracks")
+
+    analyse = actions.add_parser("analyse", help="the statistics of a study with people")
+    analyse.set_defaults(command="study_analyse")
+    analyse.add_argument("folder", metavar="DIR", type=Path, help="the folder of the study")
 
 
 def _validate(parser: Parser) -> None:
@@ -470,70 +569,99 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "gains of a haptic scene file",
         "Print the gains of a haptic scene file as one JSON object.",
         _propagate,
+        "haptic-tracing propagate bench.json --strategy energy_balance --felt",
     ),
     "fit": Subcommand(
         "fit the loss of an object and the gain of a contact",
         "Fit the loss of an object and the gain of a contact to two recordings of one event, at "
         "the source and at a listener.",
         _fit,
+        "haptic-tracing fit floor.json a.wav b.wav --source drill --listener hand --object floor",
     ),
     "contacts": Subcommand(
         "contacts of a haptic scene file",
         "Print the contacts of a haptic scene file, found from the shapes and poses of its "
         "objects.",
         _contacts,
+        "haptic-tracing contacts bench.json --tolerance 0.005",
     ),
     "serve": Subcommand(
         "levels and samples for an engine, over a WebSocket or OSC",
         "Answer poses from an engine with what each listener feels, and play it on devices.",
         _serve,
+        "haptic-tracing serve bench.json --device dualsense",
     ),
     "conformance": Subcommand(
         "compares the answers of a run-time server with closed forms",
         "Play conversations with a run-time server and compare its answers with what closed "
         "forms say.",
         _conformance,
+        "haptic-tracing conformance ws://127.0.0.1:7710 --token TOKEN",
     ),
     "devices": Subcommand(
-        "haptic devices: list, test, encode", "List the connected haptic devices.", _devices
+        "haptic devices: list, test, calibrate, encode",
+        "List the connected haptic devices.",
+        _devices,
+        "haptic-tracing devices test dualsense --seconds 5",
     ),
     "export": Subcommand(
         "write a haptic scene in other formats",
         "Write what the listeners of a haptic scene feel, in the formats of other programs.",
         _export,
+        "haptic-tracing export bench.json --to wav,haptic --out out --option wav.encoding=float32",
+    ),
+    "play": Subcommand(
+        "play a haptic file on the connected devices",
+        "Play any haptic file, or what the listeners of a scene feel, on the connected devices. "
+        "Space pauses, q stops.",
+        _play,
+        "haptic-tracing play out/bench.wav --device dualsense",
     ),
     "sound": Subcommand(
         "turn a sound into the signal of a source",
         "Follow the level and the pitch of a sound and find its onsets, and write the vibration "
         "as the signal of a source.",
         _sound,
+        "haptic-tracing sound drum.wav --output drum.json --carrier pitch",
     ),
     "convert": Subcommand(
         "convert between file formats",
         "Convert a vibration, or a haptic scene, to the format that the new name ends in.",
         _convert,
+        "haptic-tracing convert - buzz.haptic --from wav < buzz.wav",
     ),
     "sample": Subcommand(
         "build a sample scene as a .blend file",
         "Build a sample scene, bake its rigid bodies and save it as a Blender file.",
         _sample,
+        "haptic-tracing sample rails --output rails.blend",
     ),
     "trace": Subcommand(
         "play a tagged .blend file and write what is felt",
         "Play a tagged Blender file and write what its listeners feel.",
         _trace,
+        "haptic-tracing trace bench.blend --out out --start 1 --end 48 --json",
     ),
     "bake": Subcommand(
         "play a tagged .blend file and write its tracks in other formats",
         "Play a Blender file, physics included, and write what its listeners feel, in the "
         "formats of other programs.",
         _bake,
+        "haptic-tracing bake bench.blend --to wav,hjif --frames 1:250 --modes HT,SD",
+    ),
+    "engine": Subcommand(
+        "export a tagged .blend file for an engine",
+        "Play a Blender file, and write it as glTF, its haptics with the same names, and a baked "
+        "pack that plays without a server.",
+        _engine,
+        "haptic-tracing engine bench.blend --out game/assets --frames 1:250",
     ),
     "merge": Subcommand(
         "merge the parts of a bake",
         "Merge the parts of a bake into tracks that are bit-identical to those of a bake without "
         "parts.",
         _merge,
+        "haptic-tracing merge parts --to wav,hjif --out out",
     ),
     "sweep": Subcommand(
         "trace many variants of scenes in parallel, and plot the results",
@@ -541,35 +669,89 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "table, on this machine or on a Dask cluster; "
         "or draw such a table.",
         _sweep,
+        "haptic-tracing sweep study.toml --workers 4 --out out",
     ),
     "demo": Subcommand(
         "trace the paper's first figure: a jackhammer felt on a bench",
         "Build the paper's first figure, play it in Blender and write what the avatar feels.",
         _demo,
+        "haptic-tracing demo --out out",
     ),
     "validate": Subcommand(
         "compare the model with published measurements",
         "Compare attenuation, damping and energies with published measurements and printed "
         "answers.",
         _validate,
+        "haptic-tracing validate --out docs",
     ),
     "study": Subcommand(
         "render the paper's ride in its four modes and report",
-        "Render the paper's ride in the four modes HT, SD, MD and MN and report how they differ.",
+        "Render the paper's ride in the four modes HT, SD, MD and MN and report how they differ; "
+        "or let people feel it (run) and analyse what they answered (analyse).",
         _study,
+        "haptic-tracing study --out out/study --sensitivity",
     ),
 }
 
 
-def _add_format_options(parser: Parser, flag: str = "--set") -> None:
+def _add_scene(parser: Parser) -> None:
     parser.add_argument(
-        flag,
+        "scene",
+        metavar="SCENE.json",
+        type=Path,
+        help="haptic scene; without contacts they are found from shapes and poses; -: standard "
+        "input",
+    )
+
+
+def _add_folder(parser: Parser) -> None:
+    parser.add_argument(
+        "--out",
+        default="out",
+        type=Path,
+        metavar="FOLDER",
+        help="where the files are written (out)",
+    )
+
+
+def _add_frames(parser: Parser) -> None:
+    parser.add_argument(
+        "--frames", type=_frame_range, metavar="FIRST:LAST", help="only these frames (the scene's)"
+    )
+
+
+def _add_format_options(parser: Parser) -> None:
+    parser.add_argument(
+        "--option",
         action="append",
         default=[],
         metavar="FORMAT.OPTION=VALUE",
         help="an option of a format",
         dest="options",
     )
+
+
+class _JobTemplate(argparse.Action):
+    """Print the template of a job for farms, and end."""
+
+    def __init__(self, option_strings: list[str], dest: str, **others: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, **others)
+
+    def __call__(self, parser: Parser, *given: Any) -> None:
+        print((Path(__file__).parent / "bake.yaml").read_text(encoding="utf-8"), end="")
+        parser.exit()
+
+
+class _RenamedOption(argparse.Action):
+    """The name that ``--option`` had in version 0.1."""
+
+    def __call__(self, parser: Parser, space: argparse.Namespace, *given: Any) -> None:
+        print("--set: options of formats are given by --option now", file=sys.stderr)
+        space.options = [*space.options, given[0]]
+
+
+def _add_old_format_options(parser: Parser) -> None:
+    parser.add_argument("--set", action=_RenamedOption, help=argparse.SUPPRESS)
 
 
 def _connections(text: str) -> int | None:
@@ -601,11 +783,13 @@ def _not_negative(text: str) -> float:
     return value
 
 
-def _part(text: str) -> tuple[int, int]:
-    number, slash, parts = text.partition("/")
-    if not (slash and number.isdecimal() and parts.isdecimal() and 1 <= int(number) <= int(parts)):
-        raise argparse.ArgumentTypeError(f"must be K/N with 1 <= K <= N, got {text}")
-    return int(number), int(parts)
+def _part(text: str) -> tuple[int, int, int]:
+    """First part, last part, number of parts."""
+    match = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?/([0-9]{1,9})", text)
+    first, last, parts = (int(n or match[1]) for n in match.groups()) if match else (1, 0, 0)
+    if not 1 <= first <= last <= parts:
+        raise argparse.ArgumentTypeError(f"must be K/N or K-L/N with 1 <= K <= L <= N, got {text}")
+    return first, last, parts
 
 
 def _frame_range(text: str) -> tuple[int, int]:

@@ -10,13 +10,12 @@ from bpy.types import Scene
 
 from ..addon.io.capture import Capture
 from ..addon.session import session
-from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.scene.values import Mode
-from . import say
-from .export import chosen_formats, chosen_options, writable
+from . import answer, say
+from .export import chosen_formats, chosen_options, write_all
 from .frame_bar import frame_bar
-from .part import write_part_of
+from .part import write_parts_of
 from .setting import assign
 from .silence import silent_listeners
 from .trace import open_file, start_blender
@@ -34,24 +33,21 @@ def run(args: argparse.Namespace) -> int:
         assign(scene, setting)
     frames = args.frames or (scene.frame_start, scene.frame_end)
     args.out.mkdir(parents=True, exist_ok=True)
-    stem = Path(args.file).stem
+    stem, results = Path(args.file).stem, []
     for mode in modes or [scene.haptics.mode]:
         scene.haptics.mode = mode
         name = f"{stem}.{mode}" if len(modes) > 1 else stem
         if args.part:
-            write_part_of(scene, args, name, frames)
+            parts = [str(path) for path in write_parts_of(scene, args, name, frames)]
+            results.append({"name": name, "mode": mode, "parts": parts})
             continue
         export = _bake(scene, name, frames, recorded="scene" in formats)
-        for name in writable(args.to, formats, export, options):
-            written = registry.write(name, export, args.out, options[name])
-            print(
-                "\n".join(
-                    [
-                        *(f"wrote {path}" for path in written.files),
-                        *(f"not in {name}: {loss}" for loss in written.losses),
-                    ]
-                )
-            )
+        result = {"name": name, "mode": mode, **write_all(export, args, options)}
+        if args.methods:
+            result["methods"] = export.methods()
+            print(result["methods"])
+        results.append(result)
+    answer(args, {"bakes": results})
     return 0
 
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 
 from ..core.run_time import load
-from . import warn_of_unknown
+from . import print_json, warn_of_unknown
 
 
 def run(args: argparse.Namespace) -> int:
@@ -29,5 +28,5 @@ def run(args: argparse.Namespace) -> int:
         }
         for i, (a, b) in enumerate(contacts.pairs.tolist())
     ]
-    print(json.dumps({"contacts": forms}, indent=1, allow_nan=False))
+    print_json({"contacts": forms}, args.stdout)
     return 0

@@ -15,8 +15,9 @@ from ..core.formats.export import Export
 from ..core.formats.io.catalogue import named
 from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ..core.formats.tracks.vibration_file import Channel, VibrationFile
-from . import warn_of_unknown
+from . import say, warn_of_unknown
 from .export import chosen_options, may_replace, print_written
+from .standard_streams import DASH, INPUT, OUTPUT, for_output, from_input, put_out
 
 SAMPLE_RATE = 8000
 """Sample rate of the tracks of a file without samples [Hz]."""
@@ -24,35 +25,55 @@ SAMPLE_RATE = 8000
 
 def run(args: argparse.Namespace) -> int:
     """Read, write, print. Returns exit code 0."""
-    folder = args.target.parent
-    if is_scene(args.source):
-        if not is_scene(args.target):
-            raise ValueError(
-                f"{args.target}: a haptic scene becomes a haptic scene; to render it, use export"
-            )
-        export = haptic_scene.read_export(args.source)
-        warn_of_unknown(args.source, export.unknown)
-        tracks = "none" if export.tracks is None else "inline"
-        files = haptic_scene.write_export(export, args.target, tracks=tracks, encoding="float32")
-        print_written({"scene": registry.Written(tuple(files), ())})
+    source, target = args.source, args.target
+    if source == DASH:
+        source = from_input(_suffix(INPUT, args.read_as, "--from"))
+    if target == DASH:
+        target = for_output(target, _suffix(OUTPUT, args.to, "--to"))
+    name, written = _converted(source, target, args.options)
+    if args.target != DASH:
+        print_written({name: written}, args.stdout)
         return 0
-    names = {named(name).suffix: name for name in registry.FORMATS if name != "scene"}
-    if args.target.suffix.lower() not in names:
-        raise ValueError(
-            f"{args.target}: can't be written: the ending must be one of {', '.join(names)}"
-        )
-    name = names[args.target.suffix.lower()]
-    reading = registry.read(args.source)
-    try:
-        export = Export(args.target.stem, tracks=_tracks(reading))
-    except ValueError as error:
-        raise ValueError(f"{args.source}: {error}") from None
-    written = registry.write(
-        name, export, folder, chosen_options(args.options, [name])[name], may_replace
-    )
-    lost = tuple(f"{args.source.name}: {loss}" for loss in reading.losses)
-    print_written({name: replace(written, losses=(*lost, *written.losses))})
+    put_out(written.files, args.stdout)
+    say(written.losses)
     return 0
+
+
+def _suffix(stream: str, name: str | None, flag: str) -> str:
+    """The ending of the format of what is read from, or written to, ``-``."""
+    if name is None:
+        raise ValueError(f"{stream}: say its format by {flag}")
+    return ".json" if name == "scene" else named(name).suffix
+
+
+def _converted(source: Path, target: Path, options: list[str]) -> tuple[str, registry.Written]:
+    """Convert a file: the format's name and what was written."""
+    if is_scene(source):
+        if not is_scene(target):
+            raise ValueError(
+                f"{target}: a haptic scene becomes a haptic scene; to render it, use export"
+            )
+        export = haptic_scene.read_export(source)
+        warn_of_unknown(source, export.unknown)
+        tracks = "none" if export.tracks is None else "inline"
+        files = haptic_scene.write_export(export, target, tracks=tracks, encoding="float32")
+        return "scene", registry.Written(tuple(files), ())
+    names = {named(name).suffix: name for name in registry.FORMATS if name != "scene"}
+    if target.suffix.lower() not in names:
+        raise ValueError(
+            f"{target}: can't be written: the ending must be one of {', '.join(names)}"
+        )
+    name = names[target.suffix.lower()]
+    reading = registry.read(source)
+    try:
+        export = Export(target.stem, tracks=tracks_of(reading))
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+    written = registry.write(
+        name, export, target.parent, chosen_options(options, [name])[name], may_replace
+    )
+    lost = tuple(f"{source.name}: {loss}" for loss in reading.losses)
+    return name, replace(written, losses=(*lost, *written.losses))
 
 
 def is_scene(path: Path) -> bool:
@@ -60,11 +81,13 @@ def is_scene(path: Path) -> bool:
     return path.name.lower().endswith((".json", ".json.gz"))
 
 
-def _tracks(reading: VibrationFile) -> Tracks:
+def tracks_of(reading: VibrationFile) -> Tracks:
     """The channels as tracks of the same length. Raises ValueError if there is no vibration or too
     much of it."""
     named = zip(_names(reading.channels), reading.channels, strict=True)
-    listeners = tuple(ListenerTrack(name, channel.body_part) for name, channel in named)
+    listeners = tuple(
+        ListenerTrack(name, item.body_part, device=item.device) for name, item in named
+    )
     rate = (
         max((round(channel.sample_rate) for channel in reading.channels), default=0) or SAMPLE_RATE
     )

@@ -1,27 +1,31 @@
-"""``haptic-tracing devices``: lists connected devices, plays a test sweep, and prints encoded
-reports."""
+"""``haptic-tracing devices``: lists connected devices, plays a test sweep, calibrates listeners,
+and prints encoded reports."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 import time
+from typing import Any
 
 import numpy as np
 
+from ..core.devices.calibrating import measured_full_scale, sweep
 from ..core.devices.connection import connected, hid_module, missing_permission
 from ..core.devices.families.family import RumbleFamily
 from ..core.devices.families.registry import family
 from ..core.devices.guard import DeviceOutput
-from ..core.devices.profiles import BUILT_IN, Profile, load_profiles
+from ..core.devices.profiles import BUILT_IN, Actuator, Profile, load_profiles
 from ..core.devices.report import Report, Transport
+from ..core.formats.io.strict_json import read_json
+from ..core.formats.scene.scene_json import current_document, scene_of, write_document
+from ..core.scene.declaration import Curve
+from ..core.scene.references import named
+from ..core.signals.wav import read_wav
+from . import answer
 
 _RATE = 8000
 _FRAME = 0.02
-# From the lowest frequency that a hand feels as vibration to the upper limit of most actuators, at
-# a moderate amplitude.
-_LOWEST_HZ, _HIGHEST_HZ, _AMPLITUDE = 30.0, 400.0, 0.6
 _LOOK_FOR = 3.0
 
 
@@ -29,14 +33,16 @@ def run(args: argparse.Namespace) -> int:
     """List the devices, or run the requested action."""
     if args.action == "test":
         return run_test(args)
+    if args.action == "calibrate":
+        return run_calibrate(args)
     return run_encode(args) if args.action == "encode" else run_list(args)
 
 
 def run_encode(args: argparse.Namespace) -> int:
     """Print one report as lower-case hexadecimal."""
-    print(
-        rumble_report(args.device, args.left, args.right, args.transport, args.sequence).data.hex()
-    )
+    report = rumble_report(args.device, args.left, args.right, args.transport, args.sequence)
+    print(report.data.hex())
+    answer(args, {"report": report.data.hex()})
     return 0
 
 
@@ -69,6 +75,7 @@ def run_list(args: argparse.Namespace) -> int:
     if not devices:
         print("no haptic device is connected")
     problems: list[str] = []
+    rows = []
     for device in devices:
         families = [family.name for family in device.families]
         names = [
@@ -78,22 +85,20 @@ def run_list(args: argparse.Namespace) -> int:
             if profile.family.name == family
         ]
         first = device.first
-        ids = f"{first.vendor:04x}:{first.product:04x}"
-        print(
-            "\t".join(
-                [
-                    ", ".join(names) or "not supported",
-                    first.title or "unnamed",
-                    first.transport,
-                    ids,
-                    first.serial,
-                ]
-            ).rstrip()
-        )
+        row = {
+            "names": ", ".join(names) or "not supported",
+            "title": first.title or "unnamed",
+            "transport": first.transport,
+            "ids": f"{first.vendor:04x}:{first.product:04x}",
+            "serial": first.serial,
+        }
+        print("\t".join(row.values()).rstrip())
+        rows.append({**row, "names": names})
         if families:
             problems += filter(None, map(missing_permission, device.interfaces))
     for problem in problems:
         print(problem)
+    answer(args, {"devices": rows, "problems": problems})
     return 0
 
 
@@ -104,11 +109,13 @@ def run_test(args: argparse.Namespace) -> int:
         raise ValueError(f"device {args.name!r} is unknown: use one of {', '.join(profiles)}")
     if not 0.1 <= args.seconds <= 60.0:
         raise ValueError(f"seconds {args.seconds} is not in [0.1, 60]")
+    if args.actuator is not None:
+        _actuator(profiles[args.name], args.actuator)
     output = DeviceOutput(profiles[args.name], rate=_RATE, serial=args.serial)
     output.start()
     try:
-        _wait_until_open(output)
-        _play_sweep(output, args.seconds)
+        output.wait_until_open(_LOOK_FOR)
+        _play_sweep(output, args.seconds, args.actuator)
     finally:
         output.stop()
     status = output.status
@@ -118,7 +125,56 @@ def run_test(args: argparse.Namespace) -> int:
         f"{args.name}: {status.written} reports written, the last is release; "
         f"{1000 * (status.delay or 0.0):.1f} ms from block to report"
     )
+    answer(args, {"device": args.name, "reports": status.written, "delay": status.delay})
     return 0
+
+
+def run_calibrate(args: argparse.Namespace) -> int:
+    """Find what a device does at full scale, from a recording or its profile; print it and write it
+    to a listener of a scene."""
+    if (args.recording is None) == (args.device is None):
+        raise ValueError("name either a recording or, with --device, a device's profile")
+    known = _of_profile(args) if args.recording is None else _of_recording(args)
+    print(f"Full Scale: {Curve.text(known['full_scale'])}")
+    print(f"Unit: {known['full_scale_unit']}\nCalibrated By: {known['full_scale_source']}")
+    if args.scene is not None:
+        document = current_document(read_json(args.scene), args.scene)[0]
+        named(
+            args.listener, {form["name"]: form for form in document["listeners"]}, "listener"
+        ).update(known)
+        scene_of(document, args.scene)
+        write_document(document, args.scene)
+        print(f"wrote {args.scene}")
+    answer(args, known)
+    return 0
+
+
+def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
+    if not args.unit > 0:
+        raise ValueError(f"--unit {args.unit}: must be above 0")
+    played = sweep(args.seconds, _RATE) if args.played is None else read_wav(args.played).samples
+    points = measured_full_scale(played, args.unit * read_wav(args.recording).samples, _RATE)
+    return {
+        "full_scale": [[float(f"{number:.4g}") for number in point] for point in points],
+        "full_scale_unit": "m/s^2",
+        "full_scale_source": f"measured, {args.recording.name}",
+    }
+
+
+def _of_profile(args: argparse.Namespace) -> dict[str, Any]:
+    profile = named(args.device, _profiles(args), "device")
+    actuator = _actuator(profile, args.actuator or profile.actuators[0].name)
+    if not actuator.full_scale:
+        raise ValueError(f"the profile of {profile.name} has no full_scale of {actuator.name!r}")
+    return {
+        "full_scale": [list(point) for point in actuator.full_scale],
+        "full_scale_unit": actuator.full_scale_unit,
+        "full_scale_source": f"{profile.title}: {actuator.full_scale_source}",
+    }
+
+
+def _actuator(profile: Profile, name: str) -> Actuator:
+    return named(name, {item.name: item for item in profile.actuators}, "actuator")
 
 
 def _profiles(args: argparse.Namespace) -> dict[str, Profile]:
@@ -133,32 +189,16 @@ def _profiles(args: argparse.Namespace) -> dict[str, Profile]:
     return profiles
 
 
-def _wait_until_open(output: DeviceOutput) -> None:
-    end = time.perf_counter() + _LOOK_FOR
-    while (
-        output.status.state == "searching"
-        and time.perf_counter() < end
-        and not output.status.message
-    ):
-        time.sleep(0.01)
-    status = output.status
-    if status.state != "open":
-        raise OSError(status.message or f"{output.profile.title} can't be opened")
-
-
-def _play_sweep(output: DeviceOutput, seconds: float) -> None:
-    """A logarithmic sweep on one actuator after the other, in blocks in real time."""
-    actuators = len(output.profile.actuators)
-    frames = round(seconds / _FRAME)
-    growth = math.log(_HIGHEST_HZ / _LOWEST_HZ)
+def _play_sweep(output: DeviceOutput, seconds: float, only: str | None) -> None:
+    """The test sweep on one actuator after the other, or on one, in blocks in real time."""
+    names = [item.name for item in output.profile.actuators]
+    rows = [k for k, name in enumerate(names) if only in (None, name)]
+    one = sweep(seconds / len(rows), _RATE)
+    samples = np.zeros((len(names), len(rows) * len(one)))
+    for place, row in enumerate(rows):
+        samples[row, place * len(one) : (place + 1) * len(one)] = one
+    step = round(_FRAME * _RATE)
     start = time.perf_counter()
-    for frame in range(frames):
-        # Each actuator plays the whole sweep in its share of the time.
-        share = frame * actuators / frames
-        times = frame * _FRAME + np.arange(round(_FRAME * _RATE)) / _RATE
-        part = np.clip(times * actuators / seconds - int(share), 0.0, 1.0)
-        phase = 2 * math.pi * _LOWEST_HZ * (seconds / actuators) / growth * np.expm1(growth * part)
-        block = np.zeros((actuators, len(times)))
-        block[int(share)] = _AMPLITUDE * np.sin(phase)
-        output.send(block)
-        time.sleep(max(start + (frame + 1) * _FRAME - time.perf_counter(), 0.0))
+    for begin in range(0, samples.shape[1], step):
+        output.send(samples[:, begin : begin + step])
+        time.sleep(max(start + (begin + step) / _RATE - time.perf_counter(), 0.0))

@@ -4,13 +4,14 @@ scene in the formats of other programs."""
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any, TextIO
 
 from ..core.contacts.scene_contacts import contacts_of_scene
+from ..core.diagnosis.doubts import doubts
 from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.formats.haptic_scene import read_export
@@ -22,9 +23,10 @@ from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.render.frame_result import FrameResult
 from ..core.scene.values import HapticScene
 from ..core.tracer import Tracer
-from . import say, warn_of_unknown
+from . import print_json, say, warn_of_unknown
 from .picture import check_matplotlib, write_picture
 from .silence import silent_listeners
+from .standard_streams import DASH, folder, put_out
 
 STILL_RATE = 30
 """Frame rate at which a scene without frames is traced."""
@@ -34,7 +36,9 @@ LONGEST = 3600.0
 
 def run(args: argparse.Namespace) -> int:
     """Read, render missing tracks, write, print. Returns exit code 0."""
-    names = chosen_formats(args.to)
+    if not args.to and not args.methods:
+        raise ValueError(f"--to: say at least one of {', '.join(registry.FORMATS)}")
+    names = chosen_formats(args.to) if args.to else []
     chosen = chosen_options(args.options, names)
     if not 0 < args.seconds <= LONGEST:
         raise ValueError(
@@ -42,18 +46,22 @@ def run(args: argparse.Namespace) -> int:
         )
     export = read_export(args.scene)
     warn_of_unknown(args.scene, export.unknown)
+    say(f"{args.scene}: {words}" for words in doubts(export.need_scene()))
+    if args.methods:
+        if args.json:
+            print_json({"methods": export.methods()}, args.stdout)
+        else:
+            print(export.methods(), file=args.stdout)
+        return 0
     if export.tracks is None and export.need_scene().listeners and names != ["scene"]:
-        export = replace(export, tracks=_rendered(export, args.seconds, args.sample_rate))
+        export = replace(export, tracks=rendered(export, args.seconds, args.sample_rate))
     if args.losses:
-        print(
-            json.dumps(
-                {"losses": {name: registry.losses(name, export, chosen[name]) for name in names}},
-                ensure_ascii=False,
-                indent=1,
-            )
-        )
+        losses = {name: registry.losses(name, export, chosen[name]) for name in names}
+        print_json({"losses": losses}, args.stdout)
         return 0
     names = writable(args.to, names, export, chosen)
+    if args.out == DASH:
+        return _put_out(export, names, chosen, args)
     args.out.mkdir(parents=True, exist_ok=True)
     if args.picture:
         check_matplotlib()
@@ -64,7 +72,20 @@ def run(args: argparse.Namespace) -> int:
         written = {
             name: _with_picture(name, export, result, args.out) for name, result in written.items()
         }
-    print_written(written)
+    print_written(written, args.stdout)
+    return 0
+
+
+def _put_out(
+    export: Export,
+    names: Sequence[str],
+    options: Mapping[str, Mapping[str, Value]],
+    args: argparse.Namespace,
+) -> int:
+    """Write the one file of an export to standard output, and what it loses to stderr."""
+    written = {name: registry.write(name, export, folder(), options[name]) for name in names}
+    put_out([path for result in written.values() for path in result.files], args.stdout)
+    say(loss for result in written.values() for loss in result.losses)
     return 0
 
 
@@ -110,6 +131,22 @@ def writable(
     return found
 
 
+def write_all(
+    export: Export,
+    args: argparse.Namespace,
+    options: Mapping[str, Mapping[str, Value]],
+) -> dict[str, Any]:
+    """Write an export in each format, and print the files and what is not in them; `in_json`."""
+    written = {}
+    for name in writable(args.to, list(options), export, options):
+        written[name] = result = registry.write(name, export, args.out, options[name])
+        for path in result.files:
+            print(f"wrote {path}")
+        for loss in result.losses:
+            print(f"not in {name}: {loss}")
+    return in_json(written)
+
+
 def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str, Value]]:
     """The options of each format from ``format.option=value``. Raises ValueError for unknown names
     and values out of range."""
@@ -133,8 +170,13 @@ def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str,
     return chosen
 
 
-def print_written(written: Mapping[str, registry.Written]) -> None:
-    """Print one JSON object with the files, their losses, and what each listener loses."""
+def print_written(written: Mapping[str, registry.Written], file: TextIO) -> None:
+    """Print one JSON object: `in_json`."""
+    print_json(in_json(written), file)
+
+
+def in_json(written: Mapping[str, registry.Written]) -> dict[str, Any]:
+    """The files of an export, their losses, and what each listener loses, as JSON values."""
     files = [str(path) for result in written.values() for path in result.files]
     losses = {name: result.losses for name, result in written.items()}
     listeners = {
@@ -142,19 +184,15 @@ def print_written(written: Mapping[str, registry.Written]) -> None:
         for name, result in written.items()
         if result.fidelity
     }
-    print(
-        json.dumps(
-            {"files": files, "losses": losses, "listeners": listeners}, ensure_ascii=False, indent=1
-        )
-    )
+    return {"files": files, "losses": losses, "listeners": listeners}
 
 
-def _rendered(export: Export, seconds: float, sample_rate: int) -> Tracks:
+def rendered(export: Export, seconds: float, sample_rate: int) -> Tracks:
     """The rendered tracks. Prints why a listener feels nothing."""
     scene, recorder, last = export.need_scene(), TrackRecorder(), None
     recording = export.recording
     for last in (
-        _still(scene, seconds, sample_rate)
+        still(scene, seconds, sample_rate)
         if recording is None
         else traced(scene, recording, sample_rate)
     ):
@@ -165,7 +203,7 @@ def _rendered(export: Export, seconds: float, sample_rate: int) -> Tracks:
     return tracks
 
 
-def _still(scene: HapticScene, seconds: float, sample_rate: int) -> Iterator[FrameResult]:
+def still(scene: HapticScene, seconds: float, sample_rate: int) -> Iterator[FrameResult]:
     """The frames of a scene in which nothing moves."""
     if not scene.contacts:
         names = [item.name for item in scene.objects]

@@ -4,7 +4,6 @@ at its source and at a listener."""
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +15,8 @@ from ..core.graph.haptic_graph import graph_of_scene
 from ..core.message import sentence
 from ..core.scene.coefficients import coefficients_of
 from ..core.scene.functions import Constant
-from . import say, warn_of_unknown
+from . import print_json, say, warn_of_unknown
+from .standard_streams import DASH, for_output, put_out
 
 
 def run(args: argparse.Namespace) -> int:
@@ -59,7 +59,8 @@ def run(args: argparse.Namespace) -> int:
             "gain": found.gain,
             "standard_deviation": found.contact_error,
         }
-    print(json.dumps(printed, indent=1, ensure_ascii=False))
+    if args.out != DASH:
+        print_json(printed, args.stdout)
     if args.out is not None:
         objects = tuple(
             replace(o, kappa=kappa, rho=rho) if o.name == args.object else o for o in scene.objects
@@ -70,6 +71,10 @@ def run(args: argparse.Namespace) -> int:
             else c
             for c in scene.contacts
         )
-        write_scene(replace(scene, objects=objects, contacts=contacts), args.out)
-        say([f"wrote {args.out}"])
+        new = for_output(args.out, ".json")
+        write_scene(replace(scene, objects=objects, contacts=contacts), new)
+        if args.out == DASH:
+            put_out([new], args.stdout)
+        else:
+            say([f"wrote {args.out}"])
     return 0

@@ -9,15 +9,15 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
-from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.formats.tracks.track_recorder import Heard, TrackRecorder
 from ..core.render.arrival import arriving
+from ..core.render.frame_result import Sounding
 from ..core.render.mixdown import Mixdown
 from ..core.render.renderer import sample_index
-from . import say
-from .export import chosen_formats, chosen_options, writable
+from . import answer, say
+from .export import chosen_formats, chosen_options, write_all
 from .part_file import HeardFrame, Origin, Part, checksum_of, read_part
 
 _MOST_NAMED = 20
@@ -42,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
         )
     bakes = _bakes(args.parts)
     args.out.mkdir(parents=True, exist_ok=True)
+    results = []
     for name, parts in bakes.items():
         tracks = _tracks(parts)
         say(
@@ -49,17 +50,11 @@ def run(args: argparse.Namespace) -> int:
             for row, item in enumerate(tracks.listeners)
             if not tracks.samples[row].any()
         )
-        export = Export(name, tracks=tracks if tracks.listeners else None)
-        for form in writable(args.to, formats, export, options):
-            written = registry.write(form, export, args.out, options[form])
-            print(
-                "\n".join(
-                    [
-                        *(f"wrote {path}" for path in written.files),
-                        *(f"not in {form}: {loss}" for loss in written.losses),
-                    ]
-                )
-            )
+        export = Export(
+            name, tracks=tracks if tracks.listeners else None, origin=parts[0].provenance
+        )
+        results.append({"name": name, **write_all(export, args, options)})
+    answer(args, {"bakes": results})
     return 0
 
 
@@ -147,7 +142,8 @@ def _tracks(parts: Sequence[Part]) -> Tracks:
 
 
 def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> Heard:
-    block = mixdown.render(before, frame.time, frame.sources, frame.listeners, frame.propagation)
+    end = Sounding(frame.time, frame.sources, frame.listeners, frame.propagation)
+    block = mixdown.render(before, end)
     first = sample_index(frame.time if before is None else before, mixdown.sample_rate)
     amplitudes = arriving(frame.sources, frame.propagation)
     return Heard(

@@ -1,24 +1,28 @@
-"""``haptic-tracing bake FILE.blend --part K/N``: the K-th of N parts of a bake for `merge`."""
+"""``haptic-tracing bake FILE.blend --part K/N``: the K-th of N parts of a bake for `merge`, or
+``--part K-L/N``, the K-th to the L-th one after the other."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from bpy.types import Scene
 
+from ..addon.io.capture import Capture
 from ..addon.session import session, timeline
 from ..core.formats.io.error import FormatError
 from .frame_bar import frame_bar
 from .part_file import HeardFrame, Origin, Part, checksum_of, programs, read_part, write_part
 
 
-def write_part_of(
+def write_parts_of(
     scene: Scene, args: argparse.Namespace, name: str, frames: tuple[int, int]
-) -> None:
-    """Bake one part of ``frames`` in the scene's mode, unless it exists already."""
-    number, parts = args.part
+) -> list[Path]:
+    """Bake parts of ``frames`` in the scene's mode, unless they exist already; their files."""
+    first, last, parts = args.part
     if parts > frames[1] - frames[0] + 1:
         raise ValueError(
             f"--part: {parts} parts of {frames[1] - frames[0] + 1} frames: there must be a frame "
@@ -35,13 +39,17 @@ def write_part_of(
         parts,
         programs(),
     )
-    path = args.out / f"{name}.{number}-of-{parts}.npz"
-    if _is_there(path, origin, number):
-        print(f"kept {path}: this part exists already")
-        return
-    start = start_of(scene, origin, 1 if args.from_start else number)
-    write_part(_baked(scene, origin, number, start), path)
-    print(f"wrote {path}: {origin.title(number)}, traced from frame {start}")
+    paths = []
+    for number in range(first, last + 1):
+        path = args.out / f"{name}.{number}-of-{parts}.npz"
+        paths.append(path)
+        if _is_there(path, origin, number):
+            print(f"kept {path}: this part exists already")
+            continue
+        start = start_of(scene, origin, 1 if args.from_start else number)
+        write_part(_baked(scene, origin, number, start, args.progress), path)
+        print(f"wrote {path}: {origin.title(number)}, traced from frame {start}")
+    return paths
 
 
 def start_of(scene: Scene, origin: Origin, number: int) -> int:
@@ -63,11 +71,12 @@ def _is_there(path: Path, origin: Origin, number: int) -> bool:
     return (replace(found.origin, file=origin.file), found.number) == (origin, number)
 
 
-def _baked(scene: Scene, origin: Origin, number: int, start: int) -> Part:
+def _baked(scene: Scene, origin: Origin, number: int, start: int, progress: str = "bar") -> Part:
     first, last = origin.range_of(number)
     before, heard, rate = "", [], 0.0
+    provenance: Mapping[str, Any] | None = None
     own = session.of(scene)
-    with frame_bar(last - start + 1, origin.title(number)) as advance:
+    with frame_bar(last - start + 1, origin.title(number), progress) as advance:
         for step in timeline.steps(scene, start, last, looks_back=False):
             if not step.result.listeners:
                 raise ValueError("there is no listener: add one to feel something")
@@ -76,6 +85,8 @@ def _baked(scene: Scene, origin: Origin, number: int, start: int) -> Part:
             elif step.result.number >= first or number == 1:
                 heard.append(HeardFrame.of(step.result))
                 rate = step.result.sample_rate
+            if number == 1 and step.result.number == first:
+                provenance = Capture.of(scene, step.result).provenance
             after = own.tracer.checksum() if step.result.number == last else ""
             advance()
-    return Part(origin, number, rate, before, after, tuple(heard))
+    return Part(origin, number, rate, before, after, tuple(heard), provenance)

@@ -88,7 +88,7 @@ class Part:
     """Part ``number`` of a bake. ``before``, ``after``: checksums of the tracer before its first
     frame ("" in the first part) and after its last one: a part continues the part whose ``after``
     equals its ``before``. The first part also has the frames traced before its own, whose signals
-    may continue into it."""
+    may continue into it, and the ``provenance`` of all."""
 
     origin: Origin
     number: int
@@ -96,6 +96,7 @@ class Part:
     before: str
     after: str
     frames: tuple[HeardFrame, ...]
+    provenance: Mapping[str, Any] | None = None
 
 
 def checksum_of(file: Path) -> str:
@@ -121,6 +122,7 @@ def write_part(part: Part, path: Path) -> None:
         "sample_rate": part.sample_rate,
         "before": part.before,
         "after": part.after,
+        **({} if part.provenance is None else {"provenance": dict(part.provenance)}),
         "sources": [item_to_dict(item) for item in table.sources],
         "listeners": [item_to_dict(item) for item in table.listeners],
     }
@@ -294,6 +296,7 @@ def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part
         header["before"],
         header["after"],
         tuple(frames),
+        header.get("provenance"),
     )
 
 

@@ -36,7 +36,6 @@ class Played:
     of the first sample; per frame (f,) Blender's own and the tracer's milliseconds."""
 
     listeners: tuple[str, ...]
-    body_parts: tuple[str, ...]
     samples: FloatArray
     sample_rate: float
     start: float
@@ -55,11 +54,12 @@ class Played:
         ]
         listeners = (
             ListenerTrack(
-                name, body_part, sorted_impacts((time, row[number]) for time, row in felt)
+                item.name,
+                item.body_part,
+                sorted_impacts((time, row[number]) for time, row in felt),
+                item.device,
             )
-            for number, (name, body_part) in enumerate(
-                zip(self.listeners, self.body_parts, strict=True)
-            )
+            for number, item in enumerate(self.last.listeners)
         )
         return Tracks(tuple(listeners), round(self.sample_rate), self.samples, self.start)
 
@@ -91,7 +91,6 @@ def play(
         raise ValueError(f"The frame range {start} to {end} is empty")
     return Played(
         listeners=tuple(listener.name for listener in result.listeners),
-        body_parts=tuple(listener.body_part for listener in result.listeners),
         samples=np.concatenate(blocks, axis=1) if blocks else np.zeros((len(result.listeners), 0)),
         sample_rate=result.sample_rate,
         start=seconds_of(scene, start),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import time
 from typing import Any
 
+import numpy as np
+
+from ..core.diagnosis.doubts import doubts
 from ..core.formats.scene.modalities_json import modalities_from_dict
 from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
@@ -16,15 +18,18 @@ from ..core.propagation import Propagation, objects_on
 from ..core.render.arrival import levels_alone
 from ..core.render.frame_result import Sounding
 from ..core.render.masking import felt_sources
-from ..core.run_time import load
+from ..core.run_time import Scene, load
 from ..core.scene.values import HapticScene
-from . import warn_of_unknown
+from . import print_json, say, warn_of_unknown
+from .export import still
+from .silence import silence_of
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
     scene = load(args.scene)
     warn_of_unknown(args.scene, scene.unknown)
+    say(f"{args.scene}: {words}" for words in doubts(scene.content))
     modalities = modalities_from_dict(scene.document, scene.content, args.scene)
     chosen = {
         key: value
@@ -50,24 +55,40 @@ def run(args: argparse.Namespace) -> int:
         printed["felt"] = [
             part
             for column in range(len(scene.content.listeners))
-            for part in _who_is_felt(sounding, column)
+            for part in who_is_felt(sounding, column)
         ]
     if felt:
         printed["modalities"] = {item.modality.name: felt_report(item) for item in felt}
-    print(json.dumps(printed, indent=1, ensure_ascii=False, allow_nan=False))
+    print_json(printed, args.stdout)
+    say(f"{args.scene}: {words}" for words in _unreached(scene, result))
     return 0
 
 
-def _who_is_felt(sounding: Sounding, listener: int) -> list[dict[str, Any]]:
+def _unreached(scene: Scene, result: Propagation) -> list[str]:
+    """Why nothing reaches some listeners, a sentence for each."""
+    amplitudes = np.array([source.amplitude for source in scene.content.sources])
+    reached = (amplitudes[:, None] * result.gain > 0).any(axis=0)
+    if reached.all():
+        return []
+    first = next(still(scene.content, 1.0, 8000))
+    return [
+        silence_of(first, scene.content.settings, row) for row in np.flatnonzero(~reached).tolist()
+    ]
+
+
+def who_is_felt(
+    sounding: Sounding, listener: int, sample_rate: float = 8000.0
+) -> list[dict[str, Any]]:
     """The sources that reach a listener: margin [dB] of each alone above the threshold of feeling,
-    and its masker."""
-    found = felt_sources(sounding, listener)
+    whether that is assumed because the device isn't calibrated, and its masker."""
+    found = felt_sources(sounding, listener, sample_rate)
     return [
         {
             "listener": found.listener,
             "source": item.source.name,
             "state": item.state,
             "margin": item.margin,
+            "assumed": sounding.listeners[listener].device is None,
             "masked_by": item.masker or None,
         }
         for item in found.sources

@@ -12,6 +12,7 @@ from bpy.types import Scene
 from ..addon.changes.suspension import suspended
 from ..addon.registration import properties
 from ..sample_scenes import SAMPLES
+from . import answer
 
 
 def run(args: argparse.Namespace) -> int:
@@ -37,6 +38,7 @@ def run(args: argparse.Namespace) -> int:
     finally:
         properties.unregister()
     print(f"wrote {output}")
+    answer(args, {"files": [str(output)]})
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..core.arrays import FloatArray
 from ..core.diagnosis.silence import reasons
 from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.message import sentence
@@ -15,13 +16,19 @@ def silent_listeners(tracks: Tracks, last: FrameResult, settings: Settings) -> l
     """A sentence for each listener whose whole track is 0, with the reason in the ``last``
     frame."""
     silent = [row for row, samples in enumerate(tracks.samples) if not samples.any()]
-    said = []
-    for row in silent[:MOST_LISTENERS]:
-        why = reasons(last, settings, row, recent=tracks.samples[row, -2:].astype("f8")) or (
-            "no reason was found",
-        )
-        words = "; ".join(one if isinstance(one, str) else sentence(one) for one in why)
-        said.append(f"'{tracks.listeners[row].name}' feels nothing: {words}")
+    said = [
+        silence_of(last, settings, row, tracks.samples[row, -2:].astype("f8"))
+        for row in silent[:MOST_LISTENERS]
+    ]
     if len(silent) > MOST_LISTENERS:
         said.append(f"{len(silent) - MOST_LISTENERS} more listeners feel nothing")
     return said
+
+
+def silence_of(
+    last: FrameResult, settings: Settings, row: int, recent: FloatArray | None = None
+) -> str:
+    """Why listener number ``row`` feels nothing in a frame; ``recent``: its last samples."""
+    why = reasons(last, settings, row, recent=recent)
+    words = "; ".join(map(sentence, why)) or "no reason was found"
+    return f"'{last.listeners[row].name}' feels nothing: {words}"

@@ -10,6 +10,8 @@ from ..core.formats.io.json_text import compact
 from ..core.signals.felt_sound import Feel, felt_onsets, vibration
 from ..core.signals.sound import Clip, heard, mixed, outcome
 from ..core.signals.wav import WavFile
+from . import answer
+from .standard_streams import DASH
 
 
 def run(args: argparse.Namespace) -> int:
@@ -26,6 +28,12 @@ def run(args: argparse.Namespace) -> int:
         signal = vibration(found, feel)
     except ValueError as error:
         raise ValueError(f"{args.sound}: {error}") from None
+    onsets = felt_onsets(found, feel)[0]
+    if args.output == DASH:
+        print(compact(signal.to_dict()), file=args.stdout)
+        return 0
     write_text(args.output, (compact(signal.to_dict()),))
-    print(f"{args.output}: {found.seconds:.2f} s, {len(felt_onsets(found, feel)[0])} onsets")
+    print(f"{args.output}: {found.seconds:.2f} s, {len(onsets)} onsets")
+    result = {"files": [str(args.output)], "seconds": found.seconds, "onsets": len(onsets)}
+    answer(args, result)
     return 0

@@ -19,6 +19,7 @@ from ..study.rendition import Ride
 from ..study.report import write_numbers, write_report
 from ..study.sensitivity import variations
 from ..study.side_by_side import TITLES
+from . import answer
 from .frame_bar import frame_bar
 from .trace import start_blender
 
@@ -42,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     checks = checks_of(ride)
     pictures = {}
     if args.pictures > 0 and starts_gpu():
-        pictures = baking.draw_frames(scene, baking.lively_frames(ride, args.pictures))
+        pictures = baking.draw_frames(scene, baking.frames_to_draw(ride, args.pictures))
     elif args.pictures > 0:
         notes.append(
             "There are no pictures of the ride: off-screen drawing needs Blender 5.2 or a "
@@ -66,6 +67,8 @@ def run(args: argparse.Namespace) -> int:
         print(note)
     for path in written:
         print(f"wrote {path}")
+    found = [{"name": one.name, "holds": one.holds, "measured": one.measured} for one in checks]
+    answer(args, {"checks": found, "files": [str(path) for path in written]})
     return 0
 
 

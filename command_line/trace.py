@@ -6,8 +6,9 @@ from __future__ import annotations
 import argparse
 import atexit
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -19,13 +20,14 @@ from ..addon.io.capture import Capture
 from ..addon.io.frame_scene import scene_of_result, written_export
 from ..addon.session import session
 from ..core.formats.haptic_scene import read_export, write_export
+from ..core.formats.tracks.track_export import credit
 from ..core.formats.tracks.wav import write_wav
-from ..core.render.frame_result import FrameResult
-from ..core.render.masking import felt_sources, shown_sounding
+from ..core.render.masking import shown_sounding
 from ..pictures.picture import draw_picture
-from . import note_interrupts, temporary_folder
+from . import answer, note_interrupts, temporary_folder
 from .frame_bar import frame_bar
 from .playing import ImpactFelt, Played, play
+from .propagate import who_is_felt
 
 
 def run(args: argparse.Namespace) -> int:
@@ -79,15 +81,19 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     last = written_export(name, scene, scene_of_result(played.last, played.last_reading, scene))
     write_export(capture.export(name) if args.whole else last, written[0])
     read_export(written[0])  # validates the written file
-    write_wav(played.tracks(), written[1])
-    if not args.no_picture:
+    write_wav(played.tracks(), written[1], comment=credit(last))
+    if not args.no_picture and scene.camera is None:
+        print(f"no picture: scene {scene.name!r} has no camera to draw it from")
+    elif not args.no_picture:
         written.append(args.out / f"{name}.png")
         with suspended():
             scene.frame_set(played.liveliest.number)
             draw_picture(scene, played.liveliest, written[-1], meters=True)
 
-    print_gains(played.last)
-    print_felt(played.last)
+    result = in_json(played, written)
+    print(f"\nFrame {result['frame']}")
+    print_gains(result["gains"])
+    print_felt(result["felt"])
     print_impacts(played.impacts, played.listeners)
     print_statistics(played)
     for path in written:
@@ -95,39 +101,70 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
             f"frames {start} to {end}" if path.suffix == ".wav" or args.whole else f"frame {end}"
         )
         print(f"wrote {path}" + (f" ({shown})" if path.suffix != ".png" else ""))
+    answer(args, result)
     return 0
 
 
-def print_gains(result: FrameResult) -> None:
+def in_json(played: Played, written: Sequence[Path]) -> dict[str, Any]:
+    """What was printed, as JSON values: gains and margins of the last frame, all impacts with the
+    amplitudes that arrive at the listeners, and the files."""
+    last = played.last
+    return {
+        "files": [str(path) for path in written],
+        "frame": last.number,
+        "gains": [
+            {
+                "source": source.name,
+                "listener": listener.name,
+                "path_gain": float(last.gains[s, i]),
+                "path": list(last.path_objects(s, i)),
+            }
+            for s, source in enumerate(last.sources)
+            for i, listener in enumerate(last.listeners)
+        ],
+        "felt": [
+            part
+            for i in range(len(last.listeners))
+            for part in who_is_felt(shown_sounding(last), i, last.sample_rate)
+        ],
+        "impacts": [
+            {
+                "time": impact.source.onset,
+                "objects": [impact.source.object, impact.source.second_object],
+                "amplitudes": dict(
+                    zip(played.listeners, map(float, impact.amplitudes), strict=True)
+                ),
+            }
+            for impact in played.impacts
+        ],
+        "statistics": dict(last.statistics),
+    }
+
+
+def print_gains(gains: Sequence[Mapping[str, Any]]) -> None:
     """Print the table (source, listener, gain of the paths, dB, best path) of a frame."""
     rows = [
         (
-            source.name,
-            listener.name,
-            *_gain_cells(float(result.gains[s, i])),
-            " > ".join(result.path_objects(s, i)),
+            item["source"],
+            item["listener"],
+            *_gain_cells(item["path_gain"]),
+            " > ".join(item["path"]),
         )
-        for s, source in enumerate(result.sources)
-        for i, listener in enumerate(result.listeners)
+        for item in gains
     ]
-    print(f"\nFrame {result.number}")
     _print_table(("source", "listener", "gain", "dB", "best path"), rows)
 
 
-def print_felt(result: FrameResult) -> None:
+def print_felt(felt: Sequence[Mapping[str, Any]]) -> None:
     """Print the felt and the masked sources of each listener of a frame, with their maskers."""
     rows = [
         (
-            felt.listener,
-            item.source.name,
-            f"{item.margin:+.0f} dB",
-            f"masked by {item.masker}" if item.state == "masked" else item.state,
+            item["listener"],
+            item["source"],
+            f"{item['margin']:+.0f} dB" + (" (assumed)" if item["assumed"] else ""),
+            f"masked by {item['masked_by']}" if item["state"] == "masked" else item["state"],
         )
-        for felt in (
-            felt_sources(shown_sounding(result), i, result.sample_rate)
-            for i in range(len(result.listeners))
-        )
-        for item in felt.sources
+        for item in felt
     ]
     if rows:
         print("\nWho is felt")

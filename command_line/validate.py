@@ -7,12 +7,14 @@ import argparse
 
 from ..study.validation import all_series
 from ..study.validation_page import body_picture, page, picture
+from . import answer
 
 
 def run(args: argparse.Namespace) -> int:
     """Print a line for each series; write the page and its picture if a folder is given. Exit code
     0."""
-    for series in all_series():
+    series_of_all, files = all_series(), []
+    for series in series_of_all:
         print(f"{series.verdict:7}  {series.kind:10}  {series.name}")
     if args.out is not None:
         (args.out / "pictures").mkdir(parents=True, exist_ok=True)
@@ -24,4 +26,10 @@ def run(args: argparse.Namespace) -> int:
         ):
             path.write_text(text, encoding="utf-8")
             print(f"wrote {path}")
+            files.append(str(path))
+    rows = [
+        {"name": series.name, "kind": series.kind, "verdict": series.verdict}
+        for series in series_of_all
+    ]
+    answer(args, {"series": rows, "files": files})
     return 0

@@ -12,7 +12,7 @@ from types import FrameType
 from typing import NoReturn
 
 from ...core.run_time import load
-from .. import say
+from .. import answer, say
 from .conversation import Conversation
 from .live_view import LiveView
 from .osc import OscDoor
@@ -40,9 +40,14 @@ def run(args: argparse.Namespace) -> int:
     try:
         with door.listen(port) as server:
             if args.osc is not None:
-                osc = OscDoor(Conversation(scene, stage if args.osc_devices else None), args.osc)
+                osc = OscDoor(
+                    Conversation(scene, lambda _: stage if args.osc_devices else None), args.osc
+                )
                 osc.start()
-            say(_greeting(f"{host}:{server.socket.getsockname()[1]}", token, stage, args))
+            address = f"{host}:{server.socket.getsockname()[1]}"
+            say(_greeting(address, token, stage, args))
+            answer(args, {"url": f"ws://{address}", "token": token})
+            args.stdout.flush()
             server.serve_forever()
     finally:
         if osc is not None:

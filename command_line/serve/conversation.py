@@ -4,7 +4,7 @@ socket."""
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -40,13 +40,16 @@ class Stage(Protocol):
 
 
 class Conversation:
-    """The messages of one client about one run. ``stage``: the devices that play for it, None for
-    none."""
+    """The messages of one client about one run. ``scene``: the run's until the client brings one.
+    ``admit``: takes the first message, and returns the devices that play for this client, None for
+    none; it raises PlacedError to answer with an error and be asked again. Without it, none do."""
 
-    def __init__(self, scene: Scene | None, stage: Stage | None) -> None:
-        self._scene, self._stage = scene, stage
+    def __init__(self, scene: Scene | None, admit: Callable[[Any], Stage | None] | None) -> None:
+        self._scene, self._admit = scene, admit
+        self._is_admitted = False
+        self._stage: Stage | None = None
         self._convention = Convention()
-        self.run: Run | None = None if scene is None else open_run(scene, RATE)
+        self.run: Run | None = None
         self.last: Step | None = None
 
     def answer(self, text: str | bytes) -> list[Answer]:
@@ -58,6 +61,10 @@ class Conversation:
                 text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text, "message"
             )
             name = message.get("id") if isinstance(message, dict) else None
+            if not self._is_admitted:
+                self._stage = None if self._admit is None else self._admit(message)
+                self._is_admitted = True
+                self.run = None if self._scene is None else open_run(self._scene, RATE)
             return self._answered(message)
         except PlacedError as error:
             return [_error(name, json_pointer(error.place), error.reason)]
@@ -127,12 +134,12 @@ class Conversation:
             "listeners": list(self.run.listeners),
             "sample_rate": self.run.sample_rate,
             "latency": 0.0 if self._stage is None else self._stage.latency,
-            "calibrated": False,
+            "calibrated": self.run.is_calibrated,
         }
 
     def _step(self, run: Run, message: Mapping[str, Any]) -> list[Answer]:
         given = dict(message)
-        for key in ("type", "id", "samples"):
+        for key in ("type", "id", "samples", "velocities"):
             given.pop(key, None)
         step = self.last = run.step(
             **(given if self._convention.is_own else self._converted(given))

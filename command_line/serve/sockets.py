@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import hmac
-import json
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
+from functools import partial
 from http import HTTPStatus
+from typing import Any
 
 from websockets.exceptions import ConnectionClosed
+from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.sync.server import Server, ServerConnection, serve
 
 from ...core.run_time import Scene
+from ...core.scene.references import PlacedError
 from .conversation import Answer, Conversation, Stage, text_of
 
 LARGEST = 4 * 2**20
 """Bytes of a message."""
 MOST_CONNECTIONS = 8
+_FULL = f"there are {MOST_CONNECTIONS} connections already"
 LOCAL = ("127.0.0.1", "::1", "localhost")
 """Names of this machine."""
 _MOST_WAITING = 64
@@ -81,7 +85,7 @@ class Door:
         self.host = host
         self.is_local = host in LOCAL
         self._count = 0
-        self._holder: Conversation | None = None  # who has the devices
+        self._holder: ServerConnection | None = None  # who has the devices
         self._lock = threading.Lock()
 
     def listen(self, port: int) -> Server:
@@ -124,36 +128,26 @@ class Door:
         if self._count >= MOST_CONNECTIONS:
             return connection.respond(
                 HTTPStatus.SERVICE_UNAVAILABLE,
-                f"there are {MOST_CONNECTIONS} connections already\n",
+                f"{_FULL}\n",
             )
         return None
 
     def _handle(self, connection: ServerConnection) -> None:
         """Answer one client until it goes."""
+        with self._lock:
+            is_full = self._count >= MOST_CONNECTIONS
+            self._count += 1
         outbox = Outbox()
         sender = threading.Thread(
             target=_send, args=(connection, outbox), name="haptics answers", daemon=True
         )
-        conversation: Conversation | None = None
-        with self._lock:
-            self._count += 1
+        conversation = Conversation(self._scene, partial(self._stage_for, connection))
         try:
+            if is_full:
+                connection.close(CloseCode.TRY_AGAIN_LATER, _FULL)
+                return
             sender.start()
             for message in connection:
-                if conversation is None:
-                    trusted = self._is_trusted(message)
-                    if not trusted and not self.is_local:
-                        outbox.put(
-                            [
-                                {
-                                    "type": "error",
-                                    "where": "/token",
-                                    "message": "the first message is hello with the server's token",
-                                }
-                            ]
-                        )
-                        continue
-                    conversation = self._begun(trusted)
                 outbox.put(conversation.answer(message))
                 self._heard(conversation)
         except ConnectionClosed:
@@ -162,28 +156,26 @@ class Door:
             outbox.close()
             with self._lock:
                 self._count -= 1
-                if conversation is not None and self._holder is conversation:
+                if self._holder is connection:
                     self._holder = None
                     if self._stage is not None:
                         self._stage.stop()
 
-    def _begun(self, trusted: bool) -> Conversation:
-        """The conversation with a new client; the first one that is trusted has the devices."""
+    def _stage_for(self, connection: ServerConnection, message: Any) -> Stage | None:
+        """The devices for a client with this first message: the first one that has the token gets
+        them. Raises PlacedError where only clients with the token are answered."""
+        token = message.get("token") if isinstance(message, dict) else None
+        if not isinstance(token, str) or not hmac.compare_digest(
+            token.encode(), self._token.encode()
+        ):
+            if self.is_local:
+                return None
+            raise PlacedError(("token",), "the first message is hello with the server's token")
         with self._lock:
-            plays = trusted and self._holder is None
-            conversation = Conversation(self._scene, self._stage if plays else None)
-            if plays:
-                self._holder = conversation
-            return conversation
-
-    def _is_trusted(self, message: str | bytes) -> bool:
-        """Whether the first message of a client has the token."""
-        try:
-            said = json.loads(message)
-        except (ValueError, RecursionError):
-            return False
-        token = said.get("token") if isinstance(said, dict) else None
-        return isinstance(token, str) and hmac.compare_digest(token.encode(), self._token.encode())
+            if self._holder is not None:
+                return None
+            self._holder = connection
+            return self._stage
 
 
 def _send(connection: ServerConnection, outbox: Outbox) -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+from ...core.arrays import FloatArray
 from ...core.devices.guard import GuardedOutput
 from ...core.devices.inventory import look
 from ...core.devices.mapping import ActuatorMapping, map_listeners
@@ -44,10 +45,12 @@ class DeviceStage:
 
     @classmethod
     def of(cls, wanted: Sequence[str]) -> DeviceStage:
-        """The connected devices whose names contain one of the ``wanted`` texts. Raises
-        ValueError."""
+        """The connected devices whose names contain one of the ``wanted`` texts, all without any.
+        Raises ValueError."""
         found = look().devices
-        chosen = {}
+        if not wanted and not found:
+            raise ValueError("no haptic device is connected")
+        chosen = {} if wanted else {device.key: device.open(Adjustment()) for device in found}
         for text in wanted:
             alike = [
                 device for device in found if text.lower() in f"{device.key} {device.title}".lower()
@@ -62,13 +65,22 @@ class DeviceStage:
         """Play the block of a step on the actuators of its listeners."""
         if not step.block.shape[1] or run.sample_rate != RATE:
             return
-        parts = tuple(run.body_parts.items())
+        self.send(run.body_parts, step.block)
+
+    def send(self, body_parts: Mapping[str, str], block: FloatArray) -> None:
+        """Play samples (listeners, n) at `RATE`. ``body_parts``: of each listener, by its name."""
+        mapping = self.mapping(body_parts)
+        self._played = time.monotonic()
+        for key, levels in mapping.blocks(block).items():
+            self.outputs[key].send(levels)
+
+    def mapping(self, body_parts: Mapping[str, str]) -> ActuatorMapping:
+        """The actuators of listeners at these body parts."""
+        parts = tuple(body_parts.items())
         if self._mapping is None or self._mapping[0] != parts:
             devices = {key: output.profile for key, output in self.outputs.items()}
             self._mapping = parts, map_listeners(dict(parts), devices)
-        self._played = time.monotonic()
-        for key, block in self._mapping[1].blocks(step.block).items():
-            self.outputs[key].send(block)
+        return self._mapping[1]
 
     def stop(self) -> None:
         """Silence all devices."""

@@ -12,6 +12,7 @@ from typing import Any
 
 from tqdm import tqdm
 
+from .. import answer
 from ..part_file import programs
 
 NEEDS = "pip install 'haptic-tracing[sweep]'"
@@ -62,7 +63,11 @@ def _sweep(args: argparse.Namespace, path: Path) -> int:
     ]
     failures = {}
     with tqdm(
-        total=len(keyed), initial=len(keyed) - len(open_), desc=path.stem, unit="variant"
+        total=len(keyed),
+        initial=len(keyed) - len(open_),
+        desc=path.stem,
+        unit="variant",
+        disable=None,
     ) as bar:
         for key, failure in (
             _needing("scheduling").run_all(args.on, args.workers, tasks) if tasks else ()
@@ -78,6 +83,14 @@ def _sweep(args: argparse.Namespace, path: Path) -> int:
     if failures:
         key, reason = next(iter(failures.items()))
         raise ValueError(f"{len(failures)} of {len(keyed)} variants failed, {key}: {reason}")
+    answer(
+        args,
+        {
+            "files": [str(folder.with_suffix(".parquet"))],
+            "variants": len(keyed),
+            "new": len(open_),
+        },
+    )
     return 0
 
 

@@ -16,6 +16,7 @@ from matplotlib import pyplot as plt
 
 from ...core.formats.io.atomic import atomic_file
 from ...core.perception import BEST_LEVEL
+from .. import answer
 from . import wishes
 from .table import read_table, varied_columns
 
@@ -43,7 +44,14 @@ def run(args: argparse.Namespace, path: Path) -> int:
             figure.savefig(file, format="svg")
         plt.close(figure)
         print(f"wrote {args.out / name}")
-    best = pareto(rows)
+    result: dict[str, Any] = {"files": [str(args.out / name) for name, _ in pictures]}
+    result["fastest"] = best = pareto(rows)
+    result["assumed"] = sorted({row["listener"] for row in rows if row.get("threshold") is None})
+    if result["assumed"]:
+        print(
+            f"felt: above {BEST_LEVEL:g} dB of full scale, assumed: no Full Scale has "
+            f"{', '.join(result['assumed'])}"
+        )
     if not best:
         print(
             "no variant bounds the error and reaches every listener who feels something in "
@@ -55,7 +63,8 @@ def run(args: argparse.Namespace, path: Path) -> int:
             f"{row['error_bound']:.3g}: {_words(row, varied)}"
         )
     if wished:
-        _print_answer(rows, wished, varied)
+        result["nearest"] = _print_answer(rows, wished, varied)
+    answer(args, result)
     return 0
 
 
@@ -125,8 +134,12 @@ def by_variant(rows: Sequence[Row]) -> list[Row]:
 
 
 def _is_felt(row: Row) -> bool:
-    """Whether the level is above the lowest threshold of feeling."""
-    return row["level"] is not None and row["level"] > BEST_LEVEL
+    """Whether the level is above the lowest threshold of feeling, by the calibration of the
+    listener's device, else an assumed one."""
+    threshold = row.get("threshold")
+    return row["level"] is not None and row["level"] > (
+        BEST_LEVEL if threshold is None else threshold
+    )
 
 
 def pareto(rows: Sequence[Row]) -> list[Row]:
@@ -171,7 +184,10 @@ def _time_against_error(rows: Sequence[Row]) -> Any:
     return figure
 
 
-def _print_answer(rows: Sequence[Row], wished: Mapping[str, float], varied: Sequence[str]) -> None:
+def _print_answer(
+    rows: Sequence[Row], wished: Mapping[str, float], varied: Sequence[str]
+) -> Sequence[Row]:
+    """Print what comes nearest to the wishes; the rows of that variant."""
     variants = wishes.felt_variants(rows, wished)
     best = wishes.nearest(variants, wished)
     print(f"nearest to the wishes: {_words(next(iter(best.values())), varied)}")
@@ -191,6 +207,7 @@ def _print_answer(rows: Sequence[Row], wished: Mapping[str, float], varied: Sequ
                 f"  {name}: {found.levels[name]:.1f} dB expected, "
                 f"{found.levels[name] - level:+.1f} dB from {level:.1f} dB"
             )
+    return list(best.values())
 
 
 def _differing(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:

@@ -27,6 +27,7 @@ _RESULT = {
     "gains": pa.map_(pa.string(), pa.float64()),
     "error_bound": pa.float64(),
     "silenced": pa.bool_(),
+    "threshold": pa.float64(),
     "milliseconds": pa.float64(),
 }
 
@@ -36,7 +37,9 @@ def write_table(path: Path, folder: Path, keyed: Sequence[tuple[str, Variant]]) 
 
     Columns: ``key``, the varied parameters, ``level`` in dB of the RMS (0 dB: a constant 1; null if
     nothing is felt), ``peak``, ``gains`` (mean over the frames, by persistent source, including the
-    amplitude), ``error_bound``, ``silenced``, and ``milliseconds`` of tracing a frame.
+    amplitude), ``error_bound``, ``silenced``, ``threshold`` of feeling in dB of the listener's
+    calibrated device (null without a calibration; tables of earlier versions lack it), and
+    ``milliseconds`` of tracing a frame.
     """
     varied: dict[str, pa.DataType] = {}
     for _, variant in keyed:
@@ -57,7 +60,7 @@ def read_table(path: Path) -> pa.Table:
         table = pq.read_table(path)
     except pa.ArrowInvalid as error:
         raise ValueError(f"{path}: not Parquet: {error}") from None
-    missing = [name for name in _RESULT if name not in table.column_names]
+    missing = [name for name in _RESULT if name not in (*table.column_names, "threshold")]
     if missing:
         raise ValueError(f"{path}: not the table of a sweep: there is no column {missing[0]}")
     return table

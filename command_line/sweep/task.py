@@ -20,12 +20,14 @@ import numpy as np
 from bpy.types import Scene
 
 from ...addon.authoring import materials as library
+from ...addon.io.capture import Capture
 from ...addon.session import timeline
 from ...core.formats import registry
 from ...core.formats.export import Export
 from ...core.formats.io.atomic import write_bytes
 from ...core.formats.tracks.listener_tracks import Tracks
 from ...core.formats.tracks.track_recorder import TrackRecorder
+from ...core.perception import threshold_level
 from ...core.render.frame_result import FrameResult
 from ...core.render.levels import vibration_rms
 from ...core.scene.materials import MATERIALS
@@ -34,6 +36,9 @@ from .. import one_line, temporary_folder
 from ..part_file import checksum_of
 from ..setting import assign
 from ..trace import open_file, start_blender
+
+_TACTILE = np.arange(5.0, 1001.0)
+"""Frequencies that can be felt [Hz]."""
 
 
 def main() -> int:
@@ -86,14 +91,19 @@ def _trace(task: Mapping[str, Any]) -> None:
         raise ValueError(f"{variant['scene']}: has changed since the study began")
     scene = open_file(variant["scene"])
     vary(scene, variant)
-    recorder, felt = TrackRecorder(), _Felt()
+    recorder, felt, origin = TrackRecorder(), _Felt(), None
     for step in timeline.steps(scene, *frames_of(scene, variant)):
+        if origin is None:
+            origin = Capture.of(scene, step.result).provenance
         recorder.add(step.result)
         felt.add(step.result, step.tracing_milliseconds)
     tracks = recorder.tracks()
     if task["tracks"] and tracks.listeners:
         registry.write(
-            "wav", Export(key, tracks=tracks), folder / "tracks", {"encoding": "float32"}
+            "wav",
+            Export(key, tracks=tracks, origin=origin),
+            folder / "tracks",
+            {"encoding": "float32"},
         )
     write_bytes(
         folder / "results" / f"{key}.json",
@@ -127,8 +137,9 @@ class _Felt:
     def result(self, tracks: Tracks) -> dict[str, Any]:
         """The median time of a frame; per listener RMS (without its steady part) and peak of its
         samples, impacts, mean gains of persistent sources (amplitudes included), the greatest error
-        bound of any of these gains in any frame, None where there is no bound, and whether a
-        setting silences the listener, at least for some source in some frame."""
+        bound of any of these gains in any frame, None where there is no bound, whether a setting
+        silences the listener, at least for some source in some frame, and the lowest threshold of
+        feeling [dB of full scale] by the calibration of its device, None without one."""
         count = len(self._milliseconds)
         errors, silenced = (
             np.broadcast_to(values, len(tracks.listeners))
@@ -150,6 +161,8 @@ class _Felt:
                     },
                     "error_bound": float(errors[row]) if np.isfinite(errors[row]) else None,
                     "silenced": bool(silenced[row]),
+                    "threshold": item.device
+                    and float(threshold_level(_TACTILE, item.device).min()),
                 }
                 for row, item in enumerate(tracks.listeners)
             ],

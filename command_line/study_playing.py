@@ -1,0 +1,127 @@
+"""Tracks on devices in step with a film that a page shows."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Mapping
+
+from scipy.stats import trim_mean
+
+from ..core.arrays import FloatArray
+from .serve.stage import DeviceStage
+
+RATE = 8000
+"""Samples per second of the tracks."""
+BLOCK = 0.02
+"""Seconds of a block that is sent to the devices."""
+AHEAD = 0.2
+"""Seconds after the last picture, from which on devices are silent, and of the samples sent in
+advance."""
+PATIENCE = 3.0
+"""Seconds in which a device that was lost is found again."""
+_PICTURES = 24
+
+
+class FilmPlayer:
+    """Plays tracks in step with a film. The page says when each picture is shown; the zero of the
+    film is the mean of the middle half of the last ones. Without pictures the devices fall silent.
+
+    halted: why nothing plays; empty if all is well.
+    """
+
+    def __init__(self, stage: DeviceStage) -> None:
+        self._stage, self._outputs = stage, stage.outputs
+        self.halted = ""
+        self._lock = threading.RLock()
+        self._begin({})
+        threading.Thread(target=self._run, name="haptics film", daemon=True).start()
+
+    def _begin(self, tracks: Mapping[str, FloatArray]) -> None:
+        """Fall silent, and play these tracks with the next picture."""
+        self._tracks = tracks
+        self._losses = {key: self._outputs[key].status.losses for key in tracks}
+        self._zeros: deque[float] = deque(maxlen=_PICTURES)
+        self._zero = self._shown = self._late = 0.0
+        self._stage.stop()
+
+    def load(self, tracks: Mapping[str, FloatArray]) -> None:
+        """Play these tracks (actuators, n) of each device from the first picture on. A device whose
+        touch comes late begins as much earlier."""
+        with self._lock:
+            self._begin({} if self.halted else tracks)
+            self._check()
+
+    def follow(self, film: float, shown: float) -> None:
+        """A picture at ``film`` seconds of the film is shown at ``shown`` by
+        `time.perf_counter`."""
+        now, zero = time.perf_counter(), shown - film
+        if abs(shown - now) > 1.0:
+            return
+        with self._lock:
+            if self._zeros and abs(zero - self._zero) > 4 * BLOCK:
+                self._zeros.clear()  # the film has stood still, or jumped
+            if not self._zeros:
+                self._next = max(round((now - zero) / BLOCK), 0)
+            self._zeros.append(zero)
+            self._zero = float(trim_mean(self._zeros, 0.25))
+            self._shown = now
+
+    def stop(self) -> float:
+        """Fall silent. Returns by how many milliseconds sending was late at most."""
+        with self._lock:
+            self._check()
+            late = round(1e3 * self._late, 2)
+            self._begin({})
+        return late
+
+    def halt(self, reason: str) -> None:
+        """Silence every device until `resume`."""
+        self.halted = reason
+        with self._lock:
+            self._begin({})
+
+    def resume(self) -> None:
+        """Let devices play again, those that were lost as well."""
+        self.halted, end = "", time.monotonic() + PATIENCE
+        for output in self._outputs.values():
+            while (status := output.status).state != "open" and time.monotonic() < end:
+                if status.is_over:
+                    output.start()
+                time.sleep(BLOCK)
+
+    def _check(self) -> None:
+        """Halt if a device that plays was lost, even if it is there again."""
+        for key, losses in self._losses.items():
+            status, title = self._outputs[key].status, self._outputs[key].profile.title
+            if status.state != "open" or status.losses > losses:
+                self.halt(f"{title}: {status.message or 'it was disconnected'}")
+
+    def _run(self) -> None:
+        """The thread that sends blocks when they are due."""
+        while True:
+            with self._lock:
+                now, pause = time.perf_counter(), BLOCK / 4
+                if self._zeros and now > self._shown + AHEAD:
+                    self._zeros.clear()
+                    self._stage.stop()
+                elif self._zeros:
+                    due = self._zero + self._next * BLOCK
+                    pause = due - now
+                    if pause <= 0:
+                        self._check()
+                        self._send(due)
+                        self._late = max(self._late, -pause)
+            time.sleep(min(max(pause, 0.0), BLOCK / 4))
+
+    def _send(self, due: float) -> None:
+        """Send the next block of each device, and what follows in case that the next is late."""
+        for key, samples in self._tracks.items():
+            output = self._outputs[key]
+            begin = self._next * BLOCK + getattr(output.profile, "latency", 0.0)
+            first, last, end = (round((begin + more) * RATE) for more in (0.0, BLOCK, AHEAD))
+            if first < samples.shape[1]:
+                output.send(samples[:, first:last], due)
+                output.expect(samples[:, last:end], due)
+        self._next += 1
