@@ -16,17 +16,19 @@ from ..addon.session import session, timeline
 from ..addon.view.render_data import Options
 from ..core.arrays import FloatArray
 from ..core.formats.tracks.track_recorder import TrackRecorder
+from ..core.perception import sensation_level
 from ..core.propagation import propagate
 from ..core.render.arrival import arriving
 from ..core.render.frame_result import FrameResult
+from ..core.render.frame_result import Sounding as End
 from ..core.render.mixdown import Mixdown
 from ..core.scene.values import Mode, Settings, Source
 from ..pictures.picture import viewport_picture
 from ..pictures.png import write_png
 from ..sample_scenes.mine_ride import SECTIONS
-from .measures import felt_shares
+from .measures import WINDOW, felt_shares, loudness
 from .rendition import MODES, Rendition, Ride, Sounding
-from .sensitivity import Variation, VariedGraph
+from .sensitivity import Variation, VariedBlows, VariedGraph
 
 RUN_UP = 8
 """Frames traced before one that is drawn."""
@@ -51,9 +53,8 @@ class ModeRendering:
             self._mixdown.reset()
             self._time = None
         propagation = propagate(result.graph, replace(settings, mode=self.mode), sounding_only=True)
-        block = self._mixdown.render(
-            self._time, result.time, result.sources, result.listeners, propagation
-        )
+        end = End(result.time, result.sources, result.listeners, propagation)
+        block = self._mixdown.render(self._time, end)
         self._time = result.time
         return replace(
             result,
@@ -70,13 +71,14 @@ class _Varied:
     def __init__(self, variation: Variation) -> None:
         self.variation = variation
         self._graphs = VariedGraph(variation)
+        self._blows = VariedBlows(variation)
         self._rendering = ModeRendering(Mode.HT)
         self._levels = _Levels()
         self._soundings: list[Sounding] = []
 
     def add(self, results: dict[Mode, FrameResult], settings: Settings) -> None:
         """Add a frame, given its results in all modes."""
-        traced = results[Mode.HT]
+        traced = self._blows.of(results[Mode.HT])
         result = self._rendering.of(
             replace(traced, graph=self._graphs.of(traced.graph)), self.variation.settings(settings)
         )
@@ -86,8 +88,8 @@ class _Varied:
     def ride(self, own: Ride) -> Ride:
         """``own`` with the levels and amplitudes of this rendering; its tracks stay those of the
         ride itself."""
-        rms, peak = self._levels.arrays()
-        rendition = replace(own.renditions[Mode.HT], rms=rms, peak=peak)
+        rms, peak, margin = self._levels.arrays()
+        rendition = replace(own.renditions[Mode.HT], rms=rms, peak=peak, margin=margin)
         return replace(
             own, renditions={**own.renditions, Mode.HT: rendition}, soundings=tuple(self._soundings)
         )
@@ -156,7 +158,7 @@ def bake_ride(
     return ride, tuple((one.variation, one.ride(ride)) for one in varied)
 
 
-def lively_frames(ride: Ride, count: int) -> list[int]:
+def frames_to_draw(ride: Ride, count: int) -> list[int]:
     """At most ``count`` frames of every section: that with the highest levels in each of as many
     equal parts, silent parts left out."""
     felt = ride.renditions[Mode.HT].peak.sum(axis=1)
@@ -203,10 +205,17 @@ class _Levels:
     def __init__(self) -> None:
         self._rms: list[FloatArray] = []
         self._peak: list[FloatArray] = []
+        self._margin: list[FloatArray] = []
+        self._recent: FloatArray | None = None
         self.largest_difference = 0.0
 
     def add(self, result: FrameResult) -> None:
         block = result.block if result.block is not None else np.zeros((len(result.listeners), 0))
+        if self._recent is None or result.block is None:
+            self._recent = block
+        width = round(WINDOW * result.sample_rate)
+        self._recent = np.concatenate([self._recent, block], axis=1)[:, -width:]
+        self._margin.append(sensation_level(self._recent, result.sample_rate))
         if block.shape[1]:
             self._rms.append(np.sqrt((block**2).mean(axis=1)))
             self._peak.append(np.abs(block).max(axis=1))
@@ -217,9 +226,9 @@ class _Levels:
             self._rms.append(np.zeros(len(block)))
             self._peak.append(np.zeros(len(block)))
 
-    def arrays(self) -> tuple[FloatArray, FloatArray]:
-        """RMS and peak (f, l)."""
-        return np.array(self._rms), np.array(self._peak)
+    def arrays(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """RMS, peak and margin (f, l)."""
+        return np.array(self._rms), np.array(self._peak), np.array(self._margin)
 
 
 class _ModeRecorder:
@@ -246,6 +255,7 @@ def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
         if source.amplitude <= 0:
             continue
         began = row >= new
+        margin, hertz = loudness(source.emitted)
         found.append(
             Sounding(
                 frame=traced.number,
@@ -262,6 +272,8 @@ def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
                 paths=tuple(traced.path_objects(row, k) for k in range(len(traced.listeners)))
                 if began
                 else (),
+                loudness=margin,
+                hertz=hertz,
             )
         )
     return found

@@ -1,4 +1,5 @@
-"""Measures of a rendering from the levels (f, l) of frames at listeners."""
+"""Measures of a rendering from margins and levels at listeners. A margin is a level above the
+threshold of feeling [dB]; what lies at or below 0 is not felt."""
 
 from __future__ import annotations
 
@@ -10,13 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.arrays import FloatArray, IntArray
-from ..core.perception import DIFFERENCE_THRESHOLDS, sensation_level, threshold_level
+from ..core.perception import (
+    DIFFERENCE_THRESHOLDS,
+    dominant_frequency,
+    sensation_level,
+    threshold_level,
+)
 from ..core.scene.bands import BAND_COUNT, BAND_EDGES
 from ..core.signals import Signal
 
-ACTIVE = 0.01
-"""Least drive of an active actuator, relative to full scale (-40 dB)."""
-CLASS_WIDTH = DIFFERENCE_THRESHOLDS[1]
+CLASS_WIDTH = max(high for _, high in DIFFERENCE_THRESHOLDS)
 """Decibels within which two levels count as the same intensity."""
 
 WINDOW = 0.25
@@ -26,9 +30,9 @@ LOWEST, HIGHEST = 5.0, 1000.0
 _RATE = 8000.0
 
 
-def active_count(peak: FloatArray) -> IntArray:
-    """Number of active actuators in each frame (f,)."""
-    return np.asarray((peak > ACTIVE).sum(axis=1), dtype=np.int64)
+def felt_count(margin: FloatArray) -> IntArray:
+    """Number of actuators at which anything is felt, by frame (f,), of margins (f, l)."""
+    return np.asarray((margin > 0).sum(axis=1), dtype=np.int64)
 
 
 def spatial_spread(rms: FloatArray, positions: FloatArray) -> FloatArray:
@@ -51,32 +55,35 @@ def balance(rms: FloatArray, listeners: Sequence[str]) -> FloatArray:
     return np.where(total > 0, (right - left) / np.where(total > 0, total, 1.0), 0.0)
 
 
-def dynamic_range(levels: FloatArray) -> float:
-    """Decibels between the 95th and the 5th percentile of the effects' ``levels`` (e, l) at active
-    actuators; 0 where none is active."""
-    active = levels[levels > ACTIVE]
-    if not len(active):
-        return 0.0
-    low, high = np.percentile(active, (5, 95))
-    return float(20 * np.log10(high / low))
+def dynamic_range(margins: FloatArray) -> float:
+    """Decibels between the 95th and the 5th percentile of the effects' ``margins`` (e, l) where
+    they are felt; 0 where none is."""
+    felt = margins[margins > 0]
+    return float(np.subtract(*np.percentile(felt, (95, 5)))) if len(felt) else 0.0
 
 
-def variety(levels: FloatArray) -> float:
-    """Entropy of the intensity of active actuators in bits: that of ``levels`` (e, l) in classes of
-    `CLASS_WIDTH`."""
-    active = levels[levels > ACTIVE]
-    return _entropy(np.floor(20 * np.log10(active) / CLASS_WIDTH)) if len(active) else 0.0
+def variety(margins: FloatArray) -> float:
+    """Entropy of what is felt in bits: that of ``margins`` (e, l) in classes of `CLASS_WIDTH`."""
+    felt = margins[margins > 0]
+    return _entropy(np.floor(felt / CLASS_WIDTH)) if len(felt) else 0.0
 
 
-def patterns(levels: FloatArray) -> float:
+def patterns(margins: FloatArray) -> float:
     """Entropy of the spatial patterns of effects, relative to their strongest actuator, in bits:
-    that of rows of ``levels`` (e, l) in classes of `CLASS_WIDTH`; 0 if all effects differ only in
-    strength."""
-    felt = levels[(levels > ACTIVE).any(axis=1)]
+    that of rows of ``margins`` (e, l) in classes of `CLASS_WIDTH`; 0 if all effects differ only in
+    strength. What isn't felt counts as if it were just at the threshold."""
+    felt = np.maximum(margins[(margins > 0).any(axis=1)], 0.0)
     if not len(felt):
         return 0.0
-    beside = np.where(felt > ACTIVE, felt / felt.max(axis=1, keepdims=True), ACTIVE)
-    return _entropy(np.floor(20 * np.log10(beside) / CLASS_WIDTH + 0.5))
+    return _entropy(np.floor((felt - felt.max(axis=1, keepdims=True)) / CLASS_WIDTH + 0.5))
+
+
+def mean_margin(margins: FloatArray) -> float:
+    """The mean energy of what is felt over frames and actuators (f, l), as a margin [dB]; minus
+    infinity if nothing is."""
+    felt = np.where(margins > 0, margins, -np.inf)
+    with np.errstate(divide="ignore"):
+        return float(10 * np.log10((10 ** (felt / 10)).mean()))
 
 
 def _entropy(classes: FloatArray) -> float:
@@ -84,6 +91,15 @@ def _entropy(classes: FloatArray) -> float:
     _, counts = np.unique(classes, axis=0, return_counts=True)
     share = counts / counts.sum()
     return abs(float((share * np.log2(share)).sum()))
+
+
+@lru_cache(maxsize=256)
+def loudness(signal: Signal) -> tuple[float, float]:
+    """The margin [dB] of a signal of amplitude 1 in its first second, and the frequency [Hz] that
+    is felt most of it."""
+    samples = signal.sample(0, round(_RATE), _RATE)
+    around = np.pad(samples, round(WINDOW * _RATE))  # windows fade what is at their ends
+    return float(highest_sensation(around[None], _RATE)[0]), dominant_frequency(samples, _RATE)
 
 
 @lru_cache(maxsize=256)

@@ -11,17 +11,19 @@ from typing import Any
 import numpy as np
 
 from ..core.scene.values import Mode
+from .body_map import PLACES
 from .checks import MATERIALS, shock_rows, stalactites, wall_amplitudes
 from .measures import (
-    active_count,
     balance,
     dynamic_range,
+    felt_count,
     patterns,
     spatial_spread,
     spectrogram,
     variety,
 )
 from .rendition import MODES, TITLES, Ride
+from .side_by_side import sensations
 
 COLOURS: Mapping[Mode, str] = {
     Mode.HT: "#d1495b",
@@ -30,6 +32,8 @@ COLOURS: Mapping[Mode, str] = {
     Mode.MN: "#8a8a8a",
 }
 FLOOR = -46.0
+LEAST_MARGIN = -30.0
+"""Lower end of plotted margins [dB]."""
 SHOWN_HERTZ = 500.0
 
 
@@ -38,20 +42,36 @@ def can_plot() -> bool:
     return importlib.util.find_spec("matplotlib") is not None
 
 
+OPENING = 3
+"""Number of plots that the report opens with."""
+
+
 def plots(ride: Ride) -> Iterator[tuple[str, str, bytes]]:
     """Title, caption and PNG of each plot that the ride's frames have data for."""
+    yield (
+        "What is felt, where and when",
+        "Highest margin of each second at every actuator, in decibels above the threshold of "
+        "feeling (the line at 0; what is grey below is not felt), by mode.",
+        _over_time(ride),
+    )
+    yield (
+        "Margins by section",
+        "The highest margin at each of the actuators (dots) by section and mode; the number says "
+        "at how many anything is felt.",
+        _margins(ride),
+    )
+    yield (
+        "Ranges",
+        "Range and variety of what is felt, and of patterns over the body, by section.",
+        _intensity(ride),
+    )
     for name, title, first, last in ride.sections:
         if last > first:
             caption = (
-                "Peak drive of every actuator, how many are active, and how far over the "
+                "Peak drive of every actuator, at how many anything is felt, and how far over the "
                 "body the vibration reaches."
             )
             yield title, caption, _section(ride, name, first, last)
-    yield (
-        "Intensity",
-        "Range and variety of intensity, and of patterns over the body, by section.",
-        _intensity(ride),
-    )
     yield (
         "Spectrogram",
         "All actuators together; decibels of a full-scale sine.",
@@ -140,18 +160,110 @@ def _section(ride: Ride, name: str, first: int, last: int) -> bytes:
             "label": str(mode),
             "zorder": 5 - width,
         }
-        axes[4].plot(seconds, active_count(rendition.peak[rows]), drawstyle="steps-mid", **style)
+        axes[4].plot(seconds, felt_count(rendition.margin[rows]), drawstyle="steps-mid", **style)
         axes[5].plot(
             seconds,
             spatial_spread(rendition.rms[rows], ride.positions),
             drawstyle="steps-mid",
             **style,
         )
-    axes[4].set(ylabel="active", ylim=(-0.5, len(labels) + 0.5))
+    axes[4].set(ylabel="felt", ylim=(-0.5, len(labels) + 0.5))
     axes[5].set(ylabel="spread [m]", xlabel="time [s]", ylim=(0, None))
     axes[4].legend(ncols=4, fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)
     for axis in axes[4:]:
         _plain(axis)
+    return _png(figure)
+
+
+def _over_time(ride: Ride) -> bytes:
+    """The margins over time at every actuator, beside its place on the body."""
+    figure, _ = _figure(1, 9.5)
+    figure.clear()
+    parts = list(PLACES)
+    grid = figure.add_gridspec(len(parts), 3, width_ratios=[3, 1, 3])
+    body = figure.add_subplot(grid[:, 1])
+    _draw_body(body)
+    per = max(round(ride.frame_rate), 1)
+    starts = np.arange(0, len(ride.frames), per)
+    seconds = (ride.frames[starts] - 1) / ride.frame_rate
+    for number, listener in enumerate(ride.listeners):
+        part, _, side = listener.partition(".")
+        if part not in PLACES:
+            continue
+        axis = figure.add_subplot(grid[parts.index(part), 0 if side == "L" else 2])
+        axis.axhspan(LEAST_MARGIN, 0, color="#e8e8ec", zorder=0)
+        for width, mode in zip((1.6, 1.4, 1.6, 1.2), MODES, strict=True):
+            margin = np.maximum.reduceat(ride.renditions[mode].margin[:, number], starts)
+            axis.plot(
+                seconds,
+                np.maximum(margin, LEAST_MARGIN),
+                drawstyle="steps-post",
+                color=COLOURS[mode],
+                linewidth=width,
+                label=str(mode),
+            )
+        _mark_sections(ride, axis, labelled=part == parts[0])
+        axis.set(ylim=(LEAST_MARGIN, 50), ylabel="dB")
+        axis.set_title(listener.replace("_", " "), loc="left", fontsize=8, fontweight="bold")
+        if part != parts[-1]:
+            axis.tick_params(labelbottom=False)
+        else:
+            axis.set_xlabel("time [s]")
+        _plain(axis)
+    handles, labels = figure.axes[-1].get_legend_handles_labels()
+    body.legend(handles, labels, loc="lower center", ncols=2, fontsize=8, frameon=False)
+    return _png(figure)
+
+
+def _mark_sections(ride: Ride, axis: Any, labelled: bool) -> None:
+    """Draw where sections begin, with their names."""
+    for number, (_, title, first, _) in enumerate(ride.sections):
+        second = (first - 1) / ride.frame_rate
+        axis.axvline(second, color="#999", linewidth=0.6)
+        if labelled:
+            place = 46 - 7 * (number % 2)
+            axis.text(second, place, f" {title.split(' ')[0]}", fontsize=6, va="top")
+
+
+def _draw_body(axis: Any) -> None:
+    """The body from behind with the places of the actuators, as in the body maps."""
+    for width, lines in (
+        (26, [[(50, 34), (50, 76)]]),
+        (8, [[(33, 38), (24, 60), (19, 80)], [(67, 38), (76, 60), (81, 80)]]),
+        (13, [[(41, 78), (41, 122)], [(59, 78), (59, 122)]]),
+    ):
+        for line in lines:
+            axis.plot(*zip(*line, strict=True), color="#d5d5dc", linewidth=width, zorder=0)
+    axis.scatter([50], [15], s=900, color="#d5d5dc", zorder=0)
+    for reach, y, _ in PLACES.values():
+        axis.scatter([50 - reach, 50 + reach], [y, y], s=60, color=COLOURS[Mode.HT], zorder=2)
+    axis.set(xlim=(0, 100), ylim=(150, -4))
+    axis.set_title("from behind", fontsize=8)
+    axis.axis("off")
+
+
+def _margins(ride: Ride) -> bytes:
+    figure, axis = _figure(1, 4.2)
+    axis.axhspan(LEAST_MARGIN, 0, color="#e8e8ec", zorder=0)
+    for number, mode in enumerate(MODES):
+        for place, (_, margins) in enumerate(sensations(ride, mode)):
+            x = place + 0.2 * (number - 1.5)
+            shown = np.maximum(margins, LEAST_MARGIN)
+            axis.scatter(
+                np.full(len(shown), x),
+                shown,
+                s=16,
+                color=COLOURS[mode],
+                alpha=0.8,
+                label=str(mode) if place == 0 else None,
+            )
+            axis.text(
+                x, max(shown.max(), 0) + 1.5, str((margins > 0).sum()), ha="center", fontsize=8
+            )
+    axis.set_xticks(range(len(ride.sections)), [title for _, title, *_ in ride.sections])
+    axis.set(ylabel="margin [dB above the threshold of feeling]", ylim=(LEAST_MARGIN, 55))
+    axis.legend(ncols=4, fontsize=8, frameon=False, loc="upper right")
+    _plain(axis)
     return _png(figure)
 
 
@@ -166,7 +278,7 @@ def _intensity(ride: Ride) -> bytes:
     )
     for axis, (label, measure) in zip(axes, measures, strict=True):
         for number, mode in enumerate(MODES):
-            values = [measure(ride.effects(mode, first, last)) for _, first, last in groups]
+            values = [measure(ride.margins(mode, first, last)) for _, first, last in groups]
             axis.bar(
                 np.arange(len(groups)) + 0.2 * (number - 1.5),
                 values,

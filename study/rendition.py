@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ import numpy as np
 from ..core.arrays import FloatArray, IntArray
 from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.scene.values import Mode
+from .measures import mean_margin
 
 MODES = (Mode.HT, Mode.SD, Mode.MD, Mode.MN)
 
@@ -29,7 +31,8 @@ class Sounding:
     ``objects``: the one it is on, or the two that struck each other. ``began``: it is temporary,
     and this is its first frame. ``distance`` (l,) in metres, straight from its nearer side.
     ``amplitudes`` (4, l) that arrive, by `MODES`. ``paths``: objects of the best path in HT to each
-    listener, where it began, else empty.
+    listener, where it began, else empty. ``loudness``: margin of its signal at amplitude 1 [dB];
+    ``hertz``: the frequency that is felt most of it.
     """
 
     frame: int
@@ -40,6 +43,14 @@ class Sounding:
     distance: FloatArray
     amplitudes: FloatArray
     paths: tuple[tuple[str, ...], ...]
+    loudness: float
+    hertz: float
+
+    @property
+    def margins(self) -> FloatArray:
+        """Decibels (4, l) above the threshold of feeling, by `MODES`."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(20 * np.log10(self.amplitudes) + self.loudness)
 
     @property
     def persists(self) -> bool:
@@ -49,12 +60,13 @@ class Sounding:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rendition:
-    """The ride in one mode. ``rms`` and ``peak`` (f, l) of each frame's samples at each listener;
-    ``tracks``: the samples."""
+    """The ride in one mode. ``rms`` and ``peak`` (f, l) of each frame's samples at each listener,
+    ``margin`` (f, l) of the quarter second up to its end [dB]; ``tracks``: the samples."""
 
     mode: Mode
     rms: FloatArray
     peak: FloatArray
+    margin: FloatArray
     tracks: Tracks
 
 
@@ -92,14 +104,24 @@ class Ride:
             if s.began and any(name.startswith(words) for name in s.objects)
         )
 
-    def effects(self, mode: Mode, first: int = 0, last: int = 2**31) -> FloatArray:
-        """Amplitudes (e, l) that arrive, of consecutive effects: every impact at its beginning,
-        every other source once per second."""
+    def effects(self, first: int = 0, last: int = 2**31) -> tuple[Sounding, ...]:
+        """Consecutive effects: every impact at its beginning, every other source once per
+        second."""
         each = round(self.frame_rate)
-        number = MODES.index(mode)
-        rows = [
-            s.amplitudes[number]
+        return tuple(
+            s
             for s in self.soundings
             if first <= s.frame <= last and (s.began or (s.persists and s.frame % each == 0))
-        ]
+        )
+
+    def margins(self, mode: Mode, first: int = 0, last: int = 2**31) -> FloatArray:
+        """The margins (e, l) of the effects in a mode."""
+        number = MODES.index(mode)
+        rows = [s.margins[number] for s in self.effects(first, last)]
         return np.array(rows, dtype=np.float64).reshape(-1, len(self.listeners))
+
+    def equalising_gain(self, mode: Mode) -> float:
+        """Decibels that make the mean energy felt in a mode that of the first of `MODES`; 0 where
+        either is silent."""
+        wanted, own = (mean_margin(self.renditions[one].margin) for one in (MODES[0], mode))
+        return wanted - own if math.isfinite(wanted) and math.isfinite(own) else 0.0

@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..core.formats.io.atomic import write_bytes
+from ..core.render import lane
 from .body_map import body_map, shade_numbers, shades
-from .checks import FINDINGS, LIMITS, Check, measured_checks
-from .measures import active_count, dynamic_range, patterns, spatial_spread, variety
+from .checks import FINDINGS, LIMITS, Check, felt_anywhere, measured_checks
+from .measures import CLASS_WIDTH, dynamic_range, felt_count, patterns, spatial_spread, variety
+from .plots import OPENING
 from .rendition import MODES, TITLES, Ride
 from .sensitivity import CHOSEN, Variation
 from .side_by_side import TITLES as WAYS
@@ -23,8 +25,8 @@ from .side_by_side import felt_verdict, numbers, reasons, sensations, wall_verdi
 
 NONE: Mapping[str, Ride] = MappingProxyType({})
 MEASURES = (
-    "active",
-    "most active",
+    "felt",
+    "most felt",
     "spread [m]",
     "range [dB]",
     "variety [bits]",
@@ -41,17 +43,17 @@ def measures_of(ride: Ride) -> list[dict[str, Any]]:
     for title, first, last in parts:
         frames = ride.rows(first, last)
         for mode in MODES:
-            rendition, effects = ride.renditions[mode], ride.effects(mode, first, last)
-            peak, rms = rendition.peak[frames], rendition.rms[frames]
-            active = active_count(peak)
-            felt = active > 0
+            rendition, margins = ride.renditions[mode], ride.margins(mode, first, last)
+            count = felt_count(rendition.margin[frames])
+            felt = count > 0
+            spread = spatial_spread(rendition.rms[frames], ride.positions)
             values = (
-                float(active[felt].mean()) if felt.any() else 0.0,
-                int(active.max(initial=0)),
-                float(spatial_spread(rms, ride.positions)[felt].mean()) if felt.any() else 0.0,
-                dynamic_range(effects),
-                variety(effects),
-                patterns(effects),
+                float(count[felt].mean()) if felt.any() else 0.0,
+                int(count.max(initial=0)),
+                float(spread[felt].mean()) if felt.any() else 0.0,
+                dynamic_range(margins),
+                variety(margins),
+                patterns(margins),
             )
             rows.append(
                 {"section": title, "mode": str(mode), **dict(zip(MEASURES, values, strict=True))}
@@ -114,42 +116,43 @@ def write_report(
         f"<p>Frames {ride.frames[0]} to {ride.frames[-1]} of the mine ride "
         f"({len(ride.frames) / ride.frame_rate:.1f} s). "
         "Contacts, impacts and sources are the same in all four; what differs is how they reach "
-        "the ten actuators.</p>",
+        "the ten actuators. <b>Felt</b> means above the threshold of feeling.</p>",
         "<dl class=modes>",
         *(f"<dt>{mode}</dt><dd>{escape(TITLES[mode])}</dd>" for mode in MODES),
         "</dl>",
         *(f"<p class=note>{escape(note)}</p>" for note in notes),
+        *map(_figure, figures[:OPENING]),
+        "<h2>The ride</h2>",
+        _player(ride, pictures),
+        "<h2>Over time</h2>",
+        _lanes(ride),
+        "<h2>Moments</h2>",
+        _strip(ride, pictures),
+        *map(_figure, figures[OPENING:]),
+        "<h2>By measurement: what differs between the modes</h2>",
+        _checks_table([check for check in checks if not check.by_definition]),
         "<h2>By definition: the modes do what they should</h2>",
         _checks_table([check for check in checks if check.by_definition]),
-        "<h2>By measurement: what differs between them</h2>",
-        _checks_table([check for check in checks if not check.by_definition]),
+        "<h2>Measures</h2>",
+        _measures_table(ride),
+        "<p class=note>felt: mean number of actuators at which anything is felt while any is; "
+        "spread: how far over the body the "
+        "vibration reaches; range: from the 5th to the 95th percentile of the margins that "
+        "effects have where they are felt; variety: "
+        f"entropy of those margins in classes of {CLASS_WIDTH:g} dB, the highest typical "
+        "difference threshold; patterns: entropy of the actuators' margins "
+        "beside the strongest.</p>",
+        "<p>Gains that bring the mean energy felt in each mode to that of HT: "
+        f"{', '.join(f'{mode} {ride.equalising_gain(mode):+.1f} dB' for mode in MODES[1:])}.</p>",
         *_materials({"paper": ride, **rides}),
+        *_sensitivity(ride, varied),
         "<h2>Not reproducible here: what people said</h2>",
         "<p>The paper's results are ratings by 40 people. No rendering can compute them; they "
         "stand here as published.</p>",
         _pairs_table(("", "The paper"), FINDINGS),
         "<h2>Limits</h2>",
         f"<ul>{''.join(f'<li>{escape(limit)}</li>' for limit in LIMITS)}</ul>",
-        *_sensitivity(ride, varied),
-        "<h2>The ride</h2>",
-        _player(ride, pictures),
-        "<h2>Moments</h2>",
-        _strip(ride, pictures),
-        "<h2>Measures</h2>",
-        _measures_table(ride),
-        "<p class=note>active: mean number of actuators driven above 1 % of full scale while any "
-        "is; spread: how far over the body the "
-        "vibration reaches; range: from the 5th to the 95th percentile of the levels that "
-        "effects have at active actuators; variety: "
-        "entropy of those levels in classes of 2.98 dB, the highest difference threshold; "
-        "patterns: entropy of the actuators' levels "
-        "beside the strongest.</p>",
     ]
-    for title, caption, png in figures:
-        body.append(
-            f"<h2>{escape(title)}</h2><figure><img src='{_data(png)}' "
-            f"alt=''><figcaption>{escape(caption)}</figcaption></figure>"
-        )
     head = (
         "<meta charset=utf-8><title>Haptic Tracing: "
         f"study</title><style>{_text('report.css')}</style>"
@@ -158,6 +161,33 @@ def write_report(
         path,
         "<!doctype html><html "
         f"lang=en><head>{head}</head><body>{''.join(body)}</body></html>\n".encode(),
+    )
+
+
+def _lanes(ride: Ride) -> str:
+    """The level of every listener over the ride, by mode."""
+    heads = "".join(f"<th>{mode}" for mode in MODES)
+    tracks = [ride.renditions[mode].tracks for mode in MODES]
+    rows = (
+        f"<tr><th>{escape(name)}"
+        + "".join(
+            f"<td>{lane.svg(one.row(number).read(0, one.count), one.sample_rate)}" for one in tracks
+        )
+        for number, name in enumerate(ride.listeners)
+    )
+    return (
+        f"<table class=lanes><tr><th>{heads}</tr>{''.join(rows)}</table><p class=note>Level of the "
+        f"last quarter second from {lane.FLOOR:g} to 0 dB of full scale, lines at "
+        f"{' and '.join(f'{level:g}' for level in lane.GRID)} dB; dashed: the threshold of "
+        "feeling; filled: what is felt.</p>"
+    )
+
+
+def _figure(figure: tuple[str, str, bytes]) -> str:
+    title, caption, png = figure
+    return (
+        f"<h2>{escape(title)}</h2><figure><img src='{_data(png)}' "
+        f"alt=''><figcaption>{escape(caption)}</figcaption></figure>"
     )
 
 
@@ -203,7 +233,10 @@ def _materials(rides: Mapping[str, Ride]) -> list[str]:
     )
     walls = zip(
         *(
-            [(pair, wall_verdict(apart)) for pair, apart in walls_apart(ride)]
+            [
+                (pair, wall_verdict(apart, felt_anywhere(ride)[1]))
+                for pair, apart in walls_apart(ride)
+            ]
             for ride in rides.values()
         ),
         strict=True,
@@ -218,8 +251,8 @@ def _materials(rides: Mapping[str, Ride]) -> list[str]:
         "<p>What is felt: the strongest actuator above the threshold of feeling, and at how many "
         "of them anything is:</p>",
         table("Section", [list(row) for row in felt]),
-        "<p>Walls of different materials, in difference thresholds (everybody feels 2.98 dB, "
-        "nobody 1.65 dB):</p>",
+        "<p>Walls of different materials, where they are felt (most: three of four people "
+        "notice; few: one of four):</p>",
         table("Walls", [list(row) for row in walls]),
         "<p>The checks by measurement:</p>",
         f"<table><tr><th>Statement{heads}</tr>{''.join(checks)}</table>",
@@ -256,7 +289,7 @@ def _sensitivity(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> list[s
         "that neighbours differ:</p>",
         _pairs_table(("Material", "Value"), chosen),
         "<p>Which checks by measurement hold where a material takes half or double as many "
-        "decibels, and by strategy:</p>",
+        "decibels, with other values of what was arranged, and by strategy:</p>",
         f"<table class=numbers><tr><th>Varied<th>To{heads}</tr>{''.join(lines)}</table>",
         "<p>Levels at the listeners over the whole range in decibels of full scale:</p>",
         _levels_table(ride, varied),

@@ -1,4 +1,5 @@
-"""Sensitivity of the measured checks to material values and to the strategy.
+"""Sensitivity of the measured checks to the values of materials, to what was arranged, and to the
+strategy.
 
 Contacts, impacts and sources are unchanged; only gains and levels of haptic tracing are recomputed.
 """
@@ -9,8 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..core.graph.haptic_graph import HapticGraph, ObjectTable
+from ..core.render.frame_result import FrameResult
 from ..core.scene.materials import MATERIALS, Material
 from ..core.scene.values import HapticObject, Settings, Strategy
+from ..sample_scenes.mine_ride import FULL_ENERGY
 
 CHOSEN = tuple(
     MATERIALS[name]
@@ -22,15 +25,21 @@ library, which are chosen by design, and the paper's function."""
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """A variant of the ride: a material with another loss, or another strategy. ``name``: the
-    material's; ``label``: of the variant; ``power``: to which the material's transfer coefficient K
-    is raised, a factor on its loss in decibels."""
+    """A variant of the ride. ``name`` of what varies, ``label`` of the variant.
+
+    ``material``, ``power``: to which the material's transfer coefficient K is raised, a factor on
+    its loss in decibels. ``within``, ``stretch``: distances within the objects whose names begin so
+    are multiplied. ``full_energy``: that plays an impact at full strength [J].
+    """
 
     name: str
     label: str
     material: Material | None = None
     power: float = 1.0
     strategy: Strategy | None = None
+    within: str = ""
+    stretch: float = 1.0
+    full_energy: float = FULL_ENERGY
 
     def settings(self, settings: Settings) -> Settings:
         """The settings of a frame."""
@@ -58,11 +67,24 @@ class Variation:
 
 
 def variations() -> tuple[Variation, ...]:
-    """Half and double the loss of each material; the paper's strategies and the energy balance."""
+    """Half and double the loss of each material, what was arranged, the paper's strategies and the
+    energy balance."""
     values = [
         Variation(material.title, label, material, power)
         for material in CHOSEN
         for label, power in (("half the loss", 0.5), ("double the loss", 2.0))
+    ]
+    arranged = [
+        Variation(name, label, within=within, stretch=stretch)
+        for name, within in (
+            ("distances in the ground", "Ground"),
+            ("loss of the wind's air", "Updraft"),
+        )
+        for label, stretch in (("half", 0.5), ("double", 2.0))
+    ]
+    arranged += [
+        Variation("blow of full strength", f"{energy:g} J", full_energy=energy)
+        for energy in (PAPER_ENERGY, FULL_ENERGY / 2)
     ]
     strategies = (
         ("as in the paper, paths above 1 %", Strategy.AS_IN_THE_PAPER),
@@ -70,10 +92,13 @@ def variations() -> tuple[Variation, ...]:
     )
     return (
         *values,
+        *arranged,
         *(Variation("strategy", label, strategy=strategy) for label, strategy in strategies),
     )
 
 
+PAPER_ENERGY = 100.0
+"""Energy of a blow of full strength in the paper [J]."""
 _LEAST = 0.01
 """Threshold of a path's gain in a sum over all paths: the wind, the cart and the bridge have too
 many paths below it."""
@@ -94,4 +119,35 @@ class VariedGraph:
                 graph.table,
                 ObjectTable.of(self._variation.objects(graph.table.objects), graph.table.epsilon),
             )
-        return replace(graph, table=self._tables[1])
+        stretch = self._variation.stretch
+        if stretch == 1.0:
+            return replace(graph, table=self._tables[1])
+        places = graph.node_position.copy()
+        for number, name in enumerate(graph.table.names):
+            nodes = slice(*graph.start[number : number + 2].tolist())
+            if name.startswith(self._variation.within) and nodes.start < nodes.stop:
+                middle = places[nodes].mean(axis=0)
+                places[nodes] = middle + stretch * (places[nodes] - middle)
+        return replace(graph, node_position=places, table=self._tables[1])
+
+
+class VariedBlows:
+    """Frames with impacts of the varied strength, which play on in later frames."""
+
+    def __init__(self, variation: Variation) -> None:
+        self._full, self._factor = variation.full_energy, dict[str, float]()
+
+    def of(self, result: FrameResult) -> FrameResult:
+        """A frame with other amplitudes of its impacts."""
+        if self._full == FULL_ENERGY:
+            return result
+        for source, impact in zip(
+            result.sources[len(result.sources) - len(result.impacts) :], result.impacts, strict=True
+        ):
+            now, then = (min(impact.energy / full, 1.0) for full in (self._full, FULL_ENERGY))
+            self._factor[source.name] = now / then
+        sources = tuple(
+            replace(item, amplitude=item.amplitude * self._factor.get(item.name, 1.0))
+            for item in result.sources
+        )
+        return replace(result, sources=sources)

@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from ..core.arrays import FloatArray
-from ..core.perception import DIFFERENCE_THRESHOLDS, sensation_level
+from ..core.perception import are_felt_alike, are_felt_different
 from ..core.scene.materials import MATERIALS
 from ..core.scene.measured import DAMPING, physical
+from ..core.scene.values import Mode
 from ..core.signals.templates import impact_template
-from .checks import HT, walls_felt
-from .measures import highest_sensation
+from .checks import HT, felt_anywhere, walls_felt
+from .measures import loudness
 from .rendition import MODES, Ride
 
 TITLES: Mapping[str, str] = {
@@ -31,42 +32,43 @@ TITLES: Mapping[str, str] = {
 """Titles of `physical_scenes.WAYS`."""
 
 _LIMB = (0.15, 0.15, 0.45)
-_RATE = 8000.0
 
 
-def sensations(ride: Ride) -> list[tuple[str, FloatArray]]:
-    """By section: its title, and the largest sensation level (l,) [dB] of each listener in HT."""
-    tracks = ride.renditions[MODES[HT]].tracks
-    found = []
-    for _, title, first, last in ride.sections:
-        begin, end = (
-            round((frame - ride.frames[0]) / ride.frame_rate * tracks.sample_rate)
-            for frame in (first, last + 1)
-        )
-        found.append((title, highest_sensation(tracks.samples[:, begin:end], tracks.sample_rate)))
-    return found
+def sensations(ride: Ride, mode: Mode = MODES[HT]) -> list[tuple[str, FloatArray]]:
+    """By section: its title, and the highest margin (l,) [dB] of each listener in a mode."""
+    margin = ride.renditions[mode].margin
+    return [
+        (title, margin[ride.rows(first, last)].max(axis=0))
+        for _, title, first, last in ride.sections
+    ]
 
 
 def walls_apart(ride: Ride) -> list[tuple[str, FloatArray]]:
     """For each two kinds of walls, at every listener (l,) by how many decibels the first is felt
-    more in HT; () without walls of both."""
-    felt = {name: np.mean(amplitudes, axis=0) for name, amplitudes in walls_felt(ride, HT).items()}
+    more in HT, NaN where neither is; () without walls of both."""
+    felt, _ = felt_anywhere(ride)
+    mean = {name: np.mean(amplitudes, axis=0) for name, amplitudes in walls_felt(ride, HT).items()}
     with np.errstate(divide="ignore", invalid="ignore"):
         return [
-            (f"{one} and {other}", 20 * np.log10(felt[one] / felt[other]))
-            for one, other in itertools.combinations(felt, 2)
+            (
+                f"{one} and {other}",
+                np.where(felt[one] | felt[other], 20 * np.log10(mean[one] / mean[other]), np.nan),
+            )
+            for one, other in itertools.combinations(mean, 2)
         ]
 
 
-def wall_verdict(difference: FloatArray) -> str:
-    """Number of listeners (l,) at which everybody feels a ``difference`` in decibels, and at which
-    nobody does."""
-    lowest, highest = DIFFERENCE_THRESHOLDS
-    size = np.abs(difference[~np.isnan(difference)])
-    largest = f"{size.max():.1f} dB at most" if len(size) else "silent"
+def wall_verdict(difference: FloatArray, hertz: float) -> str:
+    """Number of listeners (l,) at which most people notice a ``difference`` in decibels at
+    ``hertz``, and at which few do; NaN where nothing is felt."""
+    sizes = np.abs(difference[~np.isnan(difference)]).tolist()
+    if not sizes:
+        return "not felt"
+    most = sum(are_felt_different(size, hertz) for size in sizes)
+    few = sum(are_felt_alike(size, hertz) for size in sizes)
     return (
-        f"{largest}; everybody feels it at {int((size > highest).sum())} of "
-        f"{len(difference)}, nobody at {int((size < lowest).sum())}"
+        f"{max(sizes):.1f} dB at most; most notice it at {most} of {len(sizes)} that feel "
+        f"either, few at {few}"
     )
 
 
@@ -115,7 +117,8 @@ def reasons() -> Iterator[str]:
         )
     yield f"Contacts by impedance take {', '.join(drops)}, at every change of matter."
     blows = ", ".join(
-        f"{first} on {second} {_full_blow(first, second):+.1f} dB" for first, second in _BLOWS
+        f"{first} on {second} {loudness(impact_template(first, second))[0]:+.1f} dB"
+        for first, second in _BLOWS
     )
     yield (
         f"A blow of full scale lies above the threshold by: {blows}. Flesh is so soft that a "
@@ -131,14 +134,6 @@ _BLOWS = (
     ("ribbon", "flesh"),
     ("fabric", "flesh"),
 )
-
-
-def _full_blow(first: str, second: str) -> float:
-    samples = np.zeros(round(_RATE / 4))
-    # The window fades its ends, so the impact is in the middle.
-    blow = impact_template(first, second).sample(0, len(samples) // 2, _RATE)
-    samples[len(samples) // 4 : len(samples) // 4 + len(blow)] = blow
-    return float(sensation_level(samples, _RATE))
 
 
 def numbers(rides: Mapping[str, Ride]) -> dict[str, Any]:

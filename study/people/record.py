@@ -1,0 +1,98 @@
+"""The folder of a study with people: ``study.json``, the plan, written before the first
+participant, and ``P01.jsonl`` and so on, a line for each step that a participant has taken."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import pandas
+from pandas import DataFrame
+
+PLAN = "study.json"
+_STEP = ["participant", "step", "position", "condition", "scene"]
+
+
+def read_plan(folder: Path) -> dict[str, Any]:
+    """The plan of a study. Raises ValueError if the folder holds none."""
+    try:
+        plan: dict[str, Any] = json.loads((folder / PLAN).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ValueError(f"{folder}: no study; `haptic-tracing study run` begins one") from None
+    return plan
+
+
+def read_steps(path: Path) -> list[dict[str, Any]]:
+    """The steps that a participant has taken, and notes, which have no answer. A line that was cut
+    off while it was written is left out."""
+    if not path.exists():
+        return []
+    whole, _, _ = path.read_bytes().rpartition(b"\n")
+    return [json.loads(line) for line in whole.splitlines()]
+
+
+def add_step(path: Path, step: Mapping[str, Any]) -> None:
+    """Append a step with the time, on the disk when this returns; a line that was cut off is
+    replaced."""
+    line = json.dumps({**step, "at": datetime.now(UTC).isoformat(timespec="milliseconds")})
+    with path.open("a+b") as file:
+        file.seek(0)
+        file.truncate(file.read().rfind(b"\n") + 1)
+        file.write(line.encode() + b"\n")
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def tidy(folder: Path, plan: Mapping[str, Any]) -> DataFrame:
+    """All answers of a study: a row for each observation, and why its participant is excluded by
+    the rules of the plan, if so."""
+    taken: list[dict[str, Any]] = []
+    excluded = {}
+    for participant in plan["orders"]:
+        steps = [step for step in read_steps(folder / f"{participant}.jsonl") if "answer" in step]
+        if steps:
+            excluded[participant] = _excluded(steps, plan["form"]["exclusion"])
+        taken += [{"participant": participant, **step} for step in steps]
+    table = pandas.json_normalize(taken, "answer", _STEP, errors="ignore")
+    table = table.reindex(columns=[*_STEP, "item", "value", "x", "y"])
+    table["excluded"] = table["participant"].map(excluded)
+    return table
+
+
+def _excluded(steps: Sequence[Mapping[str, Any]], rules: Mapping[str, Any]) -> str:
+    """Why a participant is excluded, or ""."""
+    rated = [step for step in steps if step["step"] == "rate"]
+    if rules["incomplete"] and steps[-1]["step"] != "end":
+        return "not finished"
+    if (
+        rules["same_answers"]
+        and len({row["value"] for step in rated for row in step["answer"]}) == 1
+    ):
+        return "the same answer to every question"
+    least = rules["seconds_per_item"]
+    if any(step["seconds"] < least * len(step["answer"]) for step in rated):
+        return f"less than {least:g} s per question"
+    return ""
+
+
+def scores(kept: DataFrame, form: Mapping[str, Any]) -> DataFrame:
+    """Each factor's mean of its items, and the rank of each condition, 1 the preferred one, as
+    factor "(ranking)": (participants, (factor, condition)), of those who have finished. ``kept``:
+    rows of `tidy`."""
+    items = DataFrame(form["items"], columns=["factor", "text", "reversed"]).set_index("text")
+    rated = kept[kept["step"] == "rate"].join(items, "item")
+    ranked = kept[kept["step"] == "rank"].assign(
+        factor="(ranking)", condition=lambda row: row["item"]
+    )
+    rows = pandas.concat([ranked, rated]).astype({"value": float})
+    turned = form["scale"]["low"] + form["scale"]["high"] - rows["value"]
+    rows["value"] = rows["value"].mask(rows["reversed"].eq(True), turned)
+    factors = ["(ranking)", *items["factor"].unique()]
+    means = rows.pivot_table("value", "participant", ["factor", "condition"])
+    return means.reindex(
+        columns=pandas.MultiIndex.from_product([factors, form["conditions"]])
+    ).dropna()

@@ -1,0 +1,135 @@
+"""The results of a study with people: tables, and a page that lays them out like the paper's."""
+
+from __future__ import annotations
+
+import base64
+import tomllib
+from collections.abc import Mapping
+from html import escape
+from io import BytesIO
+from pathlib import Path
+from string import Template
+from typing import Any, get_args
+
+import pandas
+from pandas import DataFrame, Series
+
+from ...core.formats.io.atomic import write_bytes
+from ...core.scene.body_map import View
+from .body import svg
+from .record import read_plan, scores, tidy
+from .statistics import Row, differences, friedman, pairs, power, share
+
+FEWEST = 6
+"""People below whose number nothing is tested."""
+_HERE = Path(__file__).parent
+PUBLISHED = tomllib.loads((_HERE / "published.toml").read_text(encoding="utf-8"))
+"""What the paper prints."""
+_LAYOUT: Row = {
+    "index": False,
+    "na_rep": "",
+    "border": 0,
+    "classes": "numbers",
+    "float_format": "%.3g",
+}
+
+
+def analyse(folder: Path) -> list[Path]:
+    """Write all answers and the tables as CSV, and ``analysis.html``, into the folder of a study.
+    Raises ValueError."""
+    plan = read_plan(folder)
+    form, answers = plan["form"], tidy(folder, plan)
+    if not (answers["step"] == "rank").any():
+        raise ValueError(f"{folder}: nobody has ranked the conditions yet")
+    kept = answers[answers["excluded"] == ""]
+    rated = scores(kept, form)
+    order = rated["(ranking)"]
+    factors = {name: rated[name] for name in rated.columns.unique(0) if len(rated) >= FEWEST}
+    places, maps = _places(kept, plan)
+    paper_pairs = PUBLISHED["pairs"]
+    reasons = answers.groupby("participant")["excluded"].first()
+    tables = {
+        "excluded": reasons[reasons != ""].reset_index(),
+        "preferred": DataFrame(_preferred(order)),
+        "factors": DataFrame([_whole(*one, form["smallest_effect"]) for one in factors.items()]),
+        "pairs": DataFrame(
+            {"factor": name, **row, "paper": paper_pairs.get(name.lower(), {}).get(row["pair"])}
+            for name, ratings in factors.items()
+            for row in pairs(ratings)
+        ),
+        "places": DataFrame(places),
+    }
+    text = Template((_HERE / "analysis.html").read_text(encoding="utf-8")).substitute(
+        {name: table.to_html(**_LAYOUT) for name, table in tables.items()},
+        title=escape(form["title"]),
+        style=(_HERE.parent / "report.css").read_text(encoding="utf-8"),
+        count=len(reasons),
+        planned=len(plan["orders"]),
+        kept=(reasons == "").sum(),
+        rules=form["exclusion"],
+        rank_plot=_rank_plot(order),
+        effect=form["smallest_effect"],
+        maps=maps,
+    )
+    files = {"analysis.html": text, "answers.csv": answers.to_csv(index=False)}
+    files |= {f"{name}.csv": table.to_csv(index=False) for name, table in tables.items()}
+    for name, content in files.items():
+        write_bytes(folder / name, content.encode())
+    return [folder / name for name in files]
+
+
+def _preferred(order: DataFrame) -> list[Row]:
+    """First choices and mean ranks by condition."""
+    paper, first = PUBLISHED["preferred"], (order == 1).sum()
+    return [
+        {"condition": name, "people": first[name], "mean rank": column.mean()}
+        | share("share", int(first[name]), len(column))
+        | {"paper": paper.get(name)}
+        for name, column in order.items()
+        if len(column)
+    ]
+
+
+def _whole(factor: str, ratings: DataFrame, effect: float) -> Row:
+    """Friedman's test of a factor, (participants, conditions), and the power for an effect."""
+    people, apart = len(ratings), differences(ratings)
+    spread = max(float(apart.var().mean()) ** 0.5, 1e-3)
+    return {
+        "factor": factor,
+        "people": people,
+        **friedman(ratings),
+        "paper": PUBLISHED["friedman"].get(factor.lower(), ""),
+        "spread": spread,
+        "power": power(people, effect, spread, 0.05),
+        "power, strictest": power(people, effect, spread, 0.05 / apart.shape[1]),
+    }
+
+
+def _places(kept: DataFrame, plan: Mapping[str, Any]) -> tuple[list[Row], str]:
+    """Where vibration was felt against where it was: rows, and maps as HTML."""
+    rows, maps = [], ""
+    placed = kept[kept["step"] == "place"]
+    for (scene, condition), group in placed.groupby(["scene", "condition"], sort=False):
+        levels = Series(plan["levels"][condition][scene], plan["listeners"])
+        felt, noticed = group[group["x"].notna()], group.loc[group["item"] == "noticed", "value"]
+        row: Row = {"scene": scene, "condition": condition, "strongest": levels.idxmax()}
+        row |= share("noticed", int(noticed.sum()), len(noticed))
+        rows.append(row | {"at the strongest": (felt["value"] == levels.idxmax()).mean()})
+        shares = (levels / (levels.max() or 1.0)).to_dict()
+        for view in get_args(View):
+            dots = felt.loc[felt["item"] == view, ["x", "y"]].to_numpy(float)
+            caption = f"<figcaption>{escape(scene)}, {escape(condition)}, {view}</figcaption>"
+            maps += f"<figure>{svg(view, shares, dots)}{caption}</figure>"
+    return rows, maps
+
+
+def _rank_plot(order: DataFrame) -> str:
+    """How many people gave each condition which rank."""
+    from matplotlib.figure import Figure
+
+    drawing, file = Figure(figsize=(11, 3), layout="constrained"), BytesIO()
+    counts = order.apply(pandas.Series.value_counts).T.add_prefix("rank ")
+    if len(order):
+        counts[::-1].plot.barh(stacked=True, xlabel="people", ax=drawing.subplots())
+    drawing.savefig(file, format="png", metadata={"Software": None})
+    return f'<img alt="" src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}">'
