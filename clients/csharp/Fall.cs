@@ -13,7 +13,7 @@ static class Fall
         int blows = 0, frames = 0;
         double last = double.NaN;
         string fault = null;
-        using (var client = new Client())
+        using (var client = Connected(arguments[0]))
         {
             client.Levels += levels => { frames++; last = levels["hand"].Decibels; };
             client.Impacted += impact =>
@@ -22,7 +22,6 @@ static class Fall
                 Console.WriteLine(FormattableString.Invariant($"{impact.First} and {impact.Second}: {impact.Energy:0.0} J at {impact.Time:0.000} s"));
             };
             client.Failed += (where, message) => fault = where + ": " + message;
-            client.ConnectAsync(arguments[0], new Dictionary<string, object> { { "up", "y" }, { "handedness", "left" } }).Wait();
             for (var waited = 0; !client.IsConnected && fault == null && waited < 1000; waited++)
             {
                 Thread.Sleep(10);
@@ -50,5 +49,24 @@ static class Fall
         }
         Console.WriteLine(FormattableString.Invariant($"{frames} frames, {blows} blows, hand at {last:0.00} dB, then: {fault}"));
         return blows == 1 ? 0 : 1;
+    }
+
+    /// <summary>A client of a server that may still be starting: half a minute is waited for it.</summary>
+    static Client Connected(string url)
+    {
+        for (var tries = 0; ; tries++)
+        {
+            var client = new Client();
+            try
+            {
+                client.ConnectAsync(url, new Dictionary<string, object> { { "up", "y" }, { "handedness", "left" } }).Wait();
+                return client;
+            }
+            catch (AggregateException) when (tries < 60)
+            {
+                client.Dispose();
+                Thread.Sleep(500);
+            }
+        }
     }
 }

@@ -95,14 +95,16 @@ export class HapticTracing extends EventTarget {
     this._send({type: "remove", ...parts});
   }
 
-  /** Shake a gamepad with the level of a listener, 0 to 1, for the given milliseconds; the Gamepad API's "dual-rumble". */
+  /**
+   * Shake a gamepad, or a controller of WebXR (`inputSource.gamepad`), with the level of a listener in decibels, null for silence, for the
+   * given milliseconds.
+   */
   static rumble(gamepad, level, milliseconds = 60) {
     const magnitude = level === null ? 0 : Math.min(Math.max(Math.SQRT2 * 10 ** (level / 20), 0), 1);
-    return gamepad?.vibrationActuator?.playEffect("dual-rumble", {
-      duration: milliseconds,
-      strongMagnitude: magnitude,
-      weakMagnitude: magnitude,
-    });
+    const actuator = gamepad?.vibrationActuator ?? gamepad?.hapticActuators?.[0];
+    return actuator?.playEffect
+      ? actuator.playEffect("dual-rumble", {duration: milliseconds, strongMagnitude: magnitude, weakMagnitude: magnitude})
+      : actuator?.pulse?.(magnitude, milliseconds);
   }
 
   _flush() {
@@ -151,5 +153,36 @@ export class HapticTracing extends EventTarget {
 
   _tell(name, detail) {
     this.dispatchEvent(new CustomEvent(name, {detail}));
+  }
+}
+
+/** A body seen from the front, in an SVG element, whose parts are as red as they are felt. */
+export class BodyMap {
+  /**
+   * @param {SVGElement} svg the element, in which the figure is 2 high
+   * @param {object} table that of `body-map.json`
+   */
+  constructor(svg, table) {
+    this._limbs = new Map();
+    const {midline, left} = table.front;
+    // The table is as seen from behind: from the front, the wearer's left is to the right.
+    const rows = [...midline.map(row => [row.part, row, -1]), ...left.flatMap(row => [[`${row.part}.L`, row, -1], [`${row.part}.R`, row, 1]])];
+    for (const [part, {start, end, width}, mirror] of rows) {
+      const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
+      const values = {x1: mirror * start[0], y1: 2 - start[1], x2: mirror * end[0], y2: 2 - end[1], "stroke-width": width, "data-part": part};
+      for (const [key, value] of Object.entries(values)) line.setAttribute(key, value);
+      svg.append(line);
+      this._limbs.set(part, line);
+    }
+    this.show({}, {});
+  }
+
+  /** Show levels, by listener, at their body parts, by listener: grey for silence, red from -60 to 0 dB. */
+  show(levels, parts) {
+    for (const limb of this._limbs.values()) limb.setAttribute("stroke", "#bbb");
+    for (const [listener, {level}] of Object.entries(levels)) {
+      const strength = level === null ? 0 : Math.min(Math.max(1 + level / 60, 0), 1);
+      if (strength) this._limbs.get(parts[listener])?.setAttribute("stroke", `hsl(0, ${100 * strength}%, ${75 - 25 * strength}%)`);
+    }
   }
 }

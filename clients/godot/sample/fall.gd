@@ -15,7 +15,8 @@ func _enter_tree() -> void:
 
 func _ready() -> void:
 	_crate.freeze = true
-	_haptics.scene_received.connect(func(_objects, _sources, _listeners): _crate.freeze = false)
+	# The server has loaded what it needs once it has answered a step.
+	_haptics.levels_changed.connect(func(_levels): _crate.freeze = false, CONNECT_ONE_SHOT)
 	_haptics.impact_felt.connect(_hit)
 	_haptics.failed.connect(_fail)
 

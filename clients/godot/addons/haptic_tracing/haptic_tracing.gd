@@ -23,6 +23,10 @@ signal failed(where: String, message: String)
 @export var felt_by_gamepad := ""
 ## The gamepad that is shaken.
 @export var gamepad := 0
+## Whether a step is sent in every physics frame; otherwise where [method step] is called.
+@export var automatic := true
+## How long a server is waited for that does not answer yet, in seconds.
+@export var patience := 20.0
 
 ## The levels of the last step.
 var levels := {}
@@ -86,7 +90,10 @@ func _physics_process(delta: float) -> void:
 				var packet := _socket.get_packet()
 				if _socket.was_string_packet():
 					_receive(JSON.parse_string(packet.get_string_from_utf8()))
-			_step()
+			if automatic:
+				step(_time)
+		WebSocketPeer.STATE_CLOSED when not _is_open and _time < patience:
+			_socket.connect_to_url(url)
 		WebSocketPeer.STATE_CLOSED:
 			set_physics_process(false)
 			failed.emit("", "%s has closed the connection, or does not answer" % url)
@@ -101,10 +108,10 @@ func _greet() -> void:
 	_send(hello)
 
 
-## Send what has moved, unless an answer is awaited.
-func _step() -> void:
+## Send what has moved up to a time in seconds. False where nothing is sent, because an answer is awaited.
+func step(time: float) -> bool:
 	if not _has_scene or _is_waiting:
-		return
+		return false
 	var poses := {}
 	for object_name in _nodes:
 		var node: Node3D = _nodes[object_name]
@@ -117,7 +124,8 @@ func _step() -> void:
 			_sent[object_name] = pose
 			poses[object_name] = pose
 	_is_waiting = true
-	_send({"type": "step", "time": _time, "poses": poses})
+	_send({"type": "step", "time": time, "poses": poses})
+	return true
 
 
 func _receive(message: Dictionary) -> void:
@@ -144,7 +152,9 @@ func _find(objects: Array) -> void:
 	var top := get_node_or_null(root) if root else get_tree().current_scene
 	_nodes.clear()
 	for object_name in objects:
-		var node := top if top.name == object_name else top.find_child(object_name, true, false)
+		# Godot has no dots and colons in the names of nodes: its importers make underscores of them.
+		var known: String = object_name.validate_node_name()
+		var node := top if top.name == known else top.find_child(known, true, false)
 		if node is Node3D:
 			_nodes[object_name] = node
 
