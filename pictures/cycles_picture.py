@@ -39,7 +39,7 @@ def rendered_picture(
     data = render_data(result, read_settings(scene), shown_options(scene))
     scale = picture_scale(size)
     view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
-    solid = solid_graph(data, seen_unit(data, projection, view, size[1] / scale))
+    solid = solid_graph(data, seen_unit(data, projection, view, size[1] / scale), view[:3, :3])
     with suspended():
         if scene.haptics.xray:
             canvas = rendered(scene, size, SAMPLES, denoise=True)[..., :3]

@@ -131,6 +131,13 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
                 body="FELT_ALL_OVER",
             ),
             Sample(
+                "kart",
+                "Kart and Driver",
+                80,
+                "A driver feels engine, kerb and setts through seat and steering wheel",
+                about=("hand", "middle_back", "upper_leg"),
+            ),
+            Sample(
                 "mine_ride",
                 "Mine Ride",
                 461,

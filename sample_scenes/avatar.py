@@ -90,6 +90,25 @@ class Posture:
 
 
 @dataclass(frozen=True, slots=True)
+class Mannequin:
+    """Relative to the avatar's origin: the shapes of the parts by name (``Hand.L``), the centres of
+    the joints (``elbow.L``), and by body part (``hand.L``) the part with its listener, and where.
+    """
+
+    shapes: Mapping[str, Geometry]
+    joints: Mapping[str, Vector]
+    anchors: Mapping[str, tuple[str, Vector]]
+
+    @classmethod
+    def of(cls, posture: Posture) -> Mannequin:
+        """The body in a posture."""
+        joints, shapes = _joints(posture), _trunk(posture)
+        for side, letter in SIDES:
+            shapes |= _arm(posture, joints, side, letter) | _leg(joints, letter)
+        return cls(shapes, joints, _anchors(posture, joints))
+
+
+@dataclass(frozen=True, slots=True)
 class Avatar:
     """The root that carries all parts, the parts by name (``Hand.L``), the listeners by body part
     (``hand.L``), the joints (``elbow.L``) relative to the root."""
@@ -147,13 +166,9 @@ def build_avatar(
     """
     root = place_empty(scene, "Avatar", location, parent, "ARROWS", 0.25, heading)
     materials = (surface("Avatar Body", "#e9e2d6", 0.45), surface("Avatar Joints", "#2f5d73", 0.4))
-    joints = _joints(posture)
-    shapes = _trunk(posture)
-    for side, letter in SIDES:
-        shapes |= _arm(posture, joints, side, letter) | _leg(joints, letter)
-    anchors = _anchors(posture, joints)
+    mannequin = Mannequin.of(posture)
     parts: dict[str, Object] = {}
-    for part, geometry in shapes.items():
+    for part, geometry in mannequin.shapes.items():
         obj = place(scene, f"Avatar {part}", geometry, materials, parent=root)
         if moving:
             make_moving(scene, obj, substance, MASS[part.split(".")[0]])
@@ -162,7 +177,7 @@ def build_avatar(
         parts[part] = obj
     listeners: dict[str, Object] = {}
     for listener in listening:
-        carrier, spot = anchors[listener]
+        carrier, spot = mannequin.anchors[listener]
         empty = place_empty(
             scene,
             listener,
@@ -172,10 +187,10 @@ def build_avatar(
             BODY_PART[listener].radius,
         )
         listeners[listener] = make_listener(empty, listener, BODY_PART[listener].radius, gain)
-    return Avatar(root, parts, listeners, joints)
+    return Avatar(root, parts, listeners, mannequin.joints)
 
 
-def _trunk_frame(posture: Posture) -> Callable[[float, float, float], Vector]:
+def trunk_frame(posture: Posture) -> Callable[[float, float, float], Vector]:
     """Maps (left, forward, up) from the hips' centre, along the leaning trunk, to the avatar's
     frame."""
     sine, cosine = math.sin(posture.lean), math.cos(posture.lean)
@@ -190,7 +205,7 @@ def _trunk_frame(posture: Posture) -> Callable[[float, float, float], Vector]:
 
 
 def _trunk(posture: Posture) -> dict[str, Geometry]:
-    point = _trunk_frame(posture)
+    point = trunk_frame(posture)
     turn = Matrix.Rotation(-posture.lean, 4, "X")
 
     def set_at(geometry: Geometry, forward: float, up: float) -> Geometry:
@@ -214,7 +229,7 @@ def _joints(posture: Posture) -> dict[str, Vector]:
     for side, letter in SIDES:
         hand = posture.hand_of(side)
         fingers, back = _hand_axes(hand)
-        shoulder = _trunk_frame(posture)(side * 0.217, 0.0, 0.515)
+        shoulder = trunk_frame(posture)(side * 0.217, 0.0, 0.515)
         wrist = hand.palm + back * HAND[2] / 2 - fingers * (HAND[1] / 2 + WRIST_RADIUS - OVERLAP)
         joints[f"shoulder.{letter}"] = shoulder
         joints[f"elbow.{letter}"] = _bend(
@@ -235,7 +250,7 @@ def _hand_axes(hand: Hand) -> tuple[Vector, Vector]:
 
 def _anchors(posture: Posture, joints: Mapping[str, Vector]) -> dict[str, tuple[str, Vector]]:
     """The part that carries each default listener, and where."""
-    point = _trunk_frame(posture)
+    point = trunk_frame(posture)
     anchors: dict[str, tuple[str, Vector]] = {}
     for side, letter in SIDES:
         hand = posture.hand_of(side)

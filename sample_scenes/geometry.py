@@ -241,6 +241,26 @@ def rod(start: Point, end: Point, radius: float, segments: int = 12) -> Geometry
     return along(lathe(((radius, 0.0), (radius, (b - a).length)), segments), a, b)
 
 
+def torus(radius: float, tube: float, segments: int = 32, sides: int = 12) -> Geometry:
+    """A ring about the z axis; ``radius``: of the middle of its ``tube``."""
+    turns = [2 * math.pi * k / segments for k in range(segments)]
+    rounds = [2 * math.pi * k / sides for k in range(sides)]
+    reach = [(radius + tube * math.cos(b), tube * math.sin(b)) for b in rounds]
+    vertices = tuple((r * math.cos(a), r * math.sin(a), z) for a in turns for r, z in reach)
+    count = len(vertices)
+    faces = tuple(
+        (
+            k * sides + j,
+            (k * sides + j + sides) % count,
+            (k * sides + (j + 1) % sides + sides) % count,
+            k * sides + (j + 1) % sides,
+        )
+        for k in range(segments)
+        for j in range(sides)
+    )
+    return Geometry(vertices, faces, (0,) * len(faces))
+
+
 def prism(outline: Sequence[tuple[float, float]], height: float) -> Geometry:
     """An outline in x and y, counter-clockwise, drawn out from z = 0 to ``height``."""
     count = len(outline)

@@ -9,7 +9,7 @@ from random import Random
 from bpy.types import Material, Object, Scene
 from mathutils import Matrix, Vector
 
-from ..core.scene.materials import MATERIALS, texture_in
+from ..core.scene.materials import MATERIALS
 from .animation import animate
 from .avatar import Avatar, Hand, build_avatar, standing
 from .crates import crate_materials, crate_shape
@@ -18,7 +18,7 @@ from .geometry import SUNK, box, cylinder, joined, lathe, prism, rod, sphere, su
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
 from .materials import CONCRETE, HARDWOOD, SOFTWOOD, STEEL, surface
 from .railway import RAIL_HEIGHT, add_rails, wheelset
-from .staging import add_rigid_body_world, make_moving, make_static, place, place_empty
+from .staging import add_rigid_body_world, add_texture, make_moving, make_static, place, place_empty
 
 SECTIONS = {
     "File": (4, 56),
@@ -365,11 +365,7 @@ def _add_textures(scene: Scene) -> None:
             },
         ),
     ):
-        row = scene.haptics.textures.items.add()
-        row.first_kind = row.second_kind = "OBJECT"
-        row.first, row.second = first, second
-        for name, value in {**texture_in(like), **values}.items():
-            setattr(row, name, value)
+        add_texture(scene, "OBJECT", first, second, like, **values)
 
 
 def _add_surroundings(scene: Scene) -> Object:

@@ -13,6 +13,7 @@ from mathutils import Euler, Vector
 from ..addon.authoring.materials import spread_all_around
 from ..addon.blender.progress import show
 from ..core.scene.materials import Material as Substance
+from ..core.scene.materials import texture_in
 from .animation import CONSTANT, animate
 from .geometry import Geometry, Point, to_mesh
 from .materials import tag
@@ -134,17 +135,22 @@ def make_static(
     return tag(scene, obj, substance)
 
 
-def make_moving(
-    scene: Scene, obj: Object, substance: Substance, mass: float, shape: str = "CONVEX_HULL"
-) -> Object:
-    """A haptic object that follows its animation, or that of its parent. ``mass`` in kg counts for
-    the energy of its impacts."""
+def give_mass(scene: Scene, obj: Object, mass: float, shape: str = "CONVEX_HULL") -> Object:
+    """Make an object that follows its animation, or that of its parent, a rigid body. ``mass`` in
+    kg counts for the energy of its impacts."""
     body = _rigid_body(scene, obj, shape)
     body.type = "PASSIVE"
     body.kinematic = True
     body.mass = mass
     body.friction = 0.6
-    return tag(scene, obj, substance)
+    return obj
+
+
+def make_moving(
+    scene: Scene, obj: Object, substance: Substance, mass: float, shape: str = "CONVEX_HULL"
+) -> Object:
+    """A haptic object with a mass, see `give_mass`."""
+    return tag(scene, give_mass(scene, obj, mass, shape), substance)
 
 
 def make_dynamic(
@@ -205,6 +211,18 @@ def make_source(
     source.frequency = frequency
     source.amplitude = amplitude
     return obj
+
+
+def add_texture(
+    scene: Scene, kind: str, first: str, second: str, like: str, **values: float
+) -> None:
+    """A rule for what slides or rolls: objects or materials (``kind``) ``first`` and ``second``
+    have the texture of the library's material ``like``, but for ``values``."""
+    row = scene.haptics.textures.items.add()
+    row.first_kind = row.second_kind = kind
+    row.first, row.second = first, second
+    for name, value in {**texture_in(like), **values}.items():
+        setattr(row, name, value)
 
 
 def make_listener(obj: Object, body_part: str, radius: float, gain: float = 1.0) -> Object:
