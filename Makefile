@@ -8,7 +8,7 @@ MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak stability lint format test-matrix $(MATRIX:%=test-%) test-gui test-godot docs validate package wheels bench samples clean
+.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak stability lint format test-matrix $(MATRIX:%=test-%) test-gui test-vr test-godot docs validate package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
@@ -24,6 +24,7 @@ help:
 	@echo "make lint         linters and types; make format mends what can be mended by itself"
 	@echo "make test-matrix  the suite on bpy $(MATRIX)"
 	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
+	@echo "make test-vr REAL_BLENDER=path/to/tool  VR sessions against a simulated OpenXR runtime"
 	@echo "make test-godot GODOT=path/to/godot     the add-on for Godot in Godot itself"
 	@echo "make package      the extension, one zip per platform in dist/"
 	@echo "make bench        measurements, printed as tables"
@@ -77,6 +78,10 @@ test-gui: .venv/complete wheels
 	@[ -n "$(BLENDER)$(REAL_BLENDER)" ] || { echo "haptic-tracing: say which Blender: make test-gui BLENDER=path/to/blender" >&2; exit 1; }
 	BLENDER="$(BLENDER)" REAL_BLENDER="$(REAL_BLENDER)" $(PYTHON) -m pytest tests/gui
 
+test-vr: .venv/complete wheels
+	@[ -n "$(REAL_BLENDER)" ] || { echo "haptic-tracing: say how Blender is run with a runtime: make test-vr REAL_BLENDER=path/to/tool" >&2; exit 1; }
+	REAL_BLENDER="$(REAL_BLENDER)" $(PYTHON) -m pytest tests/gui/test_in_vr.py
+
 test-godot: .venv/complete
 	@[ -n "$(GODOT)" ] || { echo "haptic-tracing: say which Godot: make test-godot GODOT=path/to/godot" >&2; exit 1; }
 	GODOT="$(GODOT)" $(PYTHON) -m pytest tests/gui/test_in_godot.py
@@ -102,6 +107,7 @@ samples: packages-for-demo .venv/complete
 docs: .venv-docs/complete
 	.venv-docs/bin/python docs/pictures/draw_layers.py
 	.venv-docs/bin/python docs/write_schema_page.py
+	.venv-docs/bin/python docs/write_command_pages.py
 	.venv-docs/bin/python -m sphinx --quiet --fail-on-warning -b html docs out/docs
 	@echo "wrote out/docs/index.html"
 

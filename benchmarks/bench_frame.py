@@ -2,7 +2,7 @@
 
     python -m benchmarks.bench_frame [--bodies 100 300 1000 3000] [--settled 10000] [--frames 200]
     [--passes 3]
-                                     [--shape BOX] [--strategy auto] [--no-impacts] [--materials]
+                                     [--shape BOX] [--strategy auto] [--no-impacts]
 
 Every frame is simulated by Blender and traced by the add-on, on a thread beside it. Three Blenders
 play the same frames, a few at a time in turns, so that whatever else the machine does meets them
@@ -18,10 +18,6 @@ more source; not with `--no-impacts`. The samples of every frame are rendered, a
 that a new scene shows. Settled bodies lie asleep on the ground with one source at the edge; beyond
 reading the transforms, Blender waits for the rest of the handler, and all other stages pass beside
 it.
-
-``--materials`` prints another table: what tracing costs in CPU time where the bodies are of
-measured materials (stone on soil, contacts by impedance), their plain gain without bands first,
-then in bands, with sources of one band and of four.
 """
 
 from __future__ import annotations
@@ -36,12 +32,6 @@ import numpy as np
 
 GOALS = {100: 0.12, 300: 0.08, 1000: 0.04, 3000: 0.03}
 SETTLED_GOAL = 1.0
-MATERIALS = {
-    "plain": "plain gain",
-    "one": "in bands, sources of one band",
-    "four": "in bands, sources of four bands",
-}
-MATERIALS_GOAL = 1.5
 PASSES = 3
 FRAMES_OF_BODIES = 20_000  # in a turn: of 1,000 bodies 20 frames
 
@@ -77,8 +67,14 @@ class Row:
     traced: Traced
 
 
-class _Blender:
-    """A Blender in its own process that plays ``frames`` of a scene in turns."""
+def turn_of(bodies: int) -> int:
+    """Frames that a Blender plays at a time."""
+    return int(np.clip(FRAMES_OF_BODIES // bodies, 10, 100))
+
+
+class Blender:
+    """A Blender in its own process that plays ``frames`` of a scene in turns. ``scene``: the
+    arguments of `falling_bodies.build` after the frames."""
 
     def __init__(self, tracing: bool, frames: int, *scene: object) -> None:
         context = multiprocessing.get_context("spawn")
@@ -113,11 +109,11 @@ def measure(
     bodies: int, shape: str, frames: int, passes: int, settled: bool, strategy: str, impacts: bool
 ) -> Row:
     """Play the scene without tracing, with it, and without once more, in turns."""
-    turn = int(np.clip(FRAMES_OF_BODIES // bodies, 10, 100))
+    turn = turn_of(bodies)
     seconds, worked = np.full((2, 3, frames), np.inf)
     for _ in range(passes):
         blenders = [
-            _Blender(tracing, frames, bodies, shape, settled, strategy, impacts)
+            Blender(tracing, frames, bodies, shape, settled, strategy, impacts)
             for tracing in (False, True, False)
         ]
         for begin in range(0, frames, turn):
@@ -141,51 +137,6 @@ def measure(
         cost_cpu=float(np.median(on_cpu / off_cpu)) - 1,
         traced=traced,
     )
-
-
-def measure_materials(
-    bodies: int, frames: int, passes: int, impacts: bool
-) -> list[tuple[str, float, Traced]]:
-    """Name, milliseconds of CPU time that tracing adds to a frame, mean over the frames, and what
-    was traced: of each kind of materials."""
-    turn = int(np.clip(FRAMES_OF_BODIES // bodies, 10, 100))
-    worked = np.full((1 + len(MATERIALS), frames), np.inf)
-    traced: list[Traced] = []
-    for _ in range(passes):
-        blenders = [
-            _Blender(
-                kind is not None, frames, bodies, "BOX", False, "auto", impacts, kind or "plain"
-            )
-            for kind in (None, *MATERIALS)
-        ]
-        for begin in range(0, frames, turn):
-            numbers = range(begin + 1, min(begin + turn, frames) + 1)
-            for cpu, blender in zip(worked, blenders, strict=True):
-                cpu[begin:][: len(numbers)] = np.minimum(
-                    cpu[begin:][: len(numbers)], blender.play(numbers)[1]
-                )
-        traced = [found for blender in blenders if (found := blender.end()) is not None]
-    beside = np.arange(frames) % turn > 0
-    added = 1000 * (worked[1:, beside] - worked[0, beside]).mean(axis=1)
-    return list(zip(MATERIALS.values(), added.tolist(), traced, strict=True))
-
-
-def run_materials(bodies: Sequence[int], frames: int, passes: int, impacts: bool) -> None:
-    """Print the table."""
-    print(
-        f"{frames} frames, measured materials, {'with' if impacts else 'without'} impacts; "
-        "milliseconds of tracing's CPU time a frame"
-    )
-    for count in bodies:
-        rows = measure_materials(count, frames, passes, impacts)
-        for name, added, traced in rows:
-            stages = ", ".join(f"{stage} {traced.stages[stage]:.2f}" for stage in traced.stages)
-            goal = f"(goal {MATERIALS_GOAL:g})" if name != rows[0][0] else ""
-            print(
-                f"{count:7}  {name:32} {added:7.2f}  {added / rows[0][1]:5.2f} times {goal:11} "
-                f"{stages}",
-                flush=True,
-            )
 
 
 def run(
@@ -262,11 +213,7 @@ def main() -> None:
         default="auto",
     )
     parser.add_argument("--impacts", action=argparse.BooleanOptionalAction, default=True)
-    parser.add_argument("--materials", action="store_true")
     options = parser.parse_args()
-    if options.materials:
-        run_materials(options.bodies, options.frames, options.passes, options.impacts)
-        return
     run(
         tuple(options.bodies),
         options.settled,

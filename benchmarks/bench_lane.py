@@ -59,7 +59,7 @@ def noise(frames: int, listeners: int) -> tuple[Waves, float]:
         samples,
         filled=True,
     )
-    waves.find_thresholds(RATE)
+    waves.find_levels(RATE)
     waves.add_impacts(
         np.arange(5.0, frames, 10.0),
         random.uniform(0.01, 1, (len(np.arange(5.0, frames, 10.0)), listeners)),
@@ -74,12 +74,14 @@ def rows(waves: Waves, redraws: int) -> Iterator[Row]:
     block = np.random.default_rng(2).normal(
         0, 0.1, (len(waves.listeners), RATE // FRAMES_PER_SECOND)
     )
-    context = SimpleNamespace(preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)))
+    system, themes = SimpleNamespace(ui_scale=1.0), bpy.context.preferences.themes
+    context = SimpleNamespace(preferences=SimpleNamespace(system=system, themes=themes))
     buffer = GPUOffScreen(*SIZE)
     with (
         buffer.bind(),
         mock.patch.object(lane, "draw_flat"),
         mock.patch.object(lane, "watched", lambda scene: waves.listeners[0]),
+        mock.patch.object(lane, "active_name", lambda: ""),
     ):
         for title, frames in SHOWN:
             wide = frames or float(len(waves.filled))
@@ -93,7 +95,8 @@ def rows(waves: Waves, redraws: int) -> Iterator[Row]:
                         width=SIZE[0], height=SIZE[1], view2d=view, as_pointer=lambda: 1
                     )
                     if change == "next frame":
-                        waves.write(number * block.shape[1], block, np.zeros(len(block)))
+                        still = np.zeros(len(block))
+                        waves.write(number * block.shape[1], block, still, still)
                     started = time.thread_time()
                     lane._draw_lane(
                         cast(bpy.types.Context, context),

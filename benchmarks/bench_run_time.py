@@ -1,11 +1,13 @@
 """How long a run-time server takes from a message to its answer, over its WebSocket on this
-machine.
+machine, what many servers beside each other take, and whether one drifts in ten minutes.
 
-    python -m benchmarks.bench_run_time [--seconds 10] [--only 100/100]
+    python -m benchmarks.bench_run_time [--seconds 10] [--part answers|sessions|drift]
 
 A grid of crates on a ground, of which some move up and down by a few centimetres and to the side,
 with ten listeners; steps come at a fixed rate. Goals: 5 ms (median) with 100 moving of 100; 15 ms
-(99 %) at 60 steps a second with 100 moving of 1,000; 40 ms (99 %) at 25 with 1,000 moving.
+(99 %) at 60 steps a second with 100 moving of 1,000; 40 ms (99 %) at 25 with 1,000 moving. The
+processor's time is that of the server alone, which other load does not change much; the times to
+the answer are of a machine with the stated load.
 """
 
 from __future__ import annotations
@@ -13,11 +15,17 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import re
-import resource
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from itertools import repeat
+from pathlib import Path
+from threading import Barrier
 from typing import Any
 
 import numpy as np
@@ -84,14 +92,56 @@ def place(number: int, side: int, time_: float | None = None) -> list[float]:
     ]
 
 
-def measured(url: str, count: int, moving: int, rate: int, seconds: float) -> dict[str, Any]:
-    """Times from message to answer [ms], and how late the steps are at the end."""
+class Served:
+    """A running server: its ``url``, and what it takes."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        assert process.stderr is not None
+        found = re.search(r"ws://\S+(?=,)", process.stderr.readline())
+        assert found is not None
+        self.url, self._folder = found[0], Path("/proc") / str(process.pid)
+
+    def processor(self) -> float:
+        """Seconds of the processor so far."""
+        fields = (self._folder / "stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / float(os.sysconf("SC_CLK_TCK"))
+
+    def memory(self) -> float:
+        """Resident megabytes."""
+        found = re.search(r"VmRSS:\s+(\d+)", (self._folder / "status").read_text())
+        assert found is not None
+        return int(found[1]) / 1000
+
+
+@contextmanager
+def served() -> Iterator[Served]:
+    """A server without a scene."""
+    command = [sys.executable, "-m", "haptic_tracing", "serve", "--listen", "127.0.0.1:0"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            yield Served(process)
+        finally:
+            process.terminate()
+
+
+def measured(
+    server: Served, case: tuple[int, int, int], seconds: float, others: Barrier | None = None
+) -> dict[str, Any]:
+    """Times from message to answer [ms] and the server's processor per step [ms], over all steps;
+    and the server's memory [MB], the median and the processor of the second and the last tenth.
+    Begins once the ``others`` are ready."""
+    count, moving, rate = case
     side = math.isqrt(count) + 1
-    with connect(url, max_size=None, open_timeout=60) as client:
+    with connect(server.url, max_size=None, open_timeout=300, ping_interval=None) as client:
         said(client, {"type": "hello", "version": 1, "scene": scene_of(count)})
-        waits, bytes_ = [], 0
+        said(client, {"type": "step", "time": -1.0})  # imports what steps need
+        if others is not None:
+            others.wait()
+        waits, used, memory, bytes_ = [], [server.processor()], [server.memory()], 0
+        steps = max(round(seconds * rate), 10)
+        part = steps // 10
         begun = time.perf_counter()
-        for k in range(max(round(seconds * rate), 5)):
+        for k in range(part * 10):
             now = k / rate
             poses = {
                 f"crate {n}": [*place(n, side, now), 1, 0, 0, 0]
@@ -102,60 +152,127 @@ def measured(url: str, count: int, moving: int, rate: int, seconds: float) -> di
             time.sleep(max(begun + now - time.perf_counter(), 0.0))
             asked = time.perf_counter()
             client.send(message)
-            client.recv(timeout=60)
+            client.recv(timeout=300)
             waits.append(1000 * (time.perf_counter() - asked))
+            if (k + 1) % part == 0:
+                used.append(server.processor())
+                memory.append(server.memory())
+    each = 1000 * np.diff(used) / part
     return {
         "crates": count,
         "moving": moving,
         "rate": rate,
         "median": float(np.median(waits[2:])),
         "late": float(np.quantile(waits[2:], 0.99)),
+        "processor": float(np.median(each)),
         "kilobytes": bytes_ / 1000,
-        "behind": max(time.perf_counter() - begun - len(waits) / rate, 0.0),
+        "medians": [float(np.median(waits[k : k + part])) for k in (part, 9 * part)],
+        "processors": each[[1, -1]].tolist(),
+        "memory": [memory[2], memory[-1]],
     }
 
 
 def said(client: ClientConnection, message: dict[str, Any]) -> Any:
     """The answer to a message."""
     client.send(json.dumps(message))
-    return json.loads(client.recv(timeout=120))
+    return json.loads(client.recv(timeout=300))
 
 
-def main() -> None:
-    """Print and store the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=10.0)
-    parser.add_argument("--only", default="")
-    options = parser.parse_args()
-    command = [sys.executable, "-m", "haptic_tracing", "serve", "--listen", "127.0.0.1:0"]
-    server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    assert server.stderr is not None
-    found = re.search(r"ws://\S+(?=,)", server.stderr.readline())
-    assert found is not None
-    cases = [case for case in CASES if options.only in ("", f"{case[0]}/{case[1]}")]
-    results = [measured(found[0], *case, options.seconds) for case in cases]
-    server.terminate()
-    server.wait()
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+def answers(seconds: float) -> tuple[str, Any]:
+    """The table of the cases, with 10 to 10,000 objects."""
+    results = []
+    for case in CASES:
+        with served() as server:
+            results.append(measured(server, case, seconds))
     rows = [
         [
             *(f"{r[key]:,}" for key in ("crates", "moving", "rate")),
-            *(f"{r[key]:.1f}" for key in ("median", "late")),
+            *(f"{r[key]:.1f}" for key in ("processor", "median", "late")),
+            f"{r['memory'][1]:.0f}",
             f"{r['kilobytes']:.0f}",
         ]
         for r in results
     ]
-    text = table(
-        ("objects", "moving", "steps a second", "median [ms]", "99 % [ms]", "message [kB]"), rows
-    )
-    text += (
-        f"\n\nThe server's largest memory: {used.ru_maxrss / 1000:.0f} MB; its processor "
-        f"time: {used.ru_utime + used.ru_stime:.0f} s.\n"
-    )
-    if options.only:
-        print(text)
-    else:
-        publish("run_time", "From a message to its answer", text, results)
+    heads = ("objects", "moving", "steps a second", "processor a step [ms]", "median [ms]")
+    return table((*heads, "99 % [ms]", "memory [MB]", "message [kB]"), rows), results
+
+
+SESSIONS = (1, 10, 50)
+SESSION = (100, 10, 30)
+"""Crates, moving crates and steps a second of each of many sessions."""
+
+
+def sessions(seconds: float) -> tuple[str, Any]:
+    """The table of many sessions at once, with a server for each."""
+    results = []
+    for count in SESSIONS:
+        with ExitStack() as stack, ThreadPoolExecutor(count) as pool:
+            servers = [stack.enter_context(served()) for _ in range(count)]
+            begun = Barrier(count)
+            found = list(
+                pool.map(measured, servers, repeat(SESSION), repeat(seconds), repeat(begun))
+            )
+        results.append(
+            {
+                "sessions": count,
+                "processor": float(np.mean([one["processor"] for one in found])),
+                "median": float(np.median([one["median"] for one in found])),
+                "late": float(np.median([one["late"] for one in found])),
+                "memory": float(np.sum([one["memory"][1] for one in found])),
+            }
+        )
+    rows = [
+        [
+            f"{r['sessions']}",
+            f"{r['processor']:.2f}",
+            f"{r['processor'] * SESSION[2] / 10 * r['sessions']:.0f}",
+            f"{r['median']:.1f}",
+            f"{r['late']:.1f}",
+            f"{r['memory']:.0f}",
+        ]
+        for r in results
+    ]
+    heads = ("sessions", "processor a step [ms]", "of one core [%]", "median [ms]", "99 % [ms]")
+    return table((*heads, "memory of all [MB]"), rows), results
+
+
+def drift(seconds: float) -> tuple[str, Any]:
+    """The table of the second and the last tenth of 60 times ``seconds``."""
+    with served() as server:
+        found = measured(server, (100, 100, 60), 60 * seconds)
+    rows = [
+        [
+            f"{seconds * minute:.0f}",
+            *(f"{found[key][k]:.1f}" for key in ("memory", "processors", "medians")),
+        ]
+        for k, minute in enumerate((12, 60))
+    ]
+    heads = ("after [s]", "memory [MB]", "processor a step [ms]", "median [ms]")
+    return table(heads, rows), found
+
+
+PARTS = {
+    "answers": ("One server", answers),
+    "sessions": (f"Sessions of {SESSION[0]} objects, {SESSION[2]} steps a second", sessions),
+    "drift": ("Drift of one server: 100 moving objects, 60 steps a second", drift),
+}
+
+
+def main() -> None:
+    """Print and store the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--part", choices=PARTS)
+    options = parser.parse_args()
+    texts, results = [], {}
+    for name, (title, measure) in PARTS.items():
+        if options.part in (None, name):
+            text, results[name] = measure(options.seconds)
+            load = os.getloadavg()[0]
+            texts.append(f"## {title}\n\nLoad of the machine: {load:.1f}.\n\n{text}\n")
+            print(texts[-1], flush=True)
+    if options.part is None:
+        publish("run_time", "From a message to its answer", "\n".join(texts), results)
 
 
 if __name__ == "__main__":

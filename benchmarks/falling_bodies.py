@@ -86,9 +86,9 @@ def build(
     """A new file with so many bodies above a ground: in layers, turned at random, that fall onto
     each other, or side by side at rest.
 
-    ``materials``: None for κ and ρ as they are in new objects; else stone on soil as they were
-    measured, with contacts by impedance: their ``plain`` gain without bands, or in bands with
-    sources of ``one`` band or of ``four``.
+    ``materials``: None for the paper's function with the κ and ρ of new objects; ``made`` for what
+    *Make Haptic* gives; else stone on soil as they were measured, with contacts by impedance: their
+    ``plain`` gain without bands, or in bands with sources of ``one`` band or of ``four``.
     """
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
@@ -133,7 +133,9 @@ def build(
             (2 * k + 1) if settled else (2 * k + 1) * bodies // (2 * LISTENERS)
         ].haptics.listener.enabled = True
     bpy.context.view_layer.update()
-    if materials is not None:
+    if materials == "made":
+        library.make_haptic(scene, library.guesses([lying, *made]))
+    elif materials is not None:
         _make_physical(scene, lying, made, materials)
     return scene
 
