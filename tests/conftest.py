@@ -7,6 +7,8 @@ import atexit
 import gc
 import os
 import sys
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import own_temporary_folder
@@ -47,6 +49,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--stress-operations", type=int, default=300, metavar="N", help="operations in each of them"
     )
+
+
+@pytest.fixture(autouse=True)
+def temporary_files() -> Iterator[None]:
+    """Commands put their process' temporary files into Blender's folder, which a later file may
+    remove: tests in the same process go on with their own."""
+    before = tempfile.tempdir
+    yield
+    tempfile.tempdir = before
 
 
 @pytest.fixture(scope="session")

@@ -87,7 +87,8 @@ def add_box(scene: Any) -> Callable[..., Any]:
             with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
                 bpy.ops.rigidbody.object_add(type=body)
             obj.rigid_body.mass = mass
-        obj.haptics.enabled = haptic
+        if haptic:
+            obj.haptics.enabled = True
         return obj
 
     return add

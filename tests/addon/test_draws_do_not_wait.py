@@ -107,15 +107,13 @@ def test_every_panel_draws_while_a_trace_is_held_up_and_then_shows_it(felt, sett
     assert sessions.is_behind(felt)
     meanwhile = {panel.__name__: drawn(panel).labels for panel in panels()}
     assert "Frame 1" in meanwhile["HAPTIC_PT_result"]
-    assert "Tracing..." in meanwhile["HAPTIC_PT_result"]
-    assert any("crate" in label for label in meanwhile["HAPTIC_PT_silence"]), (
-        "the last reasons stay"
-    )
+    assert "Tracing..." in meanwhile["HAPTIC_PT_scene"]
+    assert any("crate" in label for label in meanwhile["HAPTIC_PT_why"]), "the last reasons stay"
     assert sessions.is_behind(felt), "nobody has waited"
     held_up.set()
     after = {panel.__name__: settle(lambda panel=panel: drawn(panel)).labels for panel in panels()}
     assert "Frame 2" in after["HAPTIC_PT_result"]
-    assert "Tracing..." not in after["HAPTIC_PT_result"]
+    assert "Tracing..." not in after["HAPTIC_PT_scene"]
     assert not sessions.is_behind(felt)
 
 
@@ -153,7 +151,10 @@ def viewport(felt, monkeypatch):
         type="WINDOW", x=0, y=0, width=SIZE[0], height=SIZE[1], as_pointer=lambda: 1
     )
     region_data = SimpleNamespace(
-        window_matrix=window, view_matrix=view, perspective_matrix=window @ view
+        window_matrix=window,
+        view_matrix=view,
+        perspective_matrix=window @ view,
+        view_perspective="PERSP",
     )
     context = SimpleNamespace(
         scene=felt,

@@ -29,30 +29,26 @@ def drawn(panel):
     return layout
 
 
-def step(own, playing=False):
-    found = hints.next_step(own, playing)
-    return None if found is None else ([name for name, _ in found.operators] or found.words)
+def step(own):
+    """The hint, in which the buttons below are named."""
+    found = hints.next_step(own)
+    return None if found is None else found.words
 
 
-def test_the_hint_leads_from_an_empty_scene_to_playing(scene, add_box, add_empty, traced, settle):
-    assert step(scene) == ["haptic.make_objects"]
+def test_the_hint_leads_from_an_empty_scene_to_a_listener(scene, add_box, add_empty, traced):
+    assert "Make Haptic" in step(scene)
     ground = add_box("ground", (0, 0, 0), (2, 2, 1))
     traced()
-    assert step(scene) == ["haptic.add_source"]
+    assert "Add Source" in step(scene)
     add_empty("drill", parent=ground).haptics.source.enabled = True
     traced()
-    assert step(scene) == ["haptic.add_listener", "haptic.add_default_listeners"]
+    assert "Add Listener" in step(scene) and "Add Body Listeners" in step(scene)
     crate = add_box("crate", (0, 0, 1.05), (1, 1, 1))
     add_empty("hand", parent=crate).haptics.listener.enabled = True
     traced()
-    assert step(scene) is None, "the answer says why nothing arrives"
-    crate.location.z = 1.0
-    bpy.context.view_layer.update()
-    traced()
-    assert step(scene) == ["screen.animation_play"]
-    assert step(scene, playing=True) == "Playing: drill"
+    assert step(scene) is None, "the answer says whether something arrives, and why not"
     scene.haptics.tracing = False
-    assert step(scene) == ["haptic.toggle_tracing"]
+    assert [name for name, _ in hints.next_step(scene).operators] == ["haptic.toggle_tracing"]
 
 
 def test_bodies_that_fall_need_no_source(scene, add_box, traced):
@@ -60,9 +56,9 @@ def test_bodies_that_fall_need_no_source(scene, add_box, traced):
     add_box("ground", (0, 0, 0), (2, 2, 1), body="PASSIVE")
     add_box("crate", (0, 0, 3), (1, 1, 1), body="ACTIVE")
     traced()
-    assert "haptic.add_listener" in step(scene)
+    assert "Add Listener" in step(scene)
     scene.haptics.impacts = False
-    assert step(scene) == ["haptic.add_source"]
+    assert "Add Source" in step(scene)
 
 
 @pytest.mark.parametrize("what", ["impacts", "textures", "one-shot"])
@@ -83,7 +79,7 @@ def test_what_strikes_slides_or_is_triggered_needs_no_source(
         bell.enabled = bell.one_shot = bell.trigger_hit = True
         bell.decay, bell.signal = 0.1, "BLAST"
     traced()
-    assert "haptic.add_listener" in step(scene)
+    assert "Add Listener" in step(scene)
 
 
 def test_the_main_panel_begins_with_the_answer(scene, add_box, add_empty, settle):
@@ -127,8 +123,6 @@ CURED = {
     ),
     *(
         Cause.LISTENER_GAIN,
-        Cause.NOT_RENDERED,
-        Cause.PAUSE,
         Cause.NOT_FELT,
         Cause.NARROW_GAP,
         Cause.BELOW_THRESHOLD,

@@ -24,6 +24,7 @@ LEAVES = {
     "modalities.modality",
     "modalities.thermal",
     "modalities.vibrotactile",
+    "perception",  # closed forms: a listener has a calibration
     "render",
 }
 

@@ -209,7 +209,7 @@ def test_a_collection_instance_with_haptic_objects_is_named(
     instance.instance_type, instance.instance_collection = "COLLECTION", collection
     _goes_on(traced())
     (problem,) = session.problems_of(scene)
-    assert problem.object == "crates here" and "Make Instances Real" in problem.message
+    assert problem.object == "crates here" and "Realize Instances" in problem.message
     box.haptics.enabled = False
     bpy.context.view_layer.update()
     traced()

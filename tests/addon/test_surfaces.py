@@ -163,6 +163,7 @@ def test_a_mesh_that_changes_class_opens_and_closes_no_contact(add_box):
         touching.add(frozenset(contacts()))
         kinds.add(shape_of(block.name).type)
     assert kinds == {"convex_hull", "mesh"}
+    assert list(sessions.shown(bpy.context.scene).reading.rebuilt) == [block.name]
     assert len(touching) == 1 and len(next(iter(touching))) == 2
 
 
@@ -264,3 +265,59 @@ def test_what_blender_finds_to_overlap_touches_and_what_is_apart_does_not(scene,
             else:
                 assert distance <= nearest + 1e-4
     assert overlapping > 15 and apart > 100
+
+
+@pytest.mark.parametrize("has_root", [False, True])
+def test_what_stands_still_to_its_parent_is_computed_once(scene, add_box, add_empty, has_root):
+    """A link of a robot and two shells on it, far from the origin; one shell begins to turn. Or all
+    three hang on an empty, as in files of other programs."""
+    link = add_box("link", (20, 5, 1), (0.5, 0.2, 0.2), haptic=False)
+    carrier = link
+    if has_root:
+        carrier = add_empty("root", (20, 5, 1))
+        carrier.scale, link.scale = link.scale.copy(), (1, 1, 1)
+        link.parent, link.location = carrier, (0, 0, 0)
+    shells = [
+        add_box(f"shell {k}", (0.2 - 0.4 * k, 0, 0.1), (0.4, 1, 1), haptic=False) for k in (0, 1)
+    ]
+    for shell in shells:
+        shell.parent = carrier
+    carrier.rotation_mode = shells[1].rotation_mode = "XYZ"
+    for frame in (1, 20):
+        carrier.rotation_euler, carrier.location.y = (frame / 9, frame / 5, 0), frame
+        carrier.keyframe_insert("rotation_euler", frame=frame)
+        carrier.keyframe_insert("location", frame=frame)
+        if frame == 20:
+            shells[1].keyframe_insert("rotation_euler", frame=10)
+            shells[1].rotation_euler.x = 0.2
+            shells[1].keyframe_insert("rotation_euler", frame=frame)
+    make(link, *shells)
+    link.haptics.source.enabled = shells[0].haptics.listener.enabled = True
+    scene.haptics.impacts = False
+    queries = []
+    for frame in range(1, 21):
+        scene.frame_set(frame)
+        result = session.result_of(scene)
+        queries.append(result.statistics["contact_queries"])
+        pose = dict(zip(result.objects, sessions.shown(scene).reading.transforms, strict=True))
+        for obj in (link, *shells):
+            place = Vector(pose[obj.name][:3, 3])
+            assert (place - obj.matrix_world.translation).length < 1e-4
+    assert queries[0] > 0 and set(queries[1:10]) == {0} and min(queries[11:]) > 0
+
+
+def test_meshes_without_extent_and_with_too_many_triangles_name_a_cure(add_box, monkeypatch):
+    from haptic_tracing.core.contacts import surface_shape
+
+    point = add_box("point", (0, 0, 0), (1, 1, 1))
+    for vertex in point.data.vertices:
+        vertex.co = (1, 1, 1)
+    point.haptics.surface = "SEEN"
+    monkeypatch.setattr(surface_shape, "MAX_TRIANGLES", 100)
+    bpy.ops.mesh.primitive_torus_add()
+    bpy.context.object.haptics.enabled = True  # as in earlier files
+    bpy.context.object.haptics.source.enabled = True
+    contacts()
+    (problem,) = session.problems_of(bpy.context.scene)
+    assert problem.object == "point" and "move them apart" in problem.message
+    assert shape_of(bpy.context.object.name).type == "convex_hull"

@@ -8,8 +8,10 @@ import pytest
 from haptic_tracing.addon.bake import storage
 from haptic_tracing.addon.bake.baking import bake_job
 from haptic_tracing.addon.bake.waves import computed
-from haptic_tracing.addon.view.lane_layout import rows_of, threshold_strip, wave_strip
-from haptic_tracing.core.render.waves import FULL_SCALE, Columns
+from haptic_tracing.addon.view.lane_layout import rows_of, snapped, stems, strip
+from haptic_tracing.core.render.levels import vibration_rms
+from haptic_tracing.core.render.waves import FULL_SCALE
+from haptic_tracing.core.scene.values import Listener
 from haptic_tracing.sample_scenes import build_sample
 
 
@@ -21,7 +23,7 @@ def test_baked_waves_have_the_samples_and_impacts_of_the_track():
     while baking.advance(1.0) is None:
         pass
     track = storage.track_of(scene)
-    waves = computed(track)
+    waves = computed(track, [Listener(item.name, item.name) for item in track.listeners])
     assert waves.listeners == tuple(item.name for item in track.listeners)
     # A frame's samples lead up to it.
     for number in range(track.frame_start + 1, track.frame_end + 1):
@@ -32,6 +34,11 @@ def test_baked_waves_have_the_samples_and_impacts_of_the_track():
         assert (found.low[:, 0] <= np.rint(block.min(axis=1))).all() and (
             found.high[:, 0] >= np.rint(block.max(axis=1))
         ).all()
+        latest = vibration_rms(track.samples_until(number, 0.25), track.sample_rate)
+        with np.errstate(divide="ignore"):
+            assert waves.level[:, number - track.frame_start - 1] == pytest.approx(
+                20 * np.log10(latest), abs=0.1
+            )
     onsets = [
         scene.frame_start + item.onset * scene.render.fps
         for item in track.sources
@@ -46,41 +53,53 @@ def test_baked_waves_have_the_samples_and_impacts_of_the_track():
 
 def test_rows_stay_in_their_part_of_the_region():
     names = [f"listener {k}" for k in range(10)]
-    for height in (90, 120, 300, 1000):
-        rows = rows_of(names, "listener 9", height, 22, 1.0)
-        assert rows[-1].listener == "listener 9" and [row.listener for row in rows] == sorted(
-            row.listener for row in rows
-        )
-        assert all(row.middle - row.half >= 22 and row.middle + row.half <= height for row in rows)
+    sources = ["engine", "pump"]
+    for height in (44, 90, 120, 300, 1000):
+        rows = rows_of(sources, names, ("listener 9", "pump"), height, 1.0)
+        shown = [row.name for row in rows]
+        assert shown == [name for name in (*sources, *names) if name in shown]
+        assert {"listener 9", "pump"} <= set(shown) or len(shown) < 2
         assert all(
-            upper.middle - upper.half >= lower.middle + lower.half
-            for upper, lower in pairwise(rows)
+            row.low >= (22 if height > 100 else 1) and row.low + row.height <= height
+            for row in rows
         )
-    assert len(rows) == 10 and rows_of(names, "", 60, 22, 1.0) == ()
+        assert all(upper.low >= lower.low + lower.height for upper, lower in pairwise(rows))
+        assert [row.is_source for row in rows] == [name in sources for name in shown]
+    assert len(rows) == 12 and rows_of(sources, names, (), 30, 1.0) == ()
 
 
-def test_heights_are_decibels_and_what_is_not_known_has_none():
-    (row,) = rows_of(["a"], "a", 400, 22, 1.0)
-    x, low = (
-        np.arange(4) + 0.5,
-        np.array([[-FULL_SCALE, -round(FULL_SCALE / 1000), 0, -FULL_SCALE]], dtype=np.int16),
-    )
-    parts = Columns(
-        low, -low, np.array([[-30.0, -60.0, np.nan, -30.0]]), np.array([True, True, True, False])
-    )
-    strip = wave_strip([row], x, parts, [0])[1:-1].reshape(4, 2, 2)
-    tall = (strip[:, 1, 1] - strip[:, 0, 1]).tolist()
-    # Full scale, 60 dB less, silence.
-    assert tall == pytest.approx([2 * row.half + 1, 1, 1, 0], abs=0.05)
-    # A column of samples that are all alike reaches the one before.
-    jump = np.array([[0, FULL_SCALE, 0, FULL_SCALE]], dtype=np.int16)
-    strip = wave_strip([row], x, Columns(jump, jump, parts.threshold, np.full(4, True)), [0])[
-        1:-1
-    ].reshape(4, 2, 2)
-    assert (strip[:, 1, 1] - strip[:, 0, 1]).tolist() == pytest.approx([1, *3 * [row.half + 1]])
-    lower, upper = threshold_strip([row], x, parts, [0]).reshape(2, -1, 2)
-    assert (
-        upper[1:3, 1].mean() - row.middle
-        == pytest.approx(row.half / 2)
-        == row.middle - lower[1:3, 1].mean()
-    )
+def test_half_of_few_rows_are_sources():
+    sources, listeners = [f"s{k}" for k in range(5)], [f"l{k}" for k in range(5)]
+    rows = rows_of(sources, listeners, (), 114.0, 1.0)
+    assert len(rows) == 6 and sum(row.is_source for row in rows) == 3
+    assert [row.name for row in rows] == ["s0", "s1", "s2", "l0", "l1", "l2"]
+
+
+def test_bands_fill_their_row_and_what_is_not_known_has_no_area():
+    (row,) = rows_of([], ["a"], (), 400, 1.0)
+    x, low = np.arange(4) + 0.5, np.zeros((1, 4))
+    high, known = np.array([[1.0, 0.5, 0.0, 1.0]]), np.array([True, True, True, False])
+    corners = strip([row], x, low, high, known)[1:-1].reshape(4, 2, 2)
+    tall = (corners[:, 1, 1] - corners[:, 0, 1]).tolist()
+    assert tall == pytest.approx([row.height + 1.5, row.height / 2 + 1.5, 1.5, 0], abs=1e-3)
+    assert corners[:, 0, 0].tolist() == x.tolist()
+    # Two rows are one strip: between them its triangles have no area.
+    rows = rows_of([], ["a", "b"], (), 400, 1.0)
+    whole = strip(rows, x, np.zeros((2, 4)), np.ones((2, 4)), np.ones(4, dtype=bool))
+    a, b, c = whole[:-2], whole[1:-1], whole[2:]
+    areas = np.abs(np.cross(np.c_[b - a, np.zeros(len(a))], np.c_[c - a, np.zeros(len(a))])[:, 2])
+    assert areas.sum() / 2 == pytest.approx(2 * 3 * (rows[0].height + 1.5), rel=1e-4)
+
+
+def test_an_impact_is_as_high_as_a_level():
+    rows = rows_of([], ["a", "b"], (), 400, 1.0)
+    ends = stems(rows, np.array([5.0, 9.0]), np.array([[1.0, 0.0], [0.1, 0.001]])).reshape(-1, 2, 2)
+    assert ends[:, :, 0].tolist() == [[5, 5], [9, 9], [9, 9]]
+    tall = ends[:, 1, 1] - ends[:, 0, 1]
+    assert tall == pytest.approx([rows[0].height, rows[0].height * 2 / 3, 0.0], abs=1e-4)
+
+
+def test_what_is_dragged_snaps_to_the_nearest_target_or_to_a_frame():
+    targets = np.array([10.4, 20.0])
+    assert snapped(10.9, targets, 0.6) == 10.4 and snapped(11.2, targets, 0.6) == 11.0
+    assert snapped(15.2, np.zeros(0), 5.0) == 15.0

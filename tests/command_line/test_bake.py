@@ -145,3 +145,16 @@ def test_export_of_a_silent_scene_says_why(eighth, tmp_path, capsys):
         == 0
     )
     assert "feels nothing: there is no source" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_trace_without_a_camera_writes_all_but_the_picture(registered, tmp_path):
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object.haptics
+    cube.enabled = cube.source.enabled = cube.listener.enabled = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "cube.blend"))
+    done = run("trace", tmp_path / "cube.blend", "--end", "2", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "no picture: scene 'Scene' has no camera" in done.stdout
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"cube.json", "cube.wav"}

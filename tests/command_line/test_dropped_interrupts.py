@@ -41,7 +41,14 @@ def test_what_is_missing_is_no_bad_input(monkeypatch, capsys):
 
 
 def test_frames_advance_without_one(capsys):
+    """Silently in a log; for a farm with a line for each percent."""
     with frame_bar(2, "Tracing") as advance:
         advance()
         advance()
-    assert "2/2" in capsys.readouterr().err
+    assert capsys.readouterr() == ("", "")
+    with frame_bar(4, "Tracing", "openjd") as advance:
+        for _ in range(4):
+            advance()
+    assert capsys.readouterr().out.split("\n")[:-1] == [
+        f"openjd_progress: {percent}" for percent in (25, 50, 75, 100)
+    ]

@@ -15,6 +15,7 @@ from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.scene.recording import RecordedFrame, Recording
+from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import Contact, HapticObject, HapticScene, Listener, Source
 from haptic_tracing.core.signals import Sine
 from PIL import Image
@@ -66,6 +67,52 @@ def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_
     red = (pixels[..., 0] > 150) & (pixels[..., 1] < 140) & (pixels[..., 2] < 140)
     assert width > 1000 and red[:, 2 * width // 3 :].any(axis=0).mean() > 0.3
     assert red[:, 2 * width // 3 :].any(axis=1).mean() < 0.1
+
+
+@pytest.mark.slow
+def test_lost_onsets_are_in_the_text_the_json_and_the_picture(capsys, tmp_path):
+    """A blow of 2 kHz, which a .haps clip cannot hold, and one of 2 Hz that begins earlier in it, at
+    one listener of two (the panel has its own test)."""
+    time = np.arange(4 * 8000) / 8000
+    blows = [(1.0, 0.8, 2, 0.03), (2.5, 0.5, 2000, 0.02)]
+    since = [np.maximum(time - begin, 0) for begin, *_ in blows]
+    leg = sum(
+        strength * np.exp(-t / decay) * np.sin(2 * np.pi * hertz * t)
+        for t, (_, strength, hertz, decay) in zip(since, blows, strict=True)
+    )
+    listeners = (
+        ListenerTrack("seat", "upper_leg.L"),
+        ListenerTrack("back", "upper_back.L", np.array([blow[:2] for blow in blows])),
+    )
+    tracks = Tracks(listeners, 8000, np.stack([0.3 * np.sin(2 * np.pi * 60 * time), leg]))
+    write_export(Export("bench", SCENE, tracks), tmp_path / "bench.json", tracks="inline")
+    code, out, err = run(
+        capsys, "export", tmp_path / "bench.json", "--to", "wyvrn", "--out", tmp_path, "--picture"
+    )
+    assert (code, err) == (0, "")
+    printed = json.loads(out)
+    back, seat = printed["listeners"]["wyvrn"]
+    assert (back["name"], seat["name"]) == ("back", "seat") and back["level"] > 3
+    assert back["missing"] == [2.5] and len(back["invented"]) == 1
+    assert not (seat["missing"] or seat["invented"])
+    words = printed["losses"]["wyvrn"]
+    assert "onsets missing at back: 2.500 s" in words
+    assert f"onsets invented at back: {back['invented'][0]:.3f} s" in words
+    assert any(
+        line.startswith(f"by listener, most lost first: back {back['lost']:.1%}") for line in words
+    )
+    with Image.open(tmp_path / "bench.wyvrn.png") as picture:
+        pixels = np.asarray(picture.convert("RGB"), dtype=int)
+    height, width = pixels.shape[0], pixels.shape[1] // 3
+    # Dashed lines over the waves of the second listener alone: red where an onset is missing,
+    # violet, earlier, where one is invented.
+    columns = []
+    for colour in ((214, 39, 40), (148, 103, 189)):
+        marked = np.abs(pixels[:, :width] - colour).max(axis=2) < 42
+        assert not marked[: height // 2].any()
+        assert marked.sum(axis=0).max() > 0.02 * height
+        columns.append(int(marked.sum(axis=0).argmax()))
+    assert 0.25 * width < columns[1] < columns[0] - 0.2 * width
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
@@ -352,15 +399,15 @@ def test_what_is_wrong_is_said_in_one_line(capsys, scene_file, tmp_path):
             "format 'midi' is unknown: use one of scene, wav",
         ),
         (
-            ["export", scene_file, "--to", "wav", *out, "--set", "wav.speed=1"],
+            ["export", scene_file, "--to", "wav", *out, "--option", "wav.speed=1"],
             "wav.speed=1: expected FORMAT.OPTION=VALUE with one of",
         ),
         (
-            ["export", scene_file, "--to", "wav", *out, "--set", "wav.encoding=mp3"],
+            ["export", scene_file, "--to", "wav", *out, "--option", "wav.encoding=mp3"],
             "encoding: must be one of pcm16, float32, not 'mp3'",
         ),
         (
-            ["export", scene_file, "--to", "hjif", *out, "--set", "hjif.error=many"],
+            ["export", scene_file, "--to", "hjif", *out, "--option", "hjif.error=many"],
             "error: must be a number from 0.001 to 0.5, not 'many'",
         ),
         (
@@ -371,7 +418,7 @@ def test_what_is_wrong_is_said_in_one_line(capsys, scene_file, tmp_path):
             ["export", scene_file, "--to", "wav", *out, "--sample-rate", "7"],
             "sample_rate: must be from 100",
         ),
-        (["export", scene_file], "the following arguments are required: --to"),
+        (["export", scene_file], "--to: say at least one of scene, wav,"),
         (["convert", scene_file, tmp_path / "a.wav"], "to render it, use export"),
         (["convert", broken, tmp_path / "a.json"], f"{broken}: /objects/0/kappa"),
         (["convert", tmp_path / "a.mid", tmp_path / "a.wav"], "can't be imported"),

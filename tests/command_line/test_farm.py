@@ -12,15 +12,20 @@ import pytest
 from haptic_tracing.sample_scenes import build_sample
 
 pytest.importorskip("openjd.cli", reason="openjd-cli is not installed")
-TEMPLATE = Path(__file__).parents[2] / "packaging" / "farm" / "bake.yaml"
+TEMPLATE = Path(haptic_tracing.__file__).parent / "command_line" / "bake.yaml"
 
 
-def openjd(*arguments):
+def openjd(*arguments, folder=None):
     # The program is found beside this interpreter.
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     command = [sys.executable, "-m", "openjd", *map(str, arguments)]
     return subprocess.run(
-        command, capture_output=True, text=True, check=False, env={**os.environ, "PATH": path}
+        command,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PATH": path},
+        cwd=folder,
     )
 
 
@@ -28,7 +33,8 @@ def openjd(*arguments):
 def test_the_template_is_valid_and_has_a_task_per_part():
     assert "passes validation" in openjd("check", TEMPLATE).stdout
     told = openjd(
-        "summary", TEMPLATE, "-p", "BlendFile=a.blend", "-p", "LastFrame=9", "-p", "Parts=5"
+        *("summary", TEMPLATE, "-p", "BlendFile=a.blend", "-p", "LastFrame=9", "-p", "Parts=5"),
+        *("-p", "OutputFolder=out"),
     ).stdout
     assert "Total steps: 2" in told and "Total tasks: 6" in told
 
@@ -48,13 +54,17 @@ def test_a_bake_run_as_a_job_is_the_bake(tmp_path):
     job = {
         "BlendFile": tmp_path / "hammer.blend",
         "LastFrame": 12,
-        "Parts": 2,
-        "OutputFolder": tmp_path / "out",
+        "Parts": 3,
+        "PartsInARow": 2,
+        "OutputFolder": "out",
     }
     done = openjd(
         "run",
         TEMPLATE,
         *(word for name, value in job.items() for word in ("-p", f"{name}={value}")),
+        folder=tmp_path,  # where the user stands is where a relative folder lies
     )
     assert done.returncode == 0, done.stdout + done.stderr
+    # Two parts by one Blender, then one, then the merge.
+    assert done.stdout.count("Running command") == 3 and "openjd_progress: 100" in done.stdout
     assert (tmp_path / "out" / "hammer.wav").read_bytes() == (tmp_path / "addon.wav").read_bytes()

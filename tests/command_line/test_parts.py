@@ -211,7 +211,7 @@ def hammer(falling):
         args = build_parser().parse_args(
             ["bake", str(falling / "hammer.blend"), "--part", f"{number}/2", "--out", str(falling)]
         )
-        part.write_part_of(bpy.context.scene, args, "hammer", (1, 30))
+        part.write_parts_of(bpy.context.scene, args, "hammer", (1, 30))
     return falling
 
 

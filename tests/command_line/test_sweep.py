@@ -14,6 +14,7 @@ import pytest
 from haptic_tracing.addon.session import timeline
 from haptic_tracing.command_line import main
 from haptic_tracing.core.formats.tracks.track_recorder import TrackRecorder
+from haptic_tracing.core.perception import FullScale, threshold_level
 from haptic_tracing.core.scene.values import SourceKind
 from haptic_tracing.sample_scenes import build_sample
 from scipy.io import wavfile
@@ -134,9 +135,12 @@ def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(
     ("text", "said"),
     [
         ("scenes = [", "not TOML"),
-        ("scenes = []", "/scenes: must have at least 1 items"),
+        ("scenes = []", "/scenes: must have at least 1 item, has 0"),
         ("scenes = ['gone.blend']", "there is no file"),
-        ("scenes = ['bench.blend']\nsetings = {}", "/setings: unknown key; known are"),
+        (
+            "scenes = ['bench.blend']\nsetings = {}",
+            "/setings: unknown key, did you mean .settings.",
+        ),
         ("scenes = ['bench.blend']\nframes = [9, 2]", "frames: must be"),
         ("scenes = ['bench.blend']\nmodes = ['XX']", "/modes/0: must be one of HT"),
         ("scenes = ['bench.blend']\nseeds = ['a']", '/seeds/0: must be an integer, got "a"'),
@@ -368,6 +372,17 @@ def test_a_threshold_that_cuts_off_who_feels_something_is_not_fast_for_its_error
     assert plot.pareto(rows[:3]) == []
 
 
+def test_who_feels_something_depends_on_the_calibration_of_the_device():
+    """At -40 dB: above the threshold that is assumed, below that of a weak device, whose full scale
+    at 250 Hz is 10 dB above the threshold of feeling."""
+    least = float(threshold_level(250.0, FullScale(((250.0, 2.47),))))
+    assert least == pytest.approx(-10 - 20 * np.log10(2.47 / ((2 * np.pi * 250) ** 2 * 1e-6)))
+    row = {"key": "a", "listener": "hand", "level": -40.0, "error_bound": 0.1, "milliseconds": 1.0}
+    assert plot.pareto([row]) and plot.pareto([{**row, "threshold": None}])
+    assert plot.pareto([{**row, "threshold": least}]) == []
+    assert plot.pareto([{**row, "threshold": -41.0}])
+
+
 def test_settings_between_variants_where_levels_are_linear():
     """hand = -10 a + 4 b - 20 and foot = 2 a + 2 b - 40: the wished levels are those of a = 0.3, b
     = 1.5."""
@@ -393,6 +408,7 @@ def test_plot_draws_and_answers(results, tmp_path, capsys):
         "nearest to the wishes: kappa 0.5\n" in said
         and "hand: -40.0 dB, +1.0 dB from -41.0 dB" in said
     )
+    assert "felt: above -45 dB of full scale, assumed: no Full Scale has foot, hand" in said
     assert {path.name for path in tmp_path.glob("*.svg")} == {"table.levels.svg", "table.time.svg"}
 
 

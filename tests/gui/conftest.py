@@ -23,6 +23,7 @@ SECONDS = 300
 
 collect_ignore = [
     *([] if BLENDER or REAL_BLENDER else ["test_in_blenders_window.py"]),
+    *([] if REAL_BLENDER else ["test_in_vr.py"]),
     *([] if os.environ.get("GODOT") else ["test_in_godot.py"]),
 ]
 
@@ -126,11 +127,12 @@ def play(folder, environment, installed):
     """Plays a scenario; returns its report and what Blender printed. The pictures are kept in
     out/gui/SCENARIO."""
 
-    def play(scenario: Path) -> tuple[dict, str]:
+    def play(scenario: Path, mode: str = "gui") -> tuple[dict, str]:
         stage = folder / scenario.stem
         stage.mkdir()
         for source in (
             HERE / "window.py",
+            HERE / "vr_stage.py",
             HERE.parent / "package" / "registered.py",
             ROOT / "docs" / "tutorial.md",
             scenario,
@@ -138,7 +140,7 @@ def play(folder, environment, installed):
             shutil.copy(source, stage)
         _, window = commands()
         command = [
-            *window,
+            *(window if mode == "gui" else [REAL_BLENDER, mode]),
             "--enable-event-simulate",
             "--python",
             str(stage / "window.py"),
@@ -148,10 +150,11 @@ def play(folder, environment, installed):
         ]
         answer = subprocess.run(
             command,
-            env=environment,
+            env=environment | ({"TMPDIR": "/tmp"} if mode == "vr" else {}),
             cwd=stage,
             capture_output=True,
             text=True,
+            errors="replace",
             timeout=SECONDS + 60,
         )
         printed = answer.stdout + answer.stderr

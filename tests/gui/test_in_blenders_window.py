@@ -31,6 +31,21 @@ def test_sidebar(play):
     assert all(seen.values()), seen
 
 
+def test_height_of_the_sidebar(play):
+    seen = played_through(play(SCENARIOS / "sidebar_height.py"))
+    assert all(seen.values()), seen
+
+
+def test_inspection_and_table(play):
+    seen = played_through(play(SCENARIOS / "inspection.py"))
+    assert all(seen.values()), seen
+
+
+def test_themes_scale_and_language(play):
+    seen = played_through(play(SCENARIOS / "languages.py"))
+    assert all(seen.values()), seen
+
+
 def test_quick_start(play):
     seen = played_through(play(SCENARIOS / "quick_start.py"))
     assert all(seen.values()), seen
@@ -48,6 +63,11 @@ def test_sound_to_vibration(play):
 
 def test_surfaces(play):
     seen = played_through(play(SCENARIOS / "surfaces.py"))
+    assert all(seen.values()), seen
+
+
+def test_unit_scale(play):
+    seen = played_through(play(SCENARIOS / "unit_scale.py"))
     assert all(seen.values()), seen
 
 
@@ -184,4 +204,9 @@ def test_sliding_and_rolling(play):
 
 def test_pictures_in_panels(play):
     seen = played_through(play(SCENARIOS / "pictures.py"))
+    assert all(seen.values()), seen
+
+
+def test_lane(play):
+    seen = played_through(play(SCENARIOS / "lane.py"))
     assert all(seen.values()), seen

@@ -15,7 +15,7 @@ import subprocess
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -39,6 +39,7 @@ class Window:
         self.folder = folder
         self.seen: dict[str, object] = {}  # what a scenario found, for the report
         self.mouse = (0, 0)
+        self.is_in_properties = False  # whether panels are looked for there or in the sidebar
 
     @property
     def window(self) -> bpy.types.Window:
@@ -52,6 +53,13 @@ class Window:
 
     def region(self, kind: str = "WINDOW") -> bpy.types.Region:
         return next(region for region in self.view.regions if region.type == kind)
+
+    def panels(self) -> tuple[bpy.types.Area, bpy.types.Region]:
+        """Where the panels are: the sidebar of the viewport, or the window of Properties."""
+        if not self.is_in_properties:
+            return self.view, self.region("UI")
+        area = next(area for area in self.window.screen.areas if area.type == "PROPERTIES")
+        return area, next(region for region in area.regions if region.type == "WINDOW")
 
     def context(self, kind: str = "WINDOW"):
         """An override of the context: the pointer in a region of the viewport."""
@@ -135,16 +143,24 @@ class Window:
             panel.bl_options = others if panel.__name__ in wanted else others | {"DEFAULT_CLOSED"}
             bpy.utils.register_class(panel)
 
+    def show_properties(self, tab: str) -> Steps:
+        """Look for panels in a tab of Properties, "SCENE" or "OBJECT", scrolled to its end."""
+        self.is_in_properties = True
+        self.panels()[0].spaces.active.context = tab
+        yield 1.0
+        yield from self.scroll_sidebar(60)
+
     def show_sidebar(self, tab: str = "Haptics") -> Steps:
+        self.is_in_properties = False
         self.view.spaces.active.show_region_ui = True
         yield 1.0
         self.region("UI").active_panel_category = tab  # it has categories once it has been drawn
         yield 1.0
 
     def scroll_sidebar(self, notches: int) -> Steps:
-        """Turn the mouse wheel over the sidebar, downwards, or upwards where ``notches`` are
+        """Turn the mouse wheel over the panels, downwards, or upwards where ``notches`` are
         negative."""
-        region = self.region("UI")
+        _, region = self.panels()
         self.point(region.x + region.width // 3, region.y + region.height // 2)
         yield 0.2
         for _ in range(abs(notches)):
@@ -152,21 +168,43 @@ class Window:
         yield 0.5
 
     def under_mouse(self) -> str:
-        """What the sidebar's button under the mouse does, as Python: an operator's call, a
-        property's data path, or nothing."""
-        with self.context("UI"):
+        """What the button under the mouse does, as Python: an operator's call, a property's data
+        path, or nothing."""
+        area, region = self.panels()
+        with bpy.context.temp_override(window=self.window, area=area, region=region):
             for ask in (bpy.ops.ui.copy_python_command_button, bpy.ops.ui.copy_data_path_button):
                 if ask.poll():
                     ask()
                     return bpy.context.window_manager.clipboard
         return ""
 
-    def click_button(self, wanted: str) -> Steps:
-        """Click the sidebar's button for an operator ("haptic.add_source") or a property
-        ("haptics.kappa"), wherever it is."""
-        region = self.region("UI")
-        passed = set()
-        for fraction in (0.4, 0.82, 0.15, 0.755):  # buttons may share a line
+    def open_panel(self, switch: str) -> Steps:
+        """Open a panel of Properties whose header has the check box of a property: Blender keeps it
+        as closed as it was when the window opened."""
+        yield from self.click_button(switch, at=0.13)
+
+    def click_button(self, wanted: str, at: float | None = None) -> Steps:
+        """Click the panels' button for an operator ("haptic.add_source") or a property
+        ("haptics.kappa"), wherever it is: in Properties also where one has to scroll to it. ``at``:
+        the part of the width at which to click beside it."""
+        passed: set[str] = set()
+        for notches in (0, 60, -120, 12, 12, 12) if self.is_in_properties else (0,):
+            if notches:
+                yield from self.scroll_sidebar(notches)
+            if (yield from self._click_in_view(wanted, passed, at)):
+                return
+        raise AssertionError(
+            f"no button for {wanted} in the panels; there are {sorted(passed - {''})}"
+        )
+
+    def _click_in_view(
+        self, wanted: str, passed: set[str], at: float | None
+    ) -> Generator[float, None, bool]:
+        """Click the button if it is in sight; returns whether it is. ``passed``: what the others
+        do, to which those in sight are added."""
+        _, region = self.panels()
+        # Buttons may share a line; check boxes of headers stand at a fifth of the width.
+        for fraction in (0.4, 0.82, 0.15, 0.755, 0.945, 0.9) if at is None else (0.2,):
             for y in range(region.y + region.height - 4, region.y, -8):
                 self.point(region.x + int(fraction * region.width), y)
                 yield 0.02
@@ -176,12 +214,13 @@ class Window:
                 # Where redraws are slow, the button of a place before may still be the active one.
                 yield 0.2
                 if self.under_mouse().removeprefix("bpy.ops.").split("(")[0] == wanted:
+                    if at is not None:
+                        self.point(region.x + int(at * region.width), y)
+                        yield 0.2
                     yield from self.press("LEFTMOUSE")
                     yield 0.3
-                    return
-        raise AssertionError(
-            f"no button for {wanted} in the sidebar; there are {sorted(passed - {''})}"
-        )
+                    return True
+        return False
 
     def use_theme(self, name: str) -> Steps:
         """A theme that Blender ships, by file name ("Blender_Light"; "Blender_Dark" is the

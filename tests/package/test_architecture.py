@@ -5,10 +5,14 @@ from __future__ import annotations
 
 import ast
 import importlib.util
+import re
 import sys
+from pathlib import Path
 
 import pytest
 from import_graph import LAYERS, cycles, layer, modules
+
+ROOT = Path(__file__).resolve().parents[2]
 
 LATE = {
     "bpy": "the command line's help lists the samples where there is no Blender",
@@ -123,3 +127,18 @@ def test_code_is_counted_without_comments_docstrings_and_blank_lines(code_size):
 )
 def test_tokens_are_counted_with_the_words_of_strings(code_size, source, count):
     assert code_size.tokens(source, ast.parse(source)) == count
+
+
+def test_the_tour_of_a_frame_names_what_is_there():
+    """Each row of the table in docs/architecture.md: a file, and the function in it to read
+    first."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    tour = text.split("Seven files, opened in this order", 1)[1].split("\n\n", 2)[1]
+    rows = [line.split("|")[1:3] for line in tour.splitlines()[2:]]
+    assert len(rows) == 7
+    for file, words in rows:
+        path = ROOT / file.strip().strip("`")
+        source = path.read_text(encoding="utf-8")
+        first = re.findall(r"`([\w.]+)`", words)[0]
+        for name in first.split("."):
+            assert re.search(rf"^ *(?:def|class) {name}\b", source, re.MULTILINE), (file, name)

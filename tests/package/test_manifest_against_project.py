@@ -35,7 +35,9 @@ def runs_on(tag: Tag, python: str) -> bool:
     )
 
 
-def test_versions_agree(manifest, project):
+def test_versions_agree(manifest, project, root):
+    cited = (root / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {haptic_tracing.__version__}\n" in cited
     assert manifest["version"] == project["project"]["version"] == haptic_tracing.__version__
 
 
@@ -44,6 +46,19 @@ def test_licences_agree(manifest, project, root):
     text = (root / "LICENSE").read_text(encoding="utf-8")
     assert "GNU GENERAL PUBLIC LICENSE" in text
     assert "Version 3, 29 June 2007" in text
+
+
+def test_the_page_of_licences_names_what_is_carried(pins, root):
+    page = (root / "docs" / "third_party.md").read_text(encoding="utf-8")
+    rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| [")]
+    named = {row[0].partition("[")[2].partition("]")[0]: row[1] for row in rows}
+    assert named == {canonicalize_name(name): version for name, version in pins.items()}
+    assert all(row[2] for row in rows)
+
+
+def test_permissions_say_why_as_the_platform_wants_it(manifest):
+    for reason in manifest["permissions"].values():
+        assert 0 < len(reason) <= 64 and reason[-1].isalnum()
 
 
 def test_every_wheel_has_the_pinned_version(manifest, pins):

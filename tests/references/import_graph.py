@@ -11,7 +11,7 @@ PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 
 
 LAYERS = (
-    ("core.arrays", "core.message", "core.regular_file"),
+    ("core.arrays", "core.message", "core.regular_file", "core.unchanged"),
     ("core.least_squares",),
     ("core.signals", "core.perception"),
     ("core.scene",),
@@ -27,7 +27,7 @@ LAYERS = (
     ("addon.scene_reader",),
     ("addon.session",),
     ("addon.view", "addon.bake", "addon.io", "addon.live_output"),
-    ("addon.authoring",),
+    ("addon.authoring", "addon.vr"),
     ("sample_scenes",),
     ("addon.operators",),
     ("addon.panels",),

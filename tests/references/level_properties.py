@@ -12,7 +12,8 @@ import math
 
 import networkx
 import numpy as np
-from haptic_tracing.core.contacts.shapes import Box
+from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
+from haptic_tracing.core.contacts.shapes import Box, pose_matrix
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import Propagation, propagate
 from haptic_tracing.core.scene.measured import physical
@@ -175,11 +176,95 @@ def check_local(
         assert decibels(before, after).max(initial=0.0) < most
 
 
+def bodies_moved(
+    scene: HapticScene, random: np.random.Generator, still: frozenset[str]
+) -> HapticScene:
+    """The scene with each of its bodies but those ``still`` moved by up to 1 mm and turned by up to
+    1e-3 rad, with its sources and listeners."""
+    poses = {item.name: (pose_matrix(item.pose), pose_matrix(item.pose)) for item in scene.objects}
+    objects = []
+    for item in scene.objects:
+        if item.name not in still:
+            way, axis = random.normal(size=(2, 3))
+            way *= 1e-3 * random.uniform() / np.linalg.norm(way)
+            half = 5e-4 * random.uniform() * axis / np.linalg.norm(axis)
+            w, x, y, z = item.pose.rotation
+            turned = (
+                w - half @ [x, y, z],
+                *(np.array([x, y, z]) + w * half + np.cross(half, [x, y, z])),
+            )
+            pose = Pose(tuple((np.array(item.pose.position) + way).tolist()), turned)
+            item = dataclasses.replace(item, pose=pose)
+            poses[item.name] = poses[item.name][0], pose_matrix(pose)
+        objects.append(item)
+
+    def carried(end):
+        before, after = poses[end.object]
+        if end.position is None:
+            return end
+        local = before[:3, :3].T @ (np.array(end.position) - before[:3, 3])
+        return dataclasses.replace(end, position=tuple(after[:3, :3] @ local + after[:3, 3]))
+
+    return dataclasses.replace(
+        scene,
+        objects=tuple(objects),
+        sources=tuple(map(carried, scene.sources)),
+        listeners=tuple(map(carried, scene.listeners)),
+    )
+
+
+def of_measured_materials(scene: HapticScene) -> HapticScene:
+    """The scene with what *Make Haptic* gives to things of plastic on soil."""
+    return dataclasses.replace(
+        scene,
+        objects=tuple(
+            dataclasses.replace(
+                item,
+                propagation=physical(
+                    "soil" if item.name == "ground" else "plastic",
+                    tuple(np.ptp(item.shape.local_bounds(), axis=0).tolist()),
+                ),
+            )
+            for item in scene.objects
+        ),
+    )
+
+
+def changes_of_moved_bodies(scene: HapticScene, still: frozenset[str], seed: int) -> np.ndarray:
+    """Changes [dB] of all levels of the default strategy, 20 times, as the bodies move by 1 mm; by
+    the contacts that are there before and after."""
+    random, found = np.random.default_rng(seed), []
+    for _ in range(20):
+        pair = scene, bodies_moved(scene, random, still)
+        contacts = [
+            {
+                contact.objects: contact
+                for contact in contacts_of_scene(
+                    dataclasses.replace(item, contacts=())
+                ).to_contacts(sorted(body.name for body in item.objects))
+            }
+            for item in pair
+        ]
+        both = contacts[0].keys() & contacts[1].keys()
+        gains = [
+            traced(
+                dataclasses.replace(item, contacts=tuple(own[key] for key in sorted(both))),
+                Strategy.AUTO,
+                threshold=0.0,
+            ).gain
+            for item, own in zip(pair, contacts, strict=True)
+        ]
+        found.append(decibels(*gains))
+    return np.concatenate(found)
+
+
 def check_shown(graph: HapticGraph, result: Propagation, threshold: float) -> None:
     """The way that is shown makes the number: the product of its connections, and none is stronger
     by NetworkX's own search."""
     for row, source in enumerate(graph.sources):
-        explicit = graph.in_band(source.band).to_networkx()
+        explicit = graph.in_band(source.band).to_networkx().to_directed()
+        # A listener's extent shortens the way to it, not that past it.
+        explicit.remove_edges_from([*explicit.out_edges(graph.listener_nodes.tolist())])
         for edge in explicit.edges.values():
             edge["cost"] = -math.log(edge["gain"]) if edge["gain"] > 0 else math.inf
         explicit.remove_edges_from(

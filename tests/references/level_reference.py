@@ -13,8 +13,16 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import bpy
 import networkx
 import numpy as np
+
+
+def owner(name: str) -> str:
+    """The name of the object of Blender that a haptic object of this name is; an instance is called
+    by its instancer, what it shows and a number."""
+    _, colon, shown = name.rpartition(": ")
+    return shown.rpartition(" ")[0] if colon else name
 
 
 def loss(obj: Any, distance: float, epsilon: float) -> float:
@@ -35,7 +43,7 @@ def loss(obj: Any, distance: float, epsilon: float) -> float:
     return max(factor, epsilon) * distance - math.log(factor)
 
 
-def explicit_graph(scene: Any, result: Any) -> tuple[networkx.Graph, list[list[Any]], list[Any]]:
+def explicit_graph(scene: Any, result: Any) -> tuple[networkx.DiGraph, list[list[Any]], list[Any]]:
     """Edges carry ``loss`` [neper] and ``delay`` [s]; beside it the nodes of each source and of
     each listener."""
     places: dict[int, list[tuple[Any, np.ndarray]]] = {}
@@ -62,11 +70,17 @@ def explicit_graph(scene: Any, result: Any) -> tuple[networkx.Graph, list[list[A
     targets = [("listener", column) for column in range(len(result.listeners))]
     for node, item in zip(targets, result.listeners, strict=True):
         places.setdefault(number[item.object], []).append((node, np.array(item.position)))
+    reach = {
+        node: item.radius if item.extent == "strongest" else 0.0
+        for node, item in zip(targets, result.listeners, strict=True)
+    }
     for index, nodes in places.items():
-        obj = scene.objects[result.objects[index]]
+        obj = bpy.data.objects[owner(result.objects[index])]
         speed = obj.haptics.wave_speed
         for (a, here), (b, there) in itertools.combinations(nodes, 2):
             distance = float(np.linalg.norm(here - there))
+            # From the nearest point of a listener's volume.
+            distance = max(0.0, distance - reach.get(a, 0.0) - reach.get(b, 0.0))
             graph.add_edge(
                 a,
                 b,
@@ -74,7 +88,9 @@ def explicit_graph(scene: Any, result: Any) -> tuple[networkx.Graph, list[list[A
                 delay=distance / speed if speed else 0.0,
             )
     graph.add_nodes_from([*itertools.chain(*roots), *targets])
-    return graph, roots, targets
+    ways = graph.to_directed()
+    ways.remove_edges_from([*ways.out_edges(targets)])  # a volume shortens no way past it
+    return ways, roots, targets
 
 
 def gains(scene: Any, result: Any) -> tuple[np.ndarray, np.ndarray]:

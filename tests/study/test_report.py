@@ -51,7 +51,8 @@ def test_needs_nothing_beside_it(report):
     assert elements.references and all(
         reference.startswith("data:") for reference in elements.references
     )
-    assert elements.count["svg"] == 4 + 4  # of the player, of the only section
+    # Of the player, of the only section, and the level of each listener.
+    assert elements.count["svg"] == 4 + 4 + 4 * 10
     text = report.read_text(encoding="utf-8")
     assert "http:" not in text and "https:" not in text
     assert "Title &amp; more" in text and "Caption &lt;b&gt;" in text and "a &lt; b" in text
@@ -104,7 +105,14 @@ def test_shades_go_from_silence_to_full_scale():
 @pytest.mark.slow
 def test_plots_are_pictures_of_what_there_is_data_for(bake):
     drawn = {title: png for title, _, png in plots.plots(bake(*FRAMES))}
-    assert list(drawn) == ["Explosion", "Intensity", "Spectrogram", "Shock wave"]
+    assert list(drawn) == [
+        "What is felt, where and when",
+        "Margins by section",
+        "Ranges",
+        "Explosion",
+        "Spectrogram",
+        "Shock wave",
+    ]
     assert all(png.startswith(b"\x89PNG\r\n\x1a\n") and len(png) > 5000 for png in drawn.values())
 
 
@@ -133,8 +141,10 @@ def test_command_writes_everything(tmp_path):
         "report.html",
         "study.json",
     ]
-    assert "holds          HT: both legs: 1 stalactites" in answer.stdout
+    assert "DOES NOT HOLD  HT: both legs: 0 of 1 stalactites felt" in answer.stdout
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    if plots.can_plot():  # pictures come before tables
+        assert text.index("<figure>") < text.index("id=player") < text.index("<th>Statement")
     # What there is none of is said.
     assert ("alt='frame" in text) != ("There are no pictures of the ride" in text)
     assert ("<figure>" in text) == plots.can_plot() != ("There are no plots" in text)

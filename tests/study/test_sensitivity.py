@@ -62,16 +62,38 @@ def test_checks_of_a_section(bake):
     ride = bake(2100, 2130)
     sounding = next(s for s in ride.soundings if s.began)
 
-    def with_amplitudes(amplitudes):
-        rows = np.zeros_like(sounding.amplitudes)
-        rows[HT, : len(amplitudes)] = amplitudes
-        rows[HT, len(amplitudes) :] = amplitudes[-1]
-        rows[2] = 0.1
-        return replace(ride, soundings=(replace(sounding, amplitudes=rows),))
+    def with_margins(margins):
+        amplitudes = np.full_like(sounding.amplitudes, 10 ** ((20 - sounding.loudness) / 20))
+        wanted = np.resize(margins, amplitudes.shape[1])
+        amplitudes[HT] = 10 ** ((wanted - sounding.loudness) / 20)
+        # At 100 Hz three of four people notice 3.74 dB, whichever study is right.
+        changed = replace(sounding, amplitudes=amplitudes, hertz=100.0)
+        return replace(ride, soundings=(changed,))
 
-    assert has_pattern(with_amplitudes([0.1, 0.1]), SECTION).holds is False
-    assert has_pattern(with_amplitudes([0.1 * 10 ** (2.9 / 20), 0.1]), SECTION).holds is False
-    assert has_pattern(with_amplitudes([0.1 * 10 ** (3.1 / 20), 0.1]), SECTION).holds is True
-    assert has_pattern(with_amplitudes([0.1, 0.0]), SECTION).holds is True
-    assert wider_than_distance(with_amplitudes([0.9, 0.1]), SECTION).holds is True
-    assert wider_than_distance(with_amplitudes([0.1, 0.1]), SECTION).holds is False
+    assert has_pattern(with_margins([10.0, 10.0]), SECTION).holds is False
+    assert has_pattern(with_margins([10.0, 13.5]), SECTION).holds is False
+    assert has_pattern(with_margins([10.0, 14.0]), SECTION).holds is True
+    # What isn't felt counts as if it were at the threshold.
+    assert has_pattern(with_margins([3.0, -20.0]), SECTION).holds is False
+    assert has_pattern(with_margins([5.0, -20.0]), SECTION).holds is True
+    assert has_pattern(with_margins([-1.0, -20.0]), SECTION).holds is False
+    assert wider_than_distance(with_margins([30.0, 1.0]), SECTION).holds is True
+    assert wider_than_distance(with_margins([10.0, 10.0]), SECTION).holds is False
+    assert wider_than_distance(with_margins([-10.0, -20.0]), SECTION).holds is False
+
+
+@pytest.mark.slow
+def test_what_was_arranged_varies(mine_ride):
+    """Blows as strong as in the paper are weaker by the ratio of the energies, and distances in the
+    ground make what comes through it weaker or stronger."""
+    chosen = [one for one in variations() if one.within == "Ground" or one.full_energy == 100.0]
+    own, varied = bake_ride(mine_ride, *FRAMES, variations=chosen)
+    fall = next(s for s in own.soundings if s.began and any("Stalactite" in o for o in s.objects))
+    assert fall.amplitude == 1  # of 40 J or more
+    found = {}
+    for variation, ride in varied:
+        same = next(s for s in ride.soundings if s.began and s.objects == fall.objects)
+        found[variation.label] = same.amplitudes[HT] / fall.amplitudes[HT]
+        assert same.amplitudes[HT + 1 :] == pytest.approx(fall.amplitudes[HT + 1 :])
+    assert np.ptp(found["100 J"]) < 1e-9 and 0.4 <= found["100 J"][0] < 1
+    assert (found["half"] > 1).all() and (found["double"] < 1).all()

@@ -111,6 +111,7 @@ def _in_source(tree: ast.Module) -> Iterator[str]:
                 yield from _constants(node.args[1])
         elif isinstance(node, ast.FunctionDef) and node.name in (
             "next_step",
+            "steps",
             "advice",
             "linked_message",
         ):

@@ -4,7 +4,7 @@ chosen."""
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.panels.object import _crossing
+from haptic_tracing.addon.authoring import materials as library
 from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view import gain_plot
 from haptic_tracing.addon.view.gain_plot import gain_curve
@@ -182,18 +182,6 @@ def test_the_curve_shows_what_is_traced():
         assert gains == pytest.approx(
             (1 + drawn.distances / 0.5) ** -0.5 * np.exp(-alpha * drawn.distances), rel=1e-6
         )
-
-
-def test_the_panel_says_where_the_papers_curves_cross(add_box):
-    """Steel and rubber: ln(0.81 / 0.12) / (0.81 - 0.12) m."""
-    box = add_box("box", (0, 0, 0), (1, 1, 1))
-    for preset in ("steel", "rubber", "steel"):
-        _select(box)
-        bpy.ops.haptic.apply_material(preset=preset)
-    assert _crossing(bpy.context, box.haptics) == (
-        "Rubber",
-        pytest.approx(np.log(0.81 / 0.12) / (0.81 - 0.12), rel=1e-5),
-    )
 
 
 def test_the_picture_is_drawn_again_only_where_something_changed(monkeypatch, settle):
@@ -394,3 +382,50 @@ def test_old_bodies_and_their_contacts_keep_their_levels(add_box, scene):
         "physical",
     )
     assert not scene.haptics.transmission_table.items
+
+
+def _made(*names):
+    """The library's materials of the objects of these names after *Make Haptic*."""
+    _select(*(bpy.data.objects[name] for name in names))
+    bpy.context.view_layer.update()
+    bpy.ops.haptic.make_objects()
+    return [bpy.data.objects[name].haptics.material.name for name in names]
+
+
+def test_nothing_of_a_robot_is_taken_for_flesh(add_box, scene):
+    """Parts as files of simulators name them, parented or in a collection of their own; a person
+    in the same scene is."""
+    add_box("base_link", (0, 0, 0), (0.2, 0.2, 0.2), haptic=False)
+    hand = add_box("panda_hand", (0, 0, 1), (0.1, 0.1, 0.1), haptic=False)
+    hand.parent = bpy.data.objects["base_link"]
+    quadruped = bpy.data.collections.new("a1")
+    scene.collection.children.link(quadruped)
+    for name in ("FR_thigh_link", "FR upper leg"):
+        leg = add_box(name, (2, 0, 0), (0.1, 0.1, 0.4), haptic=False)
+        scene.collection.objects.unlink(leg)
+        quadruped.objects.link(leg)
+    for k, name in enumerate(("Human", "Table", "Wall")):
+        add_box(name, (5 + k, 0, 0), (0.5, 0.3, 1.8), haptic=False)
+    assert _made("panda_hand", "FR upper leg", "Human") == ["", "", "Flesh"]
+
+
+def test_the_table_of_names_is_asked_first_and_edited_once(add_box, scene):
+    """Blender materials that tell nothing stand for what the table says, also for objects made
+    later; then names of objects and meshes, then of collections."""
+    code = bpy.data.materials.new("MAT_0817")
+    for k in range(3):
+        box = add_box(f"Human {k}", (k, 0, 0), (0.5, 0.3, 1.8), haptic=False)
+        box.data.materials.append(code)
+    assert _made("Human 0") == ["Flesh"]
+    library.list_names(scene, [box])
+    (row,) = scene.haptics.materials.names
+    assert (row.name, row.preset) == ("MAT_0817", "NONE")
+    row.preset = "glass"
+    assert _made("Human 1", "Human 2") == ["Glass", "Glass"]
+    _select(bpy.data.objects["Human 0"])
+    assert bpy.ops.haptic.match_materials() == {"FINISHED"}
+    assert bpy.data.objects["Human 0"].haptics.material.name == "Glass"
+    oak = bpy.data.collections.new("Oak furniture")
+    scene.collection.children.link(oak)
+    oak.objects.link(add_box("Cube", (0, 4, 0), (1, 1, 1), haptic=False))
+    assert _made("Cube") == [MATERIALS["hardwood"].title]

@@ -12,8 +12,9 @@ from haptic_tracing.addon.bake.curves import FREQUENCY, INTENSITY, felt
 from haptic_tracing.addon.bake.sound import write_stereo
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.registration import handlers
-from haptic_tracing.addon.session import session, timeline
+from haptic_tracing.addon.session import session, sessions, timeline
 from haptic_tracing.addon.view import explanation, paths, watched
+from haptic_tracing.addon.view.render_data import Options, render_data
 from haptic_tracing.command_line.playing import play
 from haptic_tracing.core.render.waves import FULL_SCALE
 from haptic_tracing.core.signals.wav import WavFile
@@ -62,6 +63,23 @@ def test_frames_of_the_track_are_those_that_were_traced(shaken):
             assert np.abs(result.block[0]).max() == pytest.approx(
                 np.abs(expected.block[0]).max(), abs=1 / FULL_SCALE
             )
+
+
+def test_the_paths_of_a_bake_are_those_that_were_traced(shaken, playing, settle):
+    traced = {step.result.number: step.result for step in timeline.steps(shaken, 1, 24)}
+    bpy.ops.haptic.bake()
+    drawn = 0
+    for number in (2, 12, 24):
+        shaken.frame_set(number)
+        shown = sessions.shown(shaken)
+        assert playback.is_from_track(shown.result)
+        now = render_data(shown.result, shown.settings, Options(), shown.paths).paths
+        then = render_data(traced[number], shown.settings, Options()).paths
+        drawn += len(then.width)
+        for name in ("position", "colour", "width", "arc_length"):
+            found, expected = getattr(now, name), getattr(then, name)
+            np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-3)
+    assert drawn > 0
 
 
 def test_playing_a_baked_scene_traces_nothing(shaken, monkeypatch, playing):

@@ -27,6 +27,8 @@ ARRAYS = (
     "row_amplitude",
     "row_place",
     "row_gain",
+    "lines",
+    "line_rows",
 )
 deterministic = settings(derandomize=True, deadline=None)
 
@@ -55,6 +57,8 @@ def random_track(seed):
         row_amplitude=random.uniform(0, 1, rows).astype(np.float32),
         row_place=random.normal(size=(rows, 3)).astype(np.float32),
         row_gain=random.uniform(0, 1, (rows, width)).astype(np.float32),
+        lines=random.normal(size=(3 * frames, 10)).astype(np.float32),
+        line_rows=3 * np.arange(frames + 1),
         digest={"objects": {"a": {"pose": "0"}}},
         impacts={int(frame): "ω" * int(frame) for frame in random.integers(-99, 99, 3)},
     )
@@ -82,6 +86,25 @@ def test_round_trip(seed):
     for frame in range(track.frame_start - 1, track.frame_end + 2):
         result = again.result(frame)
         assert (result is not None) == (track.frame_start <= frame <= track.frame_end)
+        if result is not None:
+            number = 3 * (frame - track.frame_start)
+            assert np.array_equal(again.paths(frame), track.lines[number : number + 3])
+
+
+def test_a_track_of_version_1_has_no_paths():
+    """The bytes as they were written before: without the two arrays and their header."""
+    track = random_track(7)
+    whole = track.to_bytes()
+    (length,) = struct.unpack_from("<I", whole, len(MAGIC) + 4)
+    begin = len(MAGIC) + 8 + length
+    header = json.loads(zlib.decompress(whole[len(MAGIC) + 8 : begin]))
+    header["packed"] = header["packed"][:-2]
+    del header["lines"]
+    text = zlib.compress(json.dumps(header).encode())
+    data = whole[begin : begin + sum(header["packed"])]
+    again = track_from_bytes(MAGIC + struct.pack("<II", 1, len(text)) + text + data)
+    assert again.paths(track.frame_start) is None
+    assert np.array_equal(again.samples, track.samples)
 
 
 @deterministic

@@ -21,6 +21,7 @@ from haptic_tracing.core.formats.io.schema import load_schema
 from haptic_tracing.core.formats.scene.values_json import item_to_dict, read_value
 from haptic_tracing.core.scene.declaration import (
     Choice,
+    Curve,
     Number,
     Numbers,
     Switch,
@@ -157,6 +158,11 @@ def values_of(field, default):
             return st.booleans()
         case Choice():
             return st.sampled_from(list(map(str, field.items)))
+        case Curve():
+            numbers = st.floats(1e-3, 1e5)
+            return st.dictionaries(numbers, numbers, max_size=4).map(
+                lambda points: [list(point) for point in sorted(points.items())]
+            )
         case Text():
             return st.just(default)
     raise AssertionError(field)

@@ -30,10 +30,6 @@ def hammer(scene):
     with suspended():
         built = build_sample("hammer_nail", None)
     built.frame_end = LAST
-    # Measured materials agree to eleven digits instead of twelve.
-    with bpy.context.temp_override(scene=built):
-        bpy.ops.haptic.set_model(model="PAPER")
-    built.haptics.strategy = "auto"
     return built
 
 

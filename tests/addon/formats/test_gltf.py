@@ -7,6 +7,8 @@ import sys
 import bpy
 import haptic_tracing
 import pytest
+from haptic_tracing.addon.io.frame_scene import scene_of_frame
+from haptic_tracing.core.formats.provenance import provenance_of
 
 
 @pytest.fixture
@@ -77,6 +79,16 @@ def test_roles_properties_functions_and_contacts_are_extras_of_nodes(bench, gltf
         ]:  # in the axes of the file: y is up, and the contact is at height 0
             assert abs(place[1]) < 0.01 and 0.7 < place[0] < 1.3 and -0.8 < place[2] < -0.2
     assert "extensions" not in document
+
+
+def test_the_head_says_where_the_haptics_come_from(bench, gltf):
+    """Khronos allows any extras of `asset`; its generator stays Blender's."""
+    asset = gltf()["asset"]
+    scene = scene_of_frame(bench, bpy.context.evaluated_depsgraph_get())
+    assert asset["extras"]["haptic_tracing"] == provenance_of(scene)
+    assert "Blender" in asset["generator"] and asset["version"] == "2.0"
+    bench.haptics.gltf.use_extras = False
+    assert "extras" not in gltf()["asset"]
 
 
 def test_axes_follow_the_exporter(bench, gltf):

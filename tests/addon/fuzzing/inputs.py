@@ -77,15 +77,10 @@ def read_formula(content: bytes, folder: Path) -> bool:
     check_expression(text, 0.1, 0.9, 0.1, on_contact=True)
     try:
         function = Expression(expression=text)
-        low, high = function.bounds(10.0, 0.1, 0.9, 0.1)
         gains = function.gain(np.linspace(0.0, 10.0, 7), 0.1, 0.9, 0.1)
     except ValueError:
         return False
-    assert (
-        np.isfinite(gains).all()
-        and not math.isnan(low)
-        and gains.max() <= high * (1 + 1e-9) + 1e-12
-    ), (gains, high)
+    assert np.isfinite(gains).all() and gains.min() >= 0, gains
     return True
 
 

@@ -3,11 +3,11 @@ module on made-up devices."""
 
 import json
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from bounded_program import run as run_bounded
 from made_up_devices import DECK, DUALSENSE_BT, DUALSENSE_USB, SWITCH_PRO_BT, describe
 
 HERE = Path(__file__).parent
@@ -41,7 +41,7 @@ def played(tmp_path_factory):
         str(HERE / "umockdev_playback.py"),
         nodes,
     ]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = run_bounded(command)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 

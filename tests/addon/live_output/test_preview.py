@@ -4,7 +4,8 @@ audio."""
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.live_output import preview
+from haptic_tracing.addon.live_output import handlers, preview
+from haptic_tracing.core.scene.values import Listener
 
 
 class Device:
@@ -38,6 +39,11 @@ def loudspeaker(monkeypatch, scene):
     preview.switch_off()
 
 
+def bodies(*parts):
+    """Listeners at body parts."""
+    return [Listener(part, part, body_part=part) for part in parts]
+
+
 def heard(device, seconds):
     """What Blender's sequencer makes of the pieces, (n, 2)."""
     return device.sequence.limit(0, seconds).data()
@@ -66,7 +72,9 @@ def test_blocks_of_any_length_follow_each_other_without_a_gap(loudspeaker):
     tone = 0.2 * np.sin(2 * np.pi * 150.0 * np.arange(round(rate * seconds)) / rate)
     start = 0
     for end in (*range(333, len(tone), 333), len(tone)):
-        preview.play(["hand.L", "hand.R"], np.stack([tone[start:end], np.zeros(end - start)]), rate)
+        preview.play(
+            bodies("hand.L", "hand.R"), np.stack([tone[start:end], np.zeros(end - start)]), rate
+        )
         start = end
     samples = heard(loudspeaker, 0.5)
     felt = np.flatnonzero(np.abs(samples[:, 0]) > 0.01)
@@ -81,20 +89,20 @@ def test_blocks_of_any_length_follow_each_other_without_a_gap(loudspeaker):
 
 
 def test_a_pause_takes_away_what_has_not_been_heard(loudspeaker):
-    preview.play(["head"], np.full((1, 8000), 0.5), 8000)
+    preview.play(bodies("head"), np.full((1, 8000), 0.5), 8000)
     loudspeaker.position = 0.2
     preview.silence()
     samples = heard(loudspeaker, 1.0)
     assert np.flatnonzero(samples)[-1] / 2 / preview.RATE <= 0.25
     assert not samples[round(0.25 * preview.RATE) :].any()
-    preview.play(["head"], np.full((1, 800), 0.5), 8000)
+    preview.play(bodies("head"), np.full((1, 800), 0.5), 8000)
     assert heard(loudspeaker, 1.0)[round(0.27 * preview.RATE) : round(0.33 * preview.RATE)].any()
 
 
 def test_a_late_frame_starts_afresh_instead_of_catching_up(loudspeaker):
-    preview.play(["head"], np.full((1, 800), 0.5), 8000)
+    preview.play(bodies("head"), np.full((1, 800), 0.5), 8000)
     loudspeaker.position = 5.0
-    preview.play(["head"], np.full((1, 800), 0.5), 8000)
+    preview.play(bodies("head"), np.full((1, 800), 0.5), 8000)
     samples = heard(loudspeaker, 6.0)
     assert not samples[: round(5.05 * preview.RATE)].any(), "what was heard is forgotten"
     assert samples[round(5.06 * preview.RATE) : round(5.1 * preview.RATE)].any()
@@ -107,3 +115,41 @@ def test_sides_are_panned_and_sums_stay_within_full_scale():
     assert mix == pytest.approx(np.tanh(1 + 2 * np.sqrt(0.5)))
     assert np.array_equal(preview.stereo_mix(["hand.L"], 0.5 * np.ones((1, 2)))[1], np.zeros(2))
     assert np.abs(preview.stereo_mix(["hand.L"] * 9, np.ones((9, 5)))).max() <= 1.0
+
+
+def spectrum(device):
+    """The strongest frequencies of what is heard [Hz], and its RMS."""
+    samples = heard(device, 0.5)[round(0.08 * preview.RATE) : round(0.28 * preview.RATE), 0]
+    power = np.abs(np.fft.rfft(samples * np.hanning(len(samples))))
+    strongest = np.flatnonzero(power > 0.9 * power.max()) * preview.RATE / len(samples)
+    return strongest, np.sqrt((samples**2).mean())
+
+
+@pytest.mark.parametrize("sharper, expected", [(False, [60]), (True, [190, 310])])
+def test_sharper_moves_a_tone_to_both_sides_of_the_carrier(loudspeaker, scene, sharper, expected):
+    scene.haptics.live_output.sharper = sharper
+    preview.adjust(scene.haptics.live_output)
+    rate = 8000
+    tone = 0.1 * np.sin(2 * np.pi * 60.0 * np.arange(round(0.25 * rate)) / rate)
+    for start in range(0, len(tone), 333):  # the carrier goes on from block to block
+        preview.play(bodies("hand.L"), tone[None, start : start + 333], rate)
+    found, loud = spectrum(loudspeaker)
+    assert {int(f) for f in np.rint(found / 10) * 10} == set(expected)
+    assert loud == pytest.approx(0.1 / np.sqrt(2), rel=0.03), "as loud as before"
+
+
+def test_one_listener_is_heard_alone(loudspeaker, scene, add_empty):
+    chosen = add_empty("hand.R")
+    chosen.haptics.listener.enabled = True
+    scene.haptics.live_output.heard = chosen
+    preview.adjust(scene.haptics.live_output)
+    preview.play(bodies("hand.L", "hand.R"), np.full((2, 800), 0.5), 8000)
+    samples = heard(loudspeaker, 0.5)
+    assert samples[:, 1].any() and not samples[:, 0].any()
+
+
+def test_nothing_is_heard_by_itself_in_the_background(scene):
+    assert not handlers.may_hear()
+    handlers.animation_playback_pre(scene)
+    assert not handlers.is_wanted(scene) and not preview.is_on()
+    handlers.animation_playback_post(scene)

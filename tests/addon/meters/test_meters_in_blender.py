@@ -1,6 +1,7 @@
 """Meters, reasons and modes in a scene: panels, operators, and the picture that is drawn."""
 
 import importlib.util
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,9 +11,10 @@ import pytest
 from haptic_tracing.addon.bake import playback
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
+from haptic_tracing.addon.panels import scene as scene_panel
 from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.addon.session import session, sessions
-from haptic_tracing.addon.view import explanation, meter_pictures, meters, watched
+from haptic_tracing.addon.view import explanation, levels, meter_pictures, meters, watched
 from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.pictures import picture
 from haptic_tracing.pictures.shown import meters_above
@@ -139,22 +141,17 @@ def test_without_a_device_nothing_is_said_of_devices(felt):
 
 def test_silence_panel_has_a_button_to_what_is_to_blame(felt, settle):
     _activate("hand")
-    layout = settle(lambda: _drawn(result_panel.HAPTIC_PT_silence))
-    assert "hand" in layout.labels
+    layout = settle(lambda: _drawn(scene_panel.HAPTIC_PT_why))
     assert "crate" in layout.labels
     assert "haptic.select_object" in layout.operators
     _activate("foot")
-    assert any(
-        "Felt" in label for label in settle(lambda: _drawn(result_panel.HAPTIC_PT_silence)).labels
-    )
-    _activate("crate")
-    assert not result_panel.HAPTIC_PT_silence.poll(bpy.context)
+    assert "= Margin" in settle(lambda: _drawn(scene_panel.HAPTIC_PT_why)).labels
 
 
 def test_panels_show_values_as_text(felt, settle):
-    labels = settle(lambda: _drawn(result_panel.HAPTIC_PT_meters)).labels
+    labels = settle(lambda: _drawn(result_panel.HAPTIC_PT_result)).labels
     foot, _ = watched.levels_of(felt)
-    assert {"foot", "hand", "silent", foot.margin_text()} <= set(labels)
+    assert {"foot", "hand", "silent", levels.decibels(foot.rms)} <= set(labels)
 
 
 def test_panel_shows_scope_and_body_as_pictures(felt, monkeypatch, settle):
@@ -209,9 +206,10 @@ def test_modes_by_one_click(felt, settle):
 
 def test_compare_panel_shows_all_modes_side_by_side(felt, settle):
     labels = settle(lambda: _drawn(result_panel.HAPTIC_PT_comparison)).labels
-    place = labels.index("hand")
-    assert labels[place + 1 : place + 5] == ["—", "—", labels[place + 3], "0"]
-    assert {"HT", "SD", "MD", "MN"} <= set(labels)
+    shown = dict(pairwise(labels))
+    values = [labels[place + 1] for place, label in enumerate(labels) if label == "hand"]
+    assert len(values) == 4 and values[:2] == ["—", "—"] and values[3] == "0"
+    assert shown["Haptic Tracing (HT)"] == shown["All Alike (MN)"] == "foot"
 
 
 def test_every_panel_of_the_result_draws_without_one(scene):
@@ -278,4 +276,4 @@ def test_a_device_that_is_not_felt_at_the_listener_is_named(felt, monkeypatch):
     assert device_words(felt, "hand") == ""
     assert "no device has an actuator at foot.L" in device_words(felt, "foot")
     _activate("foot")
-    assert any("actuator" in label for label in _drawn(result_panel.HAPTIC_PT_silence).labels)
+    assert any("actuator" in label for label in _drawn(scene_panel.HAPTIC_PT_why).labels)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.paths import ListenerPath, listener_path
-from haptic_tracing.addon.view.render_data import Options, listener_amplitudes, path_steps
+from haptic_tracing.addon.view.render_data import Options, listener_amplitudes
+from haptic_tracing.core.diagnosis.connections import path_steps
 from haptic_tracing.core.propagation.spread import spread
 from haptic_tracing.core.render.filter_bank import bank_response
 from haptic_tracing.core.render.history import still_samples

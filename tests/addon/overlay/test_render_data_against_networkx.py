@@ -14,9 +14,9 @@ from haptic_tracing.addon.view.render_data import (
     SOURCE_COLOUR,
     Options,
     Shape,
-    path_steps,
     render_data,
 )
+from haptic_tracing.core.diagnosis.connections import path_steps
 from haptic_tracing.core.scene.values import Mode, Settings, SourceKind
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

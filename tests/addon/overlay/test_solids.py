@@ -1,6 +1,8 @@
 """The graph as geometry: closed surfaces where they should be, true to place and colour, and
 accepted by Blender as it is."""
 
+import dataclasses
+
 import bpy
 import numpy as np
 import pytest
@@ -10,50 +12,33 @@ from haptic_tracing.addon.view import graph_mesh
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.colour_map import linear
-from haptic_tracing.addon.view.render_data import Options, render_data
-from haptic_tracing.addon.view.solids import (
-    flat,
-    octahedron,
-    solid_graph,
-    sphere,
-    spiked_ball,
-    three_rings,
-    torus,
-    tubes,
-)
+from haptic_tracing.addon.view.render_data import NO_LINES, Options, render_data
+from haptic_tracing.addon.view.solids import UPRIGHT, flat, solid_graph, tubes
 from mathutils import Vector
 
 from .conftest import BRIDGE, random_scene, traced
 
-FORMS = {
-    "octahedron": (octahedron(), 2),
-    "sphere": (sphere(2), 2),
-    "spiked ball": (spiked_ball(), 2),
-    "torus": (torus(0.9, 0.1), 0),
-    "three rings": (three_rings(0.9, 0.1), 0),
-}
 
-
-@pytest.mark.parametrize(("form", "characteristic"), FORMS.values(), ids=FORMS)
-def test_solids_are_closed_and_face_outwards(form, characteristic):
-    vertices, triangles = form
-    edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    directed = set(map(tuple, edges.tolist()))
-    assert len(directed) == len(edges)
-    # Every edge once in either direction: closed and oriented.
-    assert {(b, a) for a, b in directed} == directed
-    assert len(vertices) - len(edges) // 2 + len(triangles) == characteristic
-    a, b, c = vertices[triangles].transpose(1, 0, 2)
-    assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() > 0  # six times the volume
-    assert np.linalg.norm(vertices, axis=1).max() == pytest.approx(1.0)
-
-
-def test_sphere_approaches_a_sphere():
-    vertices, triangles = sphere(4)
-    a, b, c = vertices[triangles].transpose(1, 0, 2)
-    assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 == pytest.approx(
-        4 * np.pi, rel=0.01
+@pytest.mark.parametrize("seed", range(3))
+def test_symbols_face_the_viewer_and_lie_around_their_places(seed):
+    """Vertices by a random view's own axes: every symbol is a stack of flat layers, as wide as its
+    point, its triangles counterclockwise as the viewer sees them."""
+    data = render_data(traced(random_scene(seed)), BRIDGE.settings, Options())
+    data = dataclasses.replace(data, tree=NO_LINES, paths=NO_LINES)
+    axes, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    solid = solid_graph(data, 0.01, axes * np.linalg.det(axes))
+    seen = solid.vertices @ (axes * np.linalg.det(axes)).T
+    a, b, c = seen[solid.triangles].transpose(1, 0, 2)
+    assert (np.cross(b - a, c - a)[:, 2] > -1e-12).all()
+    assert np.ptp(seen[solid.triangles][..., 2], axis=1).max() < 1e-9
+    places = data.points.position @ (axes * np.linalg.det(axes)).T
+    reach = (
+        np.linalg.norm(seen[:, None, :2] - places[None, :, :2], axis=2) - data.points.size * 0.005
     )
+    assert reach.min(axis=1).max() < 1e-6
+    for place, size in zip(places, data.points.size, strict=True):
+        own = np.linalg.norm(seen[:, :2] - place[:2], axis=1)
+        assert (np.abs(own - size * 0.005) < 1e-6).any()
 
 
 def test_tubes_run_along_their_lines(bridge):
@@ -79,7 +64,7 @@ def test_tubes_run_along_their_lines(bridge):
 @pytest.mark.parametrize("seed", range(5))
 def test_blender_finds_nothing_to_correct(seed):
     result = traced(random_scene(seed))
-    solid = solid_graph(render_data(result, BRIDGE.settings, Options()), 0.01)
+    solid = solid_graph(render_data(result, BRIDGE.settings, Options()), 0.01, UPRIGHT)
     mesh = graph_mesh.solid_mesh("graph", solid)
     assert not mesh.validate(verbose=False)
     assert len(mesh.vertices) == len(solid.vertices)

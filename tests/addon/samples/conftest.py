@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import session
+from haptic_tracing.core.scene.bands import BAND_CENTRES
 
 
 @pytest.fixture
@@ -22,13 +23,43 @@ def results() -> Callable[..., Iterator[Any]]:
     return of
 
 
+def measured_gain(haptics: Any, distance: float, frequency: float) -> float:
+    """The gain of a measured material by the definition of its function: spreading from r on until
+    the wave fills the body's least sizes c and b, and damping of waves or of a limb."""
+    r, c, b = haptics.reference_distance, haptics.plate_thickness, haptics.extent
+    speed, waves = haptics.phase_speed, frequency
+    spreading = 1.0
+    if haptics.wave == "bounded":
+        near, q = max(c - r, 0.0), max(r, c)
+        filled = min(distance, near)
+        over = min(distance, near + max(b - q, 0.0)) - filled
+        spreading = 1 / (1 + filled / r) / np.sqrt(1 + over / q)
+        speed = min(speed, 2 * np.sqrt(1.8 * speed * c * frequency))
+    elif haptics.wave == "surface":
+        spreading = 1 / np.sqrt(1 + distance / r)
+    elif haptics.wave == "solid":
+        spreading = 1 / (1 + distance / r)
+    else:
+        waves = max(frequency - haptics.resonance, 0.0)
+    alpha = np.pi * waves * haptics.loss_factor / speed + haptics.absorption
+    own = np.log((1 - haptics.kappa) * haptics.rho) / np.log(haptics.material_k)
+    return float(spreading * np.exp(-alpha * own * distance))
+
+
 @pytest.fixture
 def gain_along() -> Callable[..., float]:
-    """The gain of a path by the closed form: the product over its objects of K e^(-max(K, eps) d),
-    e^(-alpha d) where so chosen, the spreading of a front, or flesh that is felt all over; and a
-    half where something else touches flesh."""
+    """The gain of a path, times the source's amplitude, by the closed form: the product over its
+    objects of K e^(-max(K, eps) d), e^(-alpha d) where so chosen, or what measured materials pass
+    on of a frequency [Hz]; and a half where something else touches flesh."""
 
-    def gain(scene: Any, result: Any, source: int, listener: int, path: tuple[str, ...]) -> float:
+    def gain(
+        scene: Any,
+        result: Any,
+        source: int,
+        listener: int,
+        path: tuple[str, ...],
+        frequency: float = BAND_CENTRES[0],
+    ) -> float:
         number = {name: k for k, name in enumerate(result.objects)}
         places = [np.array(result.sources[source].position)]
         for a, b in pairwise(path):
@@ -45,10 +76,8 @@ def gain_along() -> Callable[..., float]:
                 distance = max(0.0, distance - result.listeners[listener].radius)
             if haptics.function == "exponential":
                 product *= np.exp(-haptics.alpha * distance)
-            elif haptics.wave == "limb" and haptics.loss_factor == 0:
-                product *= np.exp(-haptics.absorption * distance)
-            elif haptics.function == "physical":  # a front: it only spreads
-                product /= 1 + distance / haptics.reference_distance
+            elif haptics.function == "physical":
+                product *= measured_gain(haptics, distance, frequency)
             else:
                 factor = (1 - haptics.kappa) * haptics.rho
                 product *= factor * np.exp(-max(factor, scene.haptics.epsilon) * distance)

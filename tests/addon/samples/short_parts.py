@@ -32,6 +32,7 @@ PARTS: dict[str, tuple[int, int, int | None]] = {
     "pile": (1, 24, 12),
     "air_blast": (28, 31, None),
     "sliding_and_rolling": (1, 14, None),
+    "kart": (1, 18, None),
     "mine_ride": (62, 72, None),
 }
 """First and last frame, and how many things where that can be chosen. Simulations end before one
@@ -45,6 +46,8 @@ def use_paper(scene: Any) -> None:
     with bpy.context.temp_override(scene=scene):
         bpy.ops.haptic.set_model(model="PAPER")
     scene.haptics.strategy = "auto"
+    for obj in scene.objects:
+        obj.haptics.listener.limiter = False  # it comes late by what it looks ahead
     if scene.name.startswith("Rails"):  # too many objects on the way
         for obj in scene.objects:
             obj.haptics.function, obj.haptics.alpha = "exponential", 0.05
@@ -65,12 +68,12 @@ def shown(results: list[Any]) -> list[Any]:
     return [result for result in results if result.impacts or result is results[-1]]
 
 
-def digest(results: list[Any]) -> dict[str, Any]:
+def digest(scene: Any, results: list[Any]) -> dict[str, Any]:
     """What is stored of a sample, as the product computes it: impacts, the level (RMS) at each
     listener, gains."""
     blocks = [result.block for result in results if result.block is not None]
     return {
-        **_touched(results),
+        **_touched(scene, results),
         "levels": np.sqrt((np.concatenate(blocks, axis=1) ** 2).mean(axis=1)).tolist(),
         "gains": _rows(results, {result.number: result.amplitudes for result in results}),
     }
@@ -84,18 +87,21 @@ def reference(scene: Any, results: list[Any]) -> dict[str, Any]:
         for r in shown(results)
     }
     return {
-        **_touched(results),
+        **_touched(scene, results),
         "levels": level_reference.levels(results, found).round(7).tolist(),
         "gains": _rows(results, amplified),
     }
 
 
-def _touched(results: list[Any]) -> dict[str, Any]:
+def _touched(scene: Any, results: list[Any]) -> dict[str, Any]:
+    from haptic_tracing.addon.session import session
+
+    bodies = session.of(scene).reading.bodies
     return {
         "listeners": [item.body_part for item in results[-1].listeners],
         "contacts": len(results[-1].contacts),
         "impacts": [
-            [r.number, *sorted(r.objects[k] for k in i.objects), round(i.energy, 4)]
+            [r.number, *sorted(bodies[k].name for k in i.objects), round(i.energy, 4)]
             for r in results
             for i in r.impacts
         ],

@@ -5,10 +5,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from haptic_tracing.core.perception import dominant_frequency, sensation_level
+from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from haptic_tracing.sample_scenes import domino_wall, hammer_nail, mine_ride, sliding_and_rolling
 
 RELATIVE = 1e-5  # Blender keeps positions and properties in single precision
+
+BANDS_LEFT_OUT = 0.25
+"""Decibels of materials whose bands differ by less than half a decibel over 10 m."""
 
 
 def listener(result, body_part):
@@ -20,9 +24,9 @@ def impacts(result):
     return [frozenset(result.objects[k] for k in impact.objects) for impact in result.impacts]
 
 
-SILENT = 3e-4
-"""-70 dB of full scale, 25 below the threshold of feeling: the filters of the bands ring out below
-it."""
+RINGING = 3e-4
+"""-70 dB of full scale, 25 below the threshold of feeling: what is left of a sound in the frame
+after its end, because the symmetric filters of its bands reach 50 ms further."""
 
 
 @pytest.mark.slow
@@ -72,25 +76,39 @@ def test_dishwasher_is_felt_through_the_cupboards_and_not_its_rubber_feet(build,
 
 
 @pytest.mark.slow
-def test_far_train_is_felt_through_the_rails_and_much_less_without_them(build, results):
+def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form_says(
+    build, results, gain_along
+):
+    """In every band. Without rails it is 12 dB less, as the definition says of soil as measured: 22
+    m of it spread a wave by 17 dB and damp it by 5 (at 28 Hz) to 21 (at 113), twice 2 m by 14 and 1
+    to 4, and the rails between do neither."""
     scene = build("rails")
     *_, result = results(scene, 1, 1)
+
+    def check(result, crossings):
+        for k, item in enumerate(result.listeners):
+            path = result.path_objects(0, k)
+            assert path.count("Ground") == crossings
+            closed = [gain_along(scene, result, 0, k, path, centre) for centre in BAND_CENTRES]
+            in_bands = result.sources[0].amplitude * result.propagation.band_gain[0, k]
+            assert in_bands[0] == pytest.approx(closed[0], rel=RELATIVE)
+            assert 20 * np.log10(in_bands / closed) == pytest.approx(
+                np.zeros(6), abs=BANDS_LEFT_OUT
+            )
+            yield item.name, path, result.amplitudes[0, k]
+
     with_rails = {}
-    for k, item in enumerate(result.listeners):
-        path = result.path_objects(0, k)
-        assert path.count("Ground") == 2
+    for name, path, amplitude in check(result, 2):
         assert path.index("Ground") < next(
-            n for n, name in enumerate(path) if name.startswith("Near Rail")
+            n for n, step in enumerate(path) if step.startswith("Near Rail")
         )
-        with_rails[item.name] = result.amplitudes[0, k]
+        with_rails[name] = amplitude
     scene.objects["Near Rail.L"].haptics.enabled = scene.objects["Near Rail.R"].haptics.enabled = (
         False
     )
     *_, result = results(scene, 2, 2)
-    for k, item in enumerate(result.listeners):
-        path = result.path_objects(0, k)
-        assert path.count("Ground") == 1
-        assert result.amplitudes[0, k] < 10 ** (-10 / 20) * with_rails[item.name]
+    for name, _, amplitude in check(result, 1):
+        assert 20 * np.log10(amplitude / with_rails[name]) == pytest.approx(-12.0, abs=0.3)
 
 
 @pytest.mark.slow
@@ -252,9 +270,9 @@ def test_what_slides_and_rolls_is_felt_by_whom_it_is_about_and_silent_at_rest(bu
             name for name, (first, last) in sections.items() if first < result.number <= last + 1
         ] or [None]
         if section is None:
-            assert not result.sources and (
-                result.block is None or np.abs(result.block).max() < SILENT
-            )
+            left = 0.0 if result.block is None else np.abs(result.block).max()
+            is_next = result.number - 2 in {last for _, last in sections.values()}
+            assert not result.sources and (left < RINGING if is_next else left == 0.0)
         else:
             waves.setdefault(section, []).append(result.block)
             names.setdefault(section, set()).update(source.name for source in result.sources)

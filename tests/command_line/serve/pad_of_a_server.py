@@ -49,6 +49,7 @@ if child == 0:
         serve(writer)
     finally:
         os._exit(0)
+os.close(writer)  # so that a server that ends is noticed
 port = int(os.read(reader, 20))
 client = connect(f"ws://127.0.0.1:{port}")
 

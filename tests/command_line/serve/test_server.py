@@ -11,10 +11,13 @@ import subprocess
 import sys
 import time
 import urllib.request
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 import pytest
+from bounded_program import bounded
+from bounded_program import run as run_bounded
 from crate_on_ground import SCENE
 from pythonosc.dispatcher import Dispatcher
 from pythonosc.osc_server import BlockingOSCUDPServer
@@ -40,18 +43,20 @@ class Served:
             "127.0.0.1:0",
             *map(str, arguments),
         ]
-        self.process = subprocess.Popen(
-            command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
+        self._stack = ExitStack()
+        self.process = self._stack.enter_context(
+            bounded(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
         )
         line = self.process.stderr.readline()
         found = re.fullmatch(r"listening on (ws://\S+), token (\S+)\n", line)
-        assert found, line + self.process.stderr.read()
+        assert found, line + self.stop()
         self.url, self.token = found.groups()
 
     def stop(self):
-        self.process.terminate()
-        self.process.wait(20)
-        return self.process.stderr.read()
+        with self._stack:
+            self.process.terminate()
+            self.process.wait(60)
+            return self.process.stderr.read()
 
 
 @pytest.fixture
@@ -103,7 +108,8 @@ def test_pages_of_other_origins_and_names_are_refused(served, scene_file):
     with connect(allowed.url, origin="https://example.org") as client:
         assert ask(client, type="hello", version=1)["type"] == "scene"
     assert "Traceback" not in allowed.stop()
-    assert urllib.request.urlopen(served.url.replace("ws:", "http:") + "/health").read() == b"ok\n"
+    health = served.url.replace("ws:", "http:") + "/health"
+    assert urllib.request.urlopen(health, timeout=60).read() == b"ok\n"
 
 
 def test_other_machines_need_a_token(scene_file):
@@ -116,7 +122,7 @@ def test_other_machines_need_a_token(scene_file):
         "--listen",
         "0.0.0.0:0",
     ]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = run_bounded(command)
     assert done.returncode == 2
     assert "--token" in done.stderr
     server = Served(scene_file, "--listen", "0.0.0.0:0", "--token", "secret")
@@ -234,9 +240,7 @@ def test_devices_fall_silent(tmp_path, ending):
         sys.executable,
         str(Path(__file__).parent / "pad_of_a_server.py"),
     ]
-    done = subprocess.run(
-        [*command, str(tmp_path), ending], capture_output=True, text=True, timeout=120
-    )
+    done = run_bounded([*command, str(tmp_path), ending])
     assert done.returncode == 0, done.stderr
     reports, last_step = json.loads(done.stdout.splitlines()[-1])
     times = np.array([seconds for seconds, _ in reports])

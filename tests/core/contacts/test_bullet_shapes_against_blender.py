@@ -85,10 +85,10 @@ RESTED = [  # shape, ground, mesh, scale, use margin and margin, height [m]
 def built(kind, vertices, scale=ONE, own_margin=None):
     margin = 0.04 if own_margin is None else own_margin
     if kind == "CONVEX_HULL":
-        return convex_hull_shape(vertices, scale, margin, own_margin is not None)
+        return convex_hull_shape(vertices, scale, own_margin)
     if kind == "MESH":
         return mesh_shape(vertices, TRIANGLES, scale, margin)
-    return shape_from_bounding_box(kind, vertices, scale, margin, own_margin is not None)
+    return shape_from_bounding_box(kind, vertices, scale, margin)
 
 
 @pytest.mark.parametrize(("kind", "ground", "mesh", "scale", "margin", "height"), RESTED)

@@ -207,13 +207,14 @@ SMALL = {
 }
 
 
+@pytest.mark.parametrize("parts", [1, 3])
 @pytest.mark.parametrize("room", ["mesh", "hull"])
 @pytest.mark.parametrize("small", SMALL)
 @pytest.mark.parametrize("swapped", [False, True])
-def test_what_is_inside_touches_down_to_a_depth(room, small, swapped):
+def test_what_is_inside_touches_down_to_a_depth(parts, room, small, swapped):
     """A fingertip in a sofa touches it, a lamp in the air of a room does not, nor what lies deep in
     the ground; whatever its shape."""
-    large = reference.box((2.0, 2.0, 2.0), 3)
+    large = reference.box((2.0, 2.0, 2.0), parts)
     room = (
         Mesh(*large, sunk_in=SUNK_IN) if room == "mesh" else ConvexHull(large[0], sunk_in=SUNK_IN)
     )
@@ -236,6 +237,58 @@ def test_what_is_inside_touches_down_to_a_depth(room, small, swapped):
             assert distance == pytest.approx(beneath - 0.02, abs=1e-6)
             np.testing.assert_allclose(normal, [0, 0, -1 if swapped else 1], atol=1e-6)
             np.testing.assert_allclose(centre, [0.3, 0.2, 1 - beneath / 2], atol=0.021)
+
+
+SINKING = {
+    **{
+        name: Mesh(*reference.SOLIDS[name], sunk_in=SUNK_IN)
+        for name in ("box", "torus", "cup", "dumbbell", "star")
+    },
+    "convex box": Box((0.3, 0.24, 0.2)),
+    "hull": ConvexHull(reference.SOLIDS["dumbbell"][0], sunk_in=SUNK_IN),
+    "sphere": Sphere(0.15),
+    "cylinder": Cylinder(0.12, 0.3),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SINKING)
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_body_sinks_wholly_into_a_solid(name, swapped):
+    """From the air to where it touches no more: its distance changes by no more than it moves, and
+    the patch doesn't jump, wherever the surfaces begin and cease to cross: where it moves far in a
+    step, it moves less in smaller steps."""
+    ground, body = Mesh(*reference.box((2.0, 2.0, 1.4), 3), sunk_in=SUNK_IN), SINKING[name]
+    corners = np.array(list(itertools.product(*np.transpose(body.local_bounds()))))
+    turn = rotation(np.random.default_rng(7))
+    heights, step = (corners @ turn.T)[:, 2], 0.01
+
+    def patch(below):
+        """Distance, normal, centre and area with the body's bounds so far below the surface."""
+        place = pose((0.21, 0.13, -below - heights.min()), turn)
+        placed = [(ground, pose((0, 0, -0.7))), (body, place)]
+        (first, a), (second, b) = placed[::-1] if swapped else placed
+        return query(first, second, a, b)
+
+    depths = np.arange(-0.01, np.ptp(heights) + 0.08, step)
+    distance, normal, centre, area = (
+        np.array(each) for each in zip(*map(patch, depths), strict=True)
+    )
+    (touching,) = (distance <= TOLERANCE).nonzero()
+    assert len(touching) == touching[-1] - touching[0] + 1 < len(depths) - touching[0]
+    assert np.abs(np.diff(distance[touching])).max() <= step + 1e-6
+    assert (normal[touching, 2] * (-1 if swapped else 1)).min() > 0.5
+    for values, most in ((centre, 0.02), (area[:, None], 0.05 * max(area.max(), 1e-3))):
+        steps = np.linalg.norm(np.diff(values[touching], axis=0), axis=1)
+        for k in np.flatnonzero(steps > most).tolist():
+            ends, column = [depths[touching[k]], depths[touching[k] + 1]], 2 if most == 0.02 else 3
+            for _ in range(8):
+                points = [ends[0], sum(ends) / 2, ends[1]]
+                between = [np.atleast_1d(patch(point)[column]) for point in points]
+                far = int(np.linalg.norm(np.diff(between, axis=0), axis=1).argmax())
+                ends = points[far : far + 2]
+            last = np.linalg.norm(np.diff(between, axis=0)[far])
+            assert last <= most / 2, (ends, between)
 
 
 def test_what_is_inside_a_shell_touches_where_it_is_close():

@@ -374,3 +374,36 @@ def test_what_is_known_of_shapes_that_stay_is_kept():
     for name in ("pairs", "positions", "normal", "distance", "area"):
         np.testing.assert_array_equal(getattr(found, name), getattr(fresh, name))
     assert len(fresh) == 1
+
+
+def test_parts_that_move_make_the_contacts_of_a_new_tracker():
+    """A compound whose parts move while its body stands, beside one that stays: to the bit."""
+    generator = np.random.default_rng(3)
+    hulls = [ConvexHull(generator.normal(size=(20, 3)) * 0.1) for _ in range(5)]
+    flat = ConvexHull([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]], sunk_in=0.05)
+
+    def figure(frame):
+        places = generator.normal(size=(5, 3)) * 0.05 + [0.3 * np.arange(5).mean(), 0, 0.06]
+        turns = generator.normal(size=(5, 4))
+        return Compound(
+            tuple(
+                (hull, Pose((0.3 * k + place[0], *place[1:]), tuple(turn)))
+                for k, (hull, place, turn) in enumerate(zip(hulls, places, turns, strict=True))
+            )
+        )
+
+    others = [GROUND, Body("stays", figure(0)), Body("flat", flat)]
+    transforms = moved([(0, 0, -0.5), (0, 1, 0), (0.2, -0.2, 0.05), (0, 0, 0)])
+    tracker = ContactTracker([*others, Body("moves", figure(0))])
+    touching = 0
+    for frame in range(8):
+        bodies = [*others, Body("moves", figure(frame))]
+        tracker.replace_bodies(bodies)
+        found = tracker.update(frame / 24, transforms).contacts
+        fresh = ContactTracker(bodies).update(0.0, transforms).contacts
+        touching += len(fresh)
+        near = found.distance <= tracker.settings.tolerance
+        assert near.all()
+        for name in ("pairs", "positions", "normal", "distance", "area", "weight"):
+            np.testing.assert_array_equal(getattr(found, name), getattr(fresh, name))
+    assert touching > 16

@@ -94,7 +94,7 @@ class FakeDevice:
         assert pad is not None, "write to a closed device"
         pad.writers.add(threading.get_ident())
         pad.in_write.set()
-        pad.gate.wait()
+        assert pad.gate.wait(120), "nobody lets the write go on"
         assert self.pad is not None, "closed during a write: hidapi would crash"
         if pad not in self.hid.pads:
             return -1

@@ -31,5 +31,6 @@ class GuardInThread:
         self.stdin.close()
 
     def wait(self):
-        self._thread.join()
+        self._thread.join(60)
+        assert not self._thread.is_alive(), "the guard goes on"
         return 0

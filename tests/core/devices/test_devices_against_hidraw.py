@@ -3,12 +3,12 @@ up, whose nodes keep the bytes."""
 
 import json
 import shutil
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from bounded_program import run as run_bounded
 from made_up_devices import (
     DECK,
     DUALSENSE_BT,
@@ -39,11 +39,8 @@ def under_umockdev(tmp_path):
         pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
 
     def run(command, *fakes):
-        return subprocess.run(
-            ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, *command],
-            capture_output=True,
-            text=True,
-            timeout=300,
+        return run_bounded(
+            ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, *command]
         )
 
     return run

@@ -3,11 +3,11 @@ keeps the effects."""
 
 import json
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from bounded_program import run as run_bounded
 from haptic_tracing.core.devices.force_feedback import event_nodes
 from kernel_input import describe_pad
 from made_up_devices import DUALSENSE_BT, XBOX_BT, describe
@@ -39,7 +39,7 @@ def scene(tmp_path):
             "force_feedback",
             ending,
         ]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        done = run_bounded(command)
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)
 

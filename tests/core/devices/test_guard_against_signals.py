@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from bounded_program import run as run_bounded
 from fake_hid import RELEASE
 from haptic_tracing.core.devices.families.family import RumbleFamily
 from haptic_tracing.core.devices.pacing import WATCHDOG
@@ -63,7 +64,7 @@ def scene(tmp_path, fakes, *arguments):
         str(HERE / "umockdev_scenes.py"),
         *arguments,
     ]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = run_bounded(command)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 
@@ -119,9 +120,9 @@ def control_groups(tmp_path):
     """The control groups (version 2), mounted outside /sys, which umockdev hides."""
     folder = tmp_path / "groups"
     folder.mkdir()
-    subprocess.run(["mount", "-t", "cgroup2", "none", str(folder)], check=True)
+    subprocess.run(["mount", "-t", "cgroup2", "none", str(folder)], check=True, timeout=60)
     yield str(folder)
-    subprocess.run(["umount", str(folder)], check=True)
+    subprocess.run(["umount", str(folder)], check=True, timeout=60)
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may mount control groups")

@@ -58,7 +58,7 @@ def test_silence_comes_after_orders_that_take_long():
     program = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
     reading, writing = os.pipe()
     service = Service(os.fdopen(reading, "rb"), io.BytesIO(), program.pid)
-    thread = threading.Thread(target=service.run)
+    thread = threading.Thread(target=service.run, daemon=True)
     thread.start()
     try:
         program.send_signal(signal.SIGSTOP)
@@ -70,8 +70,8 @@ def test_silence_comes_after_orders_that_take_long():
             heard = [list(recorder.heard) for recorder in made[-2:]]
     finally:
         program.kill()
-        program.wait()
-        thread.join()
+        program.wait(20)
+        thread.join(20)
     for orders in heard:
         assert "send" in orders
         assert orders[-1] == "silence"

@@ -8,9 +8,11 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from bounded_program import bounded, line_of
 from file_hid import reports_of
 
 HERE = Path(__file__).parent
@@ -30,8 +32,7 @@ device = replace(profile({name!r}), slew=10_000.0)
 def started():
     output = guard.DeviceOutput(device, hid=file_device({file!r}, device.family))
     output.start()
-    while output.status.state != "open":
-        time.sleep(0.01)
+    output.wait_until_open(60.0)
     return output
 def play(output, seconds):
     begun = time.perf_counter()
@@ -50,23 +51,16 @@ pytestmark = pytest.mark.slow
 def program(tmp_path):
     """Starts a program that plays on a device: returns it, the id of its guard, and the file of the
     device."""
-    started = []
 
     def start(rest, name="dualsense"):
         file = tmp_path / "reports"
         source = PROGRAM.format(here=str(HERE), name=name, file=str(file)) + rest
-        program = subprocess.Popen(
-            [sys.executable, "-c", source], stdout=subprocess.PIPE, text=True
-        )
-        started.append(program)
-        return program, int(program.stdout.readline()), file
+        command = [sys.executable, "-c", source]
+        program = started.enter_context(bounded(command, stdout=subprocess.PIPE))
+        return program, int(line_of(program)), file
 
-    yield start
-    for program in started:
-        if MACOS:
-            program.send_signal(signal.SIGCONT)
-        program.kill()
-        program.wait()
+    with ExitStack() as started:
+        yield start
 
 
 def silence_after(file, failed, seconds):
@@ -81,7 +75,7 @@ def silence_after(file, failed, seconds):
 
 def end_tree(process):
     """End a process as the task manager does, with all that it has started."""
-    subprocess.run(["taskkill", "/T", "/F", "/PID", str(process.pid)], check=True)
+    subprocess.run(["taskkill", "/T", "/F", "/PID", str(process.pid)], check=True, timeout=60)
 
 
 ENDINGS = {"kill": lambda process: process.kill()}
@@ -114,13 +108,13 @@ def test_the_end_of_the_guard_is_silence_and_the_device_plays_again(program, end
         guard, signal.SIGSTOP if ending == "stop" else signal.SIGTERM if WINDOWS else signal.SIGKILL
     )
     failed = time.perf_counter()
-    process.stdout.readline()
+    line_of(process)
     before = len(reports_of(file))
     reports = [(at - failed, data) for at, data in reports_of(file)]
     took = next(at for at, data in reports if at > 0.0 and not (data[3] or data[4]))
     print(ending, round(1000 * took), "ms")
     assert took < REPLACED_WITHIN
-    assert process.wait() == 0
+    assert process.wait(60) == 0
     assert any(data[3] or data[4] for _, data in reports_of(file)[before:])
 
 
@@ -129,7 +123,7 @@ def test_a_stream_of_3_9_ms_gets_its_reports_in_time(program):
     process, _, file = program(
         "play(output, 2.0)\nguard.stop_all()\nprint(flush=True)", "steam-controller-pcm"
     )
-    process.stdout.readline()
+    line_of(process)
     times = [at for at, data in reports_of(file) if data[0] == 0x88]
     gaps = sorted(1000 * (late - early) for early, late in itertools.pairwise(times))
     print(json.dumps({"median": gaps[len(gaps) // 2], "99 of 100": gaps[len(gaps) * 99 // 100]}))

@@ -61,7 +61,8 @@ class Server:
         for connection in self.connections:
             connection.close()
         self.server.shutdown()
-        self.thread.join()
+        self.thread.join(60)
+        assert not self.thread.is_alive(), "the server goes on"
 
 
 def buttplug(messages):

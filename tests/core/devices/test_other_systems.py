@@ -19,7 +19,7 @@ def process():
     process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
     yield process
     process.kill()
-    process.wait()
+    process.wait(20)
 
 
 def test_a_process_runs_until_it_ends(process):
@@ -27,7 +27,7 @@ def test_a_process_runs_until_it_ends(process):
     runs = liveness_of(process.pid)
     assert runs()
     process.kill()
-    process.wait()
+    process.wait(20)
     assert not runs()
 
 

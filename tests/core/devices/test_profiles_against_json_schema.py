@@ -91,7 +91,7 @@ NESTED = (
         (changed(version="2.0"), "/version: must be"),
         (changed(family="toaster"), "/family: 'toaster' is unknown: use one of dualsense"),
         (changed(name="Über"), "/name: must match"),
-        (changed(actuators=[]), "/actuators: must have at least 1 items"),
+        (changed(actuators=[]), "/actuators: must have at least 1 item"),
         (changed(actuators__0__band=[400, 20]), "/actuators/0/band: 400.0 Hz is not below 20.0 Hz"),
         (
             changed(actuators__1__channels__0__takes=[10, 10]),

@@ -76,7 +76,7 @@ def test_the_latest_block_wins_and_dropped_ones_are_counted(started):
     pad = FakePad()
     pad.gate.clear()
     output = started(FakeHid(pad))
-    pad.in_write.wait()
+    assert pad.in_write.wait(60)
     for amplitude in (1.0, 0.5, 0.0):
         output.send(wave(amplitude=amplitude))
     pad.gate.set()
@@ -95,7 +95,7 @@ def test_a_write_that_blocks_blocks_nobody_else_and_the_device_is_silenced_when_
     stuck.gate.clear()
     stuck.in_write.clear()
     blocked.silence()
-    stuck.in_write.wait()
+    assert stuck.in_write.wait(60)
     for _ in range(1000):
         blocked.send(wave(0.01))
     free.written.clear()
@@ -339,7 +339,11 @@ def test_a_module_of_the_same_name_from_another_package_is_refused(tmp_path):
         "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]),
     }
     done = subprocess.run(
-        [sys.executable, "-c", program], env=environment, capture_output=True, text=True
+        [sys.executable, "-c", program],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
     assert (
         f"the Python module {name} is not that of the package hidapi"

@@ -6,20 +6,29 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import select
 import shutil
+import signal
 import subprocess
-import threading
 import time
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
-LIMIT = 120
-"""Seconds after which a browser that answers nothing is ended."""
+LIMIT = 300
+"""Seconds within which a browser answers, however slow the machine is."""
 
 
 class Page:
     """A page that is open; ``run`` evaluates a script in it."""
 
-    def __init__(self, path: Path, profile: Path, size: tuple[int, int] = (1280, 760)) -> None:
+    def __init__(
+        self,
+        path: Path,
+        profile: Path,
+        size: tuple[int, int] = (1280, 760),
+        more: Sequence[str] = (),
+    ) -> None:
         program = (
             shutil.which("chromium")
             or shutil.which("chromium-browser")
@@ -49,31 +58,40 @@ class Page:
         command += [
             f"--window-size={size[0]},{size[1]}",
             "--autoplay-policy=no-user-gesture-required",
+            *more,
             "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
         ]
         self._process = subprocess.Popen(
-            command, pass_fds=(read, write), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            command,
+            pass_fds=(read, write),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
         )
         for end in (*ends, read, write):
             os.close(end)
-        self._timer = threading.Timer(LIMIT, self._process.kill)
-        self._timer.start()
         self._asked, self._received = 0, b""
+        try:
+            self._show(path)
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def _show(self, path: Path) -> None:
         target = self.ask("Target.createTarget", url=path.as_uri())["targetId"]
         self._session = self.ask("Target.attachToTarget", targetId=target, flatten=True)[
             "sessionId"
         ]
         # A promise of the blank page that comes first would end with it.
-        while self.run("location.protocol + document.readyState") != "file:complete":
-            time.sleep(0.05)
+        self.until("location.protocol + document.readyState === 'file:complete'")
 
     def __enter__(self) -> Page:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.wait()
-        self._timer.cancel()
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait(60)
         os.close(self._read)
         os.close(self._write)
 
@@ -87,6 +105,7 @@ class Page:
             **({"sessionId": session} if session else {}),
         }
         os.write(self._write, json.dumps(message).encode() + b"\0")
+        end = time.monotonic() + LIMIT
         while True:
             text, ended, rest = self._received.partition(b"\0")
             if ended:
@@ -96,8 +115,12 @@ class Page:
                     assert "error" not in answer, answer
                     return answer["result"]
             else:
+                readable, _, _ = select.select(
+                    [self._read], [], [], max(end - time.monotonic(), 0.0)
+                )
+                assert readable, f"Chromium does not answer {method} within {LIMIT} s"
                 received = os.read(self._read, 1 << 16)
-                assert received, f"Chromium ended, or said nothing for {LIMIT} s"
+                assert received, f"Chromium ended at {method}"
                 self._received += received
 
     def run(self, script: str) -> object:
@@ -111,6 +134,13 @@ class Page:
         )
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
+
+    def until(self, script: str, seconds: float = LIMIT) -> None:
+        """Wait until ``script`` is true. It fails with the text of the page."""
+        end = time.monotonic() + seconds
+        while not self.run(f"Boolean({script})"):
+            assert time.monotonic() < end, (script, self.run("document.body.innerText"))
+            time.sleep(0.05)
 
     def picture(self) -> str:
         """The page as a PNG file in base64."""

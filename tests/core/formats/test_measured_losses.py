@@ -197,7 +197,7 @@ def amplitudes(path):
     return json.loads(path.read_text())["signals"]["continuous"]["envelopes"]["amplitude"]
 
 
-@pytest.mark.parametrize("form", ["haptic", "ahap"])
+@pytest.mark.parametrize("form", ["haptic", "ahap", "tact"])
 def test_the_steady_part_of_a_train_of_pulses_is_not_played(tmp_path, form):
     """Of pulses of a tenth of the period, a tenth of the power is steady; before the train begins,
     nothing plays."""

@@ -77,7 +77,7 @@ def test_other_versions_and_faults_are_named(tmp_path, version, reason):
         registry.read(written(tmp_path, document, ".haps"))
 
 
-def test_amplitudes_beyond_1_are_clipped(tmp_path):
+def test_amplitudes_beyond_1_are_clipped_and_keyframes_sorted(tmp_path):
     keys = [(0, 0.5), (100, 1.25), (200, -1.5)]
     frames = [
         {"relative_position": t, "amplitude_modulation": a, "frequency_modulation": 100}
@@ -133,3 +133,9 @@ def test_amplitudes_beyond_1_are_clipped(tmp_path):
     )
     frames[1]["amplitude_modulation"], frames[2]["amplitude_modulation"] = 1, -1
     assert registry.read(written(tmp_path, document, ".hjif")).losses == ()
+    frames.reverse()
+    reading = registry.read(written(tmp_path, document, ".hjif"))
+    (carrier,) = reading.channels[0].carriers
+    assert carrier.amplitude_times.tolist() == pytest.approx([0.0, 0.1, 0.2])
+    assert carrier.amplitudes.tolist() == [0.5, 1.0, -1.0] and carrier.end == pytest.approx(0.2)
+    assert reading.losses == ("keyframes that are not in the order of time are sorted",)

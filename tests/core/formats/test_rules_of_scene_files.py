@@ -119,6 +119,7 @@ def test_rules_that_only_blender_read_are_rules_now(tmp_path, version):
     write_export(export, tmp_path / "new.json")
     document = json.loads((tmp_path / "new.json").read_text())
     assert document["version"] == "1.1" and document["rules"]["least_energy"] == 1000
+    assert document["extras"].pop("provenance")["program"] == "Haptic Tracing"
     assert document["extras"] == {"blender": {"frame": 3}, "note": "mine"}
     assert read_export(tmp_path / "new.json").scene == export.scene
 

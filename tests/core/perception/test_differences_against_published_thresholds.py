@@ -1,32 +1,53 @@
-"""Which differences of amplitude are felt, against Israr, Tan and Reed, J. Acoust. Soc. Am. 120
-(2006) 2789, doi 10.1121/1.2354022."""
+"""Which differences of amplitude are noticed, against Israr, Tan and Reed, J. Acoust. Soc. Am. 120
+(2006) 2789, doi 10.1121/1.2354022, and Forta, Griffin and Morioka 2012."""
+
+import math
 
 import pytest
 from haptic_tracing.core.perception import (
     DIFFERENCE_THRESHOLDS,
+    FEW,
     MASKED_DIFFERENCE_THRESHOLD,
+    MOST,
+    PEOPLE,
     are_felt_alike,
     are_felt_different,
+    noticing,
 )
+from scipy.stats import norm
 
 # Lowest and highest of those from 2 to 300 Hz, in decibels, by the level above the threshold of
 # feeling.
-PUBLISHED = {20: (1.82, 2.98), 35: (1.65, 2.71)}
+ISRAR = {20: (1.82, 2.98), 35: (1.65, 2.71)}
 MASKED = {20: 3.63, 35: 3.72}
+# Medians of Weber fractions by frequency.
+FORTA = {10: 0.58, 125: 0.20}
+
+
+def decibels(weber):
+    return 20 * math.log10(1 + weber)
 
 
 def test_the_thresholds_span_the_published_ones():
-    assert min(low for low, _ in PUBLISHED.values()) == DIFFERENCE_THRESHOLDS[0]
-    assert max(high for _, high in PUBLISHED.values()) == DIFFERENCE_THRESHOLDS[1]
+    below, above = DIFFERENCE_THRESHOLDS
+    low, high = min(low for low, _ in ISRAR.values()), max(high for _, high in ISRAR.values())
+    assert below == (low, pytest.approx(decibels(FORTA[10]), abs=0.005))
+    assert above == (pytest.approx(decibels(FORTA[125]), abs=0.005), high)
     assert max(MASKED.values()) == MASKED_DIFFERENCE_THRESHOLD
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-def test_between_the_thresholds_it_depends(sign):
-    assert are_felt_alike(sign * 1.6) and not are_felt_different(sign * 1.6)
-    for decibels in (1.7, 2.3, 2.9):
-        assert not are_felt_alike(sign * decibels) and not are_felt_different(sign * decibels)
-    assert are_felt_different(sign * 3.0) and not are_felt_alike(sign * 3.0)
-    assert not are_felt_different(sign * 3.0, masked=True) and are_felt_different(
-        sign * 3.8, masked=True
-    )
+@pytest.mark.parametrize("hertz", [10, 39, 40, 250])
+@pytest.mark.parametrize("difference", [-6.0, -3.0, 0.5, 1.65, 2.98, 3.97, 12.0])
+def test_shares_of_people_are_those_of_a_log_normal_spread(hertz, difference):
+    thresholds = DIFFERENCE_THRESHOLDS[hertz >= 40]
+    weber = [10 ** (abs(x) / 20) - 1 for x in (difference, *thresholds)]
+    expected = [norm.cdf(math.log(weber[0] / x) / math.log(PEOPLE)) for x in weber[:0:-1]]
+    assert noticing(difference, hertz) == pytest.approx(expected)
+    assert are_felt_different(difference, hertz) == (expected[0] >= MOST)
+    assert are_felt_alike(difference, hertz) == (expected[1] <= FEW)
+
+
+def test_half_of_the_people_notice_the_typical_threshold_and_nobody_no_difference():
+    assert noticing(3.97, 10)[0] == noticing(1.58, 125)[1] == pytest.approx(0.5)
+    assert noticing(0.0, 100) == (0.0, 0.0)
+    assert noticing(math.inf, 100) == pytest.approx((1.0, 1.0))

@@ -93,6 +93,16 @@ def test_lossless_ring_is_no_trap():
     assert gain(scene) == pytest.approx(0.5, rel=1e-12)
 
 
+@pytest.mark.parametrize(("pieces", "fibonacci"), [(2, 3), (3, 8), (4, 21), (8, 987)])
+def test_each_piece_of_a_lossless_beam_takes_up_energy(pieces, fibonacci):
+    """Λ = C = 1 along a chain: E = 1 / F(2 N), the table of the documentation."""
+    objects = tuple(HapticObject(f"o{k}", 0, 1, Identity()) for k in range(pieces))
+    contacts = tuple(Contact((f"o{k}", f"o{k + 1}"), (ORIGIN, ORIGIN)) for k in range(pieces - 1))
+    heard = (Listener("l", f"o{pieces - 1}"),)
+    scene = HapticScene(objects, contacts, (Source("s", "o0"),), heard)
+    assert gain(scene) == pytest.approx(fibonacci**-0.5, rel=2e-3)
+
+
 def test_parts_that_do_not_touch_and_objects_that_block():
     objects = (
         HapticObject("a", 0.1, 0.9),

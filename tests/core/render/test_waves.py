@@ -1,10 +1,13 @@
 """The waves that a timeline shows: columns are the minima and maxima of the samples in them, at
 every zoom."""
 
+from xml.etree import ElementTree
+
 import numpy as np
 import pytest
 from haptic_tracing.core.perception import threshold_level
-from haptic_tracing.core.render.waves import FULL_SCALE, Waves, threshold_of
+from haptic_tracing.core.render import lane
+from haptic_tracing.core.render.waves import FULL_SCALE, Waves, level_and_threshold
 
 RATE, PER_FRAME = 8000.0, 8000 / 24
 
@@ -53,6 +56,7 @@ def test_what_is_written_frame_by_frame_is_what_was_there_at_once():
         pieces.write(
             100 * number,
             samples[:, 100 * number : 100 * number + 100] / FULL_SCALE,
+            np.full(3, -10.0),
             np.full(3, -20.0),
         )
     for edges in (np.linspace(-5, 90, 40), np.linspace(20, 30, 400)):
@@ -62,24 +66,80 @@ def test_what_is_written_frame_by_frame_is_what_was_there_at_once():
 
 def test_only_what_was_filled_is_known():
     waves = Waves("a", 1.0, 100.0, np.zeros((1, 1000), dtype=np.int16), filled=False)
-    waves.write(300, np.ones((1, 100)), np.zeros(1))
+    waves.write(300, np.ones((1, 100)), np.zeros(1), np.zeros(1))
     assert waves.columns(np.arange(0.0, 13.0)).known.tolist() == [k == 4 for k in range(12)]
-    waves.write(950, np.ones((1, 100)), np.zeros(1))  # over the end
-    waves.write(2000, np.ones((1, 100)), np.zeros(1))  # beyond it
+    waves.write(950, np.ones((1, 100)), np.zeros(1), np.zeros(1))  # over the end
+    waves.write(2000, np.ones((1, 100)), np.zeros(1), np.zeros(1))  # beyond it
     assert waves.columns(np.arange(0.0, 13.0)).high[0, 10] == FULL_SCALE
 
 
-def test_the_threshold_of_a_sine_is_that_of_its_frequency_however_strong_it_is():
+def test_level_and_threshold_of_a_sine_are_those_of_its_amplitude_and_frequency():
     time = np.arange(2000) / RATE
     for frequency in (60.0, 250.0):
         sine = np.array([0.3, 0.01])[:, None] * np.sin(2 * np.pi * frequency * time)
-        assert threshold_of(sine, RATE) == pytest.approx(float(threshold_level(frequency)), abs=0.2)
-    assert np.isnan(threshold_of(np.zeros((1, 2000)), RATE)).all()
+        level, threshold = level_and_threshold(sine, RATE)
+        assert level == pytest.approx(20 * np.log10(np.array([0.3, 0.01]) / np.sqrt(2)), abs=0.01)
+        # `threshold_level` is an amplitude.
+        rms = float(threshold_level(frequency)) - 20 * np.log10(np.sqrt(2))
+        assert threshold == pytest.approx(rms, abs=0.2)
+    level, threshold = level_and_threshold(np.zeros((1, 2000)), RATE)
+    assert np.isneginf(level).all() and np.isnan(threshold).all()
+
+
+def test_levels_of_a_tone_rise_within_a_quarter_second_and_fall_after_it():
+    """A sine of 100 Hz from second 1 to 2, in 25 frames a second."""
+    time = np.arange(24000) / RATE
+    samples = 0.5 * np.sin(2 * np.pi * 100 * time) * ((time >= 1) & (time < 2))
+    waves = Waves("a", 0.0, RATE / 25, np.rint(samples * FULL_SCALE).astype("i2")[None], True)
+    waves.find_levels(RATE)
+    tone = 20 * np.log10(0.5 / np.sqrt(2))
+    ends = (np.arange(75) + 1) / 25
+    share = np.clip(np.minimum(ends, 2) - np.maximum(ends - 0.25, 1), 0, 0.25) / 0.25
+    with np.errstate(divide="ignore"):
+        expected = tone + 10 * np.log10(share)
+    np.testing.assert_allclose(waves.level[0], expected, atol=0.05)
+    # Columns of many frames show the highest of them.
+    assert waves.columns(np.array([0.0, 75.0])).level[0, 0] == pytest.approx(tone, abs=0.01)
+
+
+def test_bands_are_levels_in_decibels_and_what_is_felt_is_above_the_threshold():
+    tone = 0.1 * np.sqrt(2) * np.sin(2 * np.pi * 250 * np.arange(8000) / RATE)
+    waves = Waves("a", 0.0, 320.0, np.rint(tone * FULL_SCALE).astype("i2")[None], True)
+    waves.find_levels(RATE)
+    parts = waves.columns(np.linspace(10, 20, 11))
+    felt, threshold, level = lane.bands(parts)
+    assert level.low == pytest.approx(1 - 20 / 60, abs=1e-3) and (level.low == level.high).all()
+    assert (felt.high == level.high).all() and (felt.low == threshold.low).all()
+    assert (threshold.low < level.low).all()
+    (wave,) = lane.bands(parts, wave=True)
+    peak = 1 + 20 * np.log10(0.1 * np.sqrt(2)) / 60
+    assert wave.high.max() == pytest.approx(0.5 + peak / 2, abs=0.01)
+    assert wave.low.min() == pytest.approx(0.5 - peak / 2, abs=0.01)
+
+
+def test_a_steep_wave_is_one_line():
+    jump = np.repeat(np.array([[0, FULL_SCALE, 0, -FULL_SCALE]], dtype=np.int16), 50, axis=1)
+    waves = Waves("a", 0.0, 50.0, jump, True)
+    (wave,) = lane.bands(waves.columns(np.linspace(0, 4, 201)), wave=True)
+    assert (wave.low[:, 1:] <= wave.high[:, :-1]).all()
+    assert (wave.high[:, 1:] >= wave.low[:, :-1]).all()
+
+
+def test_the_picture_of_a_tone_is_a_line_at_its_level():
+    """The SVG, read by an XML parser: 600 columns, the box 60 high for 60 dB."""
+    tone = 0.1 * np.sqrt(2) * np.sin(2 * np.pi * 250 * np.arange(16000) / RATE)
+    found = ElementTree.fromstring(lane.svg(tone, RATE))
+    paths = {one.get("class"): one.get("d") for one in found}
+    line = np.array([point.split() for point in paths["level"][1:].split("L")], dtype=float)
+    assert len(line) == 600 and line[50:, 1] == pytest.approx(20.0, abs=0.15)
+    assert paths.keys() == {"grid", "felt", "threshold", "level"}
+    silent = ElementTree.fromstring(lane.svg(np.zeros(0), RATE))
+    assert all(place.endswith(" 60.0") for place in silent[-1].get("d")[1:].split("L"))
 
 
 def test_impacts_of_a_frame_go_when_it_is_played_again():
     waves = Waves("a", 1.0, 100.0, np.zeros((1, 1000), dtype=np.int16), filled=False)
     for frame in (3.0, 4.5):
         waves.add_impacts(np.array([frame]), np.ones((1, 1)))
-    waves.write(300, np.ones((1, 100)), np.zeros(1))
+    waves.write(300, np.ones((1, 100)), np.zeros(1), np.zeros(1))
     assert waves.impacts[0].tolist() == [3.0]

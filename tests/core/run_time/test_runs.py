@@ -210,3 +210,14 @@ def test_listed_contacts_hold_while_their_objects_rest():
     moved = run.step(0.1, {"crate": (0, 0, 0.5, *STILL)}).levels["hand"].gains["drill"]
     assert moved == pytest.approx(floor_and_crate().gains()["drill", "hand"])
     assert moved != pytest.approx(given, rel=0.01)
+
+
+def test_a_source_that_comes_in_the_place_of_another_has_its_own_amplitude_and_plays():
+    run = ht.open(floor_and_crate())
+    (drill,) = floor_and_crate().document["sources"]
+    run.step(0.0, sources={"drill": {"amplitude": 0.5, "playing": False}})
+    run.remove(source="drill")
+    run.add(source={**drill, "amplitude": 0.25})
+    quiet = run.step(1.0).levels["hand"].level
+    run.replace(source={**drill, "amplitude": 1.0})
+    assert run.step(2.0).levels["hand"].level == pytest.approx(quiet + 20 * math.log10(4), abs=1e-3)

@@ -6,7 +6,7 @@ import bpy
 
 
 def steps(window):
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_result", "HAPTIC_PT_bake", "HAPTIC_PT_takes")
+    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_settings", "HAPTIC_PT_bake")
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
@@ -93,8 +93,7 @@ def steps(window):
     for frame in range(20, 41):
         scene.frame_set(frame)
     yield from window.screenshot("meters")
-    bpy.context.view_layer.objects.active = None  # the panel Result is then in sight
-    yield from window.click_button("haptic.set_mode")
+    bpy.ops.haptic.set_mode(mode="NEXT")
     yield 0.5
     yield from window.screenshot("mode")
     window.seen["felt"] = any(
@@ -113,8 +112,7 @@ def steps(window):
         with window.context():
             bpy.ops.haptic.bake("EXEC_DEFAULT")
             bpy.ops.haptic.keep_take()
-    yield from window.show_sidebar("Haptics")
-    yield from window.scroll_sidebar(60)
+    yield from window.show_properties("SCENE")
     yield from window.click_button("haptic.play_take")
     yield 1.0
     window.seen["the other take plays"] = bake.track == bake.takes[0].track

@@ -18,9 +18,10 @@ def steps(window):
     bpy.context.view_layer.objects.active = body
     bpy.ops.haptic.add_default_listeners()
     window.open_only(
-        "HAPTIC_PT_scene", "HAPTIC_PT_propagation", "HAPTIC_PT_materials", "HAPTIC_PT_result"
+        "HAPTIC_PT_scene", "HAPTIC_PT_settings", "HAPTIC_PT_materials", "HAPTIC_PT_result"
     )
     yield from window.show_sidebar()
+    yield from window.show_properties("SCENE")
     bpy.ops.ed.undo_push(message="Body")
     window.seen["a new body is measured"] = not feels_all_over()
     yield 1.0

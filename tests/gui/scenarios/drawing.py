@@ -16,8 +16,9 @@ def steps(window):
         window.module(name)
         for name in ("addon.io.drawings", "addon.io.signal_library", "addon.session.sessions")
     )
-    window.open_only("HAPTIC_PT_source")
+    window.open_only("HAPTIC_PT_object_settings", "HAPTIC_PT_source")
     yield from window.show_sidebar()
+    yield from window.show_properties("OBJECT")
     window.point_at_view()
     with window.context():
         bpy.ops.wm.call_panel(name="HAPTIC_PT_signals", keep_open=True)
@@ -49,6 +50,7 @@ def steps(window):
     window.seen["an edited curve is traced"] = True
     bpy.ops.ed.undo_push(message="curve")
     points = drawings.points_of(mapping)[0]
+    yield from window.open_panel("haptics.source.enabled")
     yield from window.click_button("haptic.switch_envelopes")
     yield 1.0
     window.seen["F-curves"] = drawings.has_fcurves(bpy.data.objects["Cube"])

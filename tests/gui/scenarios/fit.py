@@ -63,8 +63,11 @@ def steps(window):
     fit = scene.haptics.materials.fit
     fit.source, fit.listener, fit.object, fit.first, fit.second = motor, hand, floor, floor, pad
     fit.source_file, fit.listener_file = recordings(window, 200)
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_materials", "HAPTIC_PT_fit")
+    window.open_only(
+        "HAPTIC_PT_scene", "HAPTIC_PT_settings", "HAPTIC_PT_materials", "HAPTIC_PT_fit"
+    )
     yield from window.show_sidebar()
+    yield from window.show_properties("SCENE")
     bpy.ops.ed.undo_push(message="Asked")
     yield 1.0
     yield from window.screenshot("asked")

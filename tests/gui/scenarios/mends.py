@@ -12,7 +12,7 @@ import bpy
 def steps(window):
     sessions, watched = window.module("addon.session.sessions"), window.module("addon.view.watched")
     window.open_only(
-        "HAPTIC_PT_scene", "HAPTIC_PT_object", "HAPTIC_PT_materials", "HAPTIC_PT_wishes"
+        "HAPTIC_PT_scene", "HAPTIC_PT_settings", "HAPTIC_PT_materials", "HAPTIC_PT_wishes"
     )
     yield from window.show_sidebar()
     yield from window.screenshot("card")
@@ -123,7 +123,7 @@ def steps(window):
     scene.haptics.materials.items[0].is_free = True
     bpy.ops.ed.undo_push(message="Wish")
     yield 1.0
-    yield from window.scroll_sidebar(60)
+    yield from window.show_properties("SCENE")
     yield from window.click_button("haptic.design_by_wish")
     yield 1.5
     window.seen["the wish is met"] = abs(level() - (felt - 6)) < 1

@@ -13,10 +13,12 @@ def steps(window):
     source.enabled = True
     bpy.data.objects.remove(scene.objects["Blast"])  # the sample's own
     scene.objects["Air"].haptics.function = "exponential"
-    window.open_only("HAPTIC_PT_source")
+    window.open_only("HAPTIC_PT_object_settings", "HAPTIC_PT_source")
     yield from window.show_sidebar()
     with window.context():
         bpy.context.view_layer.objects.active = barrel
+    yield 0.5
+    yield from window.show_properties("OBJECT")
     scene.frame_set(10)
     yield from window.click_button("haptic.make_one_shot")
     window.seen["a preset makes a blast"] = source.one_shot and source.signal == "BLAST"

@@ -29,7 +29,7 @@ def steps(window):
     scene.collection.objects.link(instance)
     linked.select_set(True)
     bpy.context.view_layer.objects.active = linked
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_object")
+    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_roles")
     yield from window.show_sidebar()
     yield from window.screenshot("linked")
     yield from window.click_button("object.make_override_library")

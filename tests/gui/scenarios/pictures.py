@@ -6,7 +6,7 @@ import numpy as np
 
 
 def _difference(window, first, second):
-    """The number of pixels of the sidebar's picture, between its frame lines, that differ clearly
+    """The number of pixels of the panel's picture, between its frame lines, that differ clearly
     between two screenshots."""
     pixels = []
     for name in (first, second):
@@ -14,7 +14,7 @@ def _difference(window, first, second):
         width, height = image.size
         values = np.empty(width * height * 4, dtype=np.float32)
         image.pixels.foreach_get(values)
-        region = window.region("UI")
+        _, region = window.panels()
         pixels.append(
             values.reshape(height, width, 4)[
                 region.y : region.y + region.height, region.x : region.x + region.width, :3
@@ -27,7 +27,7 @@ def _difference(window, first, second):
 def steps(window):
     for obj in list(bpy.context.scene.objects):
         bpy.data.objects.remove(obj)
-    window.open_only("HAPTIC_PT_gain", "HAPTIC_PT_object")
+    window.open_only("HAPTIC_PT_object_settings", "HAPTIC_PT_gain", "HAPTIC_PT_object")
     cubes = {}
     for name, loss in (
         ("A", 0.2),
@@ -42,6 +42,7 @@ def steps(window):
             loss,
         )
     yield from window.show_sidebar()
+    yield from window.show_properties("OBJECT")
     for number, name in enumerate("ABCBA"):
         bpy.context.view_layer.objects.active = cubes[name]
         yield 1.5

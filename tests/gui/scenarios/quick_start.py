@@ -1,4 +1,5 @@
-"""From the default cube to a felt effect by clicks, undo and redo after each."""
+"""From the default cube to a felt effect by the six steps of the quick start, undo and redo after
+each; then it is skipped."""
 
 import bpy
 
@@ -13,13 +14,24 @@ def roles() -> dict[str, bool]:
 
 
 def steps(window):
+    quick_start = window.module("addon.panels.quick_start")
+
+    def done():
+        return [is_done for _, is_done in quick_start.steps(bpy.context)]
+
     yield from window.show_sidebar()
-    for button in ("haptic.make_objects", "haptic.add_source", "haptic.add_default_listeners"):
+    window.seen["nothing is done yet"] = not any(done())
+    buttons = ("haptic.make_objects", "haptic.add_source", "haptic.add_default_listeners")
+    for number, button in enumerate(buttons):
         before = roles()
         yield from window.click_button(button)
         after = roles()
+        yield from window.wait_until(lambda number=number: done()[number])
+        window.seen[f"{button} is ticked off"] = done()[: number + 1] == [True] * (number + 1)
         yield from window.undo()
+        yield from window.wait_until(lambda number=number: not done()[number])
         window.seen[f"{button} is undone"] = roles() == before != after
+        window.seen[f"{button} is not ticked off"] = not done()[number]
         yield from window.redo()
         window.seen[f"{button} is redone"] = roles() == after
     window.seen["all roles"] = all(roles().values())
@@ -27,10 +39,22 @@ def steps(window):
     window.point_at_view()
     yield
     yield from window.press("SPACE")
-    yield 2.0
+    yield from window.wait_until(lambda: done()[3])
+    window.seen["playing is ticked off"] = done()[3]
     yield from window.press("SPACE")
     yield from window.screenshot("felt")
     result = window.module("addon.session.session").result_of(bpy.context.scene)
     window.seen["twelve listeners feel it"] = result.amplitudes.shape == (1, 12) and bool(
         (result.amplitudes > 0).all()
     )
+    bpy.context.scene.objects["Cube"].haptics.source.amplitude = 0.5
+    yield 0.5
+    window.seen["an amplitude is ticked off"] = done()[4] and not done()[5]
+    with window.context():
+        bpy.ops.haptic.bake("EXEC_DEFAULT")
+    yield 0.5
+    window.seen["a bake is ticked off"] = all(done())
+    window.module("addon.properties.preferences").preferences().show_quick_start = False
+    yield 0.5
+    window.seen["skipped"] = not quick_start.HAPTIC_PT_quick_start.poll(bpy.context)
+    yield from window.screenshot("skipped")

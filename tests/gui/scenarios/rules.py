@@ -12,8 +12,9 @@ def steps(window):
     window.module("sample_scenes").build_sample("hammer_nail")
     scene = window.window.scene
     table = scene.haptics.impact_table
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_impacts", "HAPTIC_PT_impact_table")
+    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_settings", "HAPTIC_PT_impacts")
     yield from window.show_sidebar()
+    yield from window.show_properties("SCENE")
     with window.context():
         bpy.context.view_layer.objects.active = scene.objects["Hammer"]
     yield from window.screenshot("rule-of-a-sample")
@@ -48,7 +49,7 @@ def steps(window):
     yield from window.screenshot("rule-with-a-problem")
     yield from window.scroll_sidebar(20)
     yield from window.screenshot("curves-of-a-rule")
-    yield from window.scroll_sidebar(-20)
+    yield from window.scroll_sidebar(-15)
     yield from window.click_button("haptic.move_rule")
     window.seen["a button moves the row"] = len(table.items) == count + 1
     yield from window.undo()

@@ -12,7 +12,7 @@ def steps(window):
     scene = window.module("sample_scenes").build_sample("hammer_nail")
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_overlay", "HAPTIC_PT_result")
+    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_settings", "HAPTIC_PT_overlay")
     session = window.module("addon.session.session")
     yield from window.show_sidebar()
     while not session.result_of(scene).impacts:
@@ -43,6 +43,7 @@ def steps(window):
         if mode == "SD":
             yield from window.screenshot("SD")
     window.seen["felt as before"] = bool((session.result_of(scene).amplitudes == gains).all())
+    yield from window.show_properties("SCENE")
     yield from window.click_button("haptics.show_flow")
     window.seen["with Signal Flow"] = scene.haptics.show_flow and blow() == struck
     yield from window.undo()
@@ -70,6 +71,7 @@ def steps(window):
         )
 
     weak = margin()
+    yield from window.show_sidebar()
     yield from window.click_button("haptic.make_felt")
     yield 1.0
     window.seen["a dialog shows the changes first"] = (

@@ -1,5 +1,5 @@
 """The extension works from its own wheels, and the sidebar tab "Haptics" opens on the default
-scene."""
+scene; Make Haptic makes its cube haptic."""
 
 import importlib
 import sys
@@ -16,3 +16,13 @@ def steps(window):
     yield from window.show_sidebar()
     window.seen["tab"] = window.region("UI").active_panel_category == "Haptics"
     yield from window.screenshot("sidebar")
+    haptics = bpy.context.object.haptics
+    yield from window.click_button("haptic.make_objects")
+    window.seen["Make Haptic made the cube haptic"] = (haptics.enabled, haptics.function) == (
+        True,
+        "physical",
+    )
+    yield from window.screenshot("made-haptic")
+    yield from window.undo()
+    yield from window.screenshot("undone")
+    window.seen["undone"] = not bpy.context.object.haptics.enabled

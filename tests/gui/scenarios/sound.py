@@ -26,13 +26,15 @@ def steps(window):
     folder = Path(tempfile.mkdtemp())
     job = window.module("addon.blender.job")
     obj = bpy.context.scene.objects["Cube"]
-    window.open_only("HAPTIC_PT_source", "HAPTIC_PT_sound")
+    window.open_only("HAPTIC_PT_object_settings", "HAPTIC_PT_source", "HAPTIC_PT_sound")
     yield from window.show_sidebar()
+    yield from window.show_properties("OBJECT")
     obj.haptics.enabled = obj.haptics.source.enabled = obj.haptics.listener.enabled = True
     obj.haptics.source.signal = "SOUND"
     sound = obj.haptics.source.sound
     sound.filepath = str(folder / "missing.wav")
     yield 0.5
+    yield from window.open_panel("haptics.source.enabled")
     window.seen["a missing file is said"] = "missing.wav" in sound.fault
     yield from window.screenshot("missing-sound")
     sound.filepath = write(folder / "short.wav", 4.0)

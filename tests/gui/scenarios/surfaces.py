@@ -6,8 +6,9 @@ import bpy
 
 def steps(window):
     sessions = window.module("addon.session.sessions")
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_object")
+    window.open_only("HAPTIC_PT_object_settings", "HAPTIC_PT_scene", "HAPTIC_PT_object")
     yield from window.show_sidebar()
+    yield from window.show_properties("OBJECT")
     scene = bpy.context.scene
     for obj in list(scene.objects):
         bpy.data.objects.remove(obj)

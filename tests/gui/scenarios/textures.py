@@ -13,8 +13,9 @@ def steps(window):
     with window.context():
         bpy.ops.haptic.add_sample(sample="sliding_and_rolling")
     scene = window.window.scene
-    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_textures")
+    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_settings", "HAPTIC_PT_textures")
     yield from window.show_sidebar()
+    yield from window.show_properties("SCENE")
     yield from window.wait_until(lambda: sessions.shown(scene) is not None)
     first, _ = sample.SECTIONS["Crate"]
     for frame in range(first - 1, first + 12):

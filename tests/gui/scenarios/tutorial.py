@@ -45,7 +45,7 @@ def labels():
     }
     found |= {
         getattr(bpy.types, f"HAPTIC_OT_{name}").bl_label
-        for name in ("make_objects", "add_listener", "bake")
+        for name in ("make_objects", "add_listener", "bake", "find_devices")
     }
     found |= {item.identifier for item in haptics.bl_rna.properties["mode"].enum_items}
     return found | {"Haptics", "Play"}
@@ -108,9 +108,7 @@ def steps(window):
     # 2. Make them haptic
     window.open_only(
         "HAPTIC_PT_scene",
-        "HAPTIC_PT_impacts",
-        "HAPTIC_PT_object",
-        "HAPTIC_PT_listener",
+        "HAPTIC_PT_roles",
         "HAPTIC_PT_result",
     )
     yield from window.show_sidebar(re.search(r"choose the tab \*(\w+)\*", text)[1])
@@ -120,7 +118,7 @@ def steps(window):
             unknown |= {
                 part
                 for part in re.split(r" > |, ", emphasised)
-                if part not in labels() | {"File", "Export"}
+                if part not in labels() | {"File", "Export", "Properties", "Object", "Scene"}
             }
     samples = {sample.title for sample in window.module("sample_scenes").SAMPLES.values()}
     exports = {

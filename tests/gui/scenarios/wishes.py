@@ -12,9 +12,14 @@ def steps(window):
     levels = window.module("addon.view.levels")
     scene.haptics.strategy = "auto"
     window.open_only(
-        "HAPTIC_PT_scene", "HAPTIC_PT_contacts", "HAPTIC_PT_materials", "HAPTIC_PT_wishes"
+        "HAPTIC_PT_scene",
+        "HAPTIC_PT_settings",
+        "HAPTIC_PT_contacts",
+        "HAPTIC_PT_materials",
+        "HAPTIC_PT_wishes",
     )
     yield from window.show_sidebar()
+    yield from window.show_properties("SCENE")
     scene.frame_set(scene.frame_start + 4)
     ground = max(
         (obj for obj in scene.objects if obj.haptics.enabled),

@@ -1,0 +1,87 @@
+"""A listener whose device is calibrated: its margins, live and from a baked track, and the profile
+or the text that calibrate it."""
+
+import json
+import math
+
+import bpy
+import pytest
+from haptic_tracing.addon.bake import playback, storage, waves
+from haptic_tracing.addon.operators import live_output
+from haptic_tracing.addon.properties import sound
+from haptic_tracing.addon.session import session, sessions
+from haptic_tracing.addon.view.levels import shown_levels
+from haptic_tracing.core.devices.profiles import BUILT_IN
+from haptic_tracing.core.perception import FullScale, threshold_level
+
+DEVICE = FullScale(((60.0, 4.0), (160.0, 12.0)))
+
+
+@pytest.fixture
+def hand(add_box, scene):
+    source = add_box("shaker", (0, 0, 0), (1, 1, 1))
+    hand = add_box("hand", (1, 0, 0), (1, 1, 1))
+    source.haptics.source.enabled = hand.haptics.listener.enabled = True
+    source.haptics.source.frequency, scene.frame_end = 120.0, 6
+    bpy.context.view_layer.update()
+    return hand.haptics.listener
+
+
+def level(scene):
+    session.result_of(scene)
+    return shown_levels(sessions.shown(scene), False)[0]
+
+
+def test_the_panel_says_whether_a_margin_is_assumed(hand, scene):
+    before = level(scene)
+    assert before.margin_and_basis() == f"{before.margin_text()} (assumed)"
+    hand.full_scale = "60 4, 160 12"
+    bpy.context.view_layer.update()
+    after = level(scene)
+    assert after.rms == before.rms and after.margin_and_basis() == after.margin_text()
+    change = float(threshold_level(120.0) - threshold_level(120.0, DEVICE))
+    assert after.margin - before.margin == pytest.approx(change, abs=0.2)
+    assert abs(change) > 5
+
+
+@pytest.mark.slow
+def test_a_baked_track_is_measured_by_the_device_as_it_is_now(hand, scene):
+    level(scene)
+    assert bpy.ops.haptic.bake() == {"FINISHED"}
+    hand.full_scale = "60 4, 160 12"
+    assert playback.stale_reasons(scene) == ()
+    track = storage.track_of(scene)
+    played = playback.calibrated(track.result(3).listeners[0])
+    assert played.device == DEVICE
+    shape = waves.computed(track, [played]), waves.computed(track, track.result(3).listeners)
+    change = [float(item.threshold[0, 3]) for item in shape]
+    expected = float(threshold_level(120.0, DEVICE) - threshold_level(120.0))
+    assert change[0] - change[1] == pytest.approx(expected, abs=0.3)
+
+
+def test_a_text_that_is_no_calibration_is_a_problem_of_the_object(hand, scene):
+    hand.full_scale = "loud"
+    bpy.context.view_layer.update()
+    session.result_of(scene)
+    (problem,) = session.problems_of(scene)
+    assert problem.object == "hand" and problem.message.startswith("Full Scale: 'loud' is not")
+    hand.full_scale = "160 12"
+    bpy.context.view_layer.update()
+    assert math.isfinite(level(scene).margin) and session.problems_of(scene) == ()
+
+
+def test_a_profile_calibrates_the_listener(hand, scene, tmp_path, monkeypatch):
+    bpy.context.view_layer.objects.active = bpy.data.objects["hand"]
+    unknown = bpy.ops.haptic.calibrate_listener(actuator="DualSense: left grip")
+    assert unknown == {"CANCELLED"} and hand.full_scale == ""
+    document = json.loads((BUILT_IN / "dualsense.json").read_text())
+    document["actuators"][0] |= {"full_scale": [[60, 4], [160, 12]], "full_scale_source": "lab"}
+    (tmp_path / "dualsense.json").write_text(json.dumps(document))
+    monkeypatch.setattr(sound, "profile_folders", lambda: (tmp_path,))
+    assert live_output._calibrated_actuators(None, None, "") == ["DualSense: left grip"]
+    assert bpy.ops.haptic.calibrate_listener(actuator="DualSense: left grip") == {"FINISHED"}
+    assert (hand.full_scale, hand.full_scale_source) == ("60 4, 160 12", "DualSense: lab")
+    bpy.context.view_layer.update()
+    session.result_of(scene)
+    (listener,) = sessions.shown(scene).result.listeners
+    assert listener.device == DEVICE

@@ -1,0 +1,80 @@
+"""What is under the mouse in the overlay, against the scene's own functions and SciPy-free geometry,
+and the result as a table."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon.session import sessions
+from haptic_tracing.addon.view import inspection, table
+from haptic_tracing.core.message import Metres, written
+
+ALPHA = {"left": 0.5, "right": 2.0}
+NEPER = 20 / math.log(10)
+
+
+@pytest.fixture
+def pair(scene, add_box, add_empty, traced):
+    """Two boxes of 2 m that touch at x = 0; a source at x = -1.8 and a listener at x = 1.8."""
+    for name, x in (("left", -1), ("right", 1)):
+        box = add_box(name, (x, 0, 0), (2, 2, 2))
+        box.haptics.function, box.haptics.alpha = "exponential", ALPHA[name]
+    drill = add_empty("drill", (-0.4, 0, 0), bpy.data.objects["left"])
+    drill.haptics.source.enabled, drill.haptics.source.amplitude = True, 0.5
+    hand = add_empty("hand", (0.4, 0, 0), bpy.data.objects["right"])
+    hand.haptics.listener.enabled, hand.haptics.listener.extent = True, "none"
+    traced()
+    return scene
+
+
+def test_links_say_distance_loss_and_gain(pair):
+    """Losses are alpha times the distance, whatever the amplitude."""
+    links = inspection.links_of(sessions.shown(pair))
+    inside = {link.first: link for link in links.items if link.first == link.second}
+    assert inside.keys() == ALPHA.keys()
+    for name, link in inside.items():
+        assert link.loss == pytest.approx(NEPER * ALPHA[name] * link.distance)
+        assert (link.source, link.listener) == ("drill", "hand")
+        assert inspection.words_of(link)[0] == name
+        assert written(Metres(link.distance)) in inspection.words_of(link)[1]
+    assert sum(link.distance for link in links.items) == pytest.approx(3.6, abs=0.3)
+    last = min(links.items, key=lambda link: link.gain)
+    assert last.gain == pytest.approx(-sum(link.loss for link in links.items))
+    assert last.gain == pytest.approx(20 * math.log10(sessions.shown(pair).result.gains[0, 0]))
+    (contact,) = (link for link in links.items if link.first != link.second)
+    assert inspection.words_of(contact)[0] == "left × right"
+
+
+def test_distances_to_segments_against_dense_sampling():
+    random = np.random.default_rng(5)
+    ends, place = random.uniform(-9, 9, (40, 2, 2)), np.array([0.7, -1.2])
+    ends[0, 1] = ends[0, 0]  # a segment of no length
+    share = np.linspace(0, 1, 20_001)[:, None, None]
+    dense = np.linalg.norm(ends[:, 0] * (1 - share) + ends[:, 1] * share - place, axis=2)
+    assert inspection.distances_to(place, ends) == pytest.approx(dense.min(axis=0), abs=1e-3)
+    ends[3, 1] = np.nan
+    assert np.isnan(inspection.distances_to(place, ends)[3])
+
+
+def test_the_table_is_sorted_and_copied(pair, add_box, add_empty, traced, settle):
+    fan = add_empty("fan", (0.0, 0, 0), bpy.data.objects["left"])
+    fan.haptics.source.enabled, fan.haptics.source.amplitude = True, 0.01
+    alone = add_box("alone", (9, 0, 0), (1, 1, 1))
+    alone.haptics.listener.enabled = True
+    traced()
+    names = lambda: [(row.listener, row.source) for row in settle(lambda: table.rows(pair))]  # noqa: E731
+    assert names() == [("alone", ""), ("hand", "drill"), ("hand", "fan")]
+    pair.haptics.meters.sort_table = "gain"
+    assert names() == [("hand", "fan"), ("hand", "drill"), ("alone", "")], "nearer, not louder"
+    pair.haptics.meters.sort_table = "source"
+    assert names() == [("alone", ""), ("hand", "drill"), ("hand", "fan")]
+    lines = [line.split("\t") for line in table.as_text(pair).splitlines()]
+    assert lines[0] == ["Listener", "Source", "Gain (dB)", "Level (dB)", "Margin (dB)"]
+    gains = sessions.shown(pair).result.gains
+    columns = [item.name for item in sessions.shown(pair).result.listeners]
+    rows = [item.name for item in sessions.shown(pair).result.sources]
+    for listener, source, gain, *_ in lines[2:]:
+        expected = 20 * math.log10(gains[rows.index(source), columns.index(listener)])
+        assert float(gain) == pytest.approx(expected, abs=0.006)
+    assert lines[1] == ["alone", "", "", "", ""]

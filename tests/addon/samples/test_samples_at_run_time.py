@@ -1,0 +1,59 @@
+"""Every sample: Blender's poses, sent to the server step by step, are answered with Blender's own
+levels, silences and impacts."""
+
+import importlib.util
+import json
+import threading
+from pathlib import Path
+
+import pytest
+from haptic_tracing.command_line import conformance
+from haptic_tracing.command_line.serve.sockets import Door
+from websockets.sync.client import connect
+
+CONFORMANCE = Path(__file__).parents[3] / "conformance"
+_specification = importlib.util.spec_from_file_location("record", CONFORMANCE / "record.py")
+record = importlib.util.module_from_spec(_specification)
+_specification.loader.exec_module(record)
+
+PARTS = {
+    "air_blast": (50, None, 0),
+    "dishwasher_kitchen": (40, None, 0),
+    "domino_wall": (100, 16, 14),
+    "fireplace": (40, None, 0),
+    "hammer_nail": (80, None, 3),
+    "jackhammer_bench": (150, None, 5),
+    "kart": (90, None, 10),
+    "mine_ride": (90, None, 2),
+    "pile": (60, 12, 0),
+    "rails": (40, None, 0),
+    "sliding_and_rolling": (150, None, 0),
+}
+"""The last frame, the number of things where it can be chosen, and the least number of impacts."""
+
+
+@pytest.fixture
+def client():
+    """A client of a server."""
+    with Door(None, None, "127.0.0.1", "", (), lambda conversation: None).listen(0) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        host, port = server.socket.getsockname()
+        with connect(f"ws://{host}:{port}") as connection:
+            yield connection
+        server.shutdown()
+        thread.join()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PARTS)
+def test_poses_give_what_blender_gives(name, build, client):
+    """Levels to 0.01 dB, the same impacts, their times to 0.1 ms and their energies to 0.1 %."""
+    last, count, least = PARTS[name]
+    scene = build(name, count)
+    document = json.loads(record.written(name, record.recording(scene, 1, last)))
+    answered = [one["expect"] for one in document["exchange"] if one["send"]["type"] == "step"]
+    assert len(answered) == last
+    assert any(level["level"] is not None for one in answered for level in one["levels"].values())
+    assert sum(len(expected["impacts"]) for expected in answered) >= least
+    assert list(conformance.differences(document, client, None)) == []

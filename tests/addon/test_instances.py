@@ -1,0 +1,197 @@
+"""Instances are objects of their own, against what Blender makes of them when it makes them
+real."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon.scene_reader import instances as reading_of_instances
+from haptic_tracing.addon.session import session, sessions
+
+
+def traced() -> Any:
+    bpy.context.view_layer.update()
+    return session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+
+
+def pairs(result: Any) -> set[frozenset[str]]:
+    return {frozenset(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()}
+
+
+def make(*objects: Any) -> None:
+    bpy.context.view_layer.update()
+    for obj in bpy.context.scene.objects:
+        obj.select_set(obj in objects)
+    bpy.context.view_layer.objects.active = objects[0]
+    bpy.ops.haptic.make_objects()
+
+
+@pytest.fixture
+def crates(scene, add_box, add_empty):
+    """Three instances of a collection with a crate and its lid, on a floor; made haptic by their
+    instancers."""
+    collection = bpy.data.collections.new("crates")
+    for name, z, size in (("crate", 0.25, 0.5), ("lid", 0.52, 0.04)):
+        box = add_box(name, (0, 0, z), (0.5, 0.5, size), haptic=False)
+        scene.collection.objects.unlink(box)
+        collection.objects.link(box)
+    places = [add_empty(f"place {k}", (k, 0, 0)) for k in range(3)]
+    for empty in places:
+        empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    floor = add_box("floor", (0, 0, -0.1), (20, 20, 0.2), haptic=False)
+    make(floor, *places)
+    floor.haptics.source.enabled = True
+    return floor, places
+
+
+def scatter(rock: Any, on: Any, as_mesh: bool = False) -> Any:
+    """Geometry nodes that put a rock on each vertex, of growing size; ``as_mesh``: a cube without
+    an object in its place. Returns the node that instances."""
+    nodes = bpy.data.node_groups.new("scatter", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        nodes.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    begin, end = nodes.nodes.new("NodeGroupInput"), nodes.nodes.new("NodeGroupOutput")
+    put = nodes.nodes.new("GeometryNodeInstanceOnPoints")
+    join = nodes.nodes.new("GeometryNodeJoinGeometry")
+    if as_mesh:
+        shown = nodes.nodes.new("GeometryNodeMeshCube").outputs["Mesh"]
+    else:
+        info = nodes.nodes.new("GeometryNodeObjectInfo")
+        info.inputs["Object"].default_value = rock
+        info.inputs["As Instance"].default_value = True
+        shown = info.outputs["Geometry"]
+    nodes.links.new(begin.outputs[0], put.inputs["Points"])
+    nodes.links.new(shown, put.inputs["Instance"])
+    nodes.links.new(begin.outputs[0], join.inputs[0])
+    nodes.links.new(put.outputs[0], join.inputs[0])
+    nodes.links.new(join.outputs[0], end.inputs[0])
+    on.modifiers.new("scatter", "NODES").node_group = nodes
+    return put
+
+
+def test_instances_of_a_collection_touch_as_the_same_objects_made_real(crates):
+    _, places = crates
+    places[1].location.z, places[2].scale = 1.0, (1, 1, 2)
+    found = traced()
+    assert len(found.objects) == 1 + 3 * 2
+    names = [item.name for item in sessions.shown(bpy.context.scene).reading.objects]
+    assert names == ["floor", *names[1:]] and "place 0: crate 0" in names
+    for obj in bpy.context.scene.objects:
+        obj.select_set(obj in places)
+    bpy.ops.haptic.realize_instances()
+    real = traced()
+    assert len(real.objects) == 1 + 3 * 2 and "place 0: crate 0" not in real.objects
+    assert len(real.contacts.pairs) == len(found.contacts.pairs) == 5
+    for name in ("distance", "area"):
+        np.testing.assert_allclose(
+            np.sort(getattr(found.contacts, name)), np.sort(getattr(real.contacts, name)), atol=1e-6
+        )
+
+
+def test_names_stay_while_instancers_move_and_change(crates):
+    _, places = crates
+    for frame, z in ((1, 0.0), (5, 1.0)):
+        places[0].location.z = z
+        places[0].keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(1)
+    first = traced()
+    assert frozenset(("floor", "place 0: crate 0")) in pairs(first)
+    bpy.context.scene.frame_set(5)
+    later = traced()
+    assert later.objects == first.objects
+    assert frozenset(("floor", "place 0: crate 0")) not in pairs(later)
+    assert frozenset(("floor", "place 2: crate 0")) in pairs(later)
+    places[2].instance_collection.objects["lid"].scale.x = 0.2
+    after = traced()
+    reading = sessions.shown(bpy.context.scene).reading
+    sizes = {b.name: np.ptp(b.shape.local_bounds(), axis=0)[0] for b in reading.bodies}
+    assert sizes["place 2: lid 1"] == pytest.approx(0.2)
+    mesh = places[2].instance_collection.objects["crate"].data
+    for vertex in mesh.vertices:
+        vertex.co.x *= 2
+    mesh.update()
+    after = traced()
+    reading = sessions.shown(bpy.context.scene).reading
+    sizes = {b.name: np.ptp(b.shape.local_bounds(), axis=0)[0] for b in reading.bodies}
+    assert sizes["place 0: crate 0"] == pytest.approx(1.0)
+    bpy.data.objects.remove(places[1])
+    assert len(traced().objects) == len(after.objects) - 2
+
+
+def test_nothing_is_read_while_instancers_stand_still(crates, monkeypatch):
+    floor, places = crates
+    floor.keyframe_insert("location", frame=1)
+    floor.location.z -= 0.05
+    floor.keyframe_insert("location", frame=9)
+    traced()
+    read = []
+    moved = reading_of_instances.Instances.moved
+    monkeypatch.setattr(
+        reading_of_instances.Instances,
+        "moved",
+        lambda self, depsgraph: read.append(1) or moved(self, depsgraph),
+    )
+    for frame in range(2, 9):
+        bpy.context.scene.frame_set(frame)
+    session.result_of(bpy.context.scene)
+    assert read == []
+    assert sessions.shown(bpy.context.scene).reading.moving_instances is None
+    places[0].location.x += 0.1
+    bpy.context.view_layer.update()
+    session.result_of(bpy.context.scene)
+    assert read == [1]
+    count, _ = sessions.shown(bpy.context.scene).reading.moving_instances
+    assert count == 6
+
+
+@pytest.mark.parametrize("as_mesh", [False, True])
+def test_what_geometry_nodes_scatter_touches(scene, add_box, as_mesh):
+    rock = add_box("rock", (0, 0, -9), (0.2, 0.2, 0.2), haptic=False)
+    for vertex in rock.data.vertices:
+        vertex.co.z += 0.5
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=2, y_subdivisions=2, size=4)
+    field = bpy.context.object
+    field.name = "field"
+    put = scatter(rock, field, as_mesh)
+    make(field, *([] if as_mesh else [rock]))
+    field.haptics.source.enabled = True
+    count = len(field.data.vertices)
+    result = traced()
+    shown = "field" if as_mesh else "rock"
+    assert len(result.objects) == count + (1 if as_mesh else 2)
+    expected = {frozenset(("field", f"field: {shown} {k}.0")) for k in range(count)}
+    assert {frozenset(p) for p in pairs(result) if "field" in p} == expected
+    put.inputs["Scale"].default_value = (2, 2, 2)
+    traced()
+    reading = sessions.shown(scene).reading
+    size = {b.name: np.ptp(b.shape.local_bounds(), axis=0)[0] for b in reading.bodies}
+    assert size[f"field: {shown} 0.0"] == pytest.approx(2.0)  # of a mesh of 1 m, not of its object
+    put.inputs["Selection"].default_value = False
+    assert len(traced().objects) == (1 if as_mesh else 2)
+
+
+def test_files_of_earlier_versions_have_no_instances_until_asked(crates):
+    _, places = crates
+    for obj in places[0].instance_collection.objects:
+        obj.haptics.property_unset("surface")
+    assert traced().objects == ("floor",)
+    problems = session.problems_of(bpy.context.scene)
+    assert {problem.object for problem in problems} == {"place 0", "place 1", "place 2"}
+    assert all("Realize Instances" in problem.message for problem in problems)
+    bpy.ops.haptic.use_real_surface(all=True)
+    assert len(traced().objects) == 7 and session.problems_of(bpy.context.scene) == ()
+
+
+def test_an_instance_without_a_surface_names_its_button(scene, add_empty):
+    collection = bpy.data.collections.new("nothing")
+    empty = add_empty("here")
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    empty.select_set(True)
+    with pytest.raises(RuntimeError, match=r"here.+Realize Instances"):
+        bpy.ops.haptic.make_objects()
+    empty.instance_type = "NONE"
+    with pytest.raises(RuntimeError, match="node Realize Instances"):
+        bpy.ops.haptic.realize_instances()

@@ -1,0 +1,255 @@
+"""What is traced are the metres that Blender shows: a scene modelled at another unit scale has the
+same contacts, levels, impacts and files."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+from haptic_tracing.addon.io import frame_scene, scene_builder
+from haptic_tracing.addon.panels.hints import of_units
+from haptic_tracing.addon.session import session, sessions
+from haptic_tracing.addon.view import doubtful_scale, overlay
+from haptic_tracing.addon.view.options import options_of
+from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.scene.scene_json import scene_to_dict
+
+SCALES = (1.0, 0.01, 0.001)
+
+
+def make(*objects: Any) -> None:
+    bpy.context.view_layer.update()
+    for obj in bpy.context.scene.objects:
+        obj.select_set(obj in objects)
+    bpy.context.view_layer.objects.active = objects[0]
+    bpy.ops.haptic.make_objects()
+
+
+def rigid(obj: Any, kind: str, shape: str, mass: float, scale: float) -> None:
+    with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+        bpy.ops.rigidbody.object_add(type=kind)
+    body = obj.rigid_body
+    body.kinematic, body.collision_shape, body.mass = kind == "ACTIVE", shape, mass / scale**3
+    body.use_margin, body.collision_margin = True, 0.002 / scale
+
+
+def modelled(scale: float, add_box: Any, add_empty: Any) -> None:
+    """A beam on two posts with a ring on it, a hand inside the ring's hole on the beam, a passing
+    trolley, a hammer that falls on the beam, and an instance of a stone beside it."""
+    scene = bpy.context.scene
+    scene.unit_settings.scale_length = scale
+    scene.gravity = (0, 0, -9.81 / scale)
+    scene.frame_end = 20
+
+    def box(name: str, place: tuple[float, ...], size: tuple[float, ...]) -> Any:
+        obj = add_box(name, place, size, haptic=False)
+        obj.location, obj.scale = obj.location / scale, obj.scale / scale
+        return obj
+
+    beam = box("wooden beam", (0, 0, 1), (4, 0.2, 0.2))
+    posts = [
+        box(f"steel post {k}", (x, 0, 0.45), (0.2, 0.2, 0.9)) for k, x in ((1, -1.8), (2, 1.8))
+    ]
+    bpy.ops.mesh.primitive_torus_add(
+        major_radius=0.2 / scale, minor_radius=0.03 / scale, location=(1 / scale, 0, 1.13 / scale)
+    )
+    ring = bpy.context.object
+    hand = box("hand", (1, 0, 1.14), (0.1, 0.1, 0.08))
+    hammer = box("steel hammer", (-1, 0, 1.5), (0.1, 0.1, 0.1))
+    for frame, height in ((1, 1.8), (20, 1.0)):
+        hammer.location.z = height / scale
+        hammer.keyframe_insert("location", index=2, frame=frame)
+    cone = box("cone", (0, 0, 1.2), (0.1, 0.1, 0.2))
+    make(beam, *posts, ring, hand, hammer, cone)
+    rigid(hammer, "ACTIVE", "CONVEX_HULL", 12.0, scale)
+    rigid(beam, "PASSIVE", "BOX", 30.0, scale)
+    rigid(cone, "ACTIVE", "CYLINDER", 2.0, scale)
+    stone = box("stone", (0.4, 0, 0.02), (0.2, 0.2, 0.1))
+    collection = bpy.data.collections.new("stones")
+    collection.objects.link(stone)
+    scene.collection.objects.unlink(stone)
+    make_owner = stone.haptics
+    make_owner.enabled, make_owner.surface = True, "SEEN"
+    shown = add_empty("heap", (-1 / scale, 0, 1.13 / scale))
+    shown.instance_type, shown.instance_collection = "COLLECTION", collection
+    source = posts[0]
+    bpy.context.view_layer.objects.active = source
+    source.haptics.source.enabled = True
+    source.haptics.source.frequency = 60.0
+    region = add_empty("gate", (-1 / scale, 0, 1.2 / scale))
+    region.empty_display_size = 0.2 / scale
+    shot = cone.haptics.source
+    shot.enabled = shot.one_shot = True
+    shot.decay = 0.05
+    shot.trigger_region, shot.trigger_object = "gate", "steel hammer"
+    listener = hand.haptics.listener
+    listener.enabled, listener.radius = True, 0.05
+
+
+def found() -> dict[str, Any]:
+    """What is to be the same, over all frames."""
+    scene, result = bpy.context.scene, {"impacts": [], "levels": [], "contacts": [], "lengths": []}
+    for frame in range(1, 21):
+        scene.frame_set(frame)
+        traced = session.result_of(scene)
+        assert traced is not None and not sessions.shown_problems(scene)
+        result["impacts"] += [(i.time, i.energy, i.amplitude) for i in traced.impacts]
+        with np.errstate(divide="ignore"):
+            result["levels"].append(20 * np.log10(np.abs(traced.gains)).max())
+        names = traced.objects
+        pairs = zip(traced.contacts.pairs.tolist(), traced.contacts.distance.tolist(), strict=True)
+        result["contacts"].append(
+            sorted((*sorted(names[k] for k in pair), distance) for pair, distance in pairs)
+        )
+        drawn = overlay.GraphShapes.of(
+            traced, session.of(scene).reading.settings, options_of(scene, traced)
+        ).data
+        result["lengths"].append(np.diff(drawn.paths.arc_length, axis=1).ravel().tolist())
+        places = drawn.points.position @ np.array(overlay.from_metres(scene))[:3, :3].T
+        hand = scene.objects["hand"].matrix_world.translation
+        assert np.abs(places - hand).max(axis=1).min() < 1e-5 * hand.length
+    scene.frame_set(1)
+    result["file"] = scene_to_dict(frame_scene.current_scene(bpy.context))
+    return result
+
+
+def assert_same(one: Any, other: Any, where: str, tolerance: float = 3e-6) -> None:
+    assert type(one) is type(other), where
+    if isinstance(one, dict):
+        assert one.keys() == other.keys(), where
+        for key in one:
+            assert_same(one[key], other[key], f"{where}.{key}", tolerance)
+    elif isinstance(one, list | tuple):
+        assert len(one) == len(other), where
+        for k, pair in enumerate(zip(one, other, strict=True)):
+            assert_same(*pair, f"{where}[{k}]", tolerance)
+    elif isinstance(one, float):
+        assert other == pytest.approx(one, rel=tolerance, abs=tolerance), where
+    else:
+        assert one == other, where
+
+
+@pytest.mark.slow
+def test_a_scene_at_another_unit_scale_is_the_same(add_box, add_empty, scene):
+    results = []
+    for scale in SCALES:
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        modelled(scale, add_box, add_empty)
+        assert bpy.context.scene.haptics.use_unit_scale
+        results.append(found())
+    first = results[0]
+    assert len(first["impacts"]) >= 1 and first["impacts"][0][1] > 5.0
+    assert any("heap" in name for frame in first["contacts"] for *pair, _ in frame for name in pair)
+    assert np.isfinite(first["levels"]).all() and max(map(len, first["lengths"])) > 3
+    for other in results[1:]:
+        assert other["levels"] == pytest.approx(first["levels"], abs=0.01)
+        assert_same(first["impacts"], other["impacts"], "impacts", 1e-4)
+        for key in ("contacts", "lengths", "file"):
+            assert_same(first[key], other[key], key, 3e-6 if key == "file" else 2e-5)
+
+
+def test_a_file_is_imported_in_metres_and_written_again_as_it_was(add_box, add_empty, tmp_path):
+    """Into a scene at another scale: the objects are where Blender shows those metres, and stay
+    settled, so that the same numbers are written."""
+    modelled(1.0, add_box, add_empty)
+    written = frame_scene.current_scene(bpy.context)
+    height = bpy.context.scene.objects["hand"].matrix_world.translation.z
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.unit_settings.scale_length = 0.01
+    scene_builder.build(Export("beam", written), scene)
+    bpy.context.view_layer.update()
+    assert scene.haptics.use_unit_scale
+    assert scene.objects["hand"].matrix_world.translation.z == pytest.approx(100 * height)
+    assert scene.objects["hand"].dimensions.z == pytest.approx(8.0)
+    assert scene.gravity.z == pytest.approx(-981)
+    again = frame_scene.current_scene(bpy.context)
+    assert again.objects == written.objects and again.contacts == written.contacts
+    assert_same(scene_to_dict(written)["sources"], scene_to_dict(again)["sources"], "sources")
+
+
+def test_files_of_earlier_versions_keep_a_metre_per_unit_until_asked(scene, add_box, traced):
+    scene.unit_settings.scale_length = 0.01
+    add_box("low", (0, 0, 0), (1, 1, 1))
+    add_box("high", (0, 0, 1.005), (1, 1, 1))
+    add_box("far", (0, 0, 3), (1, 1, 1))
+    assert len(traced().contacts) == 1
+    assert of_units(scene).operators[0][0] == "haptic.use_unit_scale"
+    bpy.ops.haptic.use_unit_scale()
+    assert of_units(scene) is None
+    assert len(traced().contacts) == 2  # 1 cm is a unit
+    scene.unit_settings.scale_length = 0.001
+    assert len(traced().contacts) == 3
+    scene.unit_settings.system = "NONE"  # Blender shows units
+    assert len(traced().contacts) == 1
+
+
+def falling(scale: float) -> Any:
+    """A scene of a crate that falls with Blender's defaults."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.unit_settings.scale_length = scale
+    scene.haptics.contact_tolerance = 0.01 * scale
+    for name, place, size in (("floor", (0, 0, -0.5), (8, 8, 1)), ("crate", (0, 0, 2), (1, 1, 1))):
+        bpy.ops.mesh.primitive_cube_add(size=1, location=place, scale=size)
+        bpy.context.object.name = name
+    make(*scene.objects)
+    for name, kind in (("floor", "PASSIVE"), ("crate", "ACTIVE")):
+        obj = scene.objects[name]
+        with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+            bpy.ops.rigidbody.object_add(type=kind)
+    return scene
+
+
+def impacts_of(scene: Any) -> list[tuple[float, float]]:
+    found = []
+    for frame in range(1, 25):
+        scene.frame_set(frame)
+        found += [(impact.time, impact.energy) for impact in session.result_of(scene).impacts]
+    return found
+
+
+def test_gravity_that_ignores_the_scale_is_named_and_mended():
+    """1 kg that falls 1.5 units under 9.81 units/s² has 14.7 J in units; at a hundredth, it weighs
+    a milligram, falls 1.5 cm under 0.0981 m/s², and strikes with 1.5e-9 J."""
+    scene = falling(0.01)
+    hint = of_units(scene)
+    assert [operator for operator, _ in hint.operators] == [
+        "haptic.set_gravity",
+        "haptic.impacts_in_units",
+    ]
+    assert "0.0981" in hint.words
+    assert impacts_of(scene) == []
+    bpy.ops.haptic.impacts_in_units()
+    assert of_units(scene) is None
+    (_, energy), *_ = impacts_of(scene)
+    assert energy == pytest.approx(9.81 * 1.5, rel=0.05)
+    scene.haptics.impacts_in_units = False
+    bpy.ops.haptic.set_gravity()
+    assert of_units(scene) is None
+    assert math.isclose(scene.gravity.z, -981, rel_tol=1e-6)
+
+
+def test_implausible_sizes_and_thousands_without_contact_are_named(scene, add_box, traced, settle):
+    """An engine of 271 m whose parts are small is named by its extent, and no longer at a scale at
+    which Blender shows 2.71 m."""
+    scene.haptics.use_unit_scale = True
+    for k in range(4):
+        add_box(f"engine part {k}", (k * 90.3, 0, 0), (1, 1, 1))
+    traced()
+    assert settle(lambda: doubtful_scale.doubt(scene)) == ("engine", pytest.approx(270.9, abs=0.01))
+    scene.unit_settings.scale_length = 0.01
+    traced()
+    assert settle(lambda: doubtful_scale.doubt(scene)) is None
+    add_box("left hand", (0, 500, 0), (300, 20, 20))
+    traced()
+    assert settle(lambda: doubtful_scale.doubt(scene)) == ("hand", pytest.approx(3.0))
+    for obj in scene.objects:
+        obj.name = "part"
+    for k in range(995):
+        add_box("part", (0, 1000 + 30 * k, 0), (1, 1, 1))
+    traced()
+    assert settle(lambda: doubtful_scale.doubt(scene)) == ("", 1000)

@@ -1,0 +1,228 @@
+"""What every command shares: ``--json``, ``-``, ``--version``, completion, and its page in the
+manual."""
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import haptic_tracing
+import numpy as np
+import pytest
+from haptic_tracing.command_line import build_parser, main
+from haptic_tracing.command_line.arguments import SUBCOMMANDS
+from scipy.io import wavfile
+
+ROOT = Path(haptic_tracing.__file__).parent
+SCENE = {
+    "format": "haptic-scene",
+    "version": "1.1",
+    "objects": [
+        {"name": "ground", "kappa": 0.2, "rho": 0.9},
+        {"name": "bench", "kappa": 0.1, "rho": 0.8},
+    ],
+    "contacts": [{"objects": ["ground", "bench"], "positions": [[1, 0, 0], [1, 0, 0]]}],
+    "sources": [
+        {
+            "name": "drill",
+            "object": "ground",
+            "position": [0, 0, 0],
+            "signal": {"signal": "sine", "frequency": 60},
+        }
+    ],
+    "listeners": [{"name": "seat", "object": "bench", "position": [1, 0, 0.4]}],
+}
+
+
+def program(*arguments, given=b"", folder=None):
+    """The program as a process: exit code, what it wrote to stdout and to stderr."""
+    command = [sys.executable, "-m", "haptic_tracing", *map(str, arguments)]
+    done = subprocess.run(command, input=given, capture_output=True, cwd=folder, check=False)
+    return done.returncode, done.stdout, done.stderr.decode()
+
+
+@pytest.fixture
+def scene(tmp_path):
+    (tmp_path / "bench.json").write_text(json.dumps(SCENE))
+    return tmp_path / "bench.json"
+
+
+@pytest.fixture
+def sound(tmp_path):
+    wave = 0.5 * np.sin(2 * np.pi * 90 * np.arange(8000) / 8000)
+    wavfile.write(tmp_path / "tone.wav", 8000, wave.astype(np.float32))
+    return tmp_path / "tone.wav"
+
+
+@pytest.mark.parametrize("name", ["propagate", "contacts"])
+def test_a_scene_comes_from_standard_input(scene, name):
+    by_name, by_pipe = program(name, scene), program(name, "-", given=scene.read_bytes())
+    assert by_name[0] == by_pipe[0] == 0
+
+    def result(text):
+        document = json.loads(text)
+        document.get("statistics", {}).clear()  # times
+        return document
+
+    assert result(by_name[1]) == result(by_pipe[1])
+
+
+def test_a_fault_in_standard_input_is_said_to_be_there():
+    code, out, err = program("propagate", "-", given=b'{"format": "haptic-scene"')
+    assert (code, out) == (2, b"") and err.startswith("standard input: not JSON")
+    assert "tmp" not in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [["propagate", "-"], ["export", "-", "--to", "wav"]])
+def test_sentences_call_it_standard_input(arguments, tmp_path):
+    """A listener that nothing reaches: why is said on stderr, with the name of the scene first."""
+    given = json.dumps({**SCENE, "contacts": []}).encode()
+    code, _, err = program(*arguments, given=given, folder=tmp_path)
+    lines = err.splitlines()
+    assert code == 0 and any("'seat' feels nothing" in line for line in lines)
+    assert all(line.startswith("standard input: ") and "tmp" not in line for line in lines)
+
+
+def test_nothing_of_a_pipe_is_left_when_it_is_ended(scene, tmp_path):
+    """Files on their way to standard output are in the one temporary folder of the run. It ends
+    while it waits for somebody to read its 3 MB."""
+    (tmp_path / "temporary").mkdir()
+    environment = {**os.environ, "TMPDIR": str(tmp_path / "temporary")}
+    command = [sys.executable, "-m", "haptic_tracing", "export", "-", "--to", "csv", "--out", "-"]
+    with subprocess.Popen(
+        [*command, "--seconds", "20"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment,
+    ) as child:
+        child.stdin.write(scene.read_bytes())
+        child.stdin.close()
+        deadline = time.monotonic() + 60
+        while not any((tmp_path / "temporary").rglob("*.csv")) and time.monotonic() < deadline:
+            assert child.poll() is None, child.stderr.read()
+            time.sleep(0.01)
+        child.terminate()
+        child.stdout.read()
+        child.wait(60)
+    left = [path for path in (tmp_path / "temporary").iterdir() if "haptic" in path.name]
+    assert child.returncode == 143 and not left
+
+
+def test_a_pipe_of_three_programs_is_what_files_give(scene, tmp_path):
+    exported = ("--to", "wav", "--seconds", "0.5", "--option", "wav.encoding=float32")
+    assert program("export", scene, *exported, "--out", tmp_path)[0] == 0
+    code, wave, _ = program("export", "-", *exported, "--out", "-", given=scene.read_bytes())
+    assert code == 0 and wave == (tmp_path / "bench.wav").read_bytes()
+    code, text, _ = program("convert", "-", "-", "--from", "wav", "--to", "csv", given=wave)
+    assert program("convert", tmp_path / "bench.wav", tmp_path / "bench.csv")[0] == 0
+    (head, *rows), expected = text.splitlines(), (tmp_path / "bench.csv").read_bytes()
+    assert code == 0 and rows == expected.splitlines()[1:]
+    assert head == b"time,standard input"  # the name of the track is in a file beside the wave
+
+
+def test_several_files_do_not_fit_into_one_pipe(scene):
+    code, out, err = program("export", scene, "--to", "wav,csv", "--out", "-", "--seconds", "0.1")
+    assert (code, out) == (2, b"") and "name a folder" in err
+
+
+def test_a_pipe_needs_a_format(sound):
+    code, _, err = program("convert", "-", "out.csv", given=sound.read_bytes())
+    assert code == 2 and "--from" in err
+
+
+def test_a_sound_becomes_a_signal_in_a_pipe(sound, tmp_path):
+    code, text, _ = program("sound", "-", "--output", "-", given=sound.read_bytes())
+    assert program("sound", sound, "--output", tmp_path / "signal.json")[0] == 0
+    assert code == 0
+    assert json.loads(text) == json.loads((tmp_path / "signal.json").read_text())
+
+
+@pytest.mark.parametrize("name", ["sound", "devices", "validate", "export", "propagate", "sample"])
+def test_with_json_stdout_is_one_object(name, scene, sound, tmp_path):
+    arguments = {
+        "sound": [sound, "--output", tmp_path / "signal.json"],
+        "devices": ["encode", "dualsense", "--left", "0.5"],
+        "export": [scene, "--to", "wav", "--out", tmp_path, "--seconds", "0.1"],
+        "propagate": [scene],
+        "sample": ["rails", "--output", tmp_path / "rails.blend", "--no-bake"],
+    }.get(name, [])
+    code, out, err = program(name, *arguments, "--json", folder=tmp_path)
+    assert code == 0 and isinstance(json.loads(out), dict), err
+
+
+@pytest.mark.slow
+def test_blenders_own_lines_are_not_in_the_result(registered, tmp_path):
+    """Blender prints on the process' stdout, also while a file is opened and a bake is played."""
+    import bpy
+    from haptic_tracing.sample_scenes import build_sample
+
+    build_sample("hammer_nail")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "hammer.blend"))
+    code, out, err = program(
+        *("trace", tmp_path / "hammer.blend", "--start", 1, "--end", 20, "--no-picture", "--json"),
+        *("--out", tmp_path),
+    )
+    result = json.loads(out)
+    assert code == 0 and result["frame"] == 20 and result["gains"], err
+    assert [Path(name).name for name in result["files"]] == ["hammer.json", "hammer.wav"]
+    code, out, err = program(
+        "bake", tmp_path / "hammer.blend", "--frames", "1:10", "--out", tmp_path
+    )
+    assert code == 0, err
+    assert all(line.startswith((b"wrote ", b"not in ")) for line in out.splitlines()), out
+    code, out, err = program(
+        *("bake", tmp_path / "hammer.blend", "--frames", "1:10", "--json", "--out", tmp_path)
+    )
+    (bake,) = json.loads(out)["bakes"]  # hammer.wav, and hammer.wav.json, which describes it
+    assert bake["files"][0] == str(tmp_path / "hammer.wav")
+
+
+def test_the_version_is_said(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"haptic-tracing {haptic_tracing.__version__}\n"
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_shells_complete_commands(shell, capsys):
+    assert main(["--print-completion", shell]) == 0
+    text = capsys.readouterr().out
+    assert all(name in text for name in SUBCOMMANDS)
+
+
+def test_bash_accepts_its_completion(tmp_path, capsys):
+    main(["--print-completion", "bash"])
+    script = capsys.readouterr().out + (
+        '\nCOMP_WORDS=(haptic-tracing pro) COMP_CWORD=1\n_shtab_haptic_tracing\necho "${COMPREPLY[@]}"\n'
+    )
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["propagate"]
+
+
+def test_options_of_formats_keep_their_old_name_for_a_while(scene, tmp_path, capsys):
+    arguments = ["export", str(scene), "--to", "wav", "--out", str(tmp_path), "--seconds", "0.1"]
+    assert main([*arguments, "--set", "wav.encoding=float32"]) == 0
+    assert "--option" in capsys.readouterr().err
+    old = (tmp_path / "bench.wav").read_bytes()
+    assert main([*arguments, "--option", "wav.encoding=float32"]) == 0
+    assert old == (tmp_path / "bench.wav").read_bytes()
+
+
+def test_the_manual_is_that_of_the_arguments():
+    specification = importlib.util.spec_from_file_location(
+        "write_command_pages", ROOT / "docs" / "write_command_pages.py"
+    )
+    writer = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(writer)
+    written = {path.stem: path.read_text() for path in (ROOT / "docs" / "commands").glob("*.md")}
+    assert written == writer.pages(), "run python docs/write_command_pages.py"
+
+
+@pytest.mark.parametrize("name", SUBCOMMANDS)
+def test_the_example_in_the_manual_is_a_call(name):
+    words = SUBCOMMANDS[name].example.partition(" <")[0].split()
+    assert words[:2] == ["haptic-tracing", name]
+    assert build_parser().parse_args(words[1:]).command == name

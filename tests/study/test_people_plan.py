@@ -1,0 +1,153 @@
+"""The plan of a study with people: its form, its orders, and what a participant may answer."""
+
+import random
+from collections import Counter
+from itertools import pairwise, product
+
+import pytest
+from haptic_tracing.command_line import build_parser, main
+from haptic_tracing.study.people.plan import begin, orders, read_form, shuffled_square
+from haptic_tracing.study.people.record import read_plan, read_steps
+from haptic_tracing.study.people.sitting import Sitting
+
+FORM = """
+title = "T"
+smallest_effect = 0.5
+consent = "C"
+instructions = "I"
+about = {age = []}
+words = []
+scale = {low = 1, high = 5}
+items = [{factor = "Realism", text = "R"}]
+exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0}
+conditions = {a = {}, b = {}, c = {}, d = {}}
+scenes = {x = {tracks = {}}, y = {tracks = {}}, z = {tracks = {}}}
+"""
+
+
+@pytest.fixture
+def sitting(tmp_path):
+    (tmp_path / "study.toml").write_text(FORM)
+    return seated(tmp_path)
+
+
+def seated(folder):
+    form = read_form(folder)
+    return Sitting(folder, "P01", begin(folder, form, 4, ("hand.L",), {}))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 6, 7])
+def test_squares_are_balanced(count):
+    """By definition: each name at each place, and after each other one, equally often."""
+    rows = shuffled_square("abcdefg"[:count], random.Random(3))
+    times = 2 if count % 2 else 1
+    places = Counter((place, name) for row in rows for place, name in enumerate(row))
+    assert set(places.values()) == {times} and len(places) == count**2
+    followed = Counter(pair for row in rows for pair in pairwise(row))
+    assert set(followed.values()) <= {times} and len(followed) == count * (count - 1)
+
+
+def test_orders_are_balanced_over_participants_and_sections():
+    found = orders("abcd", "xyz", 24, 5)
+    first = Counter(
+        (place, name) for order in found.values() for place, name in enumerate(order["conditions"])
+    )
+    assert set(first.values()) == {6} and len(first) == 16
+    within = Counter(
+        (place, name)
+        for order in found.values()
+        for scenes in order["scenes"]
+        for place, name in enumerate(scenes)
+    )
+    assert set(within.values()) == {32} and len(within) == 9
+    assert orders("abcd", "xyz", 24, 6) != found
+    assert dict(list(found.items())[:10]) == orders("abcd", "xyz", 10, 5)
+
+
+def test_the_first_call_leaves_a_form_that_says_what_is_missing(tmp_path, capsys):
+    command = ["study", "run", "--participants", "2", "--out", str(tmp_path / "new")]
+    for missing in ("fill in the consent", "/consent"):
+        assert main(command) == 2
+        assert missing in capsys.readouterr().err
+    form = tmp_path / "new" / "study.toml"
+    form.write_text(form.read_text().replace('consent = ""', 'consent = "Yes."'))
+    assert main(command) == 2
+    assert "/items/0/text" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ('text = "R"', 'text = ""', "/items/0/text"),
+        ("b = {}", "a = {}", "not TOML"),
+        ("x = {tracks = {}}", "x = {}", "/scenes/x"),
+        (", b = {}, c = {}, d = {}", "", "/conditions"),
+        ("smallest_effect = 0.5", "smallest_effect = -1", "/smallest_effect"),
+        ('title = "T"', "title = ", "not TOML"),
+    ],
+)
+def test_a_form_with_a_fault_is_named(tmp_path, old, new, where):
+    (tmp_path / "study.toml").write_text(FORM.replace(old, new))
+    with pytest.raises(ValueError, match=where):
+        read_form(tmp_path)
+
+
+def test_a_form_may_not_change_once_the_study_has_begun(sitting, tmp_path):
+    (tmp_path / "study.toml").write_text(FORM.replace('"R"', '"Other"'))
+    with pytest.raises(ValueError, match="has changed since the study began"):
+        seated(tmp_path)
+
+
+def test_a_sitting_resumes_where_its_file_ends(sitting, tmp_path):
+    sitting.take(0, [])
+    sitting.take(1, ["30"])
+    sitting.note("a remark")
+    again = seated(tmp_path)
+    assert again.done == 2 and again.step == {"step": "start"}
+    sitting.take(0, [])  # a page that is late
+    assert again.steps == sitting.steps and len(again.steps) == 3 + 4 * (3 * 2 + 1) + 3
+
+
+SPOT = {"item": "back", "value": "hand.L", "x": 0, "y": 1}
+GOOD = {
+    "about": ["30"],
+    "play": [1.0],
+    "place": [{"item": "noticed", "value": 1}, SPOT],
+    "rate": [3],
+    "rank": [2, 1, 4, 3],
+}
+BAD = {
+    "consent": [[True], "yes", None],
+    "about": [[], ["1", "N"], ["x" * 20_000], [None]],
+    "place": [[{**SPOT, "part": "more"}], [{**SPOT, "x": 1e9}], [SPOT] * 201, [{"item": "back"}]],
+    "rate": [[0], [6], [3, 3], [], ["3"], [2.5], 3],
+    "rank": [[1, 2, 3], [1, 1, 2, 3], "1234", [2, 3, 4, 5]],
+}
+
+
+def test_only_answers_that_fit_are_written(sitting, tmp_path):
+    while (step := sitting.step) is not None:
+        for answer in BAD.get(step["step"], []):
+            with pytest.raises((ValueError, TypeError)):
+                sitting.take(sitting.done, answer)
+        sitting.take(sitting.done, GOOD.get(step["step"], []))
+    steps = read_steps(tmp_path / "P01.jsonl")
+    assert len(steps) == len(sitting.steps)
+    (rank,) = (step["answer"] for step in steps if step["step"] == "rank")
+    order = read_plan(tmp_path)["orders"]["P01"]["conditions"]
+    ranks = {row["item"]: row["value"] for row in rank}
+    assert ranks == dict(zip(order, (2, 1, 4, 3), strict=True))
+
+
+def test_each_order_of_a_pair_is_possible():
+    found = {tuple(orders("ab", "x", 2, seed)["P01"]["conditions"]) for seed in range(20)}
+    assert found == {pair for pair in product("ab", repeat=2) if pair[0] != pair[1]}
+
+
+def test_commands_of_earlier_versions_are_still_understood():
+    parsed = build_parser().parse_args(
+        ["study", "--out", "x", "--frames", "1:9", "--pictures", "0"]
+    )
+    assert parsed.command == "study" and parsed.frames == (1, 9) and str(parsed.out) == "x"
+    assert build_parser().parse_args(["study"]).out.as_posix() == "out/study"
+    assert build_parser().parse_args(["study", "analyse", "x"]).command == "study_analyse"
