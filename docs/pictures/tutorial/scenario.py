@@ -3,8 +3,6 @@
 import bpy
 import hammer_nail_by_hand as tutorial
 
-LISTENER, RESULT = 13, 6  # notches down to these panels
-
 
 def steps(window):
     area = window.view
@@ -41,23 +39,13 @@ def steps(window):
     with window.context():
         tutorial.add_listener()
     yield 0.5
-    yield from scroll(window, LISTENER)
     yield from window.screenshot("listener")
 
     tutorial.set_energy()
     with window.context():
         tutorial.play_to(tutorial.STRIKES[0] + 2)
     yield 0.5
-    yield from scroll(window, RESULT)
     yield from window.screenshot("impact")
-
-
-def scroll(window, notches):
-    """Turn the mouse wheel over the sidebar."""
-    for _ in range(notches):
-        with window.context("UI"):
-            bpy.ops.view2d.scroll_down()
-    yield 0.5
 
 
 def look(window):
