@@ -130,9 +130,11 @@ def laboratory(folder, tmp_path):
     if shutil.which("umockdev-run") is None:
         pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
     tmp_path.mkdir(exist_ok=True)
-    program = str(Path(__file__).with_name("laboratory.py"))
+    until_all_end, program = (
+        str(Path(__file__).with_name(name)) for name in ("until_all_end.py", "laboratory.py")
+    )
     command = ["umockdev-run", *describe(tmp_path, [DUALSENSE_USB, XBOX_BT]), "--"]
-    command += [sys.executable, program, str(folder)]
+    command += [sys.executable, until_all_end, sys.executable, program, str(folder)]
     with bounded(command, 900, stdout=subprocess.PIPE) as process:
         *lines, own = list(iter(partial(line_of, process), ""))
         try:
