@@ -12,6 +12,7 @@ import pytest
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.core.contacts.hull import convex_hull
 from haptic_tracing.core.contacts.shapes import pose_matrix
+from making_haptic import make_haptic
 from mathutils.bvhtree import BVHTree
 
 _BONES = {
@@ -79,14 +80,6 @@ def walk(rig: Any) -> None:
                 bone.keyframe_insert("rotation_euler", frame=frame)
 
 
-def make(*objects: Any) -> None:
-    bpy.context.view_layer.update()
-    for obj in bpy.context.scene.objects:
-        obj.select_set(obj in objects)
-    bpy.context.view_layer.objects.active = objects[0]
-    bpy.ops.haptic.make_objects()
-
-
 def traced() -> Any:
     return session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
 
@@ -116,7 +109,7 @@ def test_feet_touch_the_floor_where_the_skin_does(add_box):
     walk(rig)
     floor = add_box("floor", (0, 0, 0), (4, 4, 0.2), haptic=False)
     rig.location.z = 0.02
-    make(body, floor)
+    make_haptic(body, floor)
     floor.haptics.source.enabled = body.haptics.listener.enabled = True
     touched = 0
     for frame in range(1, 25):
@@ -154,7 +147,7 @@ def test_parts_are_where_blender_moves_their_vertices(scene, change):
     rig.pose.bones["hips"].rotation_mode = rig.pose.bones["shin.R"].rotation_mode = "XYZ"
     rig.pose.bones["hips"].rotation_euler = (0.2, 0.5, -0.4)
     rig.pose.bones["shin.R"].rotation_euler = (0.9, 0.1, 0.2)
-    make(body)
+    make_haptic(body)
     body.haptics.source.enabled = body.haptics.listener.enabled = True
     traced()
     seen = skin(body).reshape(len(_BONES), -1, 3)
@@ -175,7 +168,7 @@ def test_the_deviation_holds_for_every_vertex(scene):
     """With weights that fade, the distance of a deformed vertex outside the parts, by Blender's own
     trees of their faces."""
     rig, body = walker(smooth=0.2)
-    make(body)
+    make_haptic(body)
     for name, angle in (("leg.L", 0.9), ("shin.L", -1.1), ("chest", 0.5)):
         rig.pose.bones[name].rotation_mode = "XYZ"
         rig.pose.bones[name].rotation_euler.x = angle
@@ -210,7 +203,7 @@ def test_files_of_earlier_versions_keep_the_hull_of_a_character(add_box):
 
 def test_weights_bones_and_vertices_can_be_edited(scene):
     rig, body = walker()
-    make(body)
+    make_haptic(body)
     body.haptics.source.enabled = body.haptics.listener.enabled = True
     traced()
     body.vertex_groups["chest"].add(range(12), 1.0, "REPLACE")

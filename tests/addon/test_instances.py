@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.scene_reader import instances as reading_of_instances
 from haptic_tracing.addon.session import session, sessions
+from making_haptic import make_haptic
 
 
 def traced() -> Any:
@@ -19,14 +20,6 @@ def traced() -> Any:
 
 def pairs(result: Any) -> set[frozenset[str]]:
     return {frozenset(result.objects[k] for k in pair) for pair in result.contacts.pairs.tolist()}
-
-
-def make(*objects: Any) -> None:
-    bpy.context.view_layer.update()
-    for obj in bpy.context.scene.objects:
-        obj.select_set(obj in objects)
-    bpy.context.view_layer.objects.active = objects[0]
-    bpy.ops.haptic.make_objects()
 
 
 @pytest.fixture
@@ -42,7 +35,7 @@ def crates(scene, add_box, add_empty):
     for empty in places:
         empty.instance_type, empty.instance_collection = "COLLECTION", collection
     floor = add_box("floor", (0, 0, -0.1), (20, 20, 0.2), haptic=False)
-    make(floor, *places)
+    make_haptic(floor, *places)
     floor.haptics.source.enabled = True
     return floor, places
 
@@ -156,7 +149,7 @@ def test_what_geometry_nodes_scatter_touches(scene, add_box, as_mesh):
     field = bpy.context.object
     field.name = "field"
     put = scatter(rock, field, as_mesh)
-    make(field, *([] if as_mesh else [rock]))
+    make_haptic(field, *([] if as_mesh else [rock]))
     field.haptics.source.enabled = True
     count = len(field.data.vertices)
     result = traced()

@@ -12,17 +12,9 @@ import bpy
 import pytest
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import air_contacts
+from making_haptic import make_haptic
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
-
-
-def make(*objects: Any) -> None:
-    """Press *Make Haptic* with these objects selected."""
-    bpy.context.view_layer.update()
-    for obj in bpy.context.scene.objects:
-        obj.select_set(obj in objects)
-    bpy.context.view_layer.objects.active = objects[0]
-    bpy.ops.haptic.make_objects()
 
 
 def contacts() -> dict[frozenset[str], float]:
@@ -52,7 +44,7 @@ def ring(scene, add_box):
 
 
 def test_a_hand_in_the_hole_of_a_ring_is_not_touched(ring):
-    make(*ring)
+    make_haptic(*ring)
     assert set(contacts()) == {frozenset(("ring", "block"))}
     assert shape_of("ring").type == "mesh" and shape_of("ring").sunk_in == pytest.approx(0.05)
     assert shape_of("hand").type == "convex_hull"  # which is its surface
@@ -81,7 +73,7 @@ def test_objects_of_earlier_files_keep_their_hull_until_asked(ring):
 
 
 def test_a_hull_that_was_chosen_is_kept_without_a_hint(ring):
-    make(*ring)
+    make_haptic(*ring)
     ring[0].haptics.surface = "CONVEX_HULL"
     assert frozenset(("ring", "hand")) in contacts()
     assert air_contacts._count(sessions.shown(bpy.context.scene)) == 0
@@ -95,7 +87,7 @@ def test_a_lamp_in_the_air_of_a_room_is_silent(add_box):
         add_box("lamp", (0, 0, 1), (0.3, 0.3, 0.2), haptic=False),
         add_box("table", (2, 1, -1.1), (1, 1, 0.8), haptic=False),
     )
-    make(room, lamp, table)
+    make_haptic(room, lamp, table)
     assert set(contacts()) == {frozenset(("room", "table"))}
     room.data.flip_normals()
     room.data.update()
@@ -123,7 +115,7 @@ def test_the_classes_of_surfaces(scene, add_box):
     mirrored = split.copy()
     scene.collection.objects.link(mirrored)
     mirrored.location.y, mirrored.scale = 5, (-1, 1, 1)
-    make(monkey, split, sphere, grid, mirrored)
+    make_haptic(monkey, split, sphere, grid, mirrored)
     contacts()
     assert (shape_of(monkey.name).type, shape_of(monkey.name).sunk_in) == ("mesh", 0.0)
     for solid in (split, mirrored):
@@ -156,7 +148,7 @@ def test_a_mesh_that_changes_class_opens_and_closes_no_contact(add_box):
     for frame, value in ((1, 0.0), (11, 1.0)):
         dented.value = value
         dented.keyframe_insert("value", frame=frame)
-    make(block, below, above)
+    make_haptic(block, below, above)
     kinds, touching = set(), set()
     for frame in range(1, 12):
         bpy.context.scene.frame_set(frame)
@@ -168,7 +160,7 @@ def test_a_mesh_that_changes_class_opens_and_closes_no_contact(add_box):
 
 
 def test_a_rigid_body_has_blenders_shape_and_the_panel_offers_its_mesh(ring):
-    make(*ring)
+    make_haptic(*ring)
     torus = ring[0]
     with bpy.context.temp_override(object=torus, active_object=torus, selected_objects=[torus]):
         bpy.ops.rigidbody.object_add(type="PASSIVE")
@@ -187,7 +179,7 @@ def test_skin_that_is_too_fine_names_its_cure(add_box, monkeypatch):
     monkeypatch.setattr(collision_shapes, "MAX_TRIANGLES", 100)
     bpy.ops.mesh.primitive_torus_add()
     torus, box = bpy.context.object, add_box("box", (5, 0, 0), (1, 1, 1))
-    make(torus)
+    make_haptic(torus)
     box.haptics.source.enabled = True
     contacts()
     (problem,) = session.problems_of(bpy.context.scene)
@@ -237,7 +229,7 @@ def test_what_blender_finds_to_overlap_touches_and_what_is_apart_does_not(scene,
         obj.rotation_euler = [draw.uniform(0, 6) for _ in range(3)]
         obj.scale = [draw.uniform(0.5, 1.2)] * 3
         objects.append(obj)
-    make(*objects)
+    make_haptic(*objects)
     found = contacts()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     trees, corners = {}, {}
@@ -291,7 +283,7 @@ def test_what_stands_still_to_its_parent_is_computed_once(scene, add_box, add_em
             shells[1].keyframe_insert("rotation_euler", frame=10)
             shells[1].rotation_euler.x = 0.2
             shells[1].keyframe_insert("rotation_euler", frame=frame)
-    make(link, *shells)
+    make_haptic(link, *shells)
     link.haptics.source.enabled = shells[0].haptics.listener.enabled = True
     scene.haptics.impacts = False
     queries = []

@@ -16,16 +16,9 @@ from haptic_tracing.addon.view import doubtful_scale, overlay
 from haptic_tracing.addon.view.options import options_of
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.scene.scene_json import scene_to_dict
+from making_haptic import make_haptic
 
 SCALES = (1.0, 0.01, 0.001)
-
-
-def make(*objects: Any) -> None:
-    bpy.context.view_layer.update()
-    for obj in bpy.context.scene.objects:
-        obj.select_set(obj in objects)
-    bpy.context.view_layer.objects.active = objects[0]
-    bpy.ops.haptic.make_objects()
 
 
 def rigid(obj: Any, kind: str, shape: str, mass: float, scale: float) -> None:
@@ -63,7 +56,7 @@ def modelled(scale: float, add_box: Any, add_empty: Any) -> None:
         hammer.location.z = height / scale
         hammer.keyframe_insert("location", index=2, frame=frame)
     cone = box("cone", (0, 0, 1.2), (0.1, 0.1, 0.2))
-    make(beam, *posts, ring, hand, hammer, cone)
+    make_haptic(beam, *posts, ring, hand, hammer, cone)
     rigid(hammer, "ACTIVE", "CONVEX_HULL", 12.0, scale)
     rigid(beam, "PASSIVE", "BOX", 30.0, scale)
     rigid(cone, "ACTIVE", "CYLINDER", 2.0, scale)
@@ -196,7 +189,7 @@ def falling(scale: float) -> Any:
     for name, place, size in (("floor", (0, 0, -0.5), (8, 8, 1)), ("crate", (0, 0, 2), (1, 1, 1))):
         bpy.ops.mesh.primitive_cube_add(size=1, location=place, scale=size)
         bpy.context.object.name = name
-    make(*scene.objects)
+    make_haptic(*scene.objects)
     for name, kind in (("floor", "PASSIVE"), ("crate", "ACTIVE")):
         obj = scene.objects[name]
         with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
