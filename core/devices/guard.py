@@ -104,8 +104,8 @@ def start_process(by_launcher: bool = sys.platform == "win32") -> subprocess.Pop
 class Guard:
     """A guard process, the orders to be written to it, and the last status of each output."""
 
-    def __init__(self) -> None:
-        """Raises OSError if the process cannot be started."""
+    def __init__(self, output: GuardedOutput, name: str) -> None:
+        """Start the process for an output, as in `open`. Raises OSError if it cannot be started."""
         self._process = _state.start()
         self._pid = self._process.pid
         self._never_blocks = _never_blocks(self._process.stdin)
@@ -118,6 +118,7 @@ class Guard:
         self._replaced: dict[int, int] = {}
         self._closing = self._lost = self._answered = False
         self._ended = threading.Event()
+        self.open(output, name)  # before its first answer is read: one without outputs is its last
         self._threads = started_threads(orders=self._write, statuses=self._read, watch=self._watch)
 
     def open(self, output: GuardedOutput, name: str = "open") -> bool:
@@ -287,8 +288,7 @@ class _State:
         be started."""
         with self._lock:
             if self.guard is None or not self.guard.open(output, name):
-                self.guard = Guard()
-                self.guard.open(output, name)
+                self.guard = Guard(output, name)
             return self.guard
 
     def quieten(self, outputs: Iterable[GuardedOutput], reason: str) -> None:
