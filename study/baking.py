@@ -28,7 +28,7 @@ from ..pictures.png import write_png
 from ..sample_scenes.mine_ride import SECTIONS
 from .measures import WINDOW, felt_shares, loudness
 from .rendition import MODES, Rendition, Ride, Sounding
-from .sensitivity import Variation, VariedBlows, VariedGraph
+from .sensitivity import Variation, VariedGraph, VariedSources
 
 RUN_UP = 8
 """Frames traced before one that is drawn."""
@@ -66,33 +66,37 @@ class ModeRendering:
 
 
 class _Varied:
-    """The ride's HT rendering under a variation."""
+    """The ride under a variation: in HT, and in the other modes as well where sources vary."""
 
     def __init__(self, variation: Variation) -> None:
         self.variation = variation
         self._graphs = VariedGraph(variation)
-        self._blows = VariedBlows(variation)
-        self._rendering = ModeRendering(Mode.HT)
-        self._levels = _Levels()
+        self._sources = VariedSources(variation)
+        modes = MODES if variation.sources_vary else MODES[:1]
+        self._renderings = {mode: ModeRendering(mode) for mode in modes}
+        self._levels = {mode: _Levels() for mode in modes}
         self._soundings: list[Sounding] = []
 
     def add(self, results: dict[Mode, FrameResult], settings: Settings) -> None:
         """Add a frame, given its results in all modes."""
-        traced = self._blows.of(results[Mode.HT])
-        result = self._rendering.of(
-            replace(traced, graph=self._graphs.of(traced.graph)), self.variation.settings(settings)
-        )
-        self._levels.add(result)
-        self._soundings += _soundings({**results, Mode.HT: result})
+        traced = self._sources.of(results[Mode.HT])
+        traced = replace(traced, graph=self._graphs.of(traced.graph))
+        settings = self.variation.settings(settings)
+        varied = {
+            mode: rendering.of(traced, settings) for mode, rendering in self._renderings.items()
+        }
+        for mode, result in varied.items():
+            self._levels[mode].add(result)
+        self._soundings += _soundings({**results, **varied})
 
     def ride(self, own: Ride) -> Ride:
         """``own`` with the levels and amplitudes of this rendering; its tracks stay those of the
         ride itself."""
-        rms, peak, margin = self._levels.arrays()
-        rendition = replace(own.renditions[Mode.HT], rms=rms, peak=peak, margin=margin)
-        return replace(
-            own, renditions={**own.renditions, Mode.HT: rendition}, soundings=tuple(self._soundings)
-        )
+        renditions = dict(own.renditions)
+        for mode, levels in self._levels.items():
+            rms, peak, margin = levels.arrays()
+            renditions[mode] = replace(renditions[mode], rms=rms, peak=peak, margin=margin)
+        return replace(own, renditions=renditions, soundings=tuple(self._soundings))
 
 
 def bake_ride(
@@ -102,8 +106,8 @@ def bake_ride(
     progress: Callable[[int], None] = lambda frame: None,
     variations: Sequence[Variation] = (),
 ) -> tuple[Ride, tuple[tuple[Variation, Ride], ...]]:
-    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`, and in HT
-    under each variation.
+    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`, and under
+    each variation.
 
     ``progress`` is called with the number of every frame. Raises ValueError if a frame cannot be
     traced.

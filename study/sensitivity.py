@@ -29,7 +29,8 @@ class Variation:
 
     ``material``, ``power``: to which the material's transfer coefficient K is raised, a factor on
     its loss in decibels. ``within``, ``stretch``: distances within the objects whose names begin so
-    are multiplied. ``full_energy``: that plays an impact at full strength [J].
+    are multiplied. ``full_energy``: that plays an impact at full strength [J]. ``strength``: a
+    factor on the amplitudes of all other sources.
     """
 
     name: str
@@ -40,6 +41,12 @@ class Variation:
     within: str = ""
     stretch: float = 1.0
     full_energy: float = FULL_ENERGY
+    strength: float = 1.0
+
+    @property
+    def sources_vary(self) -> bool:
+        """Whether sources have other amplitudes, in all modes."""
+        return self.full_energy != FULL_ENERGY or self.strength != 1.0
 
     def settings(self, settings: Settings) -> Settings:
         """The settings of a frame."""
@@ -86,6 +93,10 @@ def variations() -> tuple[Variation, ...]:
         Variation("blow of full strength", f"{energy:g} J", full_energy=energy)
         for energy in (PAPER_ENERGY, FULL_ENERGY / 2)
     ]
+    arranged += [
+        Variation("strength of wind and wheels", label, strength=strength)
+        for label, strength in (("half", 0.5), ("a quarter", 0.25))
+    ]
     strategies = (
         ("as in the paper, paths above 1 %", Strategy.AS_IN_THE_PAPER),
         ("energy balance", Strategy.ENERGY_BALANCE),
@@ -131,23 +142,21 @@ class VariedGraph:
         return replace(graph, node_position=places, table=self._tables[1])
 
 
-class VariedBlows:
-    """Frames with impacts of the varied strength, which play on in later frames."""
+class VariedSources:
+    """Frames with sources of the varied strength; impacts play on in later frames."""
 
     def __init__(self, variation: Variation) -> None:
-        self._full, self._factor = variation.full_energy, dict[str, float]()
+        self._full, self._strength = variation.full_energy, variation.strength
+        self._of_impact = dict[str, float]()
 
     def of(self, result: FrameResult) -> FrameResult:
-        """A frame with other amplitudes of its impacts."""
-        if self._full == FULL_ENERGY:
-            return result
-        for source, impact in zip(
-            result.sources[len(result.sources) - len(result.impacts) :], result.impacts, strict=True
-        ):
+        """A frame with other amplitudes of its sources."""
+        begun = result.sources[len(result.sources) - len(result.impacts) :]
+        for source, impact in zip(begun, result.impacts, strict=True):
             now, then = (min(impact.energy / full, 1.0) for full in (self._full, FULL_ENERGY))
-            self._factor[source.name] = now / then
+            self._of_impact[source.name] = now / then
         sources = tuple(
-            replace(item, amplitude=item.amplitude * self._factor.get(item.name, 1.0))
+            replace(item, amplitude=item.amplitude * self._of_impact.get(item.name, self._strength))
             for item in result.sources
         )
         return replace(result, sources=sources)
