@@ -1,7 +1,10 @@
 """How long threads waited for a processor, as Linux counts it: the part of a delay that a busy
-machine makes, and not the program."""
+machine makes, and not the program. Zero on other systems."""
 
+import os
 from pathlib import Path
+
+STATISTICS = Path("/proc/stat")
 
 
 def waits_of(process):
@@ -16,21 +19,34 @@ def waits_of(process):
     return waits
 
 
-class Waits:
-    """The waits of a process from now on. chain: how many of its threads act one after the
-    other."""
+def stolen():
+    """Seconds that the host of a virtual machine has kept its processors from running, all
+    processors together."""
+    if not STATISTICS.exists():
+        return 0.0
+    total = STATISTICS.read_text(encoding="ascii").splitlines()[0].split()
+    return int(total[8]) / os.sysconf("SC_CLK_TCK")
 
-    def __init__(self, process, chain):
-        self.process, self.chain = process, chain
-        self.before = waits_of(process)
-        self.latest = dict(self.before)
+
+class Waits:
+    """The waits of processes from now on. chains: how many threads of each process act one after
+    the other."""
+
+    def __init__(self, chains):
+        self.chains = chains
+        self.before = {process: waits_of(process) for process in chains}
+        self.latest = {process: dict(waits) for process, waits in self.before.items()}
+        self.stolen_before = stolen()
 
     def until_now(self):
-        """Seconds that a chain of threads can have waited: the sum of the longest waits of so many
-        threads."""
-        self.latest.update(waits_of(self.process))
+        """Seconds that the chains can have waited: the sum of the longest waits of so many threads
+        of each process, and what the host has taken."""
+        return stolen() - self.stolen_before + sum(map(self._of_chain, self.chains))
+
+    def _of_chain(self, process):
+        before, latest = self.before[process], self.latest[process]
+        latest.update(waits_of(process))
         longest = sorted(
-            (waited - self.before.get(thread, 0.0) for thread, waited in self.latest.items()),
-            reverse=True,
+            (waited - before.get(thread, 0.0) for thread, waited in latest.items()), reverse=True
         )
-        return sum(longest[: self.chain])
+        return sum(longest[: self.chains[process]])

@@ -209,10 +209,10 @@ for i in range(100):
     ended = time.perf_counter()
     # The guard's thread that watches the program wakes a device's thread; umockdev answers what is
     # no write to a node.
-    chains, waits = [Waits(guard, 2), Waits(os.getppid(), 1)], []
+    chains, waits = Waits({guard: 2, os.getppid(): 1}), []
     while time.perf_counter() < ended + (1.0 if ending == "freeze" else 0.6):
         time.sleep(0.01)
-        waits.append((time.perf_counter() - ended, sum(chain.until_now() for chain in chains)))
+        waits.append((time.perf_counter() - ended, chains.until_now()))
     nodes = sorted(path.name for path in Path(folder).iterdir())
     reports = {
         node: [(seconds - ended, data.hex()) for seconds, data in reports_of(folder, node)]
@@ -272,7 +272,7 @@ def scene_lock(name, folder):
         output.expect(wave[:, 320:], sent)
         told.append((time.perf_counter() - began, sent + 0.5 - began))
         if i == 10:
-            waits = Waits(guard, 1)
+            waits = Waits({guard: 1})
             locked = time.perf_counter()
             ctypes.PyDLL(None).usleep(300_000)
             free = time.perf_counter()
@@ -559,11 +559,13 @@ time.sleep(60.0)
         [sys.executable, "-c", program], cwd=HERE, stdout=subprocess.PIPE, text=True
     )
     assert child.stdout.readline() == "plays\n"
+    (guard,) = children(child.pid)
+    waits = Waits({guard: 2, child.pid: 2})
     if ending == "kill":
         child.kill()
     begun = time.perf_counter()
     wait_until(lambda: kernel.strength == (0, 0), 5.0)
-    silent = time.perf_counter() - begun
+    silent, waited = time.perf_counter() - begun, waits.until_now()
     wait_until(lambda: ending == "rest" or not kernel.effects, 5.0)
     effects = dict(kernel.effects)
     child.kill()
@@ -574,6 +576,7 @@ time.sleep(60.0)
         "strangers": found.strangers,
         "usual": kernel.usual,
         "silent": silent,
+        "waited": waited,
         "effects": len(effects),
     }
 
