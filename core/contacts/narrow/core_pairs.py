@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, ranges
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, ranges, taken
 from .cores import CoreTable, Kind, Size
-from .frames import dot, product, relative, turned, turned_back
+from .frames import chunks, dot, product, relative, turned, turned_back
 from .mesh_index import MeshIndex
 from .surfaces import Surfaces
 from .triangles import apart_by, beside
@@ -148,7 +148,7 @@ class CorePairing:
         for k, pair in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
             one, other = (id(self._surfaces[core]) for core in pair)
             alike.setdefault((one, other), []).append(k)
-        found = [
+        found = [(np.zeros(0, dtype=np.intp),) * 3] + [
             self._near_of_alike(rows, np.array(numbers), reach[numbers], facing)
             for numbers in alike.values()
         ]
@@ -189,24 +189,26 @@ class CorePairing:
             half = np.abs(normal) * reach[pair] + radius_a[near]
             bounds = np.stack([middle_a - half, middle_a + half])
             mine, theirs = second.spheres.near(bounds.transpose(2, 0, 1))
-            way = middle_b[:, theirs] - middle_a[:, mine]
-            both = radius_a[near[mine]] + radius_b[theirs]
-            normal, other = normal[:, mine], second.normals[:, theirs]
-            against = dot(normal, other)
+            against = dot(taken(normal, mine), taken(second.normals, theirs))
             if first.depth == 0 or second.depth == 0:  # both sides of a shell look at others
                 against = -np.abs(against)
-            over = (against < _OPPOSITE) & ~beside(way, both, normal) & ~beside(way, both, other)
+            mine, theirs = mine[against < _OPPOSITE], theirs[against < _OPPOSITE]
+            way = taken(middle_b, theirs) - taken(middle_a, mine)
+            both = radius_a[near[mine]] + radius_b[theirs]
+            over = ~beside(way, both, taken(normal, mine))
+            over &= ~beside(way, both, taken(second.normals, theirs))
             mine, theirs = mine[over], theirs[over]
         else:
             bounds = np.stack(
                 [corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]]
             )
             mine, theirs = second.index.near(bounds.transpose(2, 0, 1))
-        pair = pair[mine]
-        possible = (
-            apart_by(corners[..., mine], second.index.corners[theirs].transpose(2, 1, 0))
-            <= reach[pair]
-        ).nonzero()[0]
+        pair, others = pair[mine], second.index.corners.transpose(2, 1, 0)
+        apart = [
+            apart_by(taken(corners, mine[part]), taken(others, theirs[part]))
+            for part in chunks(len(mine))
+        ]
+        possible = (np.concatenate(apart) <= reach[pair]).nonzero()[0]
         return numbers[pair[possible]], near[mine[possible]], theirs[possible]
 
     def corners(

@@ -15,6 +15,15 @@ COLUMN = np.arange(3)[:, None]
 """Numbers of the coordinates as a column, to be compared with an axis (n,) per pair."""
 
 
+_CHUNK = 4096
+
+
+def chunks(count: int) -> list[IntArray]:
+    """The numbers of ``count`` pairs in parts, at least one, each so small that what is computed of
+    it stays in the processor's cache."""
+    return [np.arange(at, min(at + _CHUNK, count)) for at in range(0, max(count, 1), _CHUNK)]
+
+
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:
     """Dot products (..., n) of vectors (2, ..., n) or (3, ..., n)."""
     terms = a * b

@@ -14,19 +14,20 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, taken
 from .body_patches import CoreContacts, core_contacts, reduced
 from .closed_forms import nearest_on_triangle
 from .convex import ConvexDistances
 from .core_pairs import CorePairing, CorePairs
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
-from .frames import cross, dot, smooth_step
+from .frames import chunks, cross, dot, smooth_step
 from .manifold import PATCH_GAP, Patches, patches
 from .surfaces import Surface, Surfaces
 from .triangles import (
     crossing_lines,
     facing_axes,
+    over_each_other,
     triangle_to_triangle,
     unit_normals,
 )
@@ -158,7 +159,7 @@ class SurfacePairs:
             else:
                 apart[k] = max(gap, 0.0) + _REACH, sunk
         if deep:
-            crossing = self._passed_through(rows, deep, limit, found, corners)
+            crossing = self._passed_through(rows, deep, found, corners)
             apart.update(dict.fromkeys(crossing, (_REACH, 0.0)))
         if apart:
             reach, sunk_in = np.array(list(apart.values())).T
@@ -329,7 +330,6 @@ class SurfacePairs:
         self,
         pairs: CorePairs,
         deep: dict[int, float],
-        limit: FloatArray,
         found: list[CoreContacts],
         corners: bool,
     ) -> list[int]:
@@ -338,18 +338,58 @@ class SurfacePairs:
         where no faces look at each other."""
         several = chosen_of(pairs, np.array(list(deep)))
         most = np.array(list(deep.values()))
+        row = [chosen_of(several, np.array([k])) for k in range(len(deep))]
+        sunk = [k for k in range(len(deep)) if self._is_deep(row[k], float(most[k]))]
+        crossings = {k: self._crossing(row[k]) for k in sunk}
+        # As deep as that, the curve along which they cross is all that counts.
+        others = np.array([k for k in range(len(deep)) if crossings.get(k) is None], dtype=np.intp)
+        number, depth, facing = self._facing(several, others, most, corners)
+        depths = np.full(len(deep), np.nan)
+        np.fmax.at(depths, number, depth)
+        depths[sunk] = np.fmax(depths[sunk], most[sunk])
+        crossings |= {
+            k: self._crossing(row[k])
+            for k in np.flatnonzero(~(depths <= most / 2)).tolist()
+            if k not in crossings
+        }
+        by_faces = np.ones(len(deep), dtype=np.bool_)
+        for k, crossing in sorted(crossings.items()):
+            if crossing is not None:
+                faces = _some(facing, (number == k).nonzero()[0])
+                found.append(self._sunk(row[k], float(most[k]), float(depths[k]), crossing, faces))
+                by_faces[k] = False
+        rows = by_faces[number].nonzero()[0]
+        if len(rows):
+            found.append(_some(facing, rows))
+        only_touch = by_faces & np.isnan(depths)
+        return [pair for pair, touches in zip(deep, only_touch, strict=True) if touches]
+
+    def _facing(
+        self, pairs: CorePairs, chosen: IntArray, most: FloatArray, corners: bool
+    ) -> tuple[IntArray, FloatArray, CoreContacts]:
+        """The contacts (n,) of the faces of the ``chosen`` pairs (m,) of solids that look at each
+        other, the pair (n,) that each belongs to, and how deep [m] these faces are (n,).
+
+        Args:
+            pairs: (p,) of surfaces, one of which is a solid.
+            chosen: (m,) numbers of the pairs.
+            most: (p,) how far the two may sink into each other [m].
+            corners: Whether the contacts have corners.
+        """
+        several = chosen_of(pairs, chosen)
         rows = self._pairing.near_triangles(
-            replace(several, owner=np.arange(len(deep))), _REACH + 2 * most, facing=True
+            replace(several, owner=np.arange(len(chosen))), _REACH + 2 * most[chosen], facing=True
         )
-        number, rows = rows.owner, replace(rows, owner=several.owner[rows.owner])
-        first, second = self._corners(rows)
-        normal_a, normal_b = unit_normals(first), unit_normals(second)
-        # A shell has no outside: both sides of it are looked at.
-        turned = dot(normal_a, normal_b) > 0
-        shell_a = np.array([self._surfaces[core].depth == 0 for core in several.first.tolist()])
-        normal_a = np.where(turned & shell_a[number], -normal_a, normal_a)
-        normal_b = np.where(turned & ~shell_a[number], -normal_b, normal_b)
-        separation, axis = facing_axes(first, second, normal_a, normal_b)
+        number, rows = chosen[rows.owner], replace(rows, owner=several.owner[rows.owner])
+        shell_a = np.array([self._surfaces[core].depth == 0 for core in pairs.first.tolist()])
+        parts = [
+            self._over_each_other(chosen_of(rows, part), shell_a[number[part]], part)
+            for part in chunks(len(rows))
+        ]
+        over, first, second, normal_a, normal_b, turned, separation, axis = (
+            np.concatenate(values, axis=-1) for values in zip(*parts, strict=True)
+        )
+        number, rows = number[over], chosen_of(rows, over)
         middle = (first.sum(axis=1) + second.sum(axis=1)) / 6
         patch = patches(first - middle[:, None], second - middle[:, None], axis, PATCH_GAP)
         patch = replace(
@@ -363,69 +403,38 @@ class SurfacePairs:
         beyond = dot(axis, ends[1] - ends[0])  # at the middle of the patch
         patch = replace(patch, centre=(ends[0] + ends[1]) / 2)
         valid = patch.found & (depth < _REACH)
-        for k in range(len(deep)):
+        for k in chosen.tolist():
             mine = np.flatnonzero((number == k) & valid)
             under = mine[beyond[mine] < -_TOUCHING]
             valid[under] = self._overlap(
-                chosen_of(several, np.array([k])), ends[0][:, under], ends[1][:, under]
+                chosen_of(pairs, np.array([k])), ends[0][:, under], ends[1][:, under]
             )
             through = [under[valid[under] & (turned[under] == side)] for side in (False, True)]
             if len(through[0]) and len(through[1]):  # a shell inside a wall: the shorter way out
                 valid[max(through, key=lambda way: float(-depth[way].min()))] = False
         kept = valid.nonzero()[0]
-        rows, number = chosen_of(rows, kept), number[kept]
-        facing = core_contacts(
-            rows,
-            axis[:, kept],
-            np.maximum(depth[kept], -most[number]) - rows.radius_a - rows.radius_b,
-            chosen_of(patch, kept),
-            corners,
-        )
-        depths = np.full(len(deep), np.nan)
-        np.fmax.at(depths, number, -depth[kept])
-        crossing = self._crossing_pairs(several, number, most, depths, facing, found)
-        return [pair for pair, only_touches in zip(deep, crossing, strict=True) if only_touches]
+        rows, number, depth = chosen_of(rows, kept), number[kept], depth[kept]
+        gap = np.maximum(depth, -most[number]) - rows.radius_a - rows.radius_b
+        facing = core_contacts(rows, axis[:, kept], gap, chosen_of(patch, kept), corners)
+        return number, -depth, facing
 
-    def _crossing_pairs(
-        self,
-        pairs: CorePairs,
-        number: IntArray,
-        most: FloatArray,
-        depths: FloatArray,
-        facing: CoreContacts,
-        found: list[CoreContacts],
-    ) -> BoolArray:
-        """Add the contacts of ``pairs`` (p,) whose surfaces cross to ``found``. Returns which of
-        them (p,) only touch, where no faces look at each other.
-
-        Args:
-            pairs: of surfaces, one of which is a solid.
-            number: (n,) of the pair that each of the contacts ``facing`` belongs to.
-            most: (p,) how far the two may sink into each other [m].
-            depths: (p,) of the deepest faces that look at each other [m], NaN where there are none.
-            facing: (n,) the contacts of such faces.
-            found: the contacts so far.
-        """
-        for k in np.flatnonzero(~(depths >= most)).tolist():
-            if self._is_deep(chosen_of(pairs, np.array([k])), float(most[k])):
-                depths[k] = most[k]
-        crossings = {
-            k: self._crossing(chosen_of(pairs, np.array([k])))
-            for k in np.flatnonzero(~(depths <= most / 2)).tolist()
-        }
-        by_faces = np.ones(len(depths), dtype=np.bool_)
-        for k, crossing in crossings.items():
-            if crossing is not None:
-                row, faces = (
-                    chosen_of(pairs, np.array([k])),
-                    _some(facing, (number == k).nonzero()[0]),
-                )
-                found.append(self._sunk(row, float(most[k]), float(depths[k]), crossing, faces))
-                by_faces[k] = False
-        rows = by_faces[number].nonzero()[0]
-        if len(rows):
-            found.append(_some(facing, rows))
-        return by_faces & np.isnan(depths)
+    def _over_each_other(
+        self, rows: CorePairs, shell_a: BoolArray, numbers: IntArray
+    ) -> tuple[BoolArray | FloatArray | IntArray, ...]:
+        """The faces of pairs of triangles (n,) that may lie over each other (m,): their
+        ``numbers``, corners (3, 3, m) and outward normals (3, m) of both, which of them look the
+        same way, which only sides of a shell do, and `facing_axes` of them. ``shell_a``: which of
+        the first ones are of a shell."""
+        first, second = self._corners(rows)
+        normal_a, normal_b = unit_normals(first), unit_normals(second)
+        # A shell has no outside: both sides of it are looked at.
+        turned = dot(normal_a, normal_b) > 0
+        normal_a = np.where(turned & shell_a, -normal_a, normal_a)
+        normal_b = np.where(turned & ~shell_a, -normal_b, normal_b)
+        separation, axis = facing_axes(first, second, normal_a, normal_b)
+        values = numbers, first, second, normal_a, normal_b, turned, separation, axis
+        over = over_each_other(first, second, axis)
+        return tuple(taken(value, over) for value in values)
 
     def _crossing(self, row: CorePairs) -> _Crossing | None:
         """The curve along which the surfaces of the only one of ``row`` cross."""

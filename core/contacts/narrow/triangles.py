@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, chosen_of, replace_rows
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, replace_rows, taken
 from .closed_forms import (
     Separation,
     between,
@@ -12,11 +12,21 @@ from .closed_forms import (
     segment_to_segment,
     segment_to_triangle,
 )
-from .frames import cross, dot
+from .frames import cross, dot, turned
+from .manifold import contact_plane
 
 _FACE_PREFERENCE = 1e-6
 """Metres by which a pair of edges must be further apart than the faces, so that parallel faces have
 the faces' normal."""
+
+
+_AXES = 11
+"""Axes along which two faces that look at each other may be least deep: the normals of both, and
+the cross products of their edges."""
+
+_NARROW = 1e-6
+"""The share of their extent by which triangles may be apart and still count as overlapping: more
+than the rounding of what is computed of both."""
 
 
 def triangle_to_triangle(first: FloatArray, second: FloatArray) -> Separation:
@@ -116,20 +126,39 @@ def apart_by(first: FloatArray, second: FloatArray) -> FloatArray:
     middles."""
     middles = (second.sum(axis=1) - first.sum(axis=1)) / 3
     length = np.sqrt(dot(middles, middles))
-    axes = np.stack(
-        [unit_normals(first), unit_normals(second), middles / np.where(length > 0, length, 1.0)],
-        axis=1,
-    )
-    a, b = dot(axes[:, :, None], first[:, None]), dot(axes[:, :, None], second[:, None])
-    return np.asarray(
-        np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1)).max(axis=0)
-    )
+    axes = unit_normals(first), unit_normals(second), middles / np.where(length > 0, length, 1.0)
+    apart = np.full(first.shape[2], -np.inf)
+    for axis in axes:
+        a, b = dot(axis[:, None], first), dot(axis[:, None], second)
+        apart = np.maximum(apart, b.min(axis=0) - a.max(axis=0))
+        apart = np.maximum(apart, a.min(axis=0) - b.max(axis=0))
+    return apart
 
 
 def beside(way: FloatArray, reach: FloatArray, normal: FloatArray) -> BoolArray:
     """Which triangles are surely not over others, seen along unit normals (3, n), given the ``way``
     (3, n) between their middles and the sum ``reach`` (n,) of their radii [m]."""
     return np.asarray(dot(way, way) - dot(way, normal) ** 2 > reach**2)
+
+
+def over_each_other(first: FloatArray, second: FloatArray, axis: FloatArray) -> IntArray:
+    """The numbers (m,) of the pairs of triangles (3, 3, n) that may overlap as seen along unit
+    vectors (3, n): the others are apart along one side of either."""
+    plane = np.stack(contact_plane(axis))
+    a, b = turned(plane, first), turned(plane, second)
+    size = np.maximum(np.ptp(a, axis=1), np.ptp(b, axis=1)).max(axis=0)
+    low, high = np.maximum(a.min(axis=1), b.min(axis=1)), np.minimum(a.max(axis=1), b.max(axis=1))
+    found = np.flatnonzero((low - high).max(axis=0) <= _NARROW * size)
+    for corners in (a, b):
+        for k in range(3):
+            x, y = taken(corners[:, (k + 1) % 3] - corners[:, k], found)
+            across = np.stack([-y, x])
+            own, other = (dot(across[:, None], taken(side, found)) for side in (a, b))
+            apart = np.maximum(
+                own.min(axis=0) - other.max(axis=0), other.min(axis=0) - own.max(axis=0)
+            )
+            found = found[apart <= _NARROW * size[found] * np.hypot(x, y)]
+    return found
 
 
 def unit_normals(corners: FloatArray) -> FloatArray:
@@ -146,25 +175,37 @@ def facing_axes(
     being ``normal_a`` and ``normal_b`` (3, n), and the axes (3, n) from the first to the second.
     Negative where they have passed through each other: of the axes between the two normals, that
     along which they are least deep (separating axes)."""
-    edges_a, edges_b = np.roll(first, -1, axis=1) - first, np.roll(second, -1, axis=1) - second
-    crossed = cross(edges_a[:, :, None], edges_b[:, None]).reshape(3, 9, -1)
-    length = np.sqrt(dot(crossed, crossed))
-    crossed = crossed / np.where(length > 0, length, 1.0)
-    crossed = crossed * np.where(dot(crossed, (normal_a - normal_b)[:, None]) < 0, -1.0, 1.0)
-    axes = np.concatenate([normal_a[:, None], -normal_b[:, None], crossed], axis=1)
-    heights_a, heights_b = (
-        dot(axes[:, :, None], first[:, None]),
-        dot(axes[:, :, None], second[:, None]),
+    pairs = first, second, normal_a, normal_b
+    best, axis = _facing_axis(*pairs, 0)
+    for number in range(1, _AXES):
+        other, along = _facing_axis(*pairs, number)
+        axis = np.where(other > best, along, axis)
+        best = np.maximum(best, other)
+    return _separation(first, second, axis), axis
+
+
+def _facing_axis(
+    first: FloatArray, second: FloatArray, normal_a: FloatArray, normal_b: FloatArray, number: int
+) -> tuple[FloatArray, FloatArray]:
+    """Separations (n,) of the faces along one of the axes of `facing_axes`, and that axis (3, n):
+    the normals come first, then the cross products of the edges, with -infinity where those do not
+    lie between the normals."""
+    if number < 2:
+        axis = (normal_a, -normal_b)[number]
+        return _separation(first, second, axis), axis
+    of_a, of_b = divmod(number - 2, 3)
+    axis = cross(
+        first[:, (of_a + 1) % 3] - first[:, of_a], second[:, (of_b + 1) % 3] - second[:, of_b]
     )
-    separation = heights_b.min(axis=1) - heights_a.max(axis=1)
-    within = (
-        (length > 0)
-        & (dot(axes[:, 2:], normal_a[:, None]) > 0)
-        & (dot(axes[:, 2:], normal_b[:, None]) < 0)
-    )
-    separation[2:] = np.where(within, separation[2:] - _FACE_PREFERENCE, -np.inf)
-    best = separation.argmax(axis=0)
-    axis = axes[:, best, np.arange(len(best))]
+    length = np.sqrt(dot(axis, axis))
+    axis = axis / np.where(length > 0, length, 1.0)
+    axis = axis * np.where(dot(axis, normal_a - normal_b) < 0, -1.0, 1.0)
+    within = (length > 0) & (dot(axis, normal_a) > 0) & (dot(axis, normal_b) < 0)
+    return np.where(within, _separation(first, second, axis) - _FACE_PREFERENCE, -np.inf), axis
+
+
+def _separation(first: FloatArray, second: FloatArray, axis: FloatArray) -> FloatArray:
+    """How far apart triangles are along unit vectors (3, n): signed (n,)."""
     return np.asarray(
         dot(axis[:, None], second).min(axis=0) - dot(axis[:, None], first).max(axis=0)
-    ), axis
+    )
