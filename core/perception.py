@@ -22,12 +22,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import FloatArray, IntArray
+from .arrays import BoolArray, FloatArray, IntArray
 
 BEST_FREQUENCY = 250.0
 """Frequency of the lowest threshold [Hz]."""
@@ -139,16 +140,28 @@ def _felt_energy(
     A Hann window limits the leakage of a tone to frequencies of lower threshold.
     """
     count = samples.shape[-1]
-    window = np.hanning(count + 2)[1:-1]
-    frequency = np.fft.rfftfreq(count, 1 / sample_rate)
-    felt = (frequency >= _LOWEST) & (frequency <= _HIGHEST)
-    heard = np.asarray(frequency[felt], dtype=np.float64)
+    window, felt, heard = _hearing(count, sample_rate)
     power = np.abs(np.fft.rfft(samples * window, axis=-1)[..., felt]) ** 2 * (
         4 / (count * (window**2).sum())
     )
-    threshold = [threshold_level(heard, device) for device in devices]
-    weight = 10 ** (-np.array(threshold[0] if len(threshold) == 1 else threshold) / 10)
-    return power * weight, heard
+    weight = [_weight(count, sample_rate, device) for device in devices]
+    return power * (weight[0] if len(weight) == 1 else np.array(weight)), heard
+
+
+@lru_cache(maxsize=16)
+def _hearing(count: int, sample_rate: float) -> tuple[FloatArray, BoolArray, FloatArray]:
+    """The Hann window of ``count`` samples, which of the frequencies of its spectrum are tactile,
+    and these [Hz]."""
+    frequency = np.fft.rfftfreq(count, 1 / sample_rate)
+    felt = (frequency >= _LOWEST) & (frequency <= _HIGHEST)
+    return np.hanning(count + 2)[1:-1], felt, np.asarray(frequency[felt], dtype=np.float64)
+
+
+@lru_cache(maxsize=64)
+def _weight(count: int, sample_rate: float, device: FullScale | None) -> FloatArray:
+    """The factor on energies at the tactile frequencies that makes those of thresholds 1."""
+    heard = _hearing(count, sample_rate)[2]
+    return np.asarray(10 ** (-threshold_level(heard, device) / 10))
 
 
 def masked_by(
