@@ -19,6 +19,7 @@ def steps(window):
         bpy.context.view_layer.objects.active = barrel
     yield 0.5
     yield from window.show_properties("OBJECT")
+    yield from window.open_panel("haptics.source.enabled")
     scene.frame_set(10)
     yield from window.click_button("haptic.make_one_shot")
     window.seen["a preset makes a blast"] = source.one_shot and source.signal == "BLAST"
