@@ -15,7 +15,8 @@ from ...core.signals import DEFAULT_PERSISTENT, Automation, Drawing, Signal
 from ...core.signals.drawn import EMPHASIS_SECONDS, cut
 from ..blender.compatibility import ensure_fcurve, remove_fcurves
 from ..blender.time import frame_seconds
-from ..properties.drawing import AMPLITUDE, FREQUENCY, HERTZ, LONGEST, HapticDrawing
+from ..properties.drawing import AMPLITUDE, FREQUENCY, LONGEST, HapticDrawing
+from ..properties.signal_kinds import HERTZ
 from ..scene_reader import animated_curves as animated
 from ..scene_reader.drawings import MOST_EMPHASES, mapping_of, points_of
 from ..scene_reader.objects import read_source

@@ -16,10 +16,10 @@ from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
 from ...core.scene.rules import ContactSettings
 from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind, TriggerKind
-from ...core.signals import Decay, Noise, Product, Pulse, Signal, Sine
+from ...core.signals import DEFAULT_PERSISTENT, Decay, Product, Signal
 from ..blender.single_precision import shortest
 from ..properties.declared import identifier, write_values
-from ..properties.drawing import HERTZ
+from ..properties.signal_kinds import kind_of
 from ..scene_reader.imported import text_of
 
 
@@ -70,12 +70,9 @@ def write_source(source: Any, item: Source, placed: bool = True) -> None:
     """Set a source's properties to ``item``; ``placed``: store its world position as well."""
     source.enabled = True
     write_values(source, item)
-    signal = (
-        Sine(60.0) if item.signal is None and item.kind is SourceKind.PERSISTENT else item.signal
-    )
-    signal, source.decay = (
-        _without_decay(signal) if item.kind is SourceKind.PERSISTENT else (signal, 0.0)
-    )
+    signal, source.decay = item.signal, 0.0
+    if item.kind is SourceKind.PERSISTENT:
+        signal, source.decay = _without_decay(signal or DEFAULT_PERSISTENT)
     kept = _write_signal(source, signal)
     source.one_shot = item.triggers is not None
     source.trigger_hit = any(trigger.on is TriggerKind.HIT for trigger in item.triggers or ())
@@ -170,21 +167,12 @@ def _without_decay(signal: Signal | None) -> tuple[Signal | None, float]:
 def _write_signal(source: Any, signal: Signal | None) -> Signal | None:
     """Choose the equivalent signal of the properties; otherwise the imported one, which is returned
     to be stored."""
-    low, high = HERTZ
-    match signal:
-        case Sine(frequency=float(frequency)) | Pulse(frequency=float(frequency)) if (
-            signal == type(signal)(frequency)
-            and low <= frequency <= high
-            and shortest(frequency) == frequency
-        ):
-            source.signal = "SINE" if isinstance(signal, Sine) else "PULSE"
-            source.frequency = frequency
-            return None
-        case Noise() if signal == Noise():
-            source.signal = "NOISE"
-            return None
-    source.signal = "KEPT"
-    return signal
+    known = kind_of(signal)
+    if known is None:
+        source.signal = "KEPT"
+        return signal
+    source.signal, source.frequency = known
+    return None
 
 
 def _choose(owner: Any, name: str, value: str) -> bool:

@@ -26,6 +26,7 @@ from ..blender.progress import progress
 from ..blender.units import metres_per_unit
 from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch
+from ..properties.signal_kinds import PLAIN
 from ..scene_reader.instances import with_instanced
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from ..session import session, worker
@@ -140,9 +141,7 @@ class HAPTIC_OT_add_source(OnActive, Operator):
                 "Guess the signal from the name: a jackhammer blows, an engine hums; a sine for "
                 "other names",
             ),
-            ("SINE", "Sine", "A pure vibration"),
-            ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
-            ("NOISE", "Noise", "A rough, random vibration"),
+            *((kind, plain.label, plain.about) for kind, plain in PLAIN.items()),
         ),
         default="AUTO",
     )

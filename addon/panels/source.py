@@ -7,6 +7,7 @@ from bpy.types import Context, Object, Panel, Scene, UILayout
 from ...core.scene.values import Source
 from ..io import drawings, signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
+from ..properties.signal_kinds import PLAIN
 from ..properties.source import HapticSourceProperties
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
@@ -47,7 +48,7 @@ class HAPTIC_PT_signals(Panel):
 
     def draw(self, context: Context) -> None:
         flow = self.layout.grid_flow(row_major=True, columns=5, even_columns=True)
-        for kind in ("SINE", "PULSE", "NOISE"):
+        for kind in PLAIN:
             cell(flow, f"signal-{kind}").prop_enum(context.object.haptics.source, "signal", kind)
         for path in signal_library.files():
             name, pixels = signal_library.picture(path)
@@ -141,7 +142,7 @@ def draw_signal(layout: UILayout, source: HapticSourceProperties) -> None:
     row.prop(source, "signal")
     row.popover("HAPTIC_PT_signals", text="", icon="IMGDISPLAY")
     row.operator("haptic.hear_signal", text="", icon="PLAY_SOUND").filepath = ""
-    if source.signal in ("SINE", "PULSE"):
+    if source.signal in PLAIN and PLAIN[source.signal].is_tuned:
         layout.prop(source, "frequency")
 
 

@@ -13,11 +13,10 @@ from bpy.types import NodeTree, PropertyGroup
 
 from .callbacks import changed, updating
 from .kinds import limited, share, switch
+from .signal_kinds import HERTZ
 
 AMPLITUDE, FREQUENCY = "Amplitude", "Frequency"
 """The nodes with the curves, from 0 to 1 in both directions."""
-HERTZ = (0.1, 1000.0)
-"""Range of the frequencies of sources [Hz]."""
 LONGEST = 3600.0
 """Longest drawn signal [s]."""
 

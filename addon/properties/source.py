@@ -8,27 +8,24 @@ from bpy.types import PropertyGroup
 from ...core.scene.values import Source
 from .callbacks import Stored, updating
 from .declared import holding
-from .drawing import HERTZ, drawing_property
+from .drawing import drawing_property
 from .kinds import choice, limited, share, switch, text
+from .signal_kinds import HERTZ, PLAIN
 from .sound import HapticSoundProperties
 
 SIGNAL_ITEMS = (
-    ("SINE", "Sine", "A pure vibration"),
-    ("PULSE", "Pulse Train", "Regular blows, like those of a jackhammer"),
-    ("NOISE", "Noise", "A rough, random vibration"),
-    ("FILE", "WAV File", "A recorded signal"),
-    ("DRAWN", "Drawn", "Amplitude and frequency as curves"),
-    (
-        "SOUND",
-        "Sound",
-        "Vibration made of a sound: how strong, how high and where something begins",
-    ),
-    ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
+    *((kind, plain.label, plain.about, "", plain.number) for kind, plain in PLAIN.items()),
+    ("FILE", "WAV File", "A recorded signal", "", 3),
+    ("DRAWN", "Drawn", "Amplitude and frequency as curves", "", 4),
+    ("SOUND", "Sound", "Vibration that follows the loudness, pitch and onsets of a sound", "", 5),
+    ("KEPT", "Imported", "The signal of an imported file, kept in this one", "", 6),
     (
         "BLAST",
         "Blast",
         "The pressure wave of a shot or an explosion, whose overpressure lasts for the decay "
         "time (Friedlander)",
+        "",
+        7,
     ),
 )
 

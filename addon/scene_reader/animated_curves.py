@@ -14,7 +14,7 @@ from ...core.arrays import FloatArray
 from ...core.signals import Automation
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
-from ..properties.drawing import HERTZ
+from ..properties.signal_kinds import HERTZ
 
 FREQUENCY, ENVELOPE = "haptics.source.frequency", "haptics.source.envelope"
 Curves = tuple[Automation | None, Automation | None]

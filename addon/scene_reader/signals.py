@@ -14,16 +14,14 @@ from ...core.signals import (
     LONGEST,
     Automation,
     Loop,
-    Noise,
-    Pulse,
     Signal,
-    Sine,
     read_wav,
 )
 from ...core.signals.envelopes import Decay, Keyed
 from ...core.signals.limits import MIN_SECONDS
 from ..blender.paths import local_path
 from ..blender.single_precision import shortest
+from ..properties.signal_kinds import PLAIN
 from .drawings import read_drawing
 from .imported import stored_item
 
@@ -35,12 +33,8 @@ def read_signal(
     are any. Raises ValueError if its file or drawing cannot be read."""
     hertz = shortest(properties.frequency) if frequency is None else frequency
     match properties.signal:
-        case "SINE":
-            return Sine(hertz)
-        case "PULSE":
-            return Pulse(hertz)
-        case "NOISE":
-            return Noise()
+        case kind if kind in PLAIN:
+            return PLAIN[kind].make(hertz)
         case "DRAWN":
             return read_drawing(properties.drawing, envelope, frequency).to_signal()
         case "BLAST":  # with its decay (1 - t / T) exp(-t / T)
