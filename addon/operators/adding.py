@@ -7,7 +7,6 @@ from typing import Any
 
 import bmesh
 import bpy
-from bpy.props import EnumProperty
 from bpy.types import Context, Object, Operator, Scene
 from mathutils import Matrix, Vector
 
@@ -17,6 +16,7 @@ from ..authoring import materials
 from ..blender.compatibility import animated_paths
 from ..blender.polling import Edit, OnActive
 from ..blender.units import metres_per_unit
+from ..properties.kinds import choice
 from ..scene_reader import triggers
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from .tagging import make_source
@@ -40,7 +40,7 @@ class HAPTIC_OT_add_source_object(Edit, Operator):
 
     bl_label = "Add Haptic Source"
 
-    kind: EnumProperty(name="Signal", description="What the source emits", items=SOURCE_ITEMS)
+    kind: choice("Signal", "What the source emits", SOURCE_ITEMS)
 
     def apply(self, context: Context) -> None:
         _, title, _, frequency, _ = next(source for source in _SOURCES if source[0] == self.kind)
@@ -95,10 +95,10 @@ class HAPTIC_OT_make_one_shot(OnActive, Operator):
 
     bl_label = "Play Once"
 
-    kind: EnumProperty(
-        name="Blast",
-        description="Which blast the source plays",
-        items=(
+    kind: choice(
+        "Blast",
+        "Which blast the source plays",
+        (
             (
                 "EXPLOSION",
                 "Explosion",
@@ -142,10 +142,10 @@ class HAPTIC_OT_add_medium(Edit, Operator):
 
     bl_label = "Add Medium"
 
-    medium: EnumProperty(
-        name="Medium",
-        description="What fills the volume",
-        items=(
+    medium: choice(
+        "Medium",
+        "What fills the volume",
+        (
             ("air", "Air", "Carries the blast of an explosion", "FORCE_WIND", 0),
             ("water", "Water", "Carries sound and shock", "MOD_FLUIDSIM", 1),
         ),
@@ -190,7 +190,7 @@ class HAPTIC_OT_add_sample(Edit, Operator):
 
     bl_label = "Add Sample Scene"
 
-    sample: EnumProperty(name="Sample", description="The scene to build", items=SAMPLE_ITEMS)
+    sample: choice("Sample", "The scene to build", SAMPLE_ITEMS)
 
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from bpy.app.translations import pgettext_rpt as _rpt
-from bpy.props import EnumProperty
 from bpy.types import Context, Object, Operator
 
 from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
+from ..properties.kinds import choice
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from .materials import BODY_ITEMS
 
@@ -22,10 +22,10 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
     bl_label = "Add Body Listeners"
     bl_options = {*UNDO, "PRESET"}
 
-    parts: EnumProperty(
-        name="Parts",
-        description="Which parts of the body get a listener",
-        items=(
+    parts: choice(
+        "Parts",
+        "Which parts of the body get a listener",
+        (
             (
                 "DEFAULT",
                 "Twelve",
@@ -40,7 +40,7 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         ),
     )
 
-    body: EnumProperty(name="Body", description="How a new body damps vibration", items=BODY_ITEMS)
+    body: choice("Body", "How a new body damps vibration", BODY_ITEMS)
 
     def apply(self, context: Context) -> None:
         follow_unit_scale(context.scene)

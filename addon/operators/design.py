@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
-from bpy.props import FloatProperty, StringProperty
 from bpy.types import Context, Event, Operator, Scene, UILayout
 
 from ...core.design import felt, recordings, wishes
@@ -26,7 +25,7 @@ from ..blender.polling import (
     permitted,
     poll_object_mode,
 )
-from ..properties.kinds import switch
+from ..properties.kinds import limited, switch, text
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
 from ..translations.sentences import sentence
@@ -51,14 +50,8 @@ class HAPTIC_OT_make_felt(Edit, Operator):
 
     bl_label = "Make It Felt"
 
-    listener: StringProperty(name="Listener", options={"HIDDEN", "SKIP_SAVE"})
-    margin: FloatProperty(
-        name="Margin (dB)",
-        description="How far above the threshold of feeling",
-        default=6.0,
-        min=0.0,
-        max=60.0,
-    )
+    listener: text("Listener", "", options={"HIDDEN", "SKIP_SAVE"})
+    margin: limited("Margin (dB)", "How far above the threshold of feeling", 6.0, (0.0, 60.0))
     use_amplitude: switch(
         "Amplitude",
         "If the gain of the listener is not enough, raise the amplitude of the source that it "

@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import IntProperty, StringProperty
+from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
 from ..blender.polling import SOLID_TYPES, Edit, OnActive
 from ..io import scene_builder, vibration_signal
-from ..properties.kinds import switch
+from ..properties.kinds import switch, whole
 from ..scene_reader import imported
 from ..scene_reader.roles import haptic_carrier
 from .exporting import MOST_REPORTED
@@ -68,13 +68,7 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
     filter_glob: StringProperty(
         default=";".join(f"*{suffix}" for suffix in READERS), options={"HIDDEN"}
     )
-    channel: IntProperty(
-        name="Channel",
-        description="Which one of the file's vibrations",
-        default=1,
-        min=1,
-        soft_max=32,
-    )
+    channel: whole("Channel", "Which one of the file's vibrations", 1, (1, 2**31 - 1), soft_max=32)
     loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
 
     def apply(self, context: Context) -> None:

@@ -13,6 +13,7 @@ from ..blender.extension import profile_folders
 from ..blender.polling import UNDO, Action, OnActive, Refused, is_editable
 from ..live_output import handlers, outputs, player, preview, refresh
 from ..properties import actuators
+from ..properties.kinds import text
 from ..properties.preferences import preferences
 from ..properties.sound import device_profiles
 
@@ -43,9 +44,7 @@ class HAPTIC_OT_connect_device(Action, Operator):
     bl_label = "Connect"
     bl_options = {"INTERNAL"}
 
-    device: StringProperty(
-        name="Device", description="Which one; empty for the default device of the preferences"
-    )
+    device: text("Device", "Which one; empty for the default device of the preferences")
 
     def apply(self, context: Context) -> None:
         key = self.device or outputs.preferred(preferences().default_device)
@@ -159,9 +158,9 @@ class HAPTIC_OT_calibrate_listener(OnActive, Operator):
     bl_options = UNDO
     bl_property = "actuator"
 
-    actuator: StringProperty(
-        name="Actuator",
-        description="Device and actuator; only profiles with a full_scale are listed",
+    actuator: text(
+        "Actuator",
+        "Device and actuator; only profiles with a full_scale are listed",
         search=_calibrated_actuators,
     )
 

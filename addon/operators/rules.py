@@ -6,21 +6,19 @@ from collections.abc import Mapping
 from typing import Any
 
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import texture_in
 from ..blender.polling import Edit
 from ..changes.revisions import mark_changed
+from ..properties.kinds import choice, switch
 from ..properties.rules import TABLES
 
 
 class _OfTable(Edit):
     """Mixin: an operator on one of the tables."""
 
-    table: EnumProperty(
-        name="Table", description="The table of the scene", items=TABLES, options={"HIDDEN"}
-    )
+    table: choice("Table", "The table of the scene", TABLES, options={"HIDDEN"})
 
     def _rows(self, context: Context) -> Any:
         return getattr(context.scene.haptics, self.table)
@@ -108,7 +106,7 @@ class HAPTIC_OT_move_rule(_OfTable, Operator):
 
     bl_label = "Move Rule"
 
-    up: BoolProperty(name="Up", description="Towards the top of the table", options={"HIDDEN"})
+    up: switch("Up", "Towards the top of the table", options={"HIDDEN"})
 
     def apply(self, context: Context) -> None:
         rows = self._rows(context)

@@ -6,14 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from bpy.app.translations import pgettext_rpt as _rpt
-from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
 from ..blender import job
 from ..blender.polling import OnActive, permitted
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
+from ..properties.kinds import limited, share, text, whole
 from ..scene_reader import imported
+
+_TIMES = (0.0, 100.0)
+"""Range of the parts of an envelope [s]."""
 
 
 class _OnDrawing(OnActive):
@@ -45,35 +48,10 @@ class HAPTIC_OT_shape_envelope(_OnDrawing, Operator):
 
     bl_label = "Shape Envelope"
 
-    attack: FloatProperty(
-        name="Attack (s)",
-        description="Time of the rise to full amplitude",
-        default=0.05,
-        min=0.0,
-        max=100.0,
-    )
-    decay: FloatProperty(
-        name="Decay (s)",
-        description="Time of the fall to the level that is held",
-        default=0.15,
-        min=0.0,
-        max=100.0,
-    )
-    sustain: FloatProperty(
-        name="Sustain",
-        description="The level that is held",
-        default=0.6,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    release: FloatProperty(
-        name="Release (s)",
-        description="Time of the fall to silence at the end",
-        default=0.3,
-        min=0.0,
-        max=100.0,
-    )
+    attack: limited("Attack (s)", "Time of the rise to full amplitude", 0.05, _TIMES)
+    decay: limited("Decay (s)", "Time of the fall to the level that is held", 0.15, _TIMES)
+    sustain: share("Sustain", "The level that is held", 0.6)
+    release: limited("Release (s)", "Time of the fall to silence at the end", 0.3, _TIMES)
 
     def apply(self, context: Context) -> None:
         tree: Any = context.object.haptics.source.drawing
@@ -98,11 +76,8 @@ class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
 
     bl_label = "Add Emphasis"
 
-    index: IntProperty(
-        name="Number",
-        description="Which one is removed; -1 adds one",
-        default=-1,
-        options={"HIDDEN"},
+    index: whole(
+        "Number", "Which one is removed; -1 adds one", -1, (-1, 10_000), options={"HIDDEN"}
     )
 
     def apply(self, context: Context) -> None:
@@ -146,9 +121,7 @@ class HAPTIC_OT_hear_signal(OnActive, Operator):
     bl_label = "Hear"
     bl_options = {"INTERNAL"}
 
-    filepath: StringProperty(
-        name="File", description="The signal of the library; that of the active source where empty"
-    )
+    filepath: text("File", "The signal of the library; that of the active source where empty")
 
     def apply(self, context: Context) -> None:
         preview.hear(
@@ -163,9 +136,7 @@ class HAPTIC_OT_use_signal(OnActive, Operator):
 
     bl_label = "Use Signal"
 
-    filepath: StringProperty(
-        name="File", description="The signal of the library", options={"HIDDEN"}
-    )
+    filepath: text("File", "The signal of the library", options={"HIDDEN"})
 
     def apply(self, context: Context) -> None:
         source, path = context.object.haptics.source, Path(self.filepath)
@@ -182,9 +153,7 @@ class HAPTIC_OT_save_signal(OnActive, Operator):
 
     bl_label = "Save to Library"
 
-    name: StringProperty(
-        name="Name", description="Name in the library; one of that name is replaced"
-    )
+    name: text("Name", "Name in the library; one of that name is replaced")
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         source = context.object.haptics.source

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Event, Object, Operator, Scene
 from mathutils import Vector
 
@@ -25,7 +24,7 @@ from ..blender.polling import (
 from ..blender.progress import progress
 from ..blender.units import metres_per_unit
 from ..changes.suspension import suspended
-from ..properties.kinds import choice, switch
+from ..properties.kinds import choice, switch, text
 from ..properties.signal_kinds import PLAIN
 from ..scene_reader.instances import with_instanced
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
@@ -296,10 +295,8 @@ class HAPTIC_OT_select_object(Edit, Operator):
     bl_label = "Select Object"
     bl_options = {*UNDO, "INTERNAL"}
 
-    name: StringProperty(name="Object", description="Name of the object", options={"SKIP_SAVE"})
-    extend: BoolProperty(
-        name="Extend", description="Keep what is selected", default=False, options={"SKIP_SAVE"}
-    )
+    name: text("Object", "Name of the object", options={"SKIP_SAVE"})
+    extend: switch("Extend", "Keep what is selected", options={"SKIP_SAVE"})
 
     def apply(self, context: Context) -> None:
         found: Any = next(

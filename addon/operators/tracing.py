@@ -7,13 +7,12 @@ from typing import Any
 
 from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.app.translations import pgettext_tip as tip_
-from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ...core.scene.values import MODES
 from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
 from ..changes.redraw import redraw_viewports
-from ..properties.kinds import number, switch
+from ..properties.kinds import choice, number, switch
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions, worker
 from ..view import graph_mesh, table
@@ -90,7 +89,7 @@ class HAPTIC_OT_set_mode(Action, Operator):
     bl_label = "Set Haptic Mode"
     bl_options = UNDO
 
-    mode: EnumProperty(name="Mode", description="The rendering", items=_ITEMS, default="NEXT")
+    mode: choice("Mode", "The rendering", _ITEMS, default="NEXT")
 
     @classmethod
     def description(cls, context: Context, properties: Any) -> str:

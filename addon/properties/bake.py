@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from bpy.props import CollectionProperty, IntProperty, PointerProperty
+from bpy.props import CollectionProperty, PointerProperty
 from bpy.types import PropertyGroup, Sound, Text
 
 from .callbacks import view_changed
-from .kinds import number, switch, text
+from .kinds import number, reference, switch, text, whole
+
+_FRAMES = (-1048574, 1048574)
+"""Blender's range of frames."""
+
+
+def _track() -> PointerProperty[Text]:
+    words = "Where the haptic track is kept: a text with the track as its property"
+    return reference(Text, "Track", words)
 
 
 class HapticTake(PropertyGroup):
     """A bake that is stored under a name."""
 
     name: text("Name", "Name of the take")
-    track: PointerProperty(
-        type=Text,
-        name="Track",
-        description="Where the haptic track is kept: a text with the track as its property",
-    )
+    track: _track()
 
 
 class HapticBakeProperties(PropertyGroup):
@@ -26,18 +30,10 @@ class HapticBakeProperties(PropertyGroup):
     takes: CollectionProperty(
         type=HapticTake, name="Takes", description="Bakes that are kept under a name"
     )
-    compared: PointerProperty(
-        type=Text, name="Compared", description="The take that was played before"
-    )
+    compared: reference(Text, "Compared", "The take that was played before")
 
-    track: PointerProperty(
-        type=Text,
-        name="Track",
-        description="Where the haptic track is kept: a text with the track as its property",
-    )
-    sound: PointerProperty(
-        type=Sound, name="Sound", description="The track as sound, packed into the file"
-    )
+    track: _track()
+    sound: reference(Sound, "Sound", "The track as sound, packed into the file")
     use_track: switch(
         "Play Baked Track",
         "While the timeline plays, read what is felt from the baked track instead of tracing; "
@@ -46,12 +42,8 @@ class HapticBakeProperties(PropertyGroup):
         update=view_changed,
     )
     use_range: switch("Custom Range", "Bake these frames instead of the scene's frame range")
-    frame_start: IntProperty(
-        name="Start", description="First frame to bake", default=1, min=-1048574, max=1048574
-    )
-    frame_end: IntProperty(
-        name="End", description="Last frame to bake", default=250, min=-1048574, max=1048574
-    )
+    frame_start: whole("Start", "First frame to bake", 1, _FRAMES)
+    frame_end: whole("End", "Last frame to bake", 250, _FRAMES)
     write_curves: switch(
         "Write F-Curves",
         "Write intensity and frequency as F-curves on the listeners, to be seen in the graph "

@@ -12,7 +12,7 @@ from bpy.props import CollectionProperty, PointerProperty
 from bpy.types import NodeTree, PropertyGroup
 
 from .callbacks import changed, updating
-from .kinds import limited, share, switch
+from .kinds import limited, reference, share, switch
 from .signal_kinds import HERTZ
 
 AMPLITUDE, FREQUENCY = "Amplitude", "Frequency"
@@ -54,11 +54,10 @@ def _is_drawing(_: Any, tree: NodeTree) -> bool:
 
 def drawing_property() -> PointerProperty[NodeTree]:
     """The choice of a drawn signal."""
-    words = "The signal that is drawn"
-    return PointerProperty(
-        name="Drawn Signal",
-        description=words,
-        type=NodeTree,
+    return reference(
+        NodeTree,
+        "Drawn Signal",
+        "The signal that is drawn",
         poll=_is_drawing,
         options=set(),
         update=changed,

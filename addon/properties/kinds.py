@@ -1,16 +1,22 @@
-"""Kinds of properties: switches, choices, texts, shares and numbers, each with its name, its
-tooltip and its default."""
+"""Kinds of properties: switches, choices, texts, numbers and references, each with its name, its
+tooltip and its default. All of them take further arguments of Blender's properties (``more``)."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 
 def switch(name: str, description: str, default: bool = False, **more: Any) -> BoolProperty:
-    """A property that is on or off; ``more``: callback, options and further arguments of Blender's
-    property."""
+    """A property that is on or off."""
     return BoolProperty(name=name, description=description, default=default, **more)
 
 
@@ -48,3 +54,17 @@ def choice(
 def text(name: str, description: str, default: str = "", **more: Any) -> StringProperty:
     """A text, such as a name, a path or a formula."""
     return StringProperty(name=name, description=description, default=default, **more)
+
+
+def whole(
+    name: str, description: str, default: int, span: tuple[int, int], **more: Any
+) -> IntProperty:
+    """A whole number within ``span``."""
+    return IntProperty(
+        name=name, description=description, default=default, min=span[0], max=span[1], **more
+    )
+
+
+def reference(kind: type, name: str, description: str, **more: Any) -> PointerProperty:
+    """A datablock of Blender, such as an object."""
+    return PointerProperty(type=kind, name=name, description=description, **more)

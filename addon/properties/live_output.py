@@ -3,13 +3,13 @@ device."""
 
 from __future__ import annotations
 
-from bpy.props import CollectionProperty, PointerProperty
+from bpy.props import CollectionProperty
 from bpy.types import Context, Object, PropertyGroup
 
 from ..changes.events import device_adjusted, preview_adjusted
 from ..changes.revisions import mark_actuators
 from .callbacks import updating
-from .kinds import limited, share, switch, text
+from .kinds import limited, reference, share, switch, text
 
 
 def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
@@ -75,10 +75,10 @@ class HapticLiveOutputProperties(PropertyGroup):
         update=_preview_changed,
         translation_context="Haptics",
     )
-    heard: PointerProperty(
-        type=Object,
-        name="Heard Listener",
-        description="The only listener that is heard; without one all are",
+    heard: reference(
+        Object,
+        "Heard Listener",
+        "The only listener that is heard; without one all are",
         poll=lambda self, obj: obj.haptics.listener.enabled,
         update=_preview_changed,
     )

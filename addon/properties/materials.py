@@ -29,7 +29,7 @@ from ...core.scene.materials import MATERIALS
 from ..blender.progress import progress
 from .callbacks import Stored, updating
 from .declared import holding
-from .kinds import choice, limited, switch, text
+from .kinds import choice, limited, reference, switch, text
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
@@ -178,9 +178,7 @@ def _recording(name: str, description: str) -> StringProperty:
 
 def _one(name: str, description: str, role: str) -> PointerProperty[Object]:
     has_role = attrgetter(f"haptics.{role}")
-    return PointerProperty(
-        type=Object, name=name, description=description, poll=lambda self, obj: bool(has_role(obj))
-    )
+    return reference(Object, name, description, poll=lambda self, obj: bool(has_role(obj)))
 
 
 class HapticFit(PropertyGroup):

@@ -11,7 +11,7 @@ from . import bake, live_output, materials, modalities
 from .callbacks import Stored, changed, updating
 from .declared import holding
 from .function import VIBRATION_FUNCTIONS, FunctionParameters, function_property
-from .kinds import choice, number, switch
+from .kinds import choice, number, reference, switch
 from .listener import HapticListenerProperties
 from .source import HapticSourceProperties
 
@@ -65,10 +65,10 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
     listener: PointerProperty(type=HapticListenerProperties)
     material: PointerProperty(type=materials.HapticObjectMaterial)
     modalities: PointerProperty(type=modalities.HapticObjectModalities)
-    body: PointerProperty(
-        type=Object,
-        name="Body",
-        description="The haptic object through which the listeners on this armature feel",
+    body: reference(
+        Object,
+        "Body",
+        "The haptic object through which the listeners on this armature feel",
         update=changed,
     )
     felt: PointerProperty(type=bake.HapticFeltProperties)

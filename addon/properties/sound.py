@@ -7,14 +7,14 @@ from pathlib import Path
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.props import FloatVectorProperty, PointerProperty
+from bpy.props import FloatVectorProperty
 from bpy.types import Context, Object, PropertyGroup
 
 from ...core.devices import profiles
 from ..blender.extension import profile_folders
 from ..blender.paths import local_path
 from .callbacks import changed, updating
-from .kinds import choice, limited, share, switch, text
+from .kinds import choice, limited, reference, share, switch, text
 
 ORIGINS = (
     ("FILE", "File", "A WAV, FLAC, MP3 or Ogg file"),
@@ -69,10 +69,10 @@ class HapticSoundProperties(PropertyGroup):
 
     origin: choice("Sound", "Where the sound comes from", ORIGINS)
     filepath: text("File", "The sound that becomes vibration", subtype="FILE_PATH")
-    speaker: PointerProperty(
-        type=Object,
-        name="Speaker",
-        description="It plays the sound",
+    speaker: reference(
+        Object,
+        "Speaker",
+        "It plays the sound",
         poll=lambda self, obj: obj.type == "SPEAKER",
         update=_edited,
     )

@@ -59,10 +59,6 @@ class Level:
         """Position of the level on a meter, 0 to 1."""
         return place_of(self.rms)
 
-    def peak_and_level(self) -> str:
-        """Peak and level in decibels: "−12, −20", or "silent"."""
-        return iface_("silent") if self.is_silent else f"{_number(self.peak)}, {_number(self.rms)}"
-
     def margin_text(self) -> str:
         """The margin with its sign: "+23 dB", "−5 dB", "" for silence."""
         return margin_words(self.margin)

@@ -142,3 +142,28 @@ def test_the_tour_of_a_frame_names_what_is_there():
         first = re.findall(r"`([\w.]+)`", words)[0]
         for name in first.split("."):
             assert re.search(rf"^ *(?:def|class) {name}\b", source, re.MULTILINE), (file, name)
+
+
+def test_the_glossary_names_what_is_there(root):
+    """The column "in the code" of docs/glossary.md: classes, functions, members, modules and
+    packages."""
+    known = set()
+    for part in ("core", "addon"):
+        for path in (root / part).rglob("*.py"):
+            known |= {path.stem, path.parent.name}
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            for node in ast.walk(tree):
+                if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+                    known.add(node.name)
+                if isinstance(node, ast.ClassDef):
+                    fields = [item.target for item in node.body if isinstance(item, ast.AnnAssign)]
+                    names = [field.id for field in fields if isinstance(field, ast.Name)]
+                    names += [item.name for item in node.body if isinstance(item, ast.FunctionDef)]
+                    known |= {f"{node.name}.{name}" for name in names}
+                if isinstance(node, ast.arg):
+                    known.add(node.arg)
+    rows = (root / "docs" / "glossary.md").read_text(encoding="utf-8").splitlines()
+    told = " ".join(row.split("|")[3] for row in rows if row.startswith("|"))
+    names = re.findall(r"`([\w.]+)`", told)
+    assert len(names) > 50
+    assert [name for name in names if name not in known] == []

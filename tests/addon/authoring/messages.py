@@ -61,6 +61,17 @@ def written_texts() -> set[str]:
     return found
 
 
+def literals() -> set[str]:
+    """Every string in the sources of the add-on and the core."""
+    return {
+        node.value
+        for folder in (ADDON, ADDON.parent / "core")
+        for path in folder.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+
+
 def _classes() -> Iterator[Any]:
     stack = list(_BASES)
     while stack:

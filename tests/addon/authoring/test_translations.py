@@ -32,6 +32,14 @@ def test_every_text_is_translated():
     assert sorted(shown - GERMAN["messages"].keys() - SAME - BLENDERS) == []
 
 
+def test_nothing_is_translated_that_is_not_shown():
+    """What none of the two finds stands as a literal in the sources, or names a file of the signal
+    library, as it is drawn."""
+    shown = messages.registered_texts() | messages.written_texts() | messages.literals()
+    shown |= {path.stem for path in (messages.ADDON / "signals").glob("*.json")}
+    assert sorted(GERMAN["messages"].keys() - shown) == []
+
+
 def test_messages_of_the_core_are_translated_with_their_arguments():
     assert GERMAN["sentences"].keys() == {cause.name.lower() for cause in Cause}
     for cause, words in GERMAN["sentences"].items():

@@ -62,7 +62,7 @@ def test_levels_are_worked_out_once_a_frame(felt, settle):
     assert foot.peak == pytest.approx(
         20 * np.log10(session.result_of(felt).amplitudes[0, 0]), abs=0.05
     )
-    assert hand.peak_and_level() == "silent"
+    assert hand.is_silent
     assert watched.levels_of(felt)[0] is foot
     felt.frame_set(51)
     assert settle(lambda: watched.levels_of(felt))[0] is not foot
