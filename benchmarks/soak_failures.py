@@ -47,6 +47,9 @@ outputs = [DeviceOutput(device, hid=TimedHid({folder!r})) for device in devices]
 for output in outputs:
     output.start()
 while not all(output.status.state == "open" for output in outputs):
+    ended = [output.status.message for output in outputs if output.status.is_over]
+    if ended:
+        sys.exit(ended[0])
     time.sleep(0.01)
 print(flush=True)
 begun = time.perf_counter()
@@ -88,7 +91,8 @@ def silence(who: str, how: str, after: float, folder: str) -> float:
     source = PROGRAM.format(tests=tests, names=names, folder=folder)
     program = subprocess.Popen([sys.executable, "-c", source], stdout=subprocess.PIPE)
     assert program.stdout is not None
-    program.stdout.readline()
+    if not program.stdout.readline():
+        raise OSError("the devices can't be opened")
     (guard,) = children(program.pid)
     time.sleep(after)
     os.kill(program.pid if who == "program" else guard, signal.Signals[how])

@@ -15,6 +15,7 @@ if sys.platform == "win32":
         yield lambda: msvcrt.getwch() if msvcrt.kbhit() else ""
 
 else:
+    import os
     import select
     import termios
     import tty
@@ -26,9 +27,14 @@ else:
         if not sys.stdin.isatty():
             yield str
             return
-        before = termios.tcgetattr(sys.stdin)
+        terminal = sys.stdin.fileno()
+        before = termios.tcgetattr(terminal)
         try:
-            tty.setcbreak(sys.stdin)
-            yield lambda: sys.stdin.read(1) if select.select([sys.stdin], [], [], 0)[0] else ""
+            tty.setcbreak(terminal)
+            yield lambda: (
+                os.read(terminal, 1).decode(errors="replace")
+                if select.select([terminal], [], [], 0)[0]
+                else ""
+            )
         finally:
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
+            termios.tcsetattr(terminal, termios.TCSADRAIN, before)

@@ -135,6 +135,8 @@ def _draw_status(
     column.label(text=state, icon="CHECKMARK" if status.state == "open" else "ERROR")
     if status.message:
         _draw_text(column, status.message)
+    if status.state == "failed":
+        _draw_text(column, "Disconnect it and connect it again")
     if status.writing_for > _BLOCKED:
         _draw_text(column, f"A write has been blocked for {status.writing_for:.1f} s")
     draw_pair(column, "Reports written", f"{status.written}")

@@ -12,16 +12,20 @@ from ...core.devices.inventory import look
 from ...core.devices.mapping import ActuatorMapping, map_listeners
 from ...core.devices.profiles import Adjustment, Profile
 from ...core.run_time import Run, Step
+from .. import say
 from .conversation import RATE
 
 SILENCE = 0.25
 """Seconds after the last step from which devices are silent."""
 _LOOK = 0.02
+_AGAIN = 2.0
+"""Seconds between attempts to open a device that can't be silenced, or whose guard can't start."""
 
 
 class DeviceStage:
     """Devices that play the blocks of one run at a time. They fall silent `SILENCE` seconds after
-    the last block."""
+    the last block; those that are lost meanwhile are named on stderr, and play again when they are
+    back."""
 
     def __init__(self, outputs: dict[str, GuardedOutput]) -> None:
         self.outputs = outputs
@@ -35,6 +39,8 @@ class DeviceStage:
         )
         self._mapping: tuple[tuple[tuple[str, str], ...], ActuatorMapping] | None = None
         self._played = 0.0
+        self._lost: dict[str, float] = {}
+        """When devices that are lost were last opened again [s], by their keys."""
         self._ended = threading.Event()
         self._watch = threading.Thread(
             target=self._silence_late, name="haptics silence", daemon=True
@@ -70,6 +76,7 @@ class DeviceStage:
     def send(self, body_parts: Mapping[str, str], block: FloatArray) -> None:
         """Play samples (listeners, n) at `RATE`. ``body_parts``: of each listener, by its name."""
         mapping = self.mapping(body_parts)
+        self._revive()
         self._played = time.monotonic()
         for key, levels in mapping.blocks(block).items():
             self.outputs[key].send(levels)
@@ -81,6 +88,25 @@ class DeviceStage:
             devices = {key: output.profile for key, output in self.outputs.items()}
             self._mapping = parts, map_listeners(dict(parts), devices)
         return self._mapping[1]
+
+    def _revive(self) -> None:
+        """Name devices that were lost or are back, and open those again whose guard has ended."""
+        if self._ended.is_set():
+            return
+        now = time.monotonic()
+        for key, output in self.outputs.items():
+            status = output.status
+            if status.state == "open":
+                if self._lost.pop(key, 0.0):
+                    say([f"{output.profile.title}: plays again"])
+                continue
+            if key not in self._lost and status.message:
+                say([f"{output.profile.title}: {status.message}"])
+                self._lost[key] = now
+            silenced = key in self._lost and output.is_silent
+            if status.is_over and (silenced or now - self._lost.get(key, now) >= _AGAIN):
+                self._lost[key] = now
+                output.start()
 
     def stop(self) -> None:
         """Silence all devices."""

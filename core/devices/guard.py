@@ -390,11 +390,8 @@ class GuardedOutput(Output):
             "stopped": "another one has silenced it",
             "failed": f"another one can't silence it ({status.message}): {UNREACHED}",
         }
-        message = (
-            f"{self._lost}; {outcome.get(status.state, 'another one is silencing it')}. "
-            "Disconnect it and connect it again"
-        )
-        return Status("failed", message)
+        found = outcome.get(status.state, "another one is silencing it")
+        return Status("failed", f"{self._lost}; {found}")
 
     @property
     def is_silent(self) -> bool:

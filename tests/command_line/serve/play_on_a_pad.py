@@ -1,5 +1,5 @@
 """Runs inside umockdev: ``haptic-tracing play`` on a pad, with a terminal whose keys are pressed at
-given seconds.
+given seconds. In place of keys, SIGKILL or SIGSTOP reaches the guard.
 
 Prints the exit code, the second at which each key was pressed, and the reports written to the pad,
 as JSON.
@@ -10,6 +10,7 @@ Called as ``umockdev-run ... -- python play_on_a_pad.py FOLDER FILE [KEY SECONDS
 import json
 import os
 import pty
+import signal
 import sys
 import threading
 import time
@@ -22,6 +23,7 @@ from haptic_tracing.command_line.serve.stage import DeviceStage
 from haptic_tracing.core.devices.guard import DeviceOutput
 from haptic_tracing.core.devices.profiles import profile
 from timed_hid import TimedHid, reports_of
+from umockdev_scenes import children
 
 folder, file, presses = Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
 log = folder / "log"
@@ -49,7 +51,11 @@ def press():
     for key, seconds in zip(presses[::2], map(float, presses[1::2]), strict=True):
         time.sleep(max(begun + seconds - time.perf_counter(), 0.0))
         pressed.append(time.perf_counter())
-        os.write(keyboard, key.encode())
+        if key.startswith("SIG"):
+            (guard,) = children()
+            os.kill(guard, signal.Signals[key])
+        else:
+            os.write(keyboard, key.encode())
 
 
 if presses:
