@@ -31,10 +31,12 @@ else:
         before = termios.tcgetattr(terminal)
         try:
             tty.setcbreak(terminal)
-            yield lambda: (
-                os.read(terminal, 1).decode(errors="replace")
-                if select.select([terminal], [], [], 0)[0]
-                else ""
+            yield (
+                lambda: (
+                    os.read(terminal, 1).decode(errors="replace")
+                    if select.select([terminal], [], [], 0)[0]
+                    else ""
+                )
             )
         finally:
             termios.tcsetattr(terminal, termios.TCSADRAIN, before)

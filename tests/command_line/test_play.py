@@ -84,9 +84,7 @@ def test_a_guard_that_fails_is_told_of_and_the_pad_plays_again(tmp_path, how):
     assert code == 0 and again.size and strengths[-1] == 0
     print(how, f"silent after {silent - failed:.2f} s, again after {again[0] - failed:.2f} s")
     lines = said.splitlines()
-    lost, back = (
-        [line for line in lines if text in line] for text in ("has ended", "plays again")
-    )
+    lost, back = ([line for line in lines if text in line] for text in ("has ended", "plays again"))
     assert len(lost) == len(back) == 1
 
 
