@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Generator
 from contextlib import closing
 
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Scene
 
 from ...core.scene.values import Mode
 from ..blender.job import Job, Report
+from ..blender.words import told
 from ..changes.redraw import redraw_viewports
 from ..changes.suspension import suspended
 from ..scene_reader.digest import digest_of, motion_of
@@ -30,13 +30,13 @@ def bake_job(scene: Scene) -> Job:
     """
     first, last = wanted_range(scene)
     if last < first:
-        raise ValueError(_rpt("The frame range {} to {} is empty").format(first, last))
+        raise ValueError(told("The frame range {} to {} is empty", first, last))
     count = last - first + 1
     warnings: list[str] = []
 
     def reports(running: Job) -> list[Report]:
         running.progress(1.0)
-        done = _rpt("1 frame baked") if count == 1 else _rpt("{} frames baked").format(count)
+        done = told("1 frame baked") if count == 1 else told("{} frames baked", count)
         return [({"WARNING"} if warnings else {"INFO"}, "; ".join((done, *warnings)))]
 
     return Job("Baking", count, _steps(scene, first, last, warnings), reports, undo="Bake Haptics")
@@ -51,7 +51,7 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
         for result in results:
             if not recorder.frame_count:
                 if not result.listeners:
-                    raise ValueError(_rpt("There is no listener: add one to feel something"))
+                    raise ValueError(told("There is no listener: add one to feel something"))
                 check_size(
                     len(result.listeners), last - first + 1, frame_duration, result.sample_rate
                 )

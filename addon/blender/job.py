@@ -16,8 +16,9 @@ from bpy.types import Event as WindowEvent
 
 from .polling import permitted
 from .text import wrapped
+from .words import told
 
-_iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
+_iface = bpy.app.translations.pgettext_iface
 
 BUDGET = 0.1
 """Seconds of work between two rounds of events."""
@@ -156,7 +157,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
         and job.total > 1
     ):
         if Job.in_window is not None:
-            operator.report({"ERROR"}, _rpt("{} is not done yet").format(Job.in_window.label))
+            operator.report({"ERROR"}, told("{} is not done yet", Job.in_window.label))
             return {"CANCELLED"}
         job.asks = True
         Job.in_window = job
@@ -219,7 +220,7 @@ class HAPTIC_OT_run_job(Operator):
             self.cancel(context)
             if not isinstance(error, (Cancelled, ValueError, OSError)):
                 raise
-            cancelled = ({"WARNING"}, _rpt("Cancelled: nothing was written"))
+            cancelled = ({"WARNING"}, told("Cancelled: nothing was written"))
             self.report(*(cancelled if isinstance(error, Cancelled) else ({"ERROR"}, str(error))))
             return {"CANCELLED"}
         context.workspace.status_text_set(draw_status)  # draws the status bar again

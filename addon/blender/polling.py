@@ -7,6 +7,8 @@ from typing import Any
 
 from bpy.types import Context, Object, Operator
 
+from .words import told
+
 UNDO = {"REGISTER", "UNDO"}
 SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
@@ -75,6 +77,9 @@ def poll_active(cls: type[Operator], context: Context) -> bool:
 
 class Refused(ValueError):
     """The reason for which an operator does nothing, reported as a warning, not as an error."""
+
+    def __init__(self, words: str, *values: object) -> None:
+        super().__init__(told(words, *values))
 
 
 class Action:

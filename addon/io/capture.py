@@ -8,7 +8,6 @@ from dataclasses import InitVar, dataclass, replace
 
 import bpy
 import numpy as np
-from bpy.app.translations import pgettext_rpt as _rpt
 
 from ...core.contacts.authored import rows_of
 from ...core.contacts.contact_set import ContactSet
@@ -19,6 +18,7 @@ from ...core.formats.tracks.track_recorder import TrackRecorder
 from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import HapticScene
+from ..blender.words import told
 from ..properties.modalities import SHOWN
 from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
@@ -74,7 +74,7 @@ class Capture:
         an empty range.
         """
         if self.frames < 1:
-            raise ValueError(_rpt("The frame range {} to {} is empty").format(self.start, self.end))
+            raise ValueError(told("The frame range {} to {} is empty", self.start, self.end))
         with closing(self._results()) as results:
             for result in results:
                 self.add(result)

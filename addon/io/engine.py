@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.app.translations import pgettext_rpt as _rpt
 
 from ...core.formats.haptic_scene import write_export
 from ...core.formats.io.atomic import staging
 from ...core.formats.io.json_text import write_compact
 from ...core.run_time.pack import PackRecorder
 from ...core.scene.values import HapticScene, SourceKind
+from ..blender.words import told
 from ..changes.suspension import suspended
 from ..session import session, timeline
 from . import gltf
@@ -87,7 +87,7 @@ class EngineExport:
             )
         except (AttributeError, RuntimeError) as error:
             reason = str(error).strip().removeprefix("Error: ")
-            raise ValueError(_rpt("Blender's glTF exporter failed: {}").format(reason)) from None
+            raise ValueError(told("Blender's glTF exporter failed: {}", reason)) from None
         finally:
             scene.frame_start, scene.frame_end = before[:2]
             scene.frame_set(before[2])

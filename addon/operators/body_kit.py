@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Object, Operator
 
 from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
+from ..blender.words import told
 from ..properties.kinds import choice
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from .materials import BODY_ITEMS
@@ -52,8 +52,11 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
             self._on_armature(context, armature, active, wanted)
             return
         if active.type not in SOLID_TYPES:
-            message = _rpt("'{}' has no surface: select the mesh or the armature of the body")
-            raise ValueError(message.format(active.name))
+            raise ValueError(
+                told(
+                    "'{}' has no surface: select the mesh or the armature of the body", active.name
+                )
+            )
         is_new = not body_kit.listeners_on(active)
         try:
             body_kit.place_on_mesh(active, _new(active, wanted), context.collection)
@@ -66,7 +69,7 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]
     ) -> None:
         if not is_editable(armature):
-            raise ValueError(_rpt(LINKED))
+            raise ValueError(told(LINKED))
         is_new = not body_kit.listeners_on(armature)
         try:
             missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
@@ -90,9 +93,7 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
             names = ", ".join(part.name.replace("_", " ") for part in missing)
             self.report(
                 {"WARNING"},
-                _rpt("The armature has no bones for these parts, which got no listener: {}").format(
-                    names
-                ),
+                told("The armature has no bones for these parts, which got no listener: {}", names),
             )
 
     def _make_body(self, context: Context, body: Object, is_new: bool) -> None:
@@ -129,14 +130,14 @@ class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
         sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
         if not sided:
             raise ValueError(
-                _rpt(
+                told(
                     "None of the selected objects is a listener of the left or right side: "
                     "choose its body part"
                 )
             )
         for listener in sided:
             body_kit.mirrored(listener)
-        self.report({"INFO"}, _rpt("{} listeners mirrored").format(len(sided)))
+        self.report({"INFO"}, told("{} listeners mirrored", len(sided)))
 
 
 def _side(obj: Object) -> str:

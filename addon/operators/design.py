@@ -25,6 +25,7 @@ from ..blender.polling import (
     permitted,
     poll_object_mode,
 )
+from ..blender.words import told
 from ..properties.kinds import limited, switch, text
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
@@ -34,7 +35,7 @@ from ..view import levels
 if TYPE_CHECKING:
     from ...core.graph.haptic_graph import HapticGraph
 
-_iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
+_iface = bpy.app.translations.pgettext_iface
 
 _ROUNDS = 4
 """Number of iterations, needed because limiters, ceilings and frequencies between band centres make
@@ -120,20 +121,22 @@ class HAPTIC_OT_make_felt(Edit, Operator):
         left = [name for planned in self.plans if not shown[name := planned.listener] > 0]
         least = min(self.plans, key=lambda planned: shown[planned.listener]).listener
         if len(left) == len(self.plans):
-            words = _rpt(
-                "'{}' can't be felt by these means, at best with a margin of {}: nothing is "
-                "changed. Bring a source nearer, or close a gap"
-            )
             best = max(self.plans, key=lambda planned: planned.after)
-            raise Refused(words.format(best.listener, levels.margin_words(best.after)))
-        words = (
-            _rpt("Felt now; the least margin is {} at '{}'")
-            if not left
-            else _rpt("Felt now, except by: {1}")
-        )
+            raise Refused(
+                "'{}' can't be felt by these means, at best with a margin of {}: nothing is "
+                "changed. Bring a source nearer, or close a gap",
+                best.listener,
+                levels.margin_words(best.after),
+            )
         self.report(
             {"WARNING" if left else "INFO"},
-            words.format(levels.margin_words(shown[least]), ", ".join(left) or least),
+            told(
+                "Felt now; the least margin is {} at '{}'"
+                if not left
+                else "Felt now, except by: {1}",
+                levels.margin_words(shown[least]),
+                ", ".join(left) or least,
+            ),
         )
 
     def _planned(self, context: Context) -> tuple[felt.Plan, ...]:
@@ -144,7 +147,7 @@ class HAPTIC_OT_make_felt(Edit, Operator):
         ]
         names = [self.listener] if self.listener and self.listener not in selected else selected
         if not names:
-            raise Refused(_rpt("Select a listener first"))
+            raise Refused("Select a listener first")
         result, plans = traced.result, []
         means = _means(
             context.scene, traced, names, self.use_amplitude, self.use_frequency, self.use_material
@@ -152,14 +155,12 @@ class HAPTIC_OT_make_felt(Edit, Operator):
         for name in names:
             if name not in means.listeners:
                 raise Refused(
-                    _rpt(
-                        "'{}' can't be changed: it is linked from a library, or no listener any "
-                        "more"
-                    ).format(name)
+                    "'{}' can't be changed: it is linked from a library, or no listener any more",
+                    name,
                 )
             planned = felt.plan(result, traced.settings, name, self.margin, means)
             if planned.before == -math.inf:
-                raise Refused(_rpt("Nothing reaches '{}'; the reason is in Why").format(name))
+                raise Refused("Nothing reaches '{}'; the reason is in Why", name)
             plans.append(planned)
             result = planned.result
         return tuple(plans)
@@ -267,7 +268,7 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
         for remaining in reversed(range(_ROUNDS + 1)):
             traced = _traced_now(context)
             if scene.haptics.mode not in ("HT", "SD"):
-                raise Refused(_rpt("Materials count in modes HT and SD only"))
+                raise Refused("Materials count in modes HT and SD only")
             shown = {level.listener: level for level in levels.shown_levels(traced, False)}
             owners = {
                 name: bpy.data.objects[name].haptics.listener
@@ -286,10 +287,8 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
             ]
             if not missing or not free:
                 raise Refused(
-                    _rpt(
-                        "Give a listener a wished level, and mark a material that objects are "
-                        "made of as free"
-                    )
+                    "Give a listener a wished level, and mark a material that objects are "
+                    "made of as free"
                 )
             if (
                 not remaining
@@ -303,17 +302,18 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
         """Report which wishes are not met."""
         left = [f"{name} {-rest:+.1f} dB" for name, rest in missing.items() if abs(rest) > _MISSED]
         if left:
-            words = _rpt(
-                "{} of {} wishes are met; off by: {}. Free more materials, widen their bounds, "
-                "or change a source"
-            )
             self.report(
-                {"WARNING"}, words.format(len(missing) - len(left), len(missing), ", ".join(left))
+                {"WARNING"},
+                told(
+                    "{} of {} wishes are met; off by: {}. Free more materials, widen their bounds, "
+                    "or change a source",
+                    len(missing) - len(left),
+                    len(missing),
+                    ", ".join(left),
+                ),
             )
         else:
-            self.report(
-                {"INFO"}, _rpt("All {} wishes are met within a decibel").format(len(missing))
-            )
+            self.report({"INFO"}, told("All {} wishes are met within a decibel", len(missing)))
 
 
 def _made_of(traced: sessions.Traced, material: str) -> tuple[str, ...]:
@@ -370,7 +370,7 @@ class HAPTIC_OT_fit_material(Action, Operator):
         chosen = scene.haptics.materials.fit
         traced = _traced_now(context)
         if chosen.object is None or not is_editable(chosen.object):
-            raise ValueError(_rpt(LINKED))
+            raise ValueError(told(LINKED))
         read = recordings.read_recordings(
             *(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file))
         )
@@ -388,7 +388,7 @@ def _steps(
     yield from read.steps()
     chosen = scene.haptics.materials.fit
     if chosen.object is None or chosen.source is None or chosen.listener is None:
-        raise ValueError(_rpt(_CHOOSE))
+        raise ValueError(told(_CHOOSE))
     item = scene.haptics.materials.items.get(chosen.object.haptics.material.name)
     names = [
         o.name for o in graph.table.objects if item is not None and o.material == item.name
@@ -424,9 +424,15 @@ def _steps(
     chosen.bands = found.bands.ravel()
     chosen.doubts = "\n".join(map(sentence, found.doubts))
     bpy.ops.ed.undo_push(message="Fit Material")
-    words = _rpt("The model missed the recordings by {:.1f} dB, and misses them by {:.1f} dB now")
     reports.append(
-        ({"WARNING" if found.doubts else "INFO"}, words.format(found.before, found.after))
+        (
+            {"WARNING" if found.doubts else "INFO"},
+            told(
+                "The model missed the recordings by {:.1f} dB, and misses them by {:.1f} dB now",
+                found.before,
+                found.after,
+            ),
+        )
     )
 
 

@@ -19,13 +19,14 @@ from ..blender import job
 from ..blender.polling import Action
 from ..blender.single_precision import shortest
 from ..blender.text import wrapped
+from ..blender.words import told
 from ..io import capture, engine, frame_scene, last_export
 from ..properties.kinds import choice, switch, text
 
 if TYPE_CHECKING:
     from ...core.formats.export import Export
 
-_iface, _rpt = bpy.app.translations.pgettext_iface, bpy.app.translations.pgettext_rpt
+_iface = bpy.app.translations.pgettext_iface
 
 TRACK_FORMATS = tuple(name for name in FORMATS if name != "scene")
 TRACK_ENDINGS = tuple(named(name).suffix for name in TRACK_FORMATS)
@@ -64,7 +65,7 @@ class RangeExport(Action, ExportHelper):
             return None
         collection = bpy.data.collections.get(self.collection)
         if collection is None:
-            raise ValueError(_rpt("There is no collection '{}'").format(self.collection))
+            raise ValueError(told("There is no collection '{}'", self.collection))
         return {obj.name_full for obj in collection.all_objects}
 
     def captured(
@@ -321,7 +322,7 @@ class HAPTIC_OT_export_engine(Operator, RangeExport):
     def apply(self, context: Context) -> set[str]:
         path = Path(bpy.path.abspath(self.filepath.removesuffix(".glb")))
         if not path.parent.is_dir():
-            raise ValueError(_rpt("There is no folder {}").format(path.parent))
+            raise ValueError(told("There is no folder {}", path.parent))
         work = engine.EngineExport(
             context.scene, self.frame_start, self.frame_end, path, self.packed
         )
@@ -344,7 +345,7 @@ class HAPTIC_OT_copy_methods(Action, Operator):
 
     def apply(self, context: Context) -> None:
         context.window_manager.clipboard = methods(context)
-        self.report({"INFO"}, _rpt("Copied"))
+        self.report({"INFO"}, told("Copied"))
 
 
 def methods(context: Context) -> str:
@@ -372,7 +373,7 @@ def track_writer(
         return (
             written(done.files, done.losses)
             if done.files
-            else [({"WARNING"}, _rpt("Nothing was replaced"))]
+            else [({"WARNING"}, told("Nothing was replaced"))]
         )
 
     return write
@@ -402,16 +403,21 @@ def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, 
 
 def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report]:
     """The report on written files and their losses."""
-    lost = _rpt("Not in these files: {}") if len(files) > 1 else _rpt("Not in this file: {}")
-    reports: list[job.Report] = [({"INFO"}, lost.format(loss)) for loss in losses]
-    return [*reports[:MOST_REPORTED], ({"INFO"}, _rpt("Written: {}").format(shown(files)))]
+    reports: list[job.Report] = [
+        (
+            {"INFO"},
+            told("Not in these files: {}" if len(files) > 1 else "Not in this file: {}", loss),
+        )
+        for loss in losses
+    ]
+    return [*reports[:MOST_REPORTED], ({"INFO"}, told("Written: {}", shown(files)))]
 
 
 def shown(files: Collection[Path]) -> str:
     """The names of the first three files, and the number of further ones."""
     names = [path.name for path in files]
     return ", ".join(names[:3]) + (
-        " " + _rpt("and {} more").format(len(names) - 3) if len(names) > 3 else ""
+        " " + told("and {} more", len(names) - 3) if len(names) > 3 else ""
     )
 
 

@@ -12,13 +12,12 @@ from bpy.types import Context, Event, Operator
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
 from ..blender.polling import SOLID_TYPES, Edit, OnActive
+from ..blender.words import told
 from ..io import scene_builder, vibration_signal
 from ..properties.kinds import switch, whole
 from ..scene_reader import imported
 from ..scene_reader.roles import haptic_carrier
 from .exporting import MOST_REPORTED
-
-_rpt = bpy.app.translations.pgettext_rpt
 
 
 class _FromFile(Edit):
@@ -53,11 +52,11 @@ class HAPTIC_OT_import_scene(_FromFile, Operator):
         if export.unknown:
             self.report(
                 {"WARNING"},
-                _rpt("Of a newer version; not read: {}").format(", ".join(export.unknown)),
+                told("Of a newer version; not read: {}", ", ".join(export.unknown)),
             )
         for loss in losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
-        self.report({"INFO"}, _rpt("Haptic scene imported: {}").format(Path(self.filepath).name))
+        self.report({"INFO"}, told("Haptic scene imported: {}", Path(self.filepath).name))
 
 
 class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
@@ -78,11 +77,13 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
         signal = vibration_signal.signal_of(channel, self.loop)
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
-                message = _rpt(
-                    "'{}' has no surface: parent it to a haptic object, so that it has something "
-                    "to shake"
+                raise ValueError(
+                    told(
+                        "'{}' has no surface: parent it to a haptic object, so that it has something "
+                        "to shake",
+                        obj.name,
+                    )
                 )
-                raise ValueError(message.format(obj.name))
             obj.haptics.enabled = True
         source = obj.haptics.source
         source.imported = imported.text_of(signal=signal.to_dict())
@@ -90,11 +91,15 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
         source.enabled = True
         for loss in reading.losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
-        message = (
-            _rpt("'{}' emits {}")
-            if len(reading.channels) == 1
-            else _rpt("'{}' emits {}, channel {} of {}")
-        )
         self.report(
-            {"INFO"}, message.format(obj.name, channel.name, self.channel, len(reading.channels))
+            {"INFO"},
+            told(
+                "'{}' emits {}"
+                if len(reading.channels) == 1
+                else "'{}' emits {}, channel {} of {}",
+                obj.name,
+                channel.name,
+                self.channel,
+                len(reading.channels),
+            ),
         )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
 from ...core.scene.declaration import Curve
 from ..blender.extension import profile_folders
 from ..blender.polling import UNDO, Action, OnActive, Refused, is_editable
+from ..blender.words import told
 from ..live_output import handlers, outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.kinds import text
@@ -50,9 +50,7 @@ class HAPTIC_OT_connect_device(Action, Operator):
         key = self.device or outputs.preferred(preferences().default_device)
         found = outputs.found(key)
         if found is None:
-            raise Refused(
-                _rpt("{} is not connected: press Find Devices").format(key or _rpt("A device"))
-            )
+            raise Refused("{} is not connected: press Find Devices", key or told("A device"))
         devices = context.scene.haptics.live_output.devices
         settings = devices.get(key)
         if settings is None:
@@ -85,9 +83,9 @@ class HAPTIC_OT_copy_udev_rule(Action, Operator):
     def apply(self, context: Context) -> None:
         found = outputs.found(self.device)
         if found is None or not found.rule:
-            raise Refused(_rpt("This device needs no rule"))
+            raise Refused("This device needs no rule")
         context.window_manager.clipboard = found.rule
-        self.report({"INFO"}, _rpt("Copied"))
+        self.report({"INFO"}, told("Copied"))
 
 
 def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, str, str, int]]:
@@ -124,9 +122,8 @@ class HAPTIC_OT_choose_actuator(Action, Operator):
         obj = context.scene.objects.get(self.listener)
         if obj is None or not is_editable(obj):
             raise Refused(
-                _rpt(
-                    "'{}' can't be changed: it is linked from a library, or no listener any more"
-                ).format(self.listener)
+                "'{}' can't be changed: it is linked from a library, or no listener any more",
+                self.listener,
             )
         settings = obj.haptics.live_output
         if self.place in (_AUTOMATIC, _NONE):
@@ -171,10 +168,9 @@ class HAPTIC_OT_calibrate_listener(OnActive, Operator):
         known = _calibrations()
         if self.actuator not in known:
             raise Refused(
-                _rpt(
-                    "No profile says what '{}' does at full scale: enter it, or measure it by "
-                    "'haptic-tracing devices calibrate'"
-                ).format(self.actuator)
+                "No profile says what '{}' does at full scale: enter it, or measure it by "
+                "'haptic-tracing devices calibrate'",
+                self.actuator,
             )
         profile, actuator = known[self.actuator]
         listener = context.object.haptics.listener
@@ -197,7 +193,7 @@ class HAPTIC_OT_toggle_preview(Action, Operator):
         try:
             preview.switch_on()
         except preview.AudioUnavailable as error:
-            raise Refused(_rpt("No preview: {}").format(error)) from None
+            raise Refused("No preview: {}", error) from None
         preview.adjust(context.scene.haptics.live_output)
 
 
@@ -215,8 +211,8 @@ class HAPTIC_OT_panic(Action, Operator):
         if faults:
             self.report(
                 {"WARNING"},
-                _rpt("Unplug or switch off what still vibrates: {}. Off: {}").format(
-                    faults, silent or "-"
+                told(
+                    "Unplug or switch off what still vibrates: {}. Off: {}", faults, silent or "-"
                 ),
             )
         else:
@@ -224,7 +220,7 @@ class HAPTIC_OT_panic(Action, Operator):
                 {"INFO"},
                 " ".join(
                     filter(
-                        None, [_rpt("All haptic output is off"), f"({silent})" if silent else ""]
+                        None, [told("All haptic output is off"), f"({silent})" if silent else ""]
                     )
                 ),
             )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.app.translations import pgettext_tip
 from bpy.types import Context, Event, Operator
 
@@ -20,6 +19,7 @@ from ..blender.polling import (
     poll_object_mode,
 )
 from ..blender.progress import progress
+from ..blender.words import told
 from ..properties.kinds import choice, switch, text
 from ..properties.materials import PRESET_ITEMS, TARGET_ITEMS, add_material, made_of, own_values
 from ..scene_reader.instances import with_instanced
@@ -93,14 +93,14 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
         objects = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not objects:
             raise ValueError(
-                _rpt(
+                told(
                     "No object with a surface among them; select meshes that are not linked from "
                     "a library"
                 )
             )
         items = context.scene.haptics.materials.items
         if self.name and self.name not in items:
-            raise ValueError(_rpt("This material is not in the scene's library any more"))
+            raise ValueError(told("This material is not in the scene's library any more"))
         item = (
             items[self.name]
             if self.name
@@ -111,7 +111,7 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
         if linked:
             self.report(
                 {"WARNING"},
-                _rpt("{} linked objects can't be changed; override them first").format(linked),
+                told("{} linked objects can't be changed; override them first", linked),
             )
 
 
@@ -124,8 +124,14 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
         chosen = with_instanced(context.selected_objects)
         objects = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         known = library.apply_guesses(context.scene, objects)
-        message = _rpt("{} of {} objects have a name, shape or mass that tells their material")
-        self.report({"INFO"}, message.format(known, len(objects)))
+        self.report(
+            {"INFO"},
+            told(
+                "{} of {} objects have a name, shape or mass that tells their material",
+                known,
+                len(objects),
+            ),
+        )
         return {"FINISHED"} if known else {"CANCELLED"}
 
 
@@ -153,8 +159,14 @@ class HAPTIC_OT_match_materials(OnSelected, Operator):
         chosen = [obj for obj in editable(shown) if obj.haptics.enabled]
         library.list_names(context.scene, shown)
         known = library.apply_guesses(context.scene, chosen)
-        message = _rpt("{} of {} objects have a name, shape or mass that tells their material")
-        self.report({"INFO"}, message.format(known, len(chosen)))
+        self.report(
+            {"INFO"},
+            told(
+                "{} of {} objects have a name, shape or mass that tells their material",
+                known,
+                len(chosen),
+            ),
+        )
 
 
 class HAPTIC_OT_set_model(Edit, Operator):
@@ -183,8 +195,9 @@ class HAPTIC_OT_set_model(Edit, Operator):
             if scene.haptics.strategy == "as_in_the_paper":
                 scene.haptics.strategy = "auto"
             known = library.use_physical(scene, objects, self.in_a_building)
-        message = _rpt("{} of {} haptic objects are made of a preset")
-        self.report({"INFO"}, message.format(known, len(objects)))
+        self.report(
+            {"INFO"}, told("{} of {} haptic objects are made of a preset", known, len(objects))
+        )
 
 
 class HAPTIC_OT_set_bodies(Edit, Operator):
@@ -202,7 +215,7 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
         shown = editable(with_instanced(context.scene.objects))
         if not library.set_bodies((obj for obj in shown if obj.haptics.enabled), self.body):
             raise ValueError(
-                _rpt(
+                told(
                     "No haptic object is made of flesh: select a body and press Add Body Listeners"
                 )
             )

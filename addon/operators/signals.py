@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Event, Operator
 
 from ..blender import job
 from ..blender.polling import OnActive, permitted
+from ..blender.words import told
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
 from ..properties.kinds import limited, share, text, whole
@@ -101,7 +101,7 @@ class HAPTIC_OT_convert_sound(OnActive, Operator):
         except (OSError, ValueError) as error:
             context.object.haptics.source.sound.fault = str(error)
             raise
-        written = [({"INFO"}, _rpt("Sound converted"))]
+        written = [({"INFO"}, told("Sound converted"))]
         return job.run(
             self,
             context,
@@ -166,4 +166,4 @@ class HAPTIC_OT_save_signal(OnActive, Operator):
 
     def apply(self, context: Context) -> None:
         path = signal_library.save(self.name, drawings.signal_of(context.object, context.scene))
-        self.report({"INFO"}, _rpt("Saved: {}").format(path))
+        self.report({"INFO"}, told("Saved: {}", path))

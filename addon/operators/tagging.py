@@ -23,6 +23,7 @@ from ..blender.polling import (
 )
 from ..blender.progress import progress
 from ..blender.units import metres_per_unit
+from ..blender.words import told
 from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch, text
 from ..properties.signal_kinds import PLAIN
@@ -30,7 +31,6 @@ from ..scene_reader.instances import with_instanced
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from ..session import session, worker
 
-_rpt = bpy.app.translations.pgettext_rpt
 _FEW = 4
 """Number of objects up to which nothing is asked about their materials."""
 
@@ -71,11 +71,13 @@ class HAPTIC_OT_make_objects(OnSelected, Operator):
         if not solid:
             instancer = next((obj for obj in editable(chosen) if obj.instance_collection), None)
             if instancer is not None:
-                message = _rpt(
-                    "'{}' shows a collection that is linked from a library or has no surface: "
-                    "press Realize Instances, then make the objects haptic"
+                raise ValueError(
+                    told(
+                        "'{}' shows a collection that is linked from a library or has no surface: "
+                        "press Realize Instances, then make the objects haptic",
+                        instancer.name,
+                    )
                 )
-                raise ValueError(message.format(instancer.name))
             message = (
                 "None of the selected objects has a surface that can touch others; select "
                 "meshes that are not linked from a library"
@@ -89,7 +91,7 @@ class HAPTIC_OT_make_objects(OnSelected, Operator):
             _add_physics(context, solid)
         self.report(
             {"INFO"},
-            _rpt("Objects made haptic: {}, with a guessed material: {}").format(len(solid), known),
+            told("Objects made haptic: {}, with a guessed material: {}", len(solid), known),
         )
 
 
@@ -149,11 +151,14 @@ class HAPTIC_OT_add_source(OnActive, Operator):
         obj = context.object
         if haptic_carrier(obj) is None:
             if obj.type not in SOLID_TYPES:
-                message = _rpt(
-                    "'{}' has no surface: parent it to a haptic object first, so that it has "
-                    "something to shake"
+                raise ValueError(
+                    linked_message([obj])
+                    or told(
+                        "'{}' has no surface: parent it to a haptic object first, so that it has "
+                        "something to shake",
+                        obj.name,
+                    )
                 )
-                raise ValueError(linked_message([obj]) or message.format(obj.name))
             make_haptic(context.scene, [obj])
         make_source(obj, self.signal)
 
@@ -189,10 +194,12 @@ class HAPTIC_OT_add_listener(OnSelected, Operator):
                 make_haptic(context.scene, [obj])
             obj.haptics.listener.enabled = True
         if nowhere:
-            message = _rpt("Parent these to haptic objects first, so that they touch something: {}")
             raise ValueError(
                 linked_message(nowhere)
-                or message.format(", ".join(obj.name for obj in nowhere[:5]))
+                or told(
+                    "Parent these to haptic objects first, so that they touch something: {}",
+                    ", ".join(obj.name for obj in nowhere[:5]),
+                )
             )
         if not own:
             raise ValueError(linked_message(chosen))
@@ -255,7 +262,7 @@ class HAPTIC_OT_realize_instances(OnSelected, Operator):
         instancers = [obj for obj in context.selected_objects if obj.instance_type != "NONE"]
         if not instancers:
             raise ValueError(
-                _rpt(
+                told(
                     "None of the selected objects shows instances of a collection. For those of "
                     "geometry nodes, add the node Realize Instances"
                 )
@@ -303,9 +310,7 @@ class HAPTIC_OT_select_object(Edit, Operator):
             (obj for obj in context.view_layer.objects if obj.name_full == self.name), None
         )
         if found is None:
-            raise Refused(
-                _rpt("There is no object '{}' in this view layer any more").format(self.name)
-            )
+            raise Refused("There is no object '{}' in this view layer any more", self.name)
         if not self.extend:
             for obj in context.selected_objects:
                 obj.select_set(False)

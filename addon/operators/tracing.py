@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.app.translations import pgettext_tip as tip_
 from bpy.types import Context, Operator
 
 from ...core.scene.values import MODES
 from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
+from ..blender.words import told
 from ..changes.redraw import redraw_viewports
 from ..properties.kinds import choice, number, switch
 from ..scene_reader.problem import why_untraced
@@ -141,7 +141,7 @@ class HAPTIC_OT_graph_to_geometry(Edit, Operator):
         result = session.result_of(context.scene)
         if result is None:
             raise Refused(
-                _rpt("This frame could not be traced: see the problems in the panel Haptic Tracing")
+                "This frame could not be traced: see the problems in the panel Haptic Tracing"
             )
         options = {"in_front": self.in_front, "labels": self.labels}
         graph, collection = graph_mesh.graph_in_collection(
@@ -149,7 +149,5 @@ class HAPTIC_OT_graph_to_geometry(Edit, Operator):
         )
         self.report(
             {"INFO"},
-            _rpt("{:,} vertices in collection '{}'").format(
-                len(graph.data.vertices), collection.name
-            ),
+            told("{:,} vertices in collection '{}'", len(graph.data.vertices), collection.name),
         )

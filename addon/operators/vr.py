@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import bpy
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Context, Operator
 
 from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
@@ -25,10 +24,10 @@ class HAPTIC_OT_vr_hands(Action, Operator):
 
     def apply(self, context: Context) -> None:
         if THREADS_ENDANGER_SCRIPTS:
-            raise Refused(_rpt("VR Hands need Blender 5.1 or newer"))
+            raise Refused("VR Hands need Blender 5.1 or newer")
         wanted = controllers.hands() is None
         if wanted and outputs.found(controllers.KEY) is None:
-            raise Refused(_rpt("The session has no controllers of this add-on: start it again"))
+            raise Refused("The session has no controllers of this add-on: start it again")
         controllers.use_hands(wanted)
         if wanted and controllers.KEY not in outputs.running():
             bpy.ops.haptic.connect_device(device=controllers.KEY)
@@ -43,11 +42,11 @@ class HAPTIC_OT_record_hands(Action, Operator):
 
     def apply(self, context: Context) -> None:
         if controllers.hands() is None:
-            raise Refused(_rpt("Switch VR Hands on first"))
+            raise Refused("Switch VR Hands on first")
         begins = not controllers.is_recording()
         take = controllers.record(begins)
         if begins:
             return
         if not take:
-            raise Refused(_rpt("Nothing was recorded: play the timeline while recording"))
+            raise Refused("Nothing was recorded: play the timeline while recording")
         recording.add(context.scene, take)

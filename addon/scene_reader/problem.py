@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bpy.app.translations import pgettext_rpt as _rpt
+from ..blender.words import told
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,5 +24,5 @@ def why_untraced(problems: Sequence[Problem]) -> str:
     return (
         problems[0].message
         if problems
-        else _rpt("Nothing is tagged: select objects and press Make Haptic")
+        else told("Nothing is tagged: select objects and press Make Haptic")
     )

@@ -11,7 +11,6 @@ from functools import cache
 from itertools import product
 
 import bpy
-from bpy.app.translations import pgettext_rpt as _rpt
 from bpy.types import Scene
 
 from ...core.collisions import EXACT_FRAMES
@@ -19,6 +18,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.render.groups import MAX_DELAY
 from ...core.signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal, impact_template
 from ..blender.time import frame_seconds
+from ..blender.words import told
 from ..changes.suspension import stepped, suspended
 from ..scene_reader.problem import Problem, why_untraced
 from ..scene_reader.reader import SceneReader
@@ -190,13 +190,15 @@ def _checked(
     before: FrameResult | None,
 ) -> FrameResult:
     if result is None or result.number != frame:
-        raise ValueError(_rpt("Frame {} can't be traced: {}").format(frame, why_untraced(problems)))
+        raise ValueError(told("Frame {} can't be traced: {}", frame, why_untraced(problems)))
     if before is not None and [item.name for item in before.listeners] != [
         item.name for item in result.listeners
     ]:
-        message = _rpt(
-            "The listeners change at frame {}: keep them all switched on, and set Gain to 0 "
-            "where nothing is to be felt"
+        raise ValueError(
+            told(
+                "The listeners change at frame {}: keep them all switched on, and set Gain to 0 "
+                "where nothing is to be felt",
+                frame,
+            )
         )
-        raise ValueError(message.format(frame))
     return result
