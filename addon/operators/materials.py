@@ -136,7 +136,7 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
 
 
 class HAPTIC_OT_match_materials(OnSelected, Operator):
-    """Say once what the Blender materials of the selected objects stand for; Make Haptic and Guess Material then follow that"""
+    """Choose the haptic material for each Blender material of the selected objects, once; Make Haptic and Guess Material then use it"""
 
     bl_label = "Match Materials"
 

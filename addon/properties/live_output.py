@@ -37,7 +37,7 @@ class HapticDeviceProperties(PropertyGroup):
     )
     curve: limited(
         "Curve",
-        "Exponent of strength; below 1 lifts weak signals",
+        "Exponent of the strength that the device plays; values below 1 raise weak signals",
         1.0,
         (0.1, 4.0),
         soft_min=0.3,
@@ -84,7 +84,7 @@ class HapticLiveOutputProperties(PropertyGroup):
     )
     sharper: switch(
         "Sharper",
-        "Move what is heard up in pitch by 250 Hz, for loudspeakers too small for low tones",
+        "Raise the pitch of what is heard by 250 Hz, for loudspeakers too small for low tones",
         update=_preview_changed,
     )
 
@@ -94,7 +94,7 @@ class HapticActuatorProperties(PropertyGroup):
 
     actuators: text(
         "Actuators",
-        "Empty for those at its body part, - for none, else device/actuator or "
+        "Empty: those at its body part; -: none; otherwise device/actuator or "
         "device/actuator*gain, separated by semicolons",
         update=_actuators_chosen,
     )

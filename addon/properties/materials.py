@@ -228,7 +228,7 @@ class HapticMaterialName(PropertyGroup):
 
     preset: choice(
         "Material",
-        "What Make Haptic takes objects of this name for",
+        "The material that Make Haptic gives objects of this name",
         (("NONE", "Not Known", ""), *PRESET_ITEMS),
         options=set(),
     )

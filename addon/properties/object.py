@@ -27,7 +27,8 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
     function: function_property(VIBRATION_FUNCTIONS, "haptic_tracing")
     surface: choice(
         "Surface",
-        "What of the object touches others, if it is no rigid body",
+        "Which surface of the object touches others; a rigid body touches by its own collision "
+        "shape",
         (
             (
                 "CONVEX_HULL",

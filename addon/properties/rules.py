@@ -36,14 +36,17 @@ SIDE_ITEMS = (
     ("OBJECT", "Object", "An object; * stands for any characters, ? for one", "OBJECT_DATA", 2),
 )
 
+_SIDE = "Whether this side of the rule is one object, a material or anything"
+_NAME = "Name of the object or material, or a pattern"
+
 
 class RuleScope:
     """Mixin: the pairs of objects that a row applies to."""
 
-    first_kind: choice("Between", "What this rule is for", SIDE_ITEMS, options=set())
-    first: text("Name", "Name of the object or material, or a pattern", options=set())
-    second_kind: choice("And", "What this rule is for", SIDE_ITEMS, options=set())
-    second: text("Name", "Name of the object or material, or a pattern", options=set())
+    first_kind: choice("Between", _SIDE, SIDE_ITEMS, options=set())
+    first: text("Name", _NAME, options=set())
+    second_kind: choice("And", _SIDE, SIDE_ITEMS, options=set())
+    second: text("Name", _NAME, options=set())
 
 
 class TableRows:
@@ -70,9 +73,7 @@ class HapticImpactRule(RuleScope, Stored, PropertyGroup):
     )
     filepath: text("File", "The file with the vibration that impacts play", subtype="FILE_PATH")
     drawing: drawing_property()
-    use_limits: switch(
-        "Own Energies", "These collisions need other energies than others of the scene"
-    )
+    use_limits: switch("Own Energies", "These impacts have limits of energy of their own")
 
 
 class HapticImpactTable(TableRows, PropertyGroup):

@@ -27,7 +27,7 @@ ORIGINS = (
 )
 CARRIERS = (
     ("FIXED", "Fixed", "One frequency"),
-    ("PITCH", "Pitch", "The sound's own pitch, by octaves brought into what is felt well"),
+    ("PITCH", "Pitch", "The sound's own pitch, moved by octaves into the band that is felt well"),
     ("DEVICE", "Device", "The frequency at which a device is felt most"),
 )
 SHOWN = {"PITCH": ("band", "frequency"), "FIXED": ("frequency",), "DEVICE": ("device",)}
@@ -81,19 +81,24 @@ class HapticSoundProperties(PropertyGroup):
     carrier: choice("Carrier", "The vibration whose amplitude follows the sound", CARRIERS)
     frequency: limited(
         "Frequency (Hz)",
-        "Frequency of the carrier in hertz; if it follows the pitch, that of sounds without pitch",
+        "Frequency of the carrier in hertz; where it follows the pitch, the frequency of sounds "
+        "without one",
         160.0,
         (10.0, 1000.0),
     )
     device: text("Device", "The profile of the device", "dualsense", search=_matching_devices)
     band: FloatVectorProperty(
-        name="Band (Hz)", description="Lowest and highest frequency of the carrier, in hertz; "
-"other pitches are brought into it by octaves",
-        size=2, default=(40.0, 400.0), min=10.0, max=1000.0
-    )  # fmt: skip
+        name="Band (Hz)",
+        description="Lowest and highest frequency of the carrier, in hertz; other pitches are "
+        "moved into it by octaves",
+        size=2,
+        default=(40.0, 400.0),
+        min=10.0,
+        max=1000.0,
+    )
     gate: limited(
         "Gate (dB)",
-        "What is quieter, in decibels below full scale, makes no vibration",
+        "Level in decibels of full scale below which a sound makes no vibration",
         -40.0,
         (-100.0, 0.0),
     )
@@ -106,12 +111,13 @@ class HapticSoundProperties(PropertyGroup):
     )
     release: limited(
         "Release (s)",
-        "How long vibration goes on after the sound: so many seconds later it is 37% as strong",
+        "Time constant of the decay after the sound: after this many seconds the vibration is at "
+        "37%",
         0.03,
         (0.001, 2.0),
         precision=3,
     )
-    bursts: share("Onsets", "Strength of the short burst where something begins in the sound", 1.0)
+    bursts: share("Onsets", "Strength of the short burst at each onset of the sound", 1.0)
     kept: text("Vibration", "What was made of the sound", options={"HIDDEN"}, update=changed)
     waves: text("Waves", "The sound and its vibration as the panel draws them", options={"HIDDEN"})
     is_edited: switch(

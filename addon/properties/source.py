@@ -72,8 +72,8 @@ class HapticSourceProperties(Stored, PropertyGroup):
     )
     trigger: share(
         "Trigger",
-        "Plays at each keyframe above 0, as strongly as that says; with a driver, in each frame "
-        "in which it rises above 0",
+        "Plays at each keyframe above 0, with its value as the strength; with a driver, whenever "
+        "the value rises above 0",
         0.0,
     )
     trigger_markers: _name(
@@ -82,14 +82,14 @@ class HapticSourceProperties(Stored, PropertyGroup):
     )
     trigger_hit: switch(
         "When Hit",
-        "Plays at each impact of the haptic object, with the blow's energy, as the rule for "
-        "impacts of the two says",
+        "Plays at each impact of the haptic object; the rule for impacts of the two objects says "
+        "how strongly",
         options=set(),
     )
     trigger_object: _name(
         "Passing",
-        "Plays when the origin of this haptic object enters the region; Car* are all such names, "
-        "empty any",
+        "Plays when the origin of this haptic object enters the region; Car* stands for all names "
+        "that begin so, an empty field for any object",
     )
     trigger_region: _name(
         "Region",
