@@ -43,7 +43,7 @@ class FilmPlayer:
         self._tracks = tracks
         self._losses = {key: self._outputs[key].status.losses for key in tracks}
         self._zeros: deque[float] = deque(maxlen=_PICTURES)
-        self._zero = self._shown = self._late = 0.0
+        self._zero = self._shown = self._late = self._sent = 0.0
         self._stage.stop()
 
     def load(self, tracks: Mapping[str, FloatArray]) -> None:
@@ -68,13 +68,21 @@ class FilmPlayer:
             self._zero = float(trim_mean(self._zeros, 0.25))
             self._shown = now
 
-    def stop(self) -> float:
-        """Fall silent. Returns by how many milliseconds sending was late at most."""
+    def touch(self, key: str, samples: FloatArray) -> None:
+        """Play samples (actuators, n) on a device at once, unless tracks or a halt forbid it."""
+        with self._lock:
+            if not (self.halted or self._tracks):
+                self._outputs[key].send(samples)
+
+    def stop(self) -> list[float]:
+        """Fall silent. Returns by how many milliseconds sending was late at most, and how many
+        milliseconds of the tracks were never sent, for want of pictures."""
         with self._lock:
             self._check()
-            late = round(1e3 * self._late, 2)
+            whole = max((one.shape[1] / RATE for one in self._tracks.values()), default=0.0)
+            found = [self._late, max(whole - self._sent, 0.0)]
             self._begin({})
-        return late
+        return [round(1e3 * one, 2) for one in found]
 
     def halt(self, reason: str) -> None:
         """Silence every device until `resume`."""
@@ -125,3 +133,4 @@ class FilmPlayer:
                 output.send(samples[:, first:last], due)
                 output.expect(samples[:, last:end], due)
         self._next += 1
+        self._sent += BLOCK

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import secrets
 import threading
 import time
@@ -59,8 +60,8 @@ def run(args: argparse.Namespace) -> int:
 class Study:
     """The study of a folder: its stimuli, its devices, and the participant who is sitting.
 
-    pages: addresses. exposure: of each listener, A(8) [m/s^2], None without a calibration, and from
-    where action is due and the limit.
+    pages: addresses. exposure: of each body part, whether devices play all its listeners, A(8)
+    [m/s^2], None without a calibration, and from where action is due and the limit.
     """
 
     def __init__(
@@ -72,10 +73,10 @@ class Study:
         files = stimuli(folder, form)
         self._tracks = {key: read(path) for key, path in files.items() if key[1]}
         ways = {
-            tuple((one.body_part or one.name, one.sample_rate) for one in track.channels)
+            tuple((one.name, one.body_part or one.name, one.sample_rate) for one in track.channels)
             for track in self._tracks.values()
         }
-        self._parts, rates = zip(*ways.pop(), strict=True)
+        names, self._parts, rates = zip(*ways.pop(), strict=True)
         if ways or rates[0] != RATE:
             raise ValueError(f"{folder}: all tracks need the same listeners, and {RATE} Hz")
         self._seconds = {
@@ -86,10 +87,10 @@ class Study:
             rms = np.sqrt((self._samples(scene, condition) ** 2).mean(axis=1))
             levels[condition][scene] = rms.round(6).tolist()
         devices = {key: output.profile for key, output in self._outputs.items()}
-        listeners = {part: part for part in self._parts}
-        self._mapping = map_listeners(listeners, devices, chosen=self._chosen())
+        listeners = dict(zip(names, self._parts, strict=True))
+        self._mapping = map_listeners(listeners, devices, chosen=self._chosen(listeners))
         self._plan = begin(folder, form, participants, self._parts, levels)
-        self.exposure = [self._exposed(*one) for one in enumerate(self._parts)]
+        self.exposure = [self._exposed(part) for part in dict.fromkeys(self._parts)]
         self._player = FilmPlayer(stage)
         self._sitting: Sitting | None = None
         self._served = {role: _FOLDER / f"{role}.html" for role in PAGES}
@@ -100,37 +101,44 @@ class Study:
     def _samples(self, scene: str, condition: str) -> FloatArray:
         return np.asarray(self._tracks[scene, condition].stored, dtype=np.float64)
 
-    def _chosen(self) -> dict[str, list[Place]]:
-        """The actuators of the listeners to which the form gives a device. Raises ValueError."""
-        chosen = {}
+    def _chosen(self, listeners: Mapping[str, str]) -> dict[str, list[Place]]:
+        """The actuators of the listeners to whose body parts the form gives a device. Raises
+        ValueError."""
+        chosen: dict[str, list[Place]] = {}
         for part, text in self._form.get("devices", {}).items():
-            chosen[part] = [
+            places = [
                 Place(key, actuator.name)
                 for key, output in self._outputs.items()
                 for actuator in output.profile.actuators
                 if part in actuator.body_parts
                 and text.lower() in f"{key} {output.profile.title}".lower()
             ]
-            if not chosen[part]:
+            if not places or part not in self._parts:
                 raise ValueError(
-                    f"{self._folder / FORM}: devices: {part} = {text!r}: needs a connected "
-                    "device that is felt there"
+                    f"{self._folder / FORM}: devices: {part} = {text!r}: needs a listener and a "
+                    "connected device there"
                 )
+            chosen |= {name: places for name, place in listeners.items() if place == part}
         return chosen
 
-    def _exposed(self, number: int, part: str) -> list[Any]:
-        """A listener, its A(8) from the channels of all tracks, and the limits."""
-        actuators = [
-            (gains[number], actuator.device)
-            for key, output in self._outputs.items()
-            for gains, actuator in zip(
-                self._mapping.weights[key], output.profile.actuators, strict=True
-            )
-            if gains[number]
-        ]
-        channels = [track.channels[number] for track in self._tracks.values()]
-        tracks = [(np.asarray(channel.samples), channel.device) for channel in channels]
-        return [part, daily(tracks, RATE, actuators, part), *limits_of(part)]
+    def _exposed(self, part: str) -> list[Any]:
+        """A body part as in `exposure`. A(8) is the sum of its listeners', never too low."""
+        played, total = True, 0.0
+        for number in (k for k, own in enumerate(self._parts) if own == part):
+            actuators = [
+                (gains[number], actuator.device)
+                for key, output in self._outputs.items()
+                for gains, actuator in zip(
+                    self._mapping.weights[key], output.profile.actuators, strict=True
+                )
+                if gains[number]
+            ]
+            channels = [track.channels[number] for track in self._tracks.values()]
+            tracks = [(np.asarray(channel.samples), channel.device) for channel in channels]
+            value = daily(tracks, RATE, actuators, part)
+            total += math.nan if value is None else value
+            played = played and bool(actuators)
+        return [part, played, None if math.isnan(total) else total, *limits_of(part)]
 
     def listen(self, port: int) -> Server:
         """The server, on this machine only. Raises OSError."""
@@ -198,8 +206,7 @@ class Study:
         """Play half a second of 160 Hz on one actuator."""
         tone = np.zeros((len(self._outputs[key].profile.actuators), RATE // 2))
         tone[row] = 0.6 * np.sin(2 * np.pi * 160 * np.arange(RATE // 2) / RATE)
-        if not self._player.halted:
-            self._outputs[key].send(tone)
+        self._player.touch(key, tone)
 
     def _on_play(self) -> None:
         """Begin a section; the film says when."""
@@ -218,7 +225,7 @@ class Study:
         sitting = self._sitting
         if sitting is not None and sitting.step is not None:
             if sitting.step["step"] == "play":
-                answer = [self._player.stop()]
+                answer = self._player.stop()
             if not self._player.halted:
                 sitting.take(number, answer)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import random
 import shutil
 import tomllib
@@ -34,21 +36,33 @@ def read_form(folder: Path) -> dict[str, Any]:
     for name, scene in form["scenes"].items():
         if len({"sample", "blend", "tracks"} & scene.keys()) != 1:
             raise FormatError(path, f"/scenes/{name}", "has one of sample, blend and tracks")
+    if form["scale"]["low"] >= form["scale"]["high"]:
+        raise FormatError(path, "/scale/high", "must be above low")
+    texts = [item["text"] for item in form["items"]]
+    for number, text in enumerate(texts):
+        if text in texts[:number]:  # answers are told apart by it
+            raise FormatError(path, f"/items/{number}/text", "is there twice")
     return form
 
 
 def stimuli(folder: Path, form: Mapping[str, Any]) -> dict[tuple[str, str], Path]:
     """The file of the tracks of each scene in each condition, and of the film of each scene, whose
-    condition is ""."""
+    condition is "". What is rendered bears a digest of its settings in its name, so that other
+    settings are rendered anew."""
     files = {}
     for name, scene in form["scenes"].items():
         if "film" in scene or "tracks" not in scene:
-            files[name, ""] = folder / scene.get("film", f"stimuli/{name}.webm")
+            shown = f"stimuli/{name}.{_digest(scene, form.get('film_settings'))}.webm"
+            files[name, ""] = folder / scene.get("film", shown)
         stem = Path(scene.get("blend", scene.get("sample", ""))).stem
-        for condition in form["conditions"]:
-            baked = f"stimuli/{name}/{condition}/{stem}.wav"
+        for condition, settings in form["conditions"].items():
+            baked = f"stimuli/{name}/{condition}.{_digest(scene, settings)}/{stem}.wav"
             files[name, condition] = folder / scene.get("tracks", {}).get(condition, baked)
     return files
+
+
+def _digest(*settings: Any) -> str:
+    return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:8]
 
 
 def begin(
@@ -69,15 +83,19 @@ def begin(
         levels: RMS by condition, scene and listener.
 
     Raises:
-        ValueError: the form has changed since the study began.
+        ValueError: the form or a track has changed since the study began.
     """
     path = folder / PLAN
-    before = read_plan(folder) if path.exists() else {"form": form, "orders": {}}
-    if before["form"] != form:
-        raise ValueError(
-            f"{folder / FORM}: has changed since the study began; put it back, or begin another "
-            "study in another folder"
-        )
+    before = read_plan(folder) if path.exists() else {"form": form, "levels": levels, "orders": {}}
+    for now, then, what in (
+        (form, before["form"], f"{folder / FORM}: has"),
+        (levels, before["levels"], f"{folder}: the tracks have"),
+    ):
+        if now != then:
+            raise ValueError(
+                f"{what} changed since the study began; put back what was there, or begin another "
+                "study in another folder"
+            )
     count = max(participants, len(before["orders"]))
     plan = {
         "format": "haptic-study",

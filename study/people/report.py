@@ -22,6 +22,7 @@ from .statistics import Row, differences, friedman, pairs, power, share
 
 FEWEST = 6
 """People below whose number nothing is tested."""
+LEAST_MISSED = 100.0
 _HERE = Path(__file__).parent
 PUBLISHED = tomllib.loads((_HERE / "published.toml").read_text(encoding="utf-8"))
 """What the paper prints."""
@@ -58,6 +59,7 @@ def analyse(folder: Path) -> list[Path]:
             for row in pairs(ratings)
         ),
         "places": DataFrame(places),
+        "missed": _missed(answers),
     }
     text = Template((_HERE / "analysis.html").read_text(encoding="utf-8")).substitute(
         {name: table.to_html(**_LAYOUT) for name, table in tables.items()},
@@ -76,6 +78,13 @@ def analyse(folder: Path) -> list[Path]:
     for name, content in files.items():
         write_bytes(folder / name, content.encode())
     return [folder / name for name in files]
+
+
+def _missed(answers: DataFrame) -> DataFrame:
+    """Sections of which more than `LEAST_MISSED` milliseconds were not played."""
+    rows = answers[answers["item"] == "missed_ms"].astype({"value": float})
+    columns = ["participant", "condition", "scene", "value"]
+    return rows.loc[rows["value"] > LEAST_MISSED, columns].rename(columns={"value": "ms"})
 
 
 def _preferred(order: DataFrame) -> list[Row]:
@@ -110,7 +119,8 @@ def _places(kept: DataFrame, plan: Mapping[str, Any]) -> tuple[list[Row], str]:
     rows, maps = [], ""
     placed = kept[kept["step"] == "place"]
     for (scene, condition), group in placed.groupby(["scene", "condition"], sort=False):
-        levels = Series(plan["levels"][condition][scene], plan["listeners"])
+        listeners = Series(plan["levels"][condition][scene], plan["listeners"])
+        levels = (listeners**2).groupby(level=0, sort=False).sum() ** 0.5  # of each body part
         felt, noticed = group[group["x"].notna()], group.loc[group["item"] == "noticed", "value"]
         row: Row = {"scene": scene, "condition": condition, "strongest": levels.idxmax()}
         row |= share("noticed", int(noticed.sum()), len(noticed))

@@ -68,7 +68,7 @@ class Sitting:
         items = {
             "about": form["about"],
             "words": form["words"],
-            "play": ["late_ms"],
+            "play": ["late_ms", "missed_ms"],
             "rate": [item["text"] for item in form["items"]],
             "rank": conditions,
         }.get(kind, ())

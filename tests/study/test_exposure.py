@@ -2,11 +2,14 @@
 
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from haptic_tracing.command_line.serve.stage import DeviceStage
 from haptic_tracing.command_line.study_run import Study
+from haptic_tracing.core.devices.guard import DeviceOutput
+from haptic_tracing.core.devices.profiles import profile
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.formats.tracks.wav import described, read, write_wav
 from haptic_tracing.core.perception import FullScale
@@ -123,9 +126,9 @@ def test_a_study_knows_the_exposure_by_the_calibration_beside_the_tracks(tmp_pat
     study = Study(tmp_path, read_form(tmp_path), 2, DeviceStage({}))
     left, right, leg = study.exposure
     expected = rms_of_sine("hand.L") * math.sqrt(2 * SECONDS / 28_800)
-    assert left == ["hand.L", pytest.approx(expected, rel=1e-6), *HAND]
-    assert right == ["hand.R", None, *HAND]
-    assert leg == ["upper_leg.R", pytest.approx(leg[1]), *BODY] and leg[1] > 0
+    assert left == ["hand.L", False, pytest.approx(expected, rel=1e-6), *HAND]
+    assert right == ["hand.R", False, None, *HAND]
+    assert leg == ["upper_leg.R", False, pytest.approx(leg[2]), *BODY] and leg[2] > 0
     for part in ("hand.L", "head"):
         with pytest.raises(ValueError, match=f"devices: {part} = 'pad'"):
             Study(
@@ -141,6 +144,28 @@ def test_a_study_knows_the_exposure_by_the_calibration_beside_the_tracks(tmp_pat
     assert "two.wav.json is not used" in loss
     with pytest.raises(ValueError, match="all tracks need the same listeners"):
         Study(tmp_path, read_form(tmp_path), 2, DeviceStage({}))
+
+
+def test_listeners_at_one_body_part_are_played_and_add_up(tmp_path):
+    (tmp_path / "study.toml").write_text(FORM)
+    places = {"Palm": "hand.L", "Thumb": "hand.L", "Heel": "foot.L", "Other palm": "hand.R"}
+    tracks = Tracks(
+        tuple(ListenerTrack(name, part, device=DEVICE) for name, part in places.items()),
+        RATE,
+        np.array([[0.4], [0.2], [0.1], [0.3]]) * 2 * SINE,
+    )
+    for name in ("one", "two"):
+        write_wav(tracks, tmp_path / f"{name}.wav", "float32")
+        (tmp_path / f"{name}.wav.json").write_text(json.dumps(described(tracks)))
+    pad = DeviceOutput(profile("dualsense"), hid=None, rate=RATE)
+    stage = SimpleNamespace(outputs={"pad": pad}, stop=lambda: None)
+    study = Study(tmp_path, read_form(tmp_path), 2, stage)
+    (left, foot, right), once = study.exposure, rms_of_sine("hand.L") * math.sqrt(SECONDS / 14_400)
+    assert left == ["hand.L", True, pytest.approx((0.8 + 0.4) * once, rel=1e-6), *HAND]
+    assert right == ["hand.R", True, pytest.approx(0.6 * once, rel=1e-6), *HAND]
+    assert foot[:2] == ["foot.L", False]
+    played = study._mapping.blocks(study._samples("sine", "one"))["pad"]
+    assert np.allclose(played, np.array([[1.2], [0.6]]) * SINE, atol=1e-6)
 
 
 def test_hands_have_other_limits_than_the_rest_of_the_body():

@@ -5,21 +5,51 @@ import time
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from haptic_tracing.command_line.study_playing import BLOCK, RATE, FilmPlayer
 from haptic_tracing.core.devices.profiles import profile
 from haptic_tracing.core.devices.status import Status
 
 
-def test_blocks_are_due_by_the_clock_of_the_film():
-    sent = []
-    pad = profile("dualsense")
+def player_of(sent):
+    """A player of one pad, whose blocks are kept."""
     output = SimpleNamespace(
-        profile=pad,
+        profile=profile("dualsense"),
         status=Status("open"),
-        send=lambda block, due: sent.append((block, due)),
+        send=lambda block, due=None: sent.append((block, due)),
         expect=lambda block, due: None,
     )
-    player = FilmPlayer(SimpleNamespace(outputs={"pad": output}, stop=lambda: None))
+    return FilmPlayer(SimpleNamespace(outputs={"pad": output}, stop=lambda: None))
+
+
+def test_what_is_missed_without_pictures_is_counted():
+    sent = []
+    player = player_of(sent)
+    player.load({"pad": np.zeros((2, 4 * RATE))})
+    player.touch("pad", np.ones((2, 10)))
+    assert not sent, "no device check disturbs a section"
+    begun = time.perf_counter()
+    for first, last in ((0.5, 1.0), (2.5, 3.0)):  # pictures of the film, seconds
+        while (film := time.perf_counter() - begun) < last:
+            if film >= first:
+                player.follow(film, time.perf_counter())
+            time.sleep(0.01)
+    late, missed = player.stop()
+    count = len(sent)
+    assert missed == pytest.approx(1e3 * (4.0 - count * BLOCK))
+    # Each time the devices go on for AHEAD after the last picture.
+    assert missed == pytest.approx(4000 - 2 * 500 - 200, abs=150 + 2 * late)
+    player.touch("pad", np.ones((2, 10)))
+    assert len(sent) == count + 1
+    player.halt("stop")
+    player.touch("pad", np.ones((2, 10)))
+    assert len(sent) == count + 1
+    assert player.stop()[1] == 0.0
+
+
+def test_blocks_are_due_by_the_clock_of_the_film():
+    sent, pad = [], profile("dualsense")
+    player = player_of(sent)
     samples = np.random.default_rng(1).normal(size=(2, round(0.5 * RATE)))
     zero = time.perf_counter() + 0.9
     player.load({"pad": samples})

@@ -6,7 +6,7 @@ from itertools import pairwise, product
 
 import pytest
 from haptic_tracing.command_line import build_parser, main
-from haptic_tracing.study.people.plan import begin, orders, read_form, shuffled_square
+from haptic_tracing.study.people.plan import begin, orders, read_form, shuffled_square, stimuli
 from haptic_tracing.study.people.record import read_plan, read_steps
 from haptic_tracing.study.people.sitting import Sitting
 
@@ -84,6 +84,8 @@ def test_the_first_call_leaves_a_form_that_says_what_is_missing(tmp_path, capsys
         (", b = {}, c = {}, d = {}", "", "/conditions"),
         ("smallest_effect = 0.5", "smallest_effect = -1", "/smallest_effect"),
         ('title = "T"', "title = ", "not TOML"),
+        ("low = 1", "low = 5", "/scale/high"),
+        ('"R"}]', '"R"}, {factor = "Harmony", text = "R"}]', "/items/1/text"),
     ],
 )
 def test_a_form_with_a_fault_is_named(tmp_path, old, new, where):
@@ -96,6 +98,24 @@ def test_a_form_may_not_change_once_the_study_has_begun(sitting, tmp_path):
     (tmp_path / "study.toml").write_text(FORM.replace('"R"', '"Other"'))
     with pytest.raises(ValueError, match="has changed since the study began"):
         seated(tmp_path)
+
+
+def test_tracks_may_not_change_once_the_study_has_begun(sitting, tmp_path):
+    form, other = read_form(tmp_path), {"a": {"x": [0.5]}}
+    with pytest.raises(ValueError, match="tracks have changed since the study began"):
+        begin(tmp_path, form, 4, ("hand.L",), other)
+
+
+def test_other_settings_are_rendered_into_other_files(tmp_path):
+    scenes = {"x": {"sample": "pile", "frames": [1, 9]}, "y": {"tracks": {"a": "mine.wav"}}}
+    form = {"conditions": {"a": {"settings": ["scene.haptics.mode=HT"]}, "b": {}}, "scenes": scenes}
+    before = stimuli(tmp_path, form)
+    form["conditions"]["a"] = {"settings": ["scene.haptics.mode=SD"]}
+    now = stimuli(tmp_path, form)
+    assert {key for key in now if now[key] != before[key]} == {("x", "a")}
+    scenes["x"]["frames"] = [1, 8]
+    later = stimuli(tmp_path, form)
+    assert {key for key in now if later[key] != now[key]} == {("x", ""), ("x", "a"), ("x", "b")}
 
 
 def test_a_sitting_resumes_where_its_file_ends(sitting, tmp_path):
@@ -111,7 +131,7 @@ def test_a_sitting_resumes_where_its_file_ends(sitting, tmp_path):
 SPOT = {"item": "back", "value": "hand.L", "x": 0, "y": 1}
 GOOD = {
     "about": ["30"],
-    "play": [1.0],
+    "play": [1.0, 0.0],
     "place": [{"item": "noticed", "value": 1}, SPOT],
     "rate": [3],
     "rank": [2, 1, 4, 3],

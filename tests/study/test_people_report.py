@@ -105,6 +105,40 @@ def test_analyse_writes_tables_and_a_page_beside_the_papers_numbers(folder, caps
     assert "<script" not in page
 
 
+def test_sections_that_were_not_felt_as_a_whole_are_listed(folder):
+    for name, missed in (("P01", 40.0), ("P02", 900.0)):
+        about = {
+            "condition": "SD",
+            "scene": "Stalactites",
+            "answer": rows(late_ms=1, missed_ms=missed),
+        }
+        add_step(folder / f"{name}.jsonl", {"step": "play", **about})
+        add_step(folder / f"{name}.jsonl", {"step": "end", "answer": []})
+    assert main(["study", "analyse", str(folder)]) == 0
+    assert pandas.read_csv(folder / "missed.csv").to_numpy().tolist() == [
+        ["P02", "SD", "Stalactites", 900.0]
+    ]
+
+
+def test_two_conditions_are_analysed(folder):
+    """A study of HT and SD alone."""
+    plan = json.loads((folder / "study.json").read_text())
+    plan["form"]["conditions"] = {"HT": {}, "SD": {}}
+    (folder / "study.json").write_text(json.dumps(plan))
+    for path in folder.glob("P*.jsonl"):
+        steps = read_steps(path)
+        path.unlink()
+        for step in steps:
+            if step["step"] == "rank":
+                step["answer"] = rows(HT=1, SD=2)
+            if step.get("condition") in (None, "HT", "SD"):
+                add_step(path, step)
+    assert main(["study", "analyse", str(folder)]) == 0
+    (ranking, *_) = pandas.read_csv(folder / "factors.csv").to_dict("records")
+    assert ranking["people"] == 9 and ranking["chi-square"] == pytest.approx(9.0)
+    assert len(pandas.read_csv(folder / "pairs.csv")) == 3
+
+
 def test_a_study_that_nobody_has_finished_is_named(folder, capsys):
     for path in folder.glob("P*.jsonl"):
         path.unlink()

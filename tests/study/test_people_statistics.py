@@ -44,6 +44,21 @@ def test_friedman_of_the_published_example():
     assert found["W"] == pytest.approx(78 / 7 / 44, abs=1e-9)
 
 
+@pytest.mark.parametrize("count", [3, 4, 6])
+def test_friedman_is_that_of_scipy(count):
+    ratings = np.random.default_rng(count).integers(1, 6, (20, count)).astype(float)
+    test, found = stats.friedmanchisquare(*ratings.T), friedman(DataFrame(ratings))
+    assert (found["chi-square"], found["p"]) == pytest.approx(test, abs=1e-9)
+
+
+def test_friedman_of_two_conditions_is_the_sign_test():
+    """By definition: the square of (wins - losses) / sqrt(wins + losses)."""
+    ratings = DataFrame({"a": [5, 6, 7, 4, 3, 5, 5], "b": [4, 5, 5, 5, 2, 5, 1]})
+    found = friedman(ratings)
+    assert found["chi-square"] == pytest.approx((5 - 1) ** 2 / 6, abs=1e-9)
+    assert found["p"] == pytest.approx(2 * stats.norm.sf(4 / np.sqrt(6)), abs=1e-9)
+
+
 def test_a_pair_of_the_published_example():
     (pair,) = pairs(DataFrame({"first": FIRST, "second": SECOND}))
     assert pair["p"] == pytest.approx(20 / 2**9, abs=1e-9)

@@ -7,6 +7,8 @@ import pytest
 from bounded_program import run as run_bounded
 from haptic_tracing.core.formats.tracks.wav import StoredSamples, read
 from haptic_tracing.core.perception import FullScale
+from haptic_tracing.study.people.plan import read_form
+from haptic_tracing.study.people.plan import stimuli as known
 
 pytestmark = pytest.mark.slow
 
@@ -38,15 +40,15 @@ def test_films_and_tracks_are_rendered_once(tmp_path):
     command += ["--out", str(tmp_path), "--prepare"]
     assert run_bounded(command, 900).returncode == 0
     stimuli = tmp_path / "stimuli"
-    assert (stimuli / "Bench.webm").read_bytes()[:4] == bytes.fromhex("1a45dfa3")  # Matroska
+    files = known(tmp_path, read_form(tmp_path))
+    assert files["Bench", ""].read_bytes()[:4] == bytes.fromhex("1a45dfa3")  # Matroska
     traced, everywhere = (
-        np.asarray(StoredSamples(stimuli / "Bench" / name / "jackhammer_bench.wav"))
-        for name in ("traced", "everywhere")
+        np.asarray(StoredSamples(files["Bench", name])) for name in ("traced", "everywhere")
     )
     # By definition the mode MN is the same at all listeners; HT is not.
     assert np.ptp(everywhere, axis=0).max() == 0 and np.abs(everywhere).max() > 0.01
     assert np.ptp(traced, axis=0).max() > 0.01
-    channels = read(stimuli / "Bench" / "traced" / "jackhammer_bench.wav").channels
+    channels = read(files["Bench", "traced"]).channels
     parts = {channel.body_part for channel in channels}
     assert "" not in parts and len(parts) == len(traced)
     calibrated = [one.device for one in channels if one.device]
