@@ -34,7 +34,7 @@ def bounded_least_squares(
     rounding = _ROUNDING * (np.abs(matrix) @ np.abs(matrix.T))
 
     def gradient(dual: FloatArray) -> FloatArray:
-        return np.asarray(target - matrix @ np.clip(dual @ matrix, low, high) - softness * dual)
+        return target - matrix @ np.clip(dual @ matrix, low, high) - softness * dual
 
     for _ in range(_ROUNDS):
         rest = gradient(dual)
@@ -52,4 +52,4 @@ def bounded_least_squares(
                 (middle, reach) if step @ gradient(dual + middle * step) >= 0 else (length, middle)
             )
         dual = dual + length * step
-    return np.asarray(np.clip(dual @ matrix, low, high))
+    return np.clip(dual @ matrix, low, high)

@@ -112,10 +112,10 @@ class FullScale(NamedTuple):
         hertz, points = np.asarray(frequency, dtype=np.float64), np.log(self.points)
         value = np.exp(np.interp(np.log(hertz), points[:, 0], points[:, 1]))
         if not self.is_force:
-            return np.asarray(value)
+            return value
         angular = 2 * math.pi * hertz
         stiffness = np.hypot(_STIFFNESS - _MASS * angular**2, _DAMPING * angular)
-        return np.asarray(value * angular**2 / stiffness)
+        return value * angular**2 / stiffness
 
 
 def threshold_level(
@@ -126,7 +126,7 @@ def threshold_level(
     hertz = np.asarray(frequency, dtype=np.float64)
     bend = np.log10(_SLOPE * hertz + _BASE) / math.log10(_BASE)
     if full_scale is None:
-        return np.asarray(_DEPTH * bend**2 + BEST_LEVEL)
+        return _DEPTH * bend**2 + BEST_LEVEL
     best = BEST_DISPLACEMENT * (2 * math.pi * hertz) ** 2
     return np.asarray(_DEPTH * bend**2 + 20 * np.log10(best / full_scale.acceleration(hertz)))
 
@@ -161,7 +161,7 @@ def _hearing(count: int, sample_rate: float) -> tuple[FloatArray, BoolArray, Flo
 def _weight(count: int, sample_rate: float, device: FullScale | None) -> FloatArray:
     """The factor on energies at the tactile frequencies that makes those of thresholds 1."""
     heard = _hearing(count, sample_rate)[2]
-    return np.asarray(10 ** (-threshold_level(heard, device) / 10))
+    return 10 ** (-threshold_level(heard, device) / 10)
 
 
 def masked_by(

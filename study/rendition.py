@@ -50,7 +50,7 @@ class Sounding:
     def margins(self) -> FloatArray:
         """Decibels (4, l) above the threshold of feeling, by `MODES`."""
         with np.errstate(divide="ignore"):
-            return np.asarray(20 * np.log10(self.amplitudes) + self.loudness)
+            return 20 * np.log10(self.amplitudes) + self.loudness
 
     @property
     def persists(self) -> bool:

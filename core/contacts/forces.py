@@ -152,7 +152,7 @@ def _balanced(matrix: FloatArray, target: FloatArray, count: int, most: FloatArr
     scale = np.repeat([2.0, _RELUCTANCE], [4 * count, 2 * count])
     low = np.concatenate([np.zeros(4 * count), -most / _RELUCTANCE])
     high = np.concatenate([np.full(4 * count, np.inf), most / _RELUCTANCE])
-    return np.asarray(scale * bounded_least_squares(matrix * scale, target, low, high, _SOFTNESS))
+    return scale * bounded_least_squares(matrix * scale, target, low, high, _SOFTNESS)
 
 
 def _directions(normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -210,4 +210,4 @@ def _touched_poses(
 
 def _to_body(transform: FloatArray, position: Sequence[float]) -> FloatArray:
     """Return a world position in the frame of a rigid transform (4, 4)."""
-    return np.asarray(transform[:3, :3].T @ (np.asarray(position) - transform[:3, 3]))
+    return transform[:3, :3].T @ (np.asarray(position) - transform[:3, 3])

@@ -227,7 +227,7 @@ def confirmed(hits: Hits, paths: Paths, tolerance: float) -> BoolArray:
         for body in hits.pairs[k].tolist():
             if not paths.certain[body]:
                 deflected.setdefault(body, time)
-    return np.asarray(real)
+    return real
 
 
 def impact_energies(
@@ -250,4 +250,4 @@ def impact_energies(
     reduced = np.where(
         stiff[:, 0], np.where(stiff[:, 1], 0.0, second), np.where(stiff[:, 1], first, both)
     )
-    return np.asarray(reduced * hits.approach**2 / 2)
+    return reduced * hits.approach**2 / 2

@@ -95,7 +95,7 @@ class Paths:
 
     def velocities(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
         """Velocities (3, k) of the origins of ``bodies`` at ``time``."""
-        return np.asarray(self.velocity[:, bodies] + self.acceleration[:, bodies] * time)
+        return self.velocity[:, bodies] + self.acceleration[:, bodies] * time
 
     def slowed(self, bodies: IntArray, time: FloatArray) -> FloatArray:
         """By what factor (k,) >= 1 ``bodies`` (k,) were faster just before they hit something at
@@ -108,7 +108,7 @@ class Paths:
 
     def displacement(self) -> FloatArray:
         """Vectors (3, n) from the starts to the ends of the paths."""
-        return np.asarray((self.velocity + self.acceleration * (self.duration / 2)) * self.duration)
+        return (self.velocity + self.acceleration * (self.duration / 2)) * self.duration
 
     def fastest(self) -> FloatArray:
         """Greatest speed (n,) of each body's origin on its path, on the straight line to its actual
@@ -186,13 +186,13 @@ class MotionHistory:
 
     def moving(self) -> BoolArray:
         """Which bodies (n,) have moved within the stored frames."""
-        return np.asarray(self._begun & (self._still <= _DEPTH))
+        return self._begun & (self._still <= _DEPTH)
 
     def speeds(self) -> FloatArray:
         """(n,) mean speed of each body in the last interval; 0 before there is one."""
         if len(self.times) < 2:
             return np.zeros(len(self._still))
-        return np.asarray(np.sqrt(_squared(self._poses[-1][9:] - self._poses[-2][9:])) / self.step)
+        return np.sqrt(_squared(self._poses[-1][9:] - self._poses[-2][9:])) / self.step
 
     def speed_bound(self, gravity: FloatArray) -> FloatArray:
         """Estimated upper bound (n,) on the speed of each body in the last interval; 0 before there
@@ -212,9 +212,7 @@ class MotionHistory:
                 * (2 / (known + older)),
             )
         bend = np.clip(bend, weight, _PLAUSIBLE * weight)
-        return np.asarray(
-            np.sqrt(np.maximum(_squared(direct), _squared(chord))) + bend * (step + known / 2)
-        )
+        return np.sqrt(np.maximum(_squared(direct), _squared(chord))) + bend * (step + known / 2)
 
     def drift(self, bodies: IntArray) -> FloatArray:
         """Displacement (3, k) of bodies in the last interval, 0 before there is one."""
@@ -229,9 +227,7 @@ class MotionHistory:
         t = paths.duration
         straight = paths.end[9:] - paths.start[9:] - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
-        return np.asarray(
-            self.moving() & (np.minimum(_squared(straight), _squared(bent)) > _DEVIATION**2)
-        )
+        return self.moving() & (np.minimum(_squared(straight), _squared(bent)) > _DEVIATION**2)
 
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
         """Paths from the last frame but one to the last. None before there are three poses.
@@ -327,9 +323,7 @@ def spins(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
     sine = np.sqrt(_squared(twist)) / 2
     angle = np.arctan2(sine, (turn[0, 0] + turn[1, 1] + turn[2, 2] - 1) / 2)
     turning = sine > 1e-9
-    return np.asarray(
-        twist * (np.where(turning, angle / np.where(turning, sine, 1.0), 1.0) / (2 * time))
-    )
+    return twist * (np.where(turning, angle / np.where(turning, sine, 1.0), 1.0) / (2 * time))
 
 
 def rotations(vectors: FloatArray) -> FloatArray:
@@ -349,4 +343,4 @@ def rotations(vectors: FloatArray) -> FloatArray:
     result[1, 2] -= x
     result[2, 0] -= y
     result[2, 1] += x
-    return np.asarray(result)
+    return result

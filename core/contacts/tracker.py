@@ -398,7 +398,7 @@ class ContactTracker:
             # Twice the speed of the faster of two at most, and no more than the mass of a dynamic
             # one of them.
             mass = 4 * np.where(self._dynamic, mass, np.max(mass, where=self._dynamic, initial=0.0))
-        return np.asarray(mass / 2 * (speed / self.settings.time_scale) ** 2)
+        return mass / 2 * (speed / self.settings.time_scale) ** 2
 
     def _may_strike(self) -> BoolArray:
         """Which bodies (n,) may take part in an impact soon: all that move and have a mass, once
@@ -411,7 +411,7 @@ class ContactTracker:
         )
         energy = self._energies(self._history.speeds() + gain)
         moving = self._history.moving()
-        return np.asarray(moving & (self._mass > 0) & np.any(moving & (energy >= self._least / 2)))
+        return moving & (self._mass > 0) & np.any(moving & (energy >= self._least / 2))
 
     def _in_heaps(self, bodies: BoolArray) -> BoolArray:
         """Which bodies (n,) are in a heap with one of these (n,): joined to it by near pairs."""
@@ -651,7 +651,7 @@ class ContactTracker:
             return np.ones(len(pairs.key), dtype=np.bool_)
         sounding = ends.sounding | striking
         sounding[self._near_larger[able]] = True
-        return np.asarray((self._in_heaps(ends.heard) & self._in_heaps(sounding))[pairs.larger])
+        return (self._in_heaps(ends.heard) & self._in_heaps(sounding))[pairs.larger]
 
     def _look(self, rows: IntArray, before: BoolArray, meetings: Meetings | None = None) -> Hits:
         """Update pairs ``rows``, by a query where they have moved relative to each other. Returns
@@ -739,9 +739,7 @@ class ContactTracker:
         (k,) of the middles of their bounds, has moved since these pairs were queried: (k,)."""
         values = self._pairs.values[: _ON_LARGER.start].take(rows, axis=1)
         travel, change = place - values[_PLACE], turn - values[_TURN].reshape(3, 3, -1)
-        return np.asarray(
-            np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2)
-        )
+        return np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2)
 
     def _patches(
         self, numbers: IntArray, turn: FloatArray, offset: FloatArray, limit: FloatArray
@@ -819,9 +817,7 @@ class ContactTracker:
         area = values[_AREA]
         facing = area / np.maximum(area + _FACING * np.minimum(*faces), 1e-300)
         facing = np.where(self._narrow.is_box[larger] & self._narrow.is_box[smaller], facing, 1.0)
-        return np.asarray(
-            near * (touch + (1.0 - touch) * (_EDGE_WEIGHT + (1.0 - _EDGE_WEIGHT) * facing))
-        )
+        return near * (touch + (1.0 - touch) * (_EDGE_WEIGHT + (1.0 - _EDGE_WEIGHT) * facing))
 
     def _meetings(self, paths: Paths, able: IntArray) -> Meetings | None:
         """Which near pairs ``able`` meet on their ``paths``."""

@@ -54,7 +54,7 @@ class Transfer:
     @property
     def used(self) -> BoolArray:
         """(n,) the frequencies that are coherent."""
-        return np.asarray(self.coherence >= COHERENT)
+        return self.coherence >= COHERENT
 
     @property
     def deviation(self) -> FloatArray:

@@ -28,7 +28,7 @@ def sweep(seconds: float, sample_rate: float) -> FloatArray:
     growth = math.log(SWEEP[1] / SWEEP[0])
     part = np.arange(round(seconds * sample_rate)) / (seconds * sample_rate)
     phase = 2 * math.pi * SWEEP[0] * seconds / growth * np.expm1(growth * part)
-    return np.asarray(SWEEP_AMPLITUDE * np.sin(phase))
+    return SWEEP_AMPLITUDE * np.sin(phase)
 
 
 def measured_full_scale(
@@ -80,4 +80,4 @@ def _energies(samples: FloatArray, sample_rate: float) -> FloatArray:
     rows = [
         np.pad(samples[at : at + width], (0, max(at + width - len(samples), 0))) for at in starts
     ]
-    return np.asarray(np.abs(np.fft.rfft(np.array(rows) * window, axis=1)) ** 2)
+    return np.abs(np.fft.rfft(np.array(rows) * window, axis=1)) ** 2

@@ -45,4 +45,4 @@ class HighPass:
         powers = self._decay ** np.arange(1, samples.shape[1] + 1)
         steady = powers * (self._steady + (1 - self._decay) * np.cumsum(samples / powers, axis=1))
         self._steady = steady[:, -1:]
-        return np.asarray(samples - steady)
+        return samples - steady

@@ -131,4 +131,4 @@ def _coefficients() -> FloatArray:
     matrix = np.concatenate([spectrum[:, None] * np.cos(angle), spectrum[:, None] * np.sin(angle)])
     wanted = np.zeros(len(matrix))
     wanted[:120] = weight[:120]
-    return np.asarray(np.linalg.solve(matrix.T @ matrix, matrix.T @ wanted))
+    return np.linalg.solve(matrix.T @ matrix, matrix.T @ wanted)

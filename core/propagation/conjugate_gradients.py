@@ -193,4 +193,4 @@ class _Matrix:
             # No BLAS, one by one: bits independent of threads and other columns.
             for number, system in enumerate(self._kept):
                 result[number, part] -= np.einsum("ij,j->i", block[system], vectors[number, part])
-        return np.asarray(result)
+        return result

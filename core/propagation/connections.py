@@ -127,7 +127,7 @@ class PathConnections:
         factors[self._inside] = band_factors(self._graph, self._object, self._distance)
         if self._graph.contact_band_gains is not None:
             factors[self._across] = self._graph.contact_band_gains[self._contact]
-        return np.asarray(np.multiply.reduceat(factors, self._begins, axis=0))
+        return np.multiply.reduceat(factors, self._begins, axis=0)
 
 
 def _exact_sum(terms: Sequence[float]) -> float:

@@ -213,7 +213,7 @@ class _Assembly:
                 else graph.contact_band_gains[contact]
             )
             gains = np.concatenate([gains, gains * bands.T])
-        return np.asarray(np.minimum(gains, 1.0) ** 2)
+        return np.minimum(gains, 1.0) ** 2
 
     def _equations(self) -> PowerBalance:
         """Dampings and couplings. A subsystem of gain 0 absorbs energy and has the energy 0."""

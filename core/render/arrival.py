@@ -74,4 +74,4 @@ def _band_power(signal: Signal) -> FloatArray:
 def _products() -> FloatArray:
     """Products (bands, bands, f) of the gains of two bands each, hertz by hertz."""
     response = bank_spectra(SAMPLE_RATE, round(SAMPLE_RATE))[:, : _RATE // 2 + 1]
-    return np.asarray(response[:, None] * response)
+    return response[:, None] * response

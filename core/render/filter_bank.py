@@ -82,4 +82,4 @@ def _low_pass_spectra(sample_rate: float, size: int) -> FloatArray:
     for kernel, edge in zip(kernels, BAND_EDGES[1:-1], strict=True):
         taps = low_pass(edge, sample_rate)
         kernel[: len(taps)] = taps
-    return np.asarray(np.fft.rfft(np.roll(kernels, -bank_reach(sample_rate), axis=1)).real)
+    return np.fft.rfft(np.roll(kernels, -bank_reach(sample_rate), axis=1)).real

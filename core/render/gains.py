@@ -159,9 +159,8 @@ def corner(since: FloatArray) -> FloatArray:
     """Return the smoothed corner of a line that bends by slope 1, less the line it tends to, at 0
     to `SMOOTHING` seconds since."""
     left = SMOOTHING - since
-    return np.asarray(
-        left * left / (2.0 * SMOOTHING)
-        - (SMOOTHING / (4.0 * np.pi**2)) * (1.0 - np.cos(2.0 * np.pi / SMOOTHING * since))
+    return left * left / (2.0 * SMOOTHING) - (SMOOTHING / (4.0 * np.pi**2)) * (
+        1.0 - np.cos(2.0 * np.pi / SMOOTHING * since)
     )
 
 

@@ -170,7 +170,7 @@ class Waves:
         left, right = self._frames(edges)
         first = np.minimum(left[:-1], len(self.filled) - 1)
         shown = values[:, : max(right[-1], first[-1] + 1)]
-        return np.asarray(np.maximum.reduceat(shown, first, axis=1))
+        return np.maximum.reduceat(shown, first, axis=1)
 
     def _frames(self, edges: FloatArray) -> tuple[IntArray, IntArray]:
         """The numbers of the frames that begin before and after ``edges``, of those there are."""

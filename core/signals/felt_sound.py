@@ -83,7 +83,7 @@ def frequencies(heard: Heard, feel: Feel) -> FloatArray:
     octaves = np.minimum(np.floor(np.log2(high / pitch)), 0.0) + np.maximum(
         np.ceil(np.log2(low / pitch)), 0.0
     )
-    return np.asarray(np.clip(pitch * 2.0**octaves, low, high))
+    return np.clip(pitch * 2.0**octaves, low, high)
 
 
 def vibration(heard: Heard, feel: Feel) -> Signal:

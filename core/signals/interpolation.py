@@ -73,7 +73,7 @@ def _interpolated(samples: FloatArray, positions: FloatArray, stretch: float) ->
     window -= first
     one_phase = bool((phase == phase[0]).all())
     if one_phase and phase[0] == 0.0 and stretch == 1.0:
-        return np.asarray(near[:, window + (reach - 1)])
+        return near[:, window + (reach - 1)]
     if one_phase and last - first <= 2 * (len(window) + 2 * reach):
         weights = _table_weights(phase[:1], stretch)[0]
         return np.stack([np.correlate(row, weights, "valid") for row in near])[:, window]
@@ -99,7 +99,7 @@ def _kernel_polynomials() -> FloatArray:
     (9, 32)."""
     nodes = np.cos(np.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
     weights = kernel_weights((nodes + 1.0) / 2.0)
-    return np.asarray(np.linalg.solve(np.vander(nodes, _TERMS, increasing=True), weights))
+    return np.linalg.solve(np.vander(nodes, _TERMS, increasing=True), weights)
 
 
 def resample(samples: FloatArray, rate: float, new_rate: float) -> FloatArray:
@@ -133,7 +133,7 @@ def _table_weights(phase: FloatArray, stretch: float) -> FloatArray:
     position = phase * (len(table) - 1)
     row = position.astype(np.intp)
     share = (position - row)[:, None]
-    return np.asarray(table[row] + share * (table[row + 1] - table[row]))
+    return table[row] + share * (table[row + 1] - table[row])
 
 
 @lru_cache(maxsize=64)

@@ -86,7 +86,7 @@ class Square(Oscillator, kind="square"):
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         to_edge = _distance(cycles - 0.25) - 0.25
-        return np.asarray(np.clip(-2 * to_edge / np.maximum(width, 1e-9), -1.0, 1.0))
+        return np.clip(-2 * to_edge / np.maximum(width, 1e-9), -1.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)

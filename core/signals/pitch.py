@@ -25,7 +25,7 @@ _WINDOW = np.hanning(FRAME + 1)[:FRAME]
 
 def _autocorrelation(frames: FloatArray, count: int) -> FloatArray:
     spectra = np.fft.rfft(frames, 2 * FRAME)
-    return np.asarray(np.fft.irfft(spectra.real**2 + spectra.imag**2)[:, :count])
+    return np.fft.irfft(spectra.real**2 + spectra.imag**2)[:, :count]
 
 
 def pitches(frames: FloatArray, rate: float) -> FloatArray:

@@ -193,7 +193,7 @@ def _read(samples: Samples, first: int, last: int) -> FloatArray:
 
 
 def _frames(samples: FloatArray, length: int) -> FloatArray:
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(samples, length)[::_HOP])
+    return np.lib.stride_tricks.sliding_window_view(samples, length)[::_HOP]
 
 
 def _power(samples: FloatArray) -> FloatArray:
@@ -208,4 +208,4 @@ def _power(samples: FloatArray) -> FloatArray:
     half[: math.ceil(LOWEST * count / RATE)] = 0.0
     spectrum[: len(half)] = 2.0 * half
     analytic = np.fft.ifft(spectrum)
-    return np.asarray(analytic.real**2 + analytic.imag**2)
+    return analytic.real**2 + analytic.imag**2

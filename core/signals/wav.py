@@ -106,12 +106,12 @@ def _numbers(tag: int, width: int, raw: NDArray[np.uint8]) -> FloatArray:
     """Return little-endian samples, shape (frames, channels, width) of bytes, as numbers, shape
     (frames, channels)."""
     if tag == _PCM and width == 1:
-        return np.asarray((raw[..., 0].astype(np.float64) - 128.0) / 128.0)
+        return (raw[..., 0].astype(np.float64) - 128.0) / 128.0
     if tag == _PCM and width in (2, 3, 4):
         # In the upper bytes of 32 bits, every width has the same sign bit and the same full scale.
         wide = np.zeros((*raw.shape[:2], 4), dtype=np.uint8)
         wide[..., 4 - width :] = raw
-        return np.asarray(wide.view("<i4")[..., 0] / 2.0**31)
+        return wide.view("<i4")[..., 0] / 2.0**31
     if tag == _FLOAT and width in (4, 8):
         return np.asarray(raw.view(f"<f{width}")[..., 0], dtype=np.float64)
     raise ValueError(f"WAV encoding {tag} with {8 * width} bits is not supported: use PCM or float")

@@ -253,7 +253,7 @@ def _along_line(
     within = np.maximum(np.minimum(_BESIDE * slope, ROUGHNESS), patch_gap(slope))
     broader = overlap(centre, sides, within)[1]
     along = dot(line, (broader - place) * face) / np.maximum(dot(line, line), 1e-300)
-    return np.asarray(line * along / face)
+    return line * along / face
 
 
 def _nearness(excess: FloatArray) -> FloatArray:
@@ -306,7 +306,7 @@ class _Corners:
         height, extent = outward[:, :, None] * self.place, np.abs(outward) * self.half
         height[:, 0] += height[:, 1]
         height[:, 0] += height[:, 2]
-        return np.asarray(height[:, 0] - (extent[:, 0] + extent[:, 1] + extent[:, 2])[:, None])
+        return height[:, 0] - (extent[:, 0] + extent[:, 1] + extent[:, 2])[:, None]
 
     def middles(self, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Sum (3, p) of the points midway to the other boxes by their ``weight`` (2, 8, p), and of
@@ -331,7 +331,7 @@ def _added(terms: FloatArray) -> FloatArray:
     """Sums (..., p) of the eight in each (..., 8, p)."""
     terms = terms[..., :4, :] + terms[..., 4:, :]
     terms = terms[..., :2, :] + terms[..., 2:, :]
-    return np.asarray(terms[..., 0, :] + terms[..., 1, :])
+    return terms[..., 0, :] + terms[..., 1, :]
 
 
 def _with_nearest_corners(

@@ -32,14 +32,14 @@ def dot(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def added(terms: FloatArray) -> FloatArray:
     """Sums (..., n) of terms (..., k, n), one after the other."""
-    return np.asarray(terms.cumsum(axis=-2)[..., -1, :])
+    return terms.cumsum(axis=-2)[..., -1, :]
 
 
 def turned(rotation: FloatArray, vector: FloatArray) -> FloatArray:
     """``rotation @ vector`` of rotations (3, 3, n) and vectors (3, n) or (3, k, n)."""
     if vector.ndim == 2:
         terms = rotation * vector
-        return np.asarray(terms[:, 0] + terms[:, 1] + terms[:, 2])
+        return terms[:, 0] + terms[:, 1] + terms[:, 2]
     result = rotation[:, 0, None] * vector[0]
     result += rotation[:, 1, None] * vector[1]
     result += rotation[:, 2, None] * vector[2]
@@ -81,4 +81,4 @@ def pick(values: FloatArray, index: IntArray) -> FloatArray:
 def smooth_step(x: FloatArray | float) -> FloatArray:
     """0 up to 0, 1 from 1 on, and a cubic with continuous slope in between."""
     inside = np.minimum(np.maximum(x, 0.0), 1.0)
-    return np.asarray(inside * inside * (3.0 - 2.0 * inside))
+    return inside * inside * (3.0 - 2.0 * inside)

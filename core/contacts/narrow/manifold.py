@@ -59,7 +59,7 @@ def patch_gap(slope: FloatArray, parallel: float = ROUGHNESS) -> FloatArray:
     they are parallel, smoothly less where they are tipped, so that the patch stays near the line or
     point where they touch."""
     tipped = smooth_step((slope - _LYING) / (_TIPPED - _LYING))
-    return np.asarray(parallel - (parallel - _LINE_GAP) * tipped)
+    return parallel - (parallel - _LINE_GAP) * tipped
 
 
 def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -145,7 +145,7 @@ def _integrals(corners: FloatArray, origin: FloatArray) -> FloatArray:
     terms[1:] *= terms[0]
     for half in (12, 6, 3):
         terms[:, :half] += terms[:, half : 2 * half]
-    return np.asarray(terms[:, 0] + terms[:, 1] + terms[:, 2] + terms[:, 24])
+    return terms[:, 0] + terms[:, 1] + terms[:, 2] + terms[:, 24]
 
 
 def _middle_of_edges(centre: FloatArray, sides: FloatArray) -> FloatArray:

@@ -65,9 +65,7 @@ def row_dots(a: FloatArray, b: FloatArray) -> FloatArray:
 def row_cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Cross products (m, 3) of vectors (m, 3) or (3,), with the bits of `np.cross` and a fifth of
     its overhead."""
-    return np.asarray(
-        a.take(_NEXT, -1) * b.take(_AFTER_NEXT, -1) - a.take(_AFTER_NEXT, -1) * b.take(_NEXT, -1)
-    )
+    return a.take(_NEXT, -1) * b.take(_AFTER_NEXT, -1) - a.take(_AFTER_NEXT, -1) * b.take(_NEXT, -1)
 
 
 def penetration(first: Farthest, second: Farthest) -> Penetration:

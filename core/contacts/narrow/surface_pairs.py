@@ -255,7 +255,7 @@ class SurfacePairs:
         middle = ((row.centre_a[:, 0] - place) @ turn)[:, None]
         nearest = nearest_on_triangle(np.repeat(middle, corners.shape[2], axis=1), corners)
         way = nearest - middle
-        return np.asarray(turn @ nearest[:, int(dot(way, way).argmin())] + place)
+        return turn @ nearest[:, int(dot(way, way).argmin())] + place
 
     def _deepest(self, rows: CorePairs) -> FloatArray:
         """The least distance (n,) of convex cores from their meshes: how far they may sink in,

@@ -78,7 +78,7 @@ class Surface:
         turns = np.where((sides > 0).all(axis=0), 1, np.where((sides < 0).all(axis=0), -1, 0))
         normal = np.cross(b - a, c - a)
         above = (normal * a).sum(axis=1) * turns > 0
-        return np.asarray(np.bincount(ray[above], turns[above], len(points)) > 0.5)
+        return np.bincount(ray[above], turns[above], len(points)) > 0.5
 
 
 def _side(start: FloatArray, end: FloatArray) -> IntArray:

@@ -138,7 +138,7 @@ def apart_by(first: FloatArray, second: FloatArray) -> FloatArray:
 def beside(way: FloatArray, reach: FloatArray, normal: FloatArray) -> BoolArray:
     """Which triangles are surely not over others, seen along unit normals (3, n), given the ``way``
     (3, n) between their middles and the sum ``reach`` (n,) of their radii [m]."""
-    return np.asarray(dot(way, way) - dot(way, normal) ** 2 > reach**2)
+    return dot(way, way) - dot(way, normal) ** 2 > reach**2
 
 
 def over_each_other(first: FloatArray, second: FloatArray, axis: FloatArray) -> IntArray:
@@ -165,7 +165,7 @@ def unit_normals(corners: FloatArray) -> FloatArray:
     """Unit normals (3, n) of triangles (3, 3, n); 0 of one without area."""
     normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.sqrt(dot(normal, normal))
-    return np.asarray(normal / np.where(length > 0, length, 1.0))
+    return normal / np.where(length > 0, length, 1.0)
 
 
 def facing_axes(

@@ -412,9 +412,9 @@ def _refined(keys: Keys) -> Keys:
 
 def intensity(amplitude: FloatArray) -> FloatArray:
     """The intensity that plays an amplitude."""
-    return np.asarray(np.sqrt(np.clip(amplitude, 0.0, 1.0)))
+    return np.sqrt(np.clip(amplitude, 0.0, 1.0))
 
 
 def sharpness(frequency: FloatArray) -> FloatArray:
     """The sharpness that plays a frequency (hertz)."""
-    return np.asarray(np.sqrt(np.clip((frequency - LOWEST) / (HIGHEST - LOWEST), 0.0, 1.0)))
+    return np.sqrt(np.clip((frequency - LOWEST) / (HIGHEST - LOWEST), 0.0, 1.0))

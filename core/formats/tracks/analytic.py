@@ -110,6 +110,6 @@ def _weights(band: Band, length: int, sample_rate: int) -> tuple[IntArray, Float
 
     def rise(edge: float, fade: float) -> FloatArray:
         position = np.clip((frequencies - edge) / (2 * fade) + 0.5, 0.0, 1.0)
-        return np.asarray((1 - np.cos(math.pi * position)) / 2)
+        return (1 - np.cos(math.pi * position)) / 2
 
     return bins, rise(band.low, band.low_fade) * (1 - rise(band.high, band.high_fade))

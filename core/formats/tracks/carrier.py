@@ -115,7 +115,7 @@ def _line(keys: FloatArray, values: FloatArray, times: FloatArray, rate: float) 
     since = _since(keys, times, counts)
     since *= _slopes(keys, values).repeat(counts)
     since += values.repeat(counts)
-    return np.asarray(since)
+    return since
 
 
 def _integral(keys: FloatArray, values: FloatArray, times: FloatArray, rate: float) -> FloatArray:
@@ -133,7 +133,7 @@ def _integral(keys: FloatArray, values: FloatArray, times: FloatArray, rate: flo
     result += values.repeat(counts)
     result *= times - keys.repeat(counts) if times[0] < keys[0] else since
     result += areas.repeat(counts)
-    return np.asarray(result)
+    return result
 
 
 def _since(keys: FloatArray, times: FloatArray, counts: IntArray) -> FloatArray:

@@ -281,7 +281,7 @@ def mean_frequency(power: FloatArray, change: FloatArray, sample_rate: float) ->
     """Frequency (hertz) of the sine with this power and this power of first differences; 0 for
     silence."""
     ratio = np.divide(change, 4 * power, out=np.zeros_like(power), where=power > 0)
-    return np.asarray(sample_rate / math.pi * np.arcsin(np.sqrt(np.minimum(ratio, 1.0))))
+    return sample_rate / math.pi * np.arcsin(np.sqrt(np.minimum(ratio, 1.0)))
 
 
 def _block_sums(values: FloatArray, borders: IntArray) -> FloatArray:

@@ -206,7 +206,7 @@ def _slope(z: ComplexArray, rate: float, signed: bool) -> FloatArray:
     around = np.zeros(len(z), dtype=np.complex128)
     around[1:] += turns
     around[:-1] += turns
-    return np.asarray(np.angle(around) * (rate / (2 * math.pi)) / (2 if signed else 1))
+    return np.angle(around) * (rate / (2 * math.pi)) / (2 if signed else 1)
 
 
 def _stepped(values: FloatArray, step: float) -> FloatArray:
@@ -292,7 +292,7 @@ class _Grid:
         error = (
             level * level + actual * actual - 2 * level * actual * np.cos(off) - self.allowed[point]
         )
-        return np.asarray(np.add.reduceat(error, np.cumsum(count) - count))
+        return np.add.reduceat(error, np.cumsum(count) - count)
 
     def _halves(self, length: IntArray) -> tuple[FloatArray, FloatArray]:
         """Time (seconds) before and after the frequency key in the middle of a segment of

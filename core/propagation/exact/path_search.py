@@ -170,7 +170,7 @@ class PathSearch:
         if not self._ranked or least == 0:
             return self._paths.steps.size[states.entry]
         allowed = np.minimum(np.log(states.value[:, 0] / least) + 1e-6, MOST)
-        return np.asarray(
+        return (
             self._cost.searchsorted(states.entry * SCALE + allowed, side="right")
             - self._paths.steps.start[states.entry]
         )

@@ -178,7 +178,7 @@ def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
         times = np.divide(following, term, out=np.where(following > 0, np.inf, 0.0), where=term > 0)
         ratio = float(np.max(times, initial=0.0)) * (1 + 1e-12)
         if ratio < 1 and k >= SETTLED and np.all(following <= 1e-4 * total + 1e-300):
-            return np.asarray(np.minimum(total + following / (1 - ratio), LARGEST))
+            return np.minimum(total + following / (1 - ratio), LARGEST)
         if k >= TERMS or (growing > GROWING and crossings > TERMS):
             return np.full(term.shape, LARGEST)
         total, term = np.minimum(total + following, LARGEST), following

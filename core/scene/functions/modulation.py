@@ -154,7 +154,7 @@ class ModulationFunction:
         pair = self.log_linear(0.0, 0.0, epsilon)
         assert pair is not None
         factor, decay = pair
-        return np.asarray(factor * np.exp(-decay * np.asarray(distance, dtype=np.float64)))
+        return factor * np.exp(-decay * np.asarray(distance, dtype=np.float64))
 
     def band_gains(self) -> tuple[float, ...]:
         """Factor of each frequency band in addition to the gain, applied once; () if all are 1."""
@@ -291,9 +291,7 @@ class Linear(ModulationFunction):
         contact: OnContact = None,
     ) -> FloatArray:
         with np.errstate(over="ignore"):  # of a range near 0
-            return np.asarray(
-                np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range)
-            )
+            return np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

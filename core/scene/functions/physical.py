@@ -231,7 +231,7 @@ class Physical(ModulationFunction):
     ) -> FloatArray:
         away = np.asarray(distance, dtype=np.float64)
         damped = np.where(away > 0, self.damping(BAND_CENTRES[0], kappa, rho), 0.0) * away
-        return np.asarray(self.spreading(away) * np.exp(-damped))
+        return self.spreading(away) * np.exp(-damped)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
         decay = float(self.damping(BAND_CENTRES[0], kappa, rho))
