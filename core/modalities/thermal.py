@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ..scene.choices import Strategy
-from ..scene.declaration import check, number
+from ..scene.declaration import Declared, number
 from ..scene.functions import Conduction
 from .modality import Modality
 
@@ -31,7 +31,7 @@ def joint_gain(values: Mapping[str, float]) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Warmth:
+class Warmth(Declared):
     """The strength of a source of warmth."""
 
     value: float = field(
@@ -44,9 +44,6 @@ class Warmth:
             unit="K",
         ),
     )
-
-    def __post_init__(self) -> None:
-        check(self)
 
 
 THERMAL = Modality(

@@ -318,6 +318,15 @@ def check(item: Any) -> None:
             object.__setattr__(item, key, checked)
 
 
+class Declared:
+    """Base of dataclasses whose declared fields are checked by the constructor, see `check`."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
 @cache
 def default_of(cls: type, key: str) -> Any:
     """The default of a field, `MISSING` without one."""

@@ -6,23 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .declaration import check, extras, name_of, number, part
+from .declaration import Declared, extras, name_of, number, part
 
 
 @dataclass(frozen=True, slots=True)
-class ActuatorMapping:
+class ActuatorMapping(Declared):
     """An actuator, by its name in the device's profile, and what it plays."""
 
     actuator: str = field(metadata=name_of("Name of the actuator"))
     listener: str = field(metadata=name_of("Name of the listener that it plays"))
     gain: float = field(default=1.0, metadata=number("", "Factor of what it plays", 0.0))
 
-    def __post_init__(self) -> None:
-        check(self)
-
 
 @dataclass(frozen=True, slots=True)
-class DeviceMapping:
+class DeviceMapping(Declared):
     """A device of the scene; ``profile``: name of its profile (see `core.devices.profiles`)."""
 
     name: str = field(metadata=name_of("Name, unique among devices"))
@@ -31,6 +28,3 @@ class DeviceMapping:
         default=(), metadata=part("actuator", "What its actuators play; others are silent", 1000)
     )
     extras: Mapping[str, Any] = extras()
-
-    def __post_init__(self) -> None:
-        check(self)

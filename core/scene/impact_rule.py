@@ -10,7 +10,7 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING
 
 from .. import signals
-from .declaration import check, number, numbers, part, share
+from .declaration import Declared, check, number, numbers, part, share
 
 if TYPE_CHECKING:
     from ..signals import Signal
@@ -81,7 +81,7 @@ REFRACTORY = number(
 
 
 @dataclass(frozen=True, slots=True)
-class ImpactLimits:
+class ImpactLimits(Declared):
     """Conditions of an impact: a new contact with at least ``least_energy`` (E_min) joules;
     ``full_energy`` (E_max) gives amplitude 1. A pair has no second impact within ``refractory``
     seconds."""
@@ -89,9 +89,6 @@ class ImpactLimits:
     least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
     full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
     refractory: float = field(default=0.1, metadata=REFRACTORY)
-
-    def __post_init__(self) -> None:
-        check(self)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from .bands import BAND_COUNT
-from .declaration import check, name_of, switch
+from .declaration import Declared, name_of, switch
 from .functions.modulation import BAND_DECAYS, CONDUCTIVITY, WAVE_SPEED
 from .values import KAPPA, RHO
 
 
 @dataclass(frozen=True, slots=True)
-class LibraryMaterial:
+class LibraryMaterial(Declared):
     """A haptic material. Objects refer to it in ``material`` and have a copy of its values."""
 
     name: str = field(metadata=name_of("Name, unique among materials"))
@@ -32,6 +32,3 @@ class LibraryMaterial:
     )
     band_decays: tuple[float, ...] = field(default=(0.0,) * BAND_COUNT, metadata=BAND_DECAYS)
     conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)
-
-    def __post_init__(self) -> None:
-        check(self)

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from .declaration import check, choice, number, numbers, part, switch
+from .declaration import Declared, choice, number, numbers, part, switch
 from .functions import ModulationFunction
 from .impact_rule import FULL_ENERGY, LEAST_ENERGY, REFRACTORY, TEMPLATES, ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
@@ -48,7 +48,7 @@ ENERGIES = {
 
 
 @dataclass(frozen=True, slots=True)
-class ContactSettings:
+class ContactSettings(Declared):
     """Settings of contacts and impacts. A pair begins to touch at the signed distance
     ``tolerance``, and parts at one larger by ``slack``. ``gravity`` accelerates dynamic bodies if
     too few frames show their fall. Without a matching row in a table, an impact plays the
@@ -123,9 +123,6 @@ class ContactSettings:
             MOST_ROWS,
         ),
     )
-
-    def __post_init__(self) -> None:
-        check(self)
 
     @property
     def limits(self) -> ImpactLimits:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from .. import signals
-from .declaration import check, number, share
+from .declaration import Declared, number, share
 
 if TYPE_CHECKING:
     from ..signals import Signal
@@ -28,7 +28,7 @@ _AS_STRONG = 1.5 * math.sqrt(2.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Texture:
+class Texture(Declared):
     """The texture of two surfaces: at v m/s they emit a tone of v / ``period`` hertz.
 
     ``period`` [m]: distance of ridges or grains. ``noise`` in [0, 1]: fraction of the power in a
@@ -103,9 +103,6 @@ class Texture:
             unit="m/s",
         ),
     )
-
-    def __post_init__(self) -> None:
-        check(self)
 
     def amplitude(self, speed: float, force: float, rolls: bool) -> float:
         """Amplitude at a speed [m/s] and a force [N]; NaN, an unknown force, counts as the full

@@ -22,6 +22,7 @@ from .choices import Strategy as Strategy
 from .choices import TriggerKind as TriggerKind
 from .declaration import (
     MOST,
+    Declared,
     check,
     choice,
     curve,
@@ -105,7 +106,7 @@ STRATEGIES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class Settings(Declared):
     """Settings of propagation. The fields' declarations say what they are."""
 
     mode: Mode = field(default=Mode.HT, metadata=choice("Mode", "The rendering", MODES))
@@ -163,9 +164,6 @@ class Settings:
             "Some participants of the paper's study preferred to feel a source in one place",
         ),
     )
-
-    def __post_init__(self) -> None:
-        check(self)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray
 from ..bands import BAND_COUNT
 from ..coefficients import transfer_coefficient
-from ..declaration import check, declared, number, numbers, text
+from ..declaration import Declared, declared, number, numbers, text
 from .expression import MAX_LENGTH, CompiledExpression, compile_expression
 from .spreading import NO_SPREADING, Law
 
@@ -53,7 +53,7 @@ CONDUCTIVITY = number(
 
 
 @dataclass(frozen=True, slots=True)
-class Spectrum:
+class Spectrum(Declared):
     """Frequency bands and delay of a connection, in addition to its plain gain.
 
     ``band_gains``: one factor per frequency band, each in [0, 1] (see `core.scene.bands`), applied
@@ -75,9 +75,6 @@ class Spectrum:
     )
     band_decays: tuple[float, ...] = field(default=(), metadata=BAND_DECAYS)
     wave_speed: float = field(default=0.0, metadata=WAVE_SPEED)
-
-    def __post_init__(self) -> None:
-        check(self)
 
     @property
     def is_plain(self) -> bool:
@@ -108,7 +105,7 @@ def parameters_of(cls: type[ModulationFunction]) -> Mapping[str, str]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ModulationFunction:
+class ModulationFunction(Declared):
     """Base of all modulation functions. Immutable, hashable, compared by content."""
 
     name: ClassVar[str] = ""
@@ -119,9 +116,6 @@ class ModulationFunction:
     may_amplify: ClassVar[bool] = False
     """Whether gains of another form than `log_linear` may exceed 1."""
     spectrum: Spectrum = field(default_factory=Spectrum)
-
-    def __post_init__(self) -> None:
-        check(self)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
         """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of
