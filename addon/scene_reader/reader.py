@@ -53,7 +53,13 @@ from .world_transforms import in_metres, raw_matrices, rigid_transforms, session
 
 
 class SceneReader:
-    """Reads one scene at every frame."""
+    """Reads one scene at every frame.
+
+    A *row* is the number of an object in `bpy.data.objects`, by which Blender returns the matrices
+    of all objects in one call; instances follow in the rows after the last object. Everything that
+    was read is kept by row until it may have changed: `forget` after an edit of properties,
+    `doubt_shapes` and `doubt_instances` after an evaluation.
+    """
 
     def __init__(self) -> None:
         self._session_ids: NDArray[np.int32] | None = None
@@ -213,6 +219,7 @@ class SceneReader:
         )
 
     def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
+        """Read all tagged objects and instances; ``raw``: world matrices (n, 16) by row."""
         shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
         tagged = {
             row: obj
@@ -317,7 +324,8 @@ class SceneReader:
     def _read_changed(
         self, depsgraph: Depsgraph, raw: NDArray[np.float32], exact: bool
     ) -> TaggedLists:
-        """Read animated values, changed scales and meshes, and all transforms."""
+        """Read again what may have changed since the last frame: objects with animated properties,
+        another scale or an edited mesh, and the transforms of all. ``exact``: see `read`."""
         lists = self._lists or TaggedLists.of(self._tagged)
         raw_tagged = raw.take(lists.rows, axis=0)
         animated = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
@@ -385,6 +393,7 @@ class SceneReader:
     def _read_object(
         self, row: int, obj: Object, depsgraph: Depsgraph, scale: FloatArray
     ) -> Tagged:
+        """The roles of an object as values of the core, and the problems that prevent any."""
         haptics = obj.haptics
         name = obj.name_full
         problems: list[Problem] = []
@@ -458,6 +467,8 @@ class SceneReader:
         return known if np.all(np.abs(scale - known) <= 1e-5 * np.abs(known)) else scale
 
     def _shape(self, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
+        """The collision shape of an object with its world ``scale`` (3,): that of an imported file,
+        else the known one unless its settings or its mesh have changed."""
         if _is_as_imported(obj, scale):
             imported = stored_item(obj.haptics.imported, "object").get("shape")
             if imported is not None:

@@ -121,7 +121,7 @@ class Derived(Generic[Choice, Value]):
             worker thread; it must not access Blender.
         every_frame: compute directly after each frame is traced. Otherwise slow values are computed
             when no more frames follow.
-        hears: it is made of samples, so that these must be rendered while it is shown.
+        hears: it is computed from samples, which are therefore rendered while it is shown.
     """
 
     compute: Callable[[sessions.Traced, Choice, Value | None], Value]
@@ -159,7 +159,7 @@ class Derived(Generic[Choice, Value]):
 
 
 def shows_samples(own: sessions.Session) -> bool:
-    """Whether something that is made of samples is drawn."""
+    """Whether a value is shown that is computed from samples, which must then be rendered."""
     since = time.monotonic() - _HEARD_SECONDS
     return any(
         derived.hears and background.shown > since for derived, background in own.derived.items()
