@@ -106,7 +106,7 @@ class HAPTIC_GT_inspection(Gizmo):
         own = sessions.known(context.scene)
         if own is not None:
             own.watched = self.link.listener
-        bpy.ops.haptic.select_object("EXEC_DEFAULT", True, name=self.link.first)
+        bpy.ops.haptic.select_object("EXEC_DEFAULT", True, name=self.link.first, extend=event.shift)
         bpy.ops.wm.call_panel(name="HAPTIC_PT_why")
         return {"FINISHED"}
 

@@ -18,6 +18,7 @@ from ..view import air_contacts, doubtful_scale, explanation, levels, paths, wat
 from .cures import draw_cure
 from .drawing import draw_pair, draw_problems, select_button
 from .hints import next_step, of_units
+from .quick_start import HAPTIC_PT_quick_start
 from .texts import draw_lines, draw_sentence, fitted, source_title
 
 if TYPE_CHECKING:
@@ -26,17 +27,21 @@ if TYPE_CHECKING:
 _LINES = 5
 """Lines of the summary: the level and the verdict, and three of the origin or of a reason."""
 _WHY_LINES = 14
-_OBJECTS, _NAMES = 0.48, 0.45  # of the width
+_OBJECTS, _NAMES, _NOTICE = 0.48, 0.45, 0.62  # of the width
 _MUCH = 5.0  # milliseconds a frame of reading instances that are worth a notice
 
 
 def draw_answer(layout: UILayout, context: Context) -> None:
-    """Draw the result of the watched listener or the next step, a notice, and a remedy."""
+    """Draw the result of the watched listener or the next step, a notice, and a remedy; steps of
+    the quick start only where that is not shown."""
     scene = context.scene
+    level, reasons = _watched_level(scene), explanation.Explanation()
+    hint = next_step(scene) if level is None else None
+    if hint is not None and hint.is_in_quick_start and HAPTIC_PT_quick_start.poll(context):
+        _draw_notice(layout.row(align=True), scene, False)
+        return
     column = layout.box().column()
-    level, hint, reasons = _watched_level(scene), None, explanation.Explanation()
     if level is None:
-        hint = next_step(scene)
         used = draw_lines(column, hint.words, "INFO", _LINES) if hint is not None else 0
     else:
         _draw_level(column, level)
@@ -127,8 +132,9 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
         row.label(text=words.format(seconds), icon="SORTTIME", translate=False)
         row.operator("haptic.cancel_tracing", text="", icon="X")
     elif storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
-        row.label(text="Baked, out of date", icon="ERROR")
-        row.operator("haptic.bake", text="Bake Again", icon="REC")
+        split = row.split(factor=_NOTICE, align=True)
+        split.label(text="Baked, out of date", icon="ERROR")
+        split.operator("haptic.bake", text="Bake Again")
     elif problems:
         words = "1 problem" if len(problems) == 1 else iface_("{} problems").format(len(problems))
         row.label(text=words, icon="ERROR")
@@ -146,7 +152,7 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
     elif (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
         words = iface_("{:,} instances move: {:.0f} ms a frame").format(*moving)
         row.label(text=words, icon="INFO", translate=False)
-        row.operator("haptic.realize_instances", icon="OUTLINER_OB_GROUP_INSTANCE")
+        row.operator("haptic.realize_instances", text="", icon="OUTLINER_OB_GROUP_INSTANCE")
     elif (units := of_units(scene)) is not None:
         row.label(text=units.words, icon="INFO", translate=False)
         for operator, icon in units.operators:
@@ -180,7 +186,8 @@ def draw_why(layout: UILayout, context: Context) -> None:
         used = _draw_reasons(column, context, explanation.why_silent(scene, name))
     else:
         used = _draw_path(column, context, path.value)
-    _pad(column, _WHY_LINES - used)
+    if getattr(context.region, "type", "UI") == "UI":  # nothing is below a popover
+        _pad(column, _WHY_LINES - used)
     if name:
         draw_sentence(layout, unfelt.device_words(scene, name))
 

@@ -17,10 +17,12 @@ _SLOWEST_FALL, _FASTEST_FALL = 5.0, 15.0  # m/s²
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """The next step in ``words``, and its operators with their icons."""
+    """The next step in ``words``, its operators with their icons, and whether the quick start says
+    it, too."""
 
     words: str
     operators: tuple[tuple[str, str], ...] = ()
+    is_in_quick_start: bool = False
 
 
 def next_step(scene: Scene) -> Hint | None:
@@ -37,14 +39,16 @@ def next_step(scene: Scene) -> Hint | None:
             return Hint(problems[0].message)
         if traced is None and roles.is_any_tagged(scene):
             return Hint(iface_("Nothing traced yet"), (("haptic.trace_frame", "FILE_REFRESH"),))
-        return Hint(iface_("Select objects that touch, and press Make Haptic below"))
-    if not _has_sources(scene, traced):
-        return Hint(iface_("Select what vibrates, and press Add Source below"))
-    if not traced.result.listeners:
-        return Hint(
-            iface_("Select what feels, and press Add Listener, or Add Body Listeners for a body")
+        words = iface_("Select objects that touch, and press Make Haptic below")
+    elif not _has_sources(scene, traced):
+        words = iface_("Select what vibrates, and press Add Source below")
+    elif not traced.result.listeners:
+        words = iface_(
+            "Select what feels, and press Add Listener, or Add Body Listeners for a body"
         )
-    return None
+    else:
+        return None
+    return Hint(words, is_in_quick_start=True)
 
 
 def of_units(scene: Scene) -> Hint | None:

@@ -21,10 +21,11 @@ class HAPTIC_PT_output(SidebarPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         haptics = context.scene.haptics
-        row = layout.row(align=True)
+        column = layout.column(align=True)
+        row = column.row(align=True)
         row.prop(haptics.live_output, "preview_volume")
-        row.prop(haptics.live_output, "heard", text="")
-        row.prop(haptics.live_output, "sharper", text="", icon="SHARPCURVE")
+        row.prop(haptics.live_output, "sharper", toggle=True)
+        column.prop(haptics.live_output, "heard")
         row = layout.row(align=True)
         draw_search(row)
         row.popover("HAPTIC_PT_live_output", text="", icon="PREFERENCES")

@@ -85,7 +85,7 @@ def _draw_name(layout: UILayout, name: str, icon: str) -> UILayout:
     split = layout.split(factor=_NAMES, align=True)
     row = split.row()
     row.alignment = "LEFT"
-    select_button(row, name, fitted(name, 0.51, icon=True), icon=icon, emboss=False)
+    select_button(row, name, fitted(name, 0.51, icon=True, button=True), icon=icon, emboss=False)
     return split.row(align=True)
 
 

@@ -83,6 +83,7 @@ class Session:
     failure: tuple[Problem, ...] = ()
     derived: dict[Any, Any] = field(default_factory=dict)  # see `derived.Derived`
     watched: str = ""  # the listener that was the active object last
+    strongest: str = ""  # the listener with the highest level when something was felt last
     draw_milliseconds: float = 0.0  # of the last redraw of a viewport
 
 

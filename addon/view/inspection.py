@@ -1,5 +1,5 @@
-"""What is under the mouse in the overlay: a connection of a best path, with its objects, distance,
-loss, and the gain up to its end."""
+"""What is under the mouse in the overlay: a connection of a best path, or the source or listener at
+its end, with its objects, distance, loss, and the gain up to its end."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..blender.units import metres_per_unit
 from ..changes.events import file_changed
 from ..session.derived import Derived
 from ..session.sessions import Traced
-from .hud import FAINT_INK, INK, TEXT_SIZE, HudBuilder
+from .hud import FAINT_INK, INK, PLATE, TEXT_SIZE, HudBuilder
 from .label_placement import project
 from .layout import pixels_per_point
 from .levels import change_words
@@ -32,7 +32,8 @@ hovered = Recent()
 
 class Link(NamedTuple):
     """A connection of a best path: the objects of its two nodes, the ends of the path, metres, and
-    decibels from end to end and from the source."""
+    decibels from end to end and from the source. A source or listener is one of no length, with the
+    metres and decibels from the source."""
 
     first: str
     second: str
@@ -44,34 +45,42 @@ class Link(NamedTuple):
 
 
 class Links(NamedTuple):
-    """The links, and the places of their nodes (m, 2, 3) [m]."""
+    """The links, and the places of their ends (m, 2, 3) [m]."""
 
     items: tuple[Link, ...]
     position: FloatArray
 
 
 def links_of(traced: Traced, *_: object) -> Links:
-    """Computed on the worker: all connections of best paths, the strongest use of each."""
+    """Computed on the worker: all connections of best paths, the strongest use of each, and the
+    sources and listeners that they join."""
     result, names = traced.result, traced.result.graph.table.names
     found = connections(result, traced.settings.mode)
-    items = []
+    items, ends = [], []
     for nodes, amplitude, along, (row, column) in zip(
-        found.nodes, found.amplitude.tolist(), found.along.tolist(), found.pair, strict=True
+        found.nodes.tolist(),
+        found.amplitude.tolist(),
+        found.along.tolist(),
+        found.pair.tolist(),
+        strict=True,
     ):
+        source, listener = result.sources[row], result.listeners[column].name
         first, second = (names[result.graph.node_object[node]] for node in nodes)
         before, after = map(_decibels, amplitude)
-        items.append(
-            Link(
-                first,
-                second,
-                result.sources[row].name,
-                result.listeners[column].name,
-                along[1] - along[0],
-                before - after if math.isfinite(before) else 0.0,
-                after - _decibels(result.sources[row].amplitude),
-            )
-        )
-    return Links(tuple(items), found.ends(result.graph).reshape(-1, 2, 3))
+        loss = before - after if math.isfinite(before) else 0.0
+        gain = after - _decibels(source.amplitude)
+        distance = along[1] - along[0]
+        items.append(Link(first, second, source.name, listener, distance, loss, gain))
+        ends.append(nodes)
+        path = result.propagation.best_path[row, column]
+        if nodes[0] == path[0] and source.second_object is None:
+            items.append(Link(source.name, source.name, source.name, listener, 0.0, 0.0, 0.0))
+            ends.append([nodes[0]] * 2)
+        if nodes[1] == path[-1]:
+            items.append(Link(listener, listener, source.name, listener, along[1], -gain, gain))
+            ends.append([nodes[1]] * 2)
+    places = np.array(ends, dtype=np.int64).reshape(-1, 2)
+    return Links(tuple(items), result.graph.node_position[places])
 
 
 _LINKS: Derived[None, Links] = Derived(links_of)
@@ -82,7 +91,8 @@ def _decibels(factor: float) -> float:
 
 
 def under(context: Context, mouse: tuple[float, float]) -> Link | None:
-    """The connection within reach of the mouse [pixels of the viewport], the nearest one."""
+    """The source, listener or contact within reach of the mouse [pixels of the viewport], else the
+    nearest connection."""
     latest = _LINKS.latest(context.scene, None)
     if latest is None or not latest.value.items:
         return None
@@ -94,9 +104,11 @@ def under(context: Context, mouse: tuple[float, float]) -> Link | None:
         (region.width, region.height),
     ).reshape(-1, 2, 2)
     away = distances_to(np.array(mouse, dtype=np.float64), ends)
-    if np.isnan(away).all() or np.nanmin(away) > _REACH * pixels_per_point(context):
-        return None
-    return latest.value.items[int(np.nanargmin(away))]
+    reach = _REACH * pixels_per_point(context)
+    is_point = (latest.value.position[:, 0] == latest.value.position[:, 1]).all(axis=1)
+    order = np.where(away <= reach, away - reach * is_point, np.inf)
+    nearest = int(order.argmin())
+    return latest.value.items[nearest] if order[nearest] < np.inf else None
 
 
 def distances_to(place: FloatArray, ends: FloatArray) -> FloatArray:
@@ -132,7 +144,7 @@ def draw(context: Context) -> None:
     height = (len(words) * _ROW + _PADDING) * scale
     left = min(mouse[0] + 14 * scale, context.region.width - width)
     top = max(mouse[1] - 10 * scale, height)
-    builder.panel((left, top - height), (left + width, top), 4.0)
+    builder.plate((left, top - height), (left + width, top), (*PLATE[:3], 1.0), 4.0)
     for number, line in enumerate(words):
         place = left + _PADDING * scale, top - (_ROW * (number + 1) - 2) * scale
         builder.text(line, place, FAINT_INK if number else INK)

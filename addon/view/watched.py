@@ -21,8 +21,8 @@ def levels_of(scene: Scene) -> tuple[Level, ...]:
 
 
 def watched(scene: Scene) -> str:
-    """The watched listener: the active object, else the last active listener, else the one with the
-    highest level; "" for none."""
+    """The watched listener: the active object, else the last active listener, else the one that had
+    the highest level when something was felt last; "" for none."""
     traced, own = sessions.shown(scene), sessions.known(scene)
     if traced is None or own is None:
         return ""
@@ -33,9 +33,9 @@ def watched(scene: Scene) -> str:
     if own.watched in names:
         return own.watched
     levels = [level for level in levels_of(scene) if level.listener in names]
-    return (
-        max(levels, key=lambda level: level.rms).listener if levels else (names[0] if names else "")
-    )
+    if any(not level.is_silent for level in levels):
+        own.strongest = max(levels, key=lambda level: level.rms).listener
+    return own.strongest if own.strongest in names else next(iter(names), "")
 
 
 def active_name() -> str:

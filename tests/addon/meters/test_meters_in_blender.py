@@ -104,6 +104,18 @@ def test_scope_is_of_the_active_listener_or_of_the_strongest(felt, settle):
     assert watched.watched(felt) == "hand", "what is no listener does not change it"
 
 
+def test_the_strongest_listener_stays_watched_in_silence(felt, settle, add_empty):
+    bpy.context.view_layer.objects.active = None
+    arm = add_empty("arm", (0, 0, 0), bpy.data.objects["crate"])
+    arm.haptics.listener.enabled = True
+    felt.frame_set(20)
+    assert settle(lambda: watched.watched(felt)) == "foot"
+    bpy.data.objects["shaker"].haptics.source.muted = True
+    felt.frame_set(1)
+    assert all(level.is_silent for level in settle(lambda: watched.levels_of(felt)))
+    assert watched.watched(felt) == "foot"
+
+
 def test_why_silent_names_the_gap_and_then_the_muted_source(felt, settle):
     why = settle(lambda: explanation.why_silent(felt, "hand"))
     (reason,) = why.reasons

@@ -29,8 +29,14 @@ def pair(scene, add_box, add_empty, traced):
 
 
 def test_links_say_distance_loss_and_gain(pair):
-    """Losses are alpha times the distance, whatever the amplitude."""
-    links = inspection.links_of(sessions.shown(pair))
+    """Losses are alpha times the distance, whatever the amplitude; the source is at 0, and at the
+    listener they have added up."""
+    found = inspection.links_of(sessions.shown(pair))
+    drill, hand = sorted(item for item in found.items if item.first in ("drill", "hand"))
+    links = found._replace(items=tuple(item for item in found.items if item not in (drill, hand)))
+    assert drill[4:] == (0.0, 0.0, 0.0)
+    assert hand.distance == pytest.approx(sum(link.distance for link in links.items))
+    assert hand.loss == pytest.approx(sum(link.loss for link in links.items)) == -hand.gain
     inside = {link.first: link for link in links.items if link.first == link.second}
     assert inside.keys() == ALPHA.keys()
     for name, link in inside.items():

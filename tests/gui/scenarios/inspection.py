@@ -52,6 +52,13 @@ def steps(window):
     yield 1.0
     window.seen["a click selects the object"] = bpy.context.view_layer.objects.active.name == "Left"
     window.save_picture("clicked")
+    yield from window.press("ESC")
+    yield from hover(1.8)
+    yield from window.press("LEFTMOUSE")
+    yield 1.0
+    window.seen["a click on a listener selects that"] = (
+        bpy.context.view_layer.objects.active.name == "hand.R"
+    )
     with window.context():
         bpy.ops.haptic.copy_result()
     lines = bpy.context.window_manager.clipboard.splitlines()

@@ -1,4 +1,4 @@
-"""How tall the sidebar is: of a new scene, of every sample scene with each of its objects selected,
+"""How tall the sidebar is: of a new scene, of a sample scene with an object of each role selected,
 and of a scene with many of everything; and that nothing in it moves while the timeline plays."""
 
 import bpy
@@ -65,6 +65,12 @@ def output_panel(window, name):
     return first, shown[first : first + 150]
 
 
+def _shift(before, now):
+    """Pixels by which the panel has moved, or whether it looks otherwise. What is behind the sidebar
+    shines through by a 255th."""
+    return now[0] - before[0] or bool((np.abs(now[1] - before[1]) > 0.02).any())
+
+
 def steps(window):
     yield from window.show_sidebar()
     yield from window.screenshot("new")
@@ -72,17 +78,19 @@ def steps(window):
     scene = samples.build_sample("hammer_nail")
     window.window.scene = scene
     scene.frame_set(scene.frame_start)
-    yield 5.0
-    yield from window.screenshot("still")
-    before = output_panel(window, "still")
+    before = None
+    for _ in range(20):  # panels glide to their places
+        yield 2.0
+        yield from window.screenshot("still")
+        earlier, before = before, output_panel(window, "still")
+        if earlier is not None and _shift(earlier, before) == 0:
+            break
     bpy.ops.screen.animation_play()
     moved = []
     for number in range(3):
         yield 0.7
         yield from window.screenshot(f"playing-{number}")
-        now = output_panel(window, f"playing-{number}")
-        # What is behind the sidebar shines through by a 255th.
-        moved.append(now[0] - before[0] or bool((np.abs(now[1] - before[1]) > 0.02).any()))
+        moved.append(_shift(before, output_panel(window, f"playing-{number}")))
     bpy.ops.screen.animation_cancel(restore_frame=False)
     window.seen[f"nothing moves while the timeline plays, not {moved}"] = not any(moved)
 
@@ -102,21 +110,20 @@ def steps(window):
     window.seen[f"a new scene: {found:.0f} pixels"] = 0 < found <= NEW
 
     greatest = (0.0, "")
-    for name in ("jackhammer_bench",):
-        scene = samples.build_sample(name)
-        window.window.scene = scene
-        scene.frame_set(scene.frame_start + 12)
-        yield 1.0
-        roles = {
-            (obj.haptics.enabled, obj.haptics.source.enabled, obj.haptics.listener.enabled): obj
-            for obj in scene.objects
-        }
-        for obj in roles.values():
-            select(obj)
-            yield 0.3
-            found = yield from height(window, low)
-            greatest = max(greatest, (found, f"{name}, {obj.name}"))
-    window.seen[f"the tallest of the samples: {greatest[0]:.0f} pixels ({greatest[1]})"] = (
+    scene = samples.build_sample("jackhammer_bench")
+    window.window.scene = scene
+    scene.frame_set(scene.frame_start + 12)
+    yield 1.0
+    roles = {
+        (obj.haptics.enabled, obj.haptics.source.enabled, obj.haptics.listener.enabled): obj
+        for obj in scene.objects
+    }
+    for obj in roles.values():
+        select(obj)
+        yield 0.3
+        found = yield from height(window, low)
+        greatest = max(greatest, (found, obj.name))
+    window.seen[f"a sample: at most {greatest[0]:.0f} pixels ({greatest[1]})"] = (
         0 < greatest[0] <= ANY
     )
     crowd()
