@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..core.formats.export import Export
 from ..core.formats.tracks.listener_tracks import Tracks
-from ..core.formats.tracks.track_recorder import Heard, TrackRecorder
+from ..core.formats.tracks.track_recorder import RenderedFrame, TrackRecorder
 from ..core.render.arrival import arriving
 from ..core.render.frame_result import Sounding
 from ..core.render.mixdown import Mixdown
@@ -141,11 +141,11 @@ def _tracks(parts: Sequence[Part]) -> Tracks:
     return recorder.tracks()
 
 
-def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> Heard:
+def _rendered(mixdown: Mixdown, before: float | None, frame: HeardFrame) -> RenderedFrame:
     end = Sounding(frame.time, frame.sources, frame.listeners, frame.propagation)
     block = mixdown.render(before, end)
     first = sample_index(frame.time if before is None else before, mixdown.sample_rate)
     amplitudes = arriving(frame.sources, frame.propagation)
-    return Heard(
+    return RenderedFrame(
         frame.number, frame.sources, frame.listeners, amplitudes, block, first, mixdown.sample_rate
     )

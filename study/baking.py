@@ -19,15 +19,14 @@ from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.perception import sensation_level
 from ..core.propagation import propagate
 from ..core.render.arrival import arriving
-from ..core.render.frame_result import FrameResult
-from ..core.render.frame_result import Sounding as End
+from ..core.render.frame_result import FrameResult, Sounding
 from ..core.render.mixdown import Mixdown
 from ..core.scene.values import Mode, Settings, Source
 from ..pictures.picture import viewport_picture
 from ..pictures.png import write_png
 from ..sample_scenes.mine_ride import SECTIONS
 from .measures import WINDOW, felt_shares, loudness
-from .rendition import MODES, Rendition, Ride, Sounding
+from .rendition import MODES, ActiveSource, Rendition, Ride
 from .sensitivity import Variation, VariedGraph, VariedSources
 
 RUN_UP = 8
@@ -53,7 +52,7 @@ class ModeRendering:
             self._mixdown.reset()
             self._time = None
         propagation = propagate(result.graph, replace(settings, mode=self.mode), sounding_only=True)
-        end = End(result.time, result.sources, result.listeners, propagation)
+        end = Sounding(result.time, result.sources, result.listeners, propagation)
         block = self._mixdown.render(self._time, end)
         self._time = result.time
         return replace(
@@ -74,8 +73,8 @@ class _Varied:
         self._sources = VariedSources(variation)
         modes = MODES if variation.sources_vary else MODES[:1]
         self._renderings = {mode: ModeRendering(mode) for mode in modes}
-        self._levels = {mode: _Levels() for mode in modes}
-        self._soundings: list[Sounding] = []
+        self._levels = {mode: _FrameLevels() for mode in modes}
+        self._soundings: list[ActiveSource] = []
 
     def add(self, results: dict[Mode, FrameResult], settings: Settings) -> None:
         """Add a frame, given its results in all modes."""
@@ -118,7 +117,7 @@ def bake_ride(
     renderings = {mode: ModeRendering(mode) for mode in MODES[1:]}
     recorders = {mode: _ModeRecorder() for mode in MODES}
     varied = [_Varied(variation) for variation in variations]
-    soundings: list[Sounding] = []
+    soundings: list[ActiveSource] = []
     frames: list[int] = []
     positions = np.zeros((0, 3))
     listeners: tuple[str, ...] = ()
@@ -202,7 +201,7 @@ def draw_frames(
     return pictures
 
 
-class _Levels:
+class _FrameLevels:
     """Collects the levels of frames. ``largest_difference``: between two listeners' samples at any
     time."""
 
@@ -240,7 +239,7 @@ class _ModeRecorder:
 
     def __init__(self) -> None:
         self._tracks = TrackRecorder()
-        self.levels = _Levels()
+        self.levels = _FrameLevels()
 
     def add(self, result: FrameResult) -> None:
         self._tracks.add(result)
@@ -250,7 +249,7 @@ class _ModeRecorder:
         return Rendition(mode, *self.levels.arrays(), self._tracks.tracks())
 
 
-def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
+def _soundings(results: dict[Mode, FrameResult]) -> list[ActiveSource]:
     traced = results[Mode.HT]
     places = np.array([item.position for item in traced.listeners], dtype=np.float64).reshape(-1, 3)
     new = len(traced.sources) - len(traced.impacts)
@@ -261,7 +260,7 @@ def _soundings(results: dict[Mode, FrameResult]) -> list[Sounding]:
         began = row >= new
         margin, hertz = loudness(source.emitted)
         found.append(
-            Sounding(
+            ActiveSource(
                 frame=traced.number,
                 name=source.name,
                 objects=(source.object,)

@@ -17,10 +17,10 @@ from ..core.graph.distance_only import DISTANCE_ONLY
 from ..core.perception import are_felt_alike, are_felt_different
 from ..core.scene.values import Mode
 from .measures import WINDOW, balance, dynamic_range, patterns, variety
-from .rendition import MODES, Ride, Sounding
+from .rendition import MODES, ActiveSource, Ride
 
 HT, SD, MD, MN = range(4)
-"""Rows of `Sounding.amplitudes`."""
+"""Rows of `ActiveSource.amplitudes`."""
 
 SECTION_COUNT = 6
 MATERIALS = ("Stone", "Wood", "Ribbon")
@@ -146,7 +146,7 @@ def wall_amplitudes(ride: Ride) -> dict[str, FloatArray]:
 def wall_margins(ride: Ride) -> dict[str, tuple[FloatArray, float]]:
     """By wall: the highest margins (l,) in HT from its first impact until a quarter second after
     its last, and the lowest frequency of its impacts."""
-    impacts: dict[str, list[Sounding]] = {}
+    impacts: dict[str, list[ActiveSource]] = {}
     for s in ride.soundings:
         for name in s.objects if s.began else ():
             if name.partition(" Wall ")[0] in MATERIALS:
@@ -234,7 +234,7 @@ def alike_by_material(ride: Ride, mode: Mode) -> Check:
     )
 
 
-def stalactites(ride: Ride) -> tuple[Sounding, ...]:
+def stalactites(ride: Ride) -> tuple[ActiveSource, ...]:
     """The impacts of stalactites, one each."""
     return ride.began("Stalactite")
 

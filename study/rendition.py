@@ -25,7 +25,7 @@ TITLES: Mapping[Mode, str] = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sounding:
+class ActiveSource:
     """An active source in a frame.
 
     ``objects``: the one it is on, or the two that struck each other. ``began``: it is temporary,
@@ -84,7 +84,7 @@ class Ride:
     listeners: tuple[str, ...]
     positions: FloatArray
     renditions: Mapping[Mode, Rendition]
-    soundings: tuple[Sounding, ...]
+    soundings: tuple[ActiveSource, ...]
     sections: tuple[tuple[str, str, int, int], ...]
     largest_difference: Mapping[Mode, float]
 
@@ -95,7 +95,7 @@ class Ride:
             int(np.searchsorted(self.frames, last, side="right")),
         )
 
-    def began(self, *words: str) -> tuple[Sounding, ...]:
+    def began(self, *words: str) -> tuple[ActiveSource, ...]:
         """Impacts in which an object takes part whose name begins with one of ``words``, in the
         order of time."""
         return tuple(
@@ -104,7 +104,7 @@ class Ride:
             if s.began and any(name.startswith(words) for name in s.objects)
         )
 
-    def effects(self, first: int = 0, last: int = 2**31) -> tuple[Sounding, ...]:
+    def effects(self, first: int = 0, last: int = 2**31) -> tuple[ActiveSource, ...]:
         """Consecutive effects: every impact at its beginning, every other source once per
         second."""
         each = round(self.frame_rate)

@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 
 from ...core.scene.body import BODY_PART, BodyPart
 from ...core.scene.declaration import shown
-from ...core.scene.skeleton import Bone, Place, partner, places
+from ...core.scene.skeleton import Bone, PartPlace, partner, places
 from ...core.scene.values import Listener
 from ..scene_reader.collision_shapes import vertices_of
 
@@ -77,7 +77,7 @@ def place_on_bones(
         Bone(bone.name, tuple(bone.head_local), tuple(bone.tail_local))
         for bone in armature.data.bones
     ]
-    found: Mapping[str, Place] = places(at_rest, parts)
+    found: Mapping[str, PartPlace] = places(at_rest, parts)
     for part in parts:
         place = found.get(part.name)
         if place is not None:

@@ -51,7 +51,7 @@ class DecodedSound:
             raise ValueError(f"{self._name}: {error}") from None
 
     def read(self, first: int, last: int) -> FloatArray:
-        """See `core.signals.sound.Recording`."""
+        """See `core.signals.sound.DecodedSound`."""
         try:
             part = self._sound.limit((first + 0.5) / self.rate, (last + 0.5) / self.rate).data()
         except self._error as error:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...core.arrays import FloatArray
-from ...core.devices.mapping import ActuatorMapping, Loss, Place, map_listeners, shares
+from ...core.devices.mapping import ListenerMapping, Loss, Place, map_listeners, shares
 from ...core.devices.pacing import WATCHDOG
 from ...core.message import Cause, Message, Names
 from ...core.render.frame_result import FrameResult
@@ -50,7 +50,7 @@ class _State:
     result: FrameResult | None = None  # the last one that was played
     playback: Playback = field(default_factory=Playback)
     # Without and with bands: inputs, and it.
-    mappings: dict[bool, tuple[tuple[Any, ...], ActuatorMapping]] = field(default_factory=dict)
+    mappings: dict[bool, tuple[tuple[Any, ...], ListenerMapping]] = field(default_factory=dict)
     timed: float | None = None  # the time [s] of the last frame whose tracing time was looked at
     slow: int = 0  # frames in a row that took long
     ahead: _Ahead | None = None
@@ -216,14 +216,14 @@ def spots() -> tuple[Spot, ...]:
     return tuple(found)
 
 
-def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ActuatorMapping:
+def mapping_of(result: FrameResult, choices: Mapping[str, str]) -> ListenerMapping:
     """The mapping of the listeners of a frame to actuators, with its losses."""
     return _mapping_of(result, choices, _bands(result))
 
 
 def _mapping_of(
     result: FrameResult, choices: Mapping[str, str], bands: Mapping[str, tuple[float, float]]
-) -> ActuatorMapping:
+) -> ListenerMapping:
     """The mapping for signals within these ``bands`` [Hz] by listener."""
     listeners = tuple((listener.name, listener.body_part) for listener in result.listeners)
     key = (outputs.version(), listeners, tuple(sorted(choices.items())), tuple(bands.items()))
@@ -265,7 +265,7 @@ def _mapped(
     listeners: Mapping[str, str],
     choices: Mapping[str, str],
     bands: Mapping[str, tuple[float, float]],
-) -> ActuatorMapping:
+) -> ListenerMapping:
     devices = {key: output.profile for key, output in dict(outputs.running()).items()}
     known = {
         Place(key, actuator.name)

@@ -172,7 +172,7 @@ _NAMES = {
     "frequency": "Frequency (Hz)",
     "material": "K = (1 - κ) ρ",
 }
-"""Names of the changes by the values of `felt.Kind`."""
+"""Names of the changes by the values of `felt.ChangeKind`."""
 
 
 def _draw_row(layout: UILayout, name: str, before: str, after: str) -> None:
@@ -240,7 +240,7 @@ def _is_free(name: str, path: str) -> bool:
 
 def _make(scene: Scene, change: felt.Change) -> None:
     """Write a change to the listener, source or material."""
-    if change.kind is felt.Kind.MATERIAL:
+    if change.kind is felt.ChangeKind.MATERIAL:
         owner = (
             scene.haptics.materials.items.get(change.name) or bpy.data.objects[change.name].haptics
         )
@@ -251,7 +251,7 @@ def _make(scene: Scene, change: felt.Change) -> None:
         return
     haptics = bpy.data.objects[change.name].haptics
     setattr(
-        haptics.listener if change.kind is felt.Kind.GAIN else haptics.source,
+        haptics.listener if change.kind is felt.ChangeKind.GAIN else haptics.source,
         change.kind,
         change.after,
     )

@@ -70,7 +70,7 @@ def _draw_actuators(layout: UILayout, scene: Scene) -> None:
                 _draw_text(column, sentence(loss.message))
 
 
-def _actuators_of(mapped: mapping.ActuatorMapping, row: int) -> list[str]:
+def _actuators_of(mapped: mapping.ListenerMapping, row: int) -> list[str]:
     """The actuators of a listener, with their device if there are several."""
     running = outputs.running()
     return [

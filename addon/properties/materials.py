@@ -185,7 +185,7 @@ class HapticFit(PropertyGroup):
     """The settings of Fit Material and its last result. ``fitted``: the material or object, empty
     without a result. ``values``: its damping, as a multiple of its material's, and the gain of the
     contact, each with its standard deviation, then the difference between model and recordings
-    before and after [dB]. ``bands``: as in `core.design.recordings.Fit`, band by band."""
+    before and after [dB]. ``bands``: as in `core.design.recordings.FittedLoss`, band by band."""
 
     source_file: _recording(
         "At Source", "WAV file recorded at the source; its channels are averaged"

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.contacts.impact_sources import FrameImpacts, Sounding
+from ...core.contacts.impact_sources import ActiveImpact, FrameImpacts
 from ...core.contacts.impacts import Impact
 from ...core.contacts.one_shots import Shot
 from ...core.scene.values import TriggerKind
@@ -61,12 +61,12 @@ def impacts_from_text(
     return FrameImpacts(float(form["start"]), sounding, poses, shots) if sounding or shots else None
 
 
-def _sounding(item: dict[str, Any], row: dict[str, int]) -> Sounding:
+def _sounding(item: dict[str, Any], row: dict[str, int]) -> ActiveImpact:
     first, second = item["objects"]
     values = {
         key: plain(item[key]) for key in ("time", "positions", "normal", "energy", "amplitude")
     }
     on_first, on_second = (np.array(place, dtype=np.float64) for place in item["local"])
-    return Sounding.of(
+    return ActiveImpact.of(
         Impact((row[first], row[second]), **values), (first, second), (on_first, on_second)
     )

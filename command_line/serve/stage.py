@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from ...core.arrays import FloatArray
 from ...core.devices.guard import GuardedOutput
 from ...core.devices.inventory import look
-from ...core.devices.mapping import ActuatorMapping, map_listeners
+from ...core.devices.mapping import ListenerMapping, map_listeners
 from ...core.devices.profiles import Adjustment, Profile
 from ...core.run_time import Run, Step
 from .. import say
@@ -37,7 +37,7 @@ class DeviceStage:
             ),
             default=0.0,
         )
-        self._mapping: tuple[tuple[tuple[str, str], ...], ActuatorMapping] | None = None
+        self._mapping: tuple[tuple[tuple[str, str], ...], ListenerMapping] | None = None
         self._played = 0.0
         self._lost: dict[str, float] = {}
         """When devices that are lost were last opened again [s], by their keys."""
@@ -81,7 +81,7 @@ class DeviceStage:
         for key, levels in mapping.blocks(block).items():
             self.outputs[key].send(levels)
 
-    def mapping(self, body_parts: Mapping[str, str]) -> ActuatorMapping:
+    def mapping(self, body_parts: Mapping[str, str]) -> ListenerMapping:
         """The actuators of listeners at these body parts."""
         parts = tuple(body_parts.items())
         if self._mapping is None or self._mapping[0] != parts:

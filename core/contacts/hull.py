@@ -182,12 +182,12 @@ _NONE = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(slots=True)
-class _Face:
+class _HullFace:
     corners: tuple[int, int, int]
     normal: FloatArray
     offset: float
     outside: IntArray
-    neighbours: dict[tuple[int, int], _Face] = field(default_factory=dict)
+    neighbours: dict[tuple[int, int], _HullFace] = field(default_factory=dict)
     alive: bool = True
 
 
@@ -220,7 +220,7 @@ class _Quickhull:
         used, flat = np.unique(triangles, return_inverse=True)
         return Hull(self._points[used], flat.reshape(-1, 3).astype(np.int64))
 
-    def _face(self, a: int, b: int, c: int) -> _Face:
+    def _face(self, a: int, b: int, c: int) -> _HullFace:
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (
             self._coordinates[a],
             self._coordinates[b],
@@ -231,11 +231,11 @@ class _Quickhull:
         length = (nx * nx + ny * ny + nz * nz) ** 0.5
         if length > 0:
             nx, ny, nz = nx / length, ny / length, nz / length
-        return _Face((a, b, c), np.array([nx, ny, nz]), nx * ax + ny * ay + nz * az, _NONE)
+        return _HullFace((a, b, c), np.array([nx, ny, nz]), nx * ax + ny * ay + nz * az, _NONE)
 
     @staticmethod
-    def _link(faces: list[_Face]) -> None:
-        edges: dict[tuple[int, int], _Face] = {}
+    def _link(faces: list[_HullFace]) -> None:
+        edges: dict[tuple[int, int], _HullFace] = {}
         for face in faces:
             a, b, c = face.corners
             edges[a, b] = edges[b, c] = edges[c, a] = face
@@ -244,7 +244,7 @@ class _Quickhull:
             if other is not None:
                 face.neighbours[(a, b)] = other
 
-    def _share_out(self, indices: IntArray, faces: list[_Face]) -> None:
+    def _share_out(self, indices: IntArray, faces: list[_HullFace]) -> None:
         """Assign every point outside some face to the face it is farthest from."""
         if not len(indices):
             return
@@ -262,12 +262,12 @@ class _Quickhull:
                 end += count
                 face.outside = indices[order[end - count : end]]
 
-    def _add_point(self, start: _Face) -> list[_Face]:
+    def _add_point(self, start: _HullFace) -> list[_HullFace]:
         apex = int(start.outside[-1])
         point = self._points[apex]
         visible = [start]
         start.alive = False
-        horizon: list[tuple[tuple[int, int], _Face]] = []
+        horizon: list[tuple[tuple[int, int], _HullFace]] = []
         for face in visible:
             for edge, other in face.neighbours.items():
                 if not other.alive:

@@ -46,7 +46,7 @@ class Templates:
 
 
 @dataclass(frozen=True, slots=True)
-class Sounding:
+class ActiveImpact:
     """An impact and its source: the template's ``end`` [s], and the source's position in the frame
     of either body."""
 
@@ -58,7 +58,7 @@ class Sounding:
     @classmethod
     def of(
         cls, impact: Impact, bodies: tuple[str, str], local: tuple[FloatArray, FloatArray]
-    ) -> Sounding:
+    ) -> ActiveImpact:
         """An impact of ``bodies``, by name, with the default signal."""
         first, second = bodies
         source = Source(
@@ -74,7 +74,7 @@ class Sounding:
         )
         return cls(impact, source, local, impact.time + DEFAULT_IMPACT.duration)
 
-    def playing(self, templates: Templates) -> Sounding:
+    def playing(self, templates: Templates) -> ActiveImpact:
         """The same impact, by these templates."""
         signal, amplitude = templates.of(
             self.source.object, self.source.second_object or "", self.impact
@@ -92,7 +92,7 @@ class FrameImpacts:
     as ``rubbed`` says; ``shots``: of sources with triggers."""
 
     start: float
-    sounding: tuple[Sounding, ...]
+    sounding: tuple[ActiveImpact, ...]
     poses: FloatArray
     shots: tuple[Shot, ...] = ()
     rubbed: Slid | None = None
@@ -116,7 +116,7 @@ class ImpactSources:
 
     def __init__(self) -> None:
         self.late: Mapping[str, float] = {}
-        self._sounding: list[Sounding] = []
+        self._sounding: list[ActiveImpact] = []
 
     def clear(self) -> None:
         """Drop all sources."""
@@ -174,7 +174,7 @@ class ImpactSources:
                 _to_body(transforms[second], impact.positions[1]),
             )
             self._sounding.append(
-                Sounding.of(impact, (names[first], names[second]), local).playing(templates)
+                ActiveImpact.of(impact, (names[first], names[second]), local).playing(templates)
             )
 
     @property
@@ -202,7 +202,7 @@ class ImpactSources:
 
 
 def _touched_poses(
-    sounding: Sequence[Sounding], rubbed: Slid | None, transforms: FloatArray
+    sounding: Sequence[ActiveImpact], rubbed: Slid | None, transforms: FloatArray
 ) -> FloatArray:
     pairs = [*(item.impact.objects for item in sounding), *(() if rubbed is None else rubbed.pairs)]
     return transforms[np.array(pairs, dtype=np.int64).reshape(-1, 2), :3]

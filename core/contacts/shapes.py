@@ -394,7 +394,7 @@ def _child(index: int, form: Mapping[str, Any]) -> tuple[Shape, Pose]:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class Primitive:
     """A primitive of a shape in the body's local space: ``shape`` (never a compound) under the
     rigid ``matrix`` (4, 4), its core grown by ``radius`` metres in all (its own margin and those of
     the compounds it is in)."""
@@ -404,13 +404,13 @@ class Part:
     radius: float
 
 
-def parts_of(shape: Shape) -> tuple[Part, ...]:
+def parts_of(shape: Shape) -> tuple[Primitive, ...]:
     """The primitives that a shape is made of, compounds resolved."""
     if not isinstance(shape, Compound):
-        return (Part(shape, np.eye(4), shape.margin),)
+        return (Primitive(shape, np.eye(4), shape.margin),)
     places = pose_matrices([pose for _, pose in shape.children])
     return tuple(
-        Part(part.shape, place @ part.matrix, part.radius + shape.margin)
+        Primitive(part.shape, place @ part.matrix, part.radius + shape.margin)
         for (child, _), place in zip(shape.children, places, strict=True)
         for part in parts_of(child)
     )

@@ -37,7 +37,7 @@ _TONES = tuple(40.0 * 2 ** (k / 3) for k in range(10))
 little."""
 
 
-class Kind(enum.StrEnum):
+class ChangeKind(enum.StrEnum):
     """What is changed."""
 
     GAIN = "gain"
@@ -51,7 +51,7 @@ class Change:
     """A value of the listener, source or material ``name`` that changes; of a material K = (1 -
     kappa) rho."""
 
-    kind: Kind
+    kind: ChangeKind
     name: str
     before: float
     after: float
@@ -219,15 +219,15 @@ def _with_source(result: FrameResult, row: int, source: Source) -> FrameResult:
 def _changes(before: FrameResult, after: FrameResult, means: Means) -> tuple[Change, ...]:
     """The values that differ between two frames."""
     found = [
-        Change(Kind.GAIN, one.name, one.gain, other.gain)
+        Change(ChangeKind.GAIN, one.name, one.gain, other.gain)
         for one, other in zip(before.listeners, after.listeners, strict=True)
     ]
     for first, second in zip(before.sources, after.sources, strict=True):
-        found.append(Change(Kind.AMPLITUDE, first.name, first.amplitude, second.amplitude))
+        found.append(Change(ChangeKind.AMPLITUDE, first.name, first.amplitude, second.amplitude))
         if first.signal != second.signal:
             found.append(
                 Change(
-                    Kind.FREQUENCY,
+                    ChangeKind.FREQUENCY,
                     first.name,
                     *(_frequency(item) or 0.0 for item in (first, second)),
                 )
@@ -237,7 +237,9 @@ def _changes(before: FrameResult, after: FrameResult, means: Means) -> tuple[Cha
         items = [result.graph.table.objects[index[objects[0]]] for result in (before, after)]
         found.append(
             Change(
-                Kind.MATERIAL, name, *(transfer_coefficient(item.kappa, item.rho) for item in items)
+                ChangeKind.MATERIAL,
+                name,
+                *(transfer_coefficient(item.kappa, item.rho) for item in items),
             )
         )
     return tuple(

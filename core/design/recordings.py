@@ -132,7 +132,7 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class FittedLoss:
     """``damping``: multiple of the material's; ``contact``: logarithm of its gain; each with its
     standard deviation. ``k``: the resulting (1 - kappa) rho of the objects, and ``gain`` of the
     contact, in [0, 1]. ``before``, ``after``: root mean square difference of model and recording
@@ -165,7 +165,7 @@ class _Levels:
     crossed: bool
 
 
-def fit(graph: HapticGraph, measured: Transfer, asked: Question) -> Fit:
+def fit(graph: HapticGraph, measured: Transfer, asked: Question) -> FittedLoss:
     """Fit the model to the measured transfer. Raises ValueError if names or the path do not match
     ``asked``."""
     if asked.contact and not asked.calibrated:
@@ -215,7 +215,7 @@ def fit(graph: HapticGraph, measured: Transfer, asked: Question) -> Fit:
     )
     k = function.material_k**damping
     bands = _by_band(measured, models)
-    return Fit(
+    return FittedLoss(
         float(values[0]),
         float(errors[0]),
         contact,
@@ -348,7 +348,7 @@ def _doubts(
 
 
 def _by_band(measured: Transfer, models: FloatArray) -> FloatArray:
-    """The ``bands`` of `Fit`."""
+    """The ``bands`` of `FittedLoss`."""
     rows, band = np.full((BAND_COUNT, 4), math.nan), _bands_of(measured.frequency)
     for number in range(BAND_COUNT):
         inside = (band == number) & measured.used

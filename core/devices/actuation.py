@@ -33,7 +33,7 @@ _SILENT = 0.002
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class DriveStep:
     """Drive values from ``offset`` seconds after the start of the block on."""
 
     offset: float
@@ -153,7 +153,7 @@ class ToneActuation:
             calibrations.get(actuator.name, actuator.calibration) for actuator in self._actuators
         ]
 
-    def process(self, block: FloatArray) -> list[Step]:
+    def process(self, block: FloatArray) -> list[DriveStep]:
         """Steps of a block, in order; silence has the frequencies at rest. block: (actuators, n).
 
         The first offset is below 0 if the last block ended inside a step.
@@ -178,7 +178,7 @@ class ToneActuation:
             Tones(tuple(row), tuple(hz))
             for row, hz in zip(amplitudes.tolist(), frequencies.tolist(), strict=True)
         )
-        return [Step(start + i * self.hop / self.rate, tone) for i, tone in enumerate(tones)]
+        return [DriveStep(start + i * self.hop / self.rate, tone) for i, tone in enumerate(tones)]
 
     def reset(self) -> None:
         """Forget the samples so far."""

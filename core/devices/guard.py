@@ -274,7 +274,7 @@ def _never_blocks(pipe: BinaryIO) -> bool:
     return True
 
 
-class _State:
+class _RunningGuard:
     """The guard that runs, if any. start: starts a guard process."""
 
     def __init__(self) -> None:
@@ -300,7 +300,7 @@ class _State:
                 output.lose(None, f"{reason}, and no other can be started: {error}")
 
 
-_state = _State()
+_state = _RunningGuard()
 
 
 class GuardedOutput(Output):

@@ -47,7 +47,7 @@ class Loss:
 
 
 @dataclass(frozen=True, slots=True)
-class ActuatorMapping:
+class ListenerMapping:
     """Mapping from the samples of listeners to the blocks of devices.
 
     listeners: names, in the order of the samples' rows. weights: for each device an array
@@ -133,7 +133,7 @@ def map_listeners(
     *,
     chosen: Mapping[str, Sequence[Place]] | None = None,
     bands: Mapping[str, tuple[float, float]] | None = None,
-) -> ActuatorMapping:
+) -> ListenerMapping:
     """Give each listener the actuators that are felt at its body part.
 
     listeners: name to body part, or to "" for none. devices: the connected devices by name. chosen:
@@ -174,7 +174,7 @@ def map_listeners(
         ).reshape(-1, 2)
         for device, profile in devices.items()
     }
-    return ActuatorMapping(names, weights, tuple(losses), positions)
+    return ListenerMapping(names, weights, tuple(losses), positions)
 
 
 def _places_at(part: str, devices: Mapping[str, ActuatedDevice]) -> list[Place]:

@@ -83,7 +83,9 @@ def solve(
     systems, columns, count = power.shape
     matrix = _Matrix(balance, columns)
     found = np.zeros((systems * columns, count))
-    state = _State(matrix, power.reshape(found.shape), np.repeat(balance.damping, columns, axis=0))
+    state = _Iteration(
+        matrix, power.reshape(found.shape), np.repeat(balance.damping, columns, axis=0)
+    )
     for iteration in range(ITERATIONS):
         if iteration >= FIRST_CHECK and (iteration - FIRST_CHECK) % CHECKED == 0:
             found[state.column] = state.energy
@@ -101,7 +103,7 @@ def solve(
     return Balanced(energy.reshape(power.shape), doubt.reshape(systems, columns))
 
 
-class _State:
+class _Iteration:
     """The iteration of the columns that are not good enough yet; ``column`` (c,) their numbers."""
 
     def __init__(self, matrix: _Matrix, power: FloatArray, damping: FloatArray) -> None:

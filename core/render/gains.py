@@ -28,7 +28,7 @@ _INSTANT = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class FrameSamples:
     """The samples `first` to `last - 1` at `times` [s], and how far (0 to 1) each is from the
     frame's start to its end."""
 
@@ -71,7 +71,7 @@ class Gains:
     @classmethod
     def until(
         cls,
-        frame: Frame,
+        frame: FrameSamples,
         start: FloatArray,
         end: FloatArray,
         slope: FloatArray,
@@ -111,7 +111,7 @@ class Gains:
             self.start[index], self.end[index], self.slope[index], self.last_slope[index], bends
         )
 
-    def terms(self, frame: Frame) -> tuple[FloatArray, list[FloatArray]]:
+    def terms(self, frame: FrameSamples) -> tuple[FloatArray, list[FloatArray]]:
         """Return the gains in a frame as a sum of products: factors and curves over time.
 
         The factors have the shape (n_terms, n_voices, n_listeners, 1 or 6). Term by term there is a

@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray
 from ..scene.bands import BAND_COUNT
 from ..scene.declaration import MOST
-from .gains import Bend, Frame, Gains, any_gain
+from .gains import Bend, FrameSamples, Gains, any_gain
 from .voices import Stream, Voice
 
 MAX_GAIN = 1e30
@@ -91,7 +91,7 @@ class Groups:
         self._tails: list[Stream] = []
         self._last: dict[tuple[bool, int], _Last] = {}
 
-    def follow(self, frame: Frame, voices: Sequence[Voice]) -> list[Group]:
+    def follow(self, frame: FrameSamples, voices: Sequence[Voice]) -> list[Group]:
         """Return the groups of a frame. Changes nothing; raises ValueError that names the
         argument."""
         self._check(voices)
@@ -113,7 +113,7 @@ class Groups:
             )
         return groups
 
-    def advance(self, frame: Frame, groups: Sequence[Group]) -> None:
+    def advance(self, frame: FrameSamples, groups: Sequence[Group]) -> None:
         """Go on to the next frame: keep voices, and streams that still fade out."""
         self._streams, self._tails, self._last = {}, [], {}
         for group in groups:
@@ -125,7 +125,9 @@ class Groups:
                 elif group.gains.lasts(row, frame.end):
                     self._tails.append(stream)
 
-    def _playing(self, frame: Frame, voices: Sequence[Voice]) -> tuple[list[Stream], list[int]]:
+    def _playing(
+        self, frame: FrameSamples, voices: Sequence[Voice]
+    ) -> tuple[list[Stream], list[int]]:
         """Return the stream of each voice, and the rows of those that begin in the frame with their
         full gain."""
         streams, begins = [], []
@@ -162,7 +164,11 @@ class Groups:
                 raise ValueError(f"priority: that of {key!r} must be from 0 to {MAX_GAIN:g}")
 
     def _group(
-        self, frame: Frame, streams: list[Stream], voices: list[Voice | None], begins: list[int]
+        self,
+        frame: FrameSamples,
+        streams: list[Stream],
+        voices: list[Voice | None],
+        begins: list[int],
     ) -> Group:
         end = self._end(streams, voices)
         start, slope, bends = self._lines(frame, streams, end.shape)
@@ -205,7 +211,7 @@ class Groups:
         return end
 
     def _lines(
-        self, frame: Frame, streams: list[Stream], shape: tuple[int, ...]
+        self, frame: FrameSamples, streams: list[Stream], shape: tuple[int, ...]
     ) -> tuple[FloatArray, FloatArray, tuple[Bend, ...]]:
         """Return the values and slopes with which the gains of streams of one kind enter a frame,
         of `shape`, and the bends before it."""

@@ -19,7 +19,7 @@ _FRAMES = 25.0  # levels a second of a drawn track
 _SIZE = 600, 60
 
 
-class Band(NamedTuple):
+class FilledBand(NamedTuple):
     """An area from ``low`` to ``high`` (l, c), parts of a row's height; a line where they are
     equal. ``kind``: "felt" is what of the level is above the threshold of feeling."""
 
@@ -33,7 +33,7 @@ def height_of(level: FloatArray) -> FloatArray:
     return np.nan_to_num(np.clip(1 - level / FLOOR, 0.0, 1.0))
 
 
-def bands(parts: Columns, wave: bool = False) -> tuple[Band, ...]:
+def bands(parts: Columns, wave: bool = False) -> tuple[FilledBand, ...]:
     """What is drawn of listeners, from the bottom up: level, threshold and what is felt, or else
     the ``wave`` around the middle, its samples in decibels as well."""
     if wave:
@@ -43,13 +43,13 @@ def bands(parts: Columns, wave: bool = False) -> tuple[Band, ...]:
             np.minimum(low[:, 1:], high[:, :-1]),
             np.maximum(high[:, 1:], low[:, :-1]),
         )
-        return (Band("wave", low, high),)
+        return (FilledBand("wave", low, high),)
     level = height_of(parts.level)
     threshold = np.where(level > 0, height_of(parts.threshold), 0.0)
     return (
-        Band("felt", np.minimum(threshold, level), level),
-        Band("threshold", threshold, threshold),
-        Band("level", level, level),
+        FilledBand("felt", np.minimum(threshold, level), level),
+        FilledBand("threshold", threshold, threshold),
+        FilledBand("level", level, level),
     )
 
 

@@ -11,13 +11,13 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..signals.interpolation import ZERO_CROSSINGS, local_polynomials
 from .filter_bank import bank_response
-from .gains import Frame
+from .gains import FrameSamples
 from .groups import Group
 from .tone_paths import TonePaths
 from .voices import Stream, sample_brief
 
 
-def paths_of(frame: Frame, group: Group) -> list[DirectPaths | DelayedPaths | SteadyPaths]:
+def paths_of(frame: FrameSamples, group: Group) -> list[DirectPaths | DelayedPaths | SteadyPaths]:
     """Return the paths of a group: those of steady tones separately if bands or delays make samples
     costly."""
     if group.delays is None and group.streams[0].row_count == 1:
@@ -46,7 +46,7 @@ class DirectPaths:
     """Paths without delay: all listeners get the same samples times their gains, so a sum over
     voices is a matrix product."""
 
-    def __init__(self, frame: Frame, group: Group) -> None:
+    def __init__(self, frame: FrameSamples, group: Group) -> None:
         self.group = group = _sounding(frame, group)
         self._factors, self._curves = group.gains.terms(frame)
         sample_brief(group.streams)
@@ -98,7 +98,7 @@ class DirectPaths:
 class DelayedPaths:
     """Paths with a delay each: the signal at an earlier time, which moves as the delay changes."""
 
-    def __init__(self, frame: Frame, group: Group) -> None:
+    def __init__(self, frame: FrameSamples, group: Group) -> None:
         self.group = group = _sounding(frame, group)
         assert group.delays_before is not None and group.delays is not None
         factors, curves = group.gains.terms(frame)
@@ -133,7 +133,7 @@ class SteadyPaths(TonePaths):
     """Paths of steady tones with bands or delays: the filter of a band is a gain, and a delay a
     turn of phase."""
 
-    def __init__(self, frame: Frame, group: Group) -> None:
+    def __init__(self, frame: FrameSamples, group: Group) -> None:
         self.group = group
         rate, count = group.streams[0].sample_rate, frame.count
         frequency, amplitude, phase, onset = np.hsplit(
@@ -160,7 +160,7 @@ class SteadyPaths(TonePaths):
         )
 
 
-def _sounding(frame: Frame, group: Group) -> Group:
+def _sounding(frame: FrameSamples, group: Group) -> Group:
     """Return the streams that are heard in a frame with samples."""
     heard, longest = np.any(group.audible, axis=1).tolist(), group.longest_delays().tolist()
     late = zip(group.streams, longest, strict=True)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray
-from .gains import Frame
+from .gains import FrameSamples
 from .groups import MAX_GAIN, MAX_TIME, Groups
 from .limiter import Limiter
 from .mixing import MixingMethod, checked_method, mixed
@@ -106,7 +106,7 @@ class Renderer:
         self._groups.advance(frame, groups)
         return self._limiter.process(block) if self._limiter else block
 
-    def _frame(self, start: float, end: float) -> Frame:
+    def _frame(self, start: float, end: float) -> FrameSamples:
         if not (-MAX_TIME <= start <= end <= MAX_TIME and end - start <= MAX_FRAME):
             raise ValueError(
                 f"end: {end!r} must be 0 to {MAX_FRAME:g} seconds after start {start!r}, both "
@@ -118,7 +118,7 @@ class Renderer:
                 f"start: {start!r} does not follow the last frame; reset the renderer before a jump"
             )
         times = np.arange(first, last) / self.sample_rate
-        return Frame(
+        return FrameSamples(
             start,
             end,
             first,

@@ -25,7 +25,7 @@ class Bone:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class PartPlace:
     """Location of a body part: its bone, and its position in the space of the skeleton at rest."""
 
     bone: str
@@ -148,7 +148,7 @@ class _Named:
         return (self.head + self.tail) / 2
 
 
-def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dict[str, Place]:
+def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dict[str, PartPlace]:
     """Locations of the body parts by name, without those for which the skeleton has no bone.
 
     Raises ValueError if the skeleton has no head, no hips, or no left and right.
@@ -201,7 +201,7 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
         "middle_back": torso[len(torso) // 2],
     }
     trunk |= dict.fromkeys(("chest", "upper_back"), torso[-1])
-    result: dict[str, Place] = {}
+    result: dict[str, PartPlace] = {}
     for part in parts:
         name = part.name.partition(".")[0]
         carrier = trunk[name] if name in trunk else limbs.get((name, part.side))
@@ -216,7 +216,7 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
             if name == "index_finger"
             else carrier.middle
         )
-        result[part.name] = Place(
+        result[part.name] = PartPlace(
             carrier.bone.name, tuple((start + (front * forwards + sideways) * height).tolist())
         )
     return result

@@ -41,7 +41,7 @@ Steps = Generator[None, None, Value]
 """Yields after each block, and returns the value."""
 
 
-class Recording(Protocol):
+class SoundSamples(Protocol):
     """The interface of a decoded sound: ``count`` samples per channel at ``rate`` hertz."""
 
     rate: float
@@ -61,7 +61,7 @@ class Clip:
     speed. volume: a factor, constant or over the sound's time.
     """
 
-    recording: Recording
+    recording: SoundSamples
     start: float = 0.0
     skip: float = 0.0
     seconds: float = math.inf

@@ -16,7 +16,18 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
 from ..hull import Hull, convex_hull, shrunk_hull
-from ..shapes import Box, Capsule, Cone, ConvexHull, Cylinder, Mesh, Part, Shape, Sphere, parts_of
+from ..shapes import (
+    Box,
+    Capsule,
+    Cone,
+    ConvexHull,
+    Cylinder,
+    Mesh,
+    Primitive,
+    Shape,
+    Sphere,
+    parts_of,
+)
 
 
 class Kind(IntEnum):
@@ -85,13 +96,13 @@ class Core:
         return 2 * (float(self.half[0].min()) + self.radius[0])
 
 
-def _simple(kind: Kind, part: Part, half: Sequence[float], rounding: float = 0.0) -> Core:
+def _simple(kind: Kind, part: Primitive, half: Sequence[float], rounding: float = 0.0) -> Core:
     size = np.array(half, dtype=np.float64)
     inner = np.maximum(size - rounding, 0.0) if rounding else size
     return Core(kind, part.matrix, 3 * [part.radius + rounding], np.tile(inner, (3, 1)), size)
 
 
-def _core(part: Part, solid: bool) -> Core:
+def _core(part: Primitive, solid: bool) -> Core:
     """The core of a part. ``solid``: a mesh counts as the volume of its convex hull."""
     match part.shape:
         case Sphere(radius=radius):
@@ -143,7 +154,7 @@ def _box(
     )
 
 
-def _hull(part: Part, points: FloatArray, rounding: float) -> Core:
+def _hull(part: Primitive, points: FloatArray, rounding: float) -> Core:
     sharp = convex_hull(points)
     inner = shrunk_hull(sharp, rounding)
     if inner is None:
@@ -160,7 +171,7 @@ def _hull(part: Part, points: FloatArray, rounding: float) -> Core:
     )
 
 
-def _between(part: Part, ends: FloatArray) -> Core:
+def _between(part: Primitive, ends: FloatArray) -> Core:
     """A segment between two points."""
     along = ends[1] - ends[0]
     length = float(np.linalg.norm(along))
@@ -230,7 +241,7 @@ class Reduced:
     thickness: float
 
     @classmethod
-    def of(cls, part: Part, solid: bool) -> Reduced:
+    def of(cls, part: Primitive, solid: bool) -> Reduced:
         """Reduce a primitive, wherever it is; ``solid``: a mesh counts as the volume of its convex
         hull."""
         core = _core(replace(part, matrix=np.eye(4)), solid)

@@ -23,7 +23,7 @@ from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
 from .frames import chunks, cross, dot, smooth_step
 from .manifold import PATCH_GAP, Patches, patches
-from .surfaces import Surface, Surfaces
+from .surfaces import CoreSurface, Surfaces
 from .triangles import (
     crossing_lines,
     facing_axes,
@@ -53,7 +53,7 @@ class _Gap:
 
 
 @dataclass(frozen=True, slots=True)
-class _Crossing:
+class _CrossingCurve:
     """The curve along which two surfaces cross: its centre of mass, the vector area that it
     encloses as a unit ``normal`` from first to second and an ``area`` [m^2], and its ``extent``
     [m]."""
@@ -271,7 +271,7 @@ class SurfacePairs:
         )
         return np.where(depth > 0, -np.minimum(depth, np.minimum(thin, size) / 2), -np.inf)
 
-    def _around(self, row: CorePairs, a: Surface, b: Surface) -> float:
+    def _around(self, row: CorePairs, a: CoreSurface, b: CoreSurface) -> float:
         """The depth of the solid that encloses the other surface, 0 where neither does."""
         for outer, inner, outer_pose, inner_pose in (
             (a, b, (row.rotation_a, row.centre_a), (row.rotation_b, row.centre_b)),
@@ -436,7 +436,7 @@ class SurfacePairs:
         over = over_each_other(first, second, axis)
         return tuple(taken(value, over) for value in values)
 
-    def _crossing(self, row: CorePairs) -> _Crossing | None:
+    def _crossing(self, row: CorePairs) -> _CrossingCurve | None:
         """The curve along which the surfaces of the only one of ``row`` cross."""
         near = self._pairing.near_triangles(row, np.full(1, _TOUCHING))
         if len(near) == 0:
@@ -458,14 +458,14 @@ class SurfacePairs:
         normal = area + _OPEN * total * outwards
         normal /= max(float(np.linalg.norm(normal)), 1e-300)
         extent = float(np.ptp(middle[:, used], axis=1).max() + length.max())
-        return _Crossing(centre, normal, float(np.linalg.norm(area)), extent)
+        return _CrossingCurve(centre, normal, float(np.linalg.norm(area)), extent)
 
     def _sunk(
         self,
         row: CorePairs,
         most: float,
         depth: float,
-        crossing: _Crossing,
+        crossing: _CrossingCurve,
         facing: CoreContacts,
     ) -> CoreContacts:
         """The contact of the only one of ``row``, whose solids have sunk deep into each other: from
@@ -516,7 +516,7 @@ class SurfacePairs:
                     return True
         return False
 
-    def _both(self, row: CorePairs) -> tuple[Surface, Surface]:
+    def _both(self, row: CorePairs) -> tuple[CoreSurface, CoreSurface]:
         return self._surfaces[int(row.first[0])], self._surfaces[int(row.second[0])]
 
     def _overlap(self, row: CorePairs, on_a: FloatArray, on_b: FloatArray) -> BoolArray:
@@ -532,7 +532,7 @@ class SurfacePairs:
         return result
 
 
-def _most(a: Surface, b: Surface) -> float:
+def _most(a: CoreSurface, b: CoreSurface) -> float:
     """How far the smaller of two surfaces may sink into the other [m]."""
     return min(max(a.depth, b.depth), min(a.size, b.size) / 2)
 

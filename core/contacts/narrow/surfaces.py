@@ -15,7 +15,7 @@ from .triangles import unit_normals
 
 
 @dataclass(frozen=True, slots=True)
-class Surface:
+class CoreSurface:
     """The triangles of a core in its own frame, by their bounds and by ``spheres`` around their
     middles, and their unit ``normals`` (3, t). ``depth`` [m]: how far beneath the surface a body
     touches it; 0 of a shell, infinite of a hull. ``size`` [m]: the smallest extent of a solid,
@@ -33,7 +33,7 @@ class Surface:
     second: Any
 
     @classmethod
-    def of(cls, core: Core) -> Surface:
+    def of(cls, core: Core) -> CoreSurface:
         """The surface of a mesh or a hull."""
         import fcl
 
@@ -96,7 +96,7 @@ class Surfaces:
 
     def __init__(self, table: CoreTable) -> None:
         self._table = table
-        self._made: dict[int, Surface] = {}  # by the id of the core: equal bodies share theirs
+        self._made: dict[int, CoreSurface] = {}  # by the id of the core: equal bodies share theirs
 
     def take_over(self, before: Surfaces) -> None:
         """Keep the surfaces of those cores that are in this table, too."""
@@ -106,9 +106,9 @@ class Surfaces:
             if id(core) in before._made
         }
 
-    def __getitem__(self, core: int) -> Surface:
+    def __getitem__(self, core: int) -> CoreSurface:
         item = self._table.cores[core]
         made = self._made.get(id(item))
         if made is None:
-            made = self._made[id(item)] = Surface.of(item)
+            made = self._made[id(item)] = CoreSurface.of(item)
         return made

@@ -151,7 +151,7 @@ def states(
 ) -> Iterator[tuple[int, HapticScene]]:
     """Every frame number from the first to the last recorded, with the scene in it: its active
     sources and its contacts. ``late``: delay of a source at the listeners [s], by name."""
-    state = _State(scene)
+    state = _SceneState(scene)
     frames = iter(recording.frames)
     change = next(frames, None)
     number = change.number if change else 0
@@ -215,7 +215,7 @@ def by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
     return result
 
 
-class _State:
+class _SceneState:
     """The current state of a changing scene: its items by name, and the contacts by pairs of
     objects."""
 

@@ -184,12 +184,12 @@ def compare_carriers(
     original: Row, listener: int, carriers: Iterable[Carrier], measured: Comparison
 ) -> None:
     """Compare the samples of a listener with the carriers that are played instead."""
-    player = Player(original, listener, measured)
+    player = CarrierPlayer(original, listener, measured)
     player.add(carriers)
     player.play_until(math.inf)
 
 
-class Player:
+class CarrierPlayer:
     """Renders carriers and hands them with the original samples to a comparison, in pieces.
 
     Carriers are added in any order, before the time that they begin at is played.

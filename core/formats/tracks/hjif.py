@@ -20,7 +20,7 @@ from ...arrays import FloatArray
 from ..io.atomic import write_text
 from ..io.json_text import compact
 from .bands import bands_for
-from .carrier import Carrier, Player
+from .carrier import Carrier, CarrierPlayer
 from .comparison import Comparison, Kind, Measures
 from .fitting import Fit, fit_bands
 from .hjif_reading import carriers_of
@@ -183,7 +183,7 @@ class _Bands:
     ) -> None:
         """Fit the signal; the written carriers are compared with the ``original``."""
         narrow = bands_for(self._row, EDGES)
-        player = Player(original, listener, measured)
+        player = CarrierPlayer(original, listener, measured)
         player.add(transient_carrier(time, strength) for time, strength in transients.tolist())
         for complete, fitted in fit_bands(self._row, narrow, self._fit):
             for band, carriers in zip(narrow, fitted, strict=True):

@@ -15,7 +15,7 @@ from .listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class RenderedFrame:
     """The part of a `FrameResult` that is recorded."""
 
     number: int
@@ -39,7 +39,7 @@ class TrackRecorder:
         self._count = 0
         self._impacts: dict[str, tuple[float, list[float]]] = {}
 
-    def add(self, result: FrameResult | Heard) -> None:
+    def add(self, result: FrameResult | RenderedFrame) -> None:
         """Add a frame. Raises ValueError unless it follows the frame before and has the same
         listeners."""
         if not self._sample_rate:

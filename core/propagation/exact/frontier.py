@@ -56,7 +56,7 @@ the number of the factor."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Crossing:
+class _CrossedContact:
     """A contact, in the order in which they are taken.
 
     ``nodes`` on either side; ``waiting`` nodes on either side; ``slots`` of its own, -1 on a side
@@ -125,7 +125,7 @@ class Frontier:
                 self._place += 1
         return self._total.reshape(-1, self._lanes) if np.all(self._total <= LARGEST) else None
 
-    def _planned(self, contacts: IntArray, roots: Sequence[int]) -> list[_Crossing] | None:
+    def _planned(self, contacts: IntArray, roots: Sequence[int]) -> list[_CrossedContact] | None:
         """The crossings of contacts in this order; the roots wait at the first slots. None where
         more ends could wait than there are slots."""
         objects = self._graph.node_object
@@ -136,7 +136,7 @@ class Frontier:
         for slot, root in enumerate(roots):
             waiting.setdefault(int(objects[root]), []).append((root, slot))
         free = list(range(SLOTS - 1, len(roots) - 1, -1))
-        crossings: list[_Crossing] = []
+        crossings: list[_CrossedContact] = []
         for nodes, ends in zip(contacts.tolist(), objects[contacts].tolist(), strict=True):
             before = [list(waiting.setdefault(end, [])) for end in ends]
             slots = [-1, -1]
@@ -154,7 +154,9 @@ class Frontier:
             ]
             free += [slot for end in ends if not left[end] for _, slot in waiting[end]]
             crossings.append(
-                _Crossing((nodes[0], nodes[1]), (before[0], before[1]), (slots[0], slots[1]), most)
+                _CrossedContact(
+                    (nodes[0], nodes[1]), (before[0], before[1]), (slots[0], slots[1]), most
+                )
             )
         return crossings
 
@@ -169,7 +171,7 @@ class Frontier:
         table[which, number] = intra_lanes(self._graph, nodes[which], self._listeners[number])
         return table.reshape(len(nodes), len(self._listeners) * self._lanes)
 
-    def _weighed(self, crossings: Sequence[_Crossing]) -> list[tuple[FloatArray, FloatArray]]:
+    def _weighed(self, crossings: Sequence[_CrossedContact]) -> list[tuple[FloatArray, FloatArray]]:
         """Of each crossing the factors (joins, listeners * lanes) of either side: of joining each
         waiting node, of waiting itself, and of ending at the listeners; those of the first side
         with the gain of the contact."""
@@ -198,7 +200,7 @@ class Frontier:
         through = np.tile(through, len(self._listeners))
         return [(factors[2 * k] * through[k], factors[2 * k + 1]) for k in range(len(crossings))]
 
-    def _cross(self, crossing: _Crossing, first: FloatArray, second: FloatArray) -> None:
+    def _cross(self, crossing: _CrossedContact, first: FloatArray, second: FloatArray) -> None:
         """Add all ways in which the states cross a contact: either side is joined to an end that
         waits in its object, or to the listeners, or waits itself. ``first`` and ``second`` are the
         factors of the sides."""
