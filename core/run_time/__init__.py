@@ -11,5 +11,10 @@ __all__ = ["Run", "Scene", "Step", "load", "loads", "open"]
 
 
 def open(scene: Scene, sample_rate: float = 8000.0) -> Run:
-    """A run of ``scene``, whose samples have ``sample_rate`` [Hz]."""
+    """A run of ``scene``, whose samples have ``sample_rate`` [Hz].
+
+    >>> run = open(Scene(objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8}]))
+    >>> run.objects
+    ('bench',)
+    """
     return Run(scene.content, sample_rate)

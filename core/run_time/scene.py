@@ -28,12 +28,22 @@ from ..scene.values import Contact, HapticScene
 
 def load(path: str | Path) -> Scene:
     """The scene in a ``.json`` or ``.json.gz`` file. Raises FormatError, which names the place in
-    the file, or OSError."""
+    the file, or OSError.
+
+    >>> Scene(objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8}]).save("bench.json")
+    >>> load("bench.json").content.objects[0].name
+    'bench'
+    """
     return Scene.of_document(read_json(path), path)
 
 
 def loads(text: str | bytes) -> Scene:
-    """The scene in the text of a scene file. Raises FormatError."""
+    """The scene in the text of a scene file. Raises FormatError.
+
+    >>> loads('{"format": "haptic-scene", "version": "1.1", "objects": [{"name": "bench"}]}')
+    Traceback (most recent call last):
+    haptic_tracing.core.formats.io.error.FormatError: scene: /objects/0/kappa: is required
+    """
     return Scene.of_document(
         parse_json(text.encode() if isinstance(text, str) else text, "scene"), "scene"
     )
@@ -44,7 +54,7 @@ class Scene:
 
     ``content`` has its values, ``file`` names it in errors, ``unknown`` lists the keys of a newer
     version that were not read. Args of the constructor: the lists and settings of a scene file, as
-    dictionaries.
+    dictionaries. The examples of the methods go on with this ``scene``:
 
     >>> scene = Scene(
     ...     objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8,
@@ -52,8 +62,6 @@ class Scene:
     ...     sources=[{"name": "drill", "object": "bench", "position": [0, 0, 0]}],
     ...     listeners=[{"name": "hand", "object": "bench", "position": [1, 0, 0]}],
     ... )
-    >>> scene.gains()
-    {('drill', 'hand'): 0.75}
     """
 
     def __init__(self, **parts: Any) -> None:
@@ -83,7 +91,11 @@ class Scene:
 
     def with_settings(self, **chosen: Any) -> Scene:
         """The same scene with other settings of propagation, by their names in the file. Raises
-        ValueError."""
+        ValueError.
+
+        >>> scene.with_settings(mode="MN").gains()  # without attenuation
+        {('drill', 'hand'): 1.0}
+        """
         scene = copy(self)
         with self._errors():
             scene.content = replace(self.content, settings=replace(self.content.settings, **chosen))
@@ -91,35 +103,66 @@ class Scene:
 
     def contacts(self) -> tuple[Contact, ...]:
         """The contacts that the scene lists, otherwise those found from shapes and poses. Raises
-        ValueError."""
+        ValueError.
+
+        >>> ball = {"kappa": 0.1, "rho": 0.8, "shape": {"type": "sphere", "radius": 1}}
+        >>> balls = Scene(objects=[
+        ...     {**ball, "name": "left"},
+        ...     {**ball, "name": "right", "pose": {"position": [2, 0, 0]}},
+        ... ])
+        >>> [(contact.objects, contact.positions[0]) for contact in balls.contacts()]
+        [(('left', 'right'), (1.0, 0.0, 0.0))]
+        """
         names = [item.name for item in self.content.objects]
         return self.content.contacts or self.contacts_found().to_contacts(names)
 
     def contacts_found(self, tolerance: float | None = None) -> ContactSet:
         """The contacts between objects with shapes whose signed distance is at most ``tolerance``
-        metres, by default that of the scene's rules. Raises ValueError."""
+        metres, by default that of the scene's rules. Raises ValueError.
+
+        >>> len(scene.contacts_found(tolerance=0.1))
+        0
+        """
         with self._errors():
             return contacts_of_scene(self.content, tolerance)
 
     def with_contacts(self) -> HapticScene:
-        """The content with its `contacts`. Raises ValueError."""
+        """The content with its `contacts`. Raises ValueError.
+
+        >>> scene.with_contacts().contacts
+        ()
+        """
         return replace(self.content, contacts=self.contacts())
 
     def graph(self) -> HapticGraph:
-        """The haptic graph. Raises ValueError."""
+        """The haptic graph. Raises ValueError.
+
+        >>> graph = scene.graph()  # nodes: the source and the listener
+        >>> graph.node_count, graph.contact_count
+        (2, 0)
+        """
         with self._errors():
             return graph_of_scene(self.with_contacts())
 
     def propagate(self, graph: HapticGraph | None = None) -> Propagation:
         """Gains, error bounds and paths of all pairs; ``graph``: that of the scene, if it is known.
-        Raises ValueError."""
+        Raises ValueError.
+
+        >>> found = scene.propagate()
+        >>> found.gain.tolist(), found.error_bound.tolist()  # a row for each source
+        ([[0.75]], [[0.0]])
+        """
         graph = self.graph() if graph is None else graph
         with self._errors():
             return propagate(graph, self.content.settings)
 
     def gains(self) -> dict[tuple[str, str], float]:
         """The gain of the paths from each source to each listener, by their names; amplitudes of
-        sources and gains of listeners are not in it. Raises ValueError."""
+        sources and gains of listeners are not in it. Raises ValueError.
+
+        >>> scene.gains()
+        {('drill', 'hand'): 0.75}
+        """
         gain = self.propagate().gain
         return {
             (source.name, listener.name): float(gain[row, column])
@@ -128,7 +171,12 @@ class Scene:
         }
 
     def save(self, path: str | Path) -> None:
-        """Write the scene as ``.json`` or ``.json.gz``. Raises OSError."""
+        """Write the scene as ``.json`` or ``.json.gz``. Raises OSError.
+
+        >>> scene.save("bench.json.gz")
+        >>> load("bench.json.gz").gains() == scene.gains()
+        True
+        """
         write_document({**self.document, "settings": scene_to_dict(self.content)["settings"]}, path)
 
     @contextmanager
