@@ -100,10 +100,14 @@ def silence(who: str, how: str, after: float, folder: str) -> float:
     time.sleep(WATCHED)
     program.kill()
     program.wait()
-    return max(
-        silence_of(pad, reports_of(folder, f"hidraw{number}"), failed)
-        for number, pad in enumerate(PADS)
-    )
+    try:
+        return max(
+            silence_of(pad, reports_of(folder, f"hidraw{number}"), failed)
+            for number, pad in enumerate(PADS)
+        )
+    except AssertionError as error:
+        error.add_note(f"{who}: {how}")
+        raise
 
 
 def silence_of(pad: Pad, written: list[tuple[float, bytes]], failed: float) -> float:

@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike
 
 from .actuation import checked_block
 from .guard_process import ANSWER, HEARTBEAT, packed, started_threads
+from .liveness import is_ready
 from .mapping import ActuatedDevice
 from .profiles import Adjustment, Profile, check_adjustment
 from .sound_card import SoundCard, SoundCardWriter
@@ -67,6 +68,8 @@ _FULL = 0.002  # seconds after which a full pipe is tried again
 # Seconds without an answer after which the guard is killed, while a device is open and otherwise:
 # starting it and searching take long.
 _ANSWERS_WITHIN, _STARTS_WITHIN = 0.5, 10.0
+# More seconds for one that waits for a processor, for which a new one would wait, too.
+_BUSY = 1.0
 # Earlier orders that an order makes obsolete, besides those of the same method.
 _OBSOLETE = {
     "send": ("expect",),
@@ -244,7 +247,8 @@ class Guard:
             with self._condition:
                 silent, self._answered = 0 if self._answered else silent + 1, False
                 drives = any(status.state == "open" for status in self._statuses.values())
-            if silent * ANSWER >= (_ANSWERS_WITHIN if drives else _STARTS_WITHIN):
+            late = silent * ANSWER - (_ANSWERS_WITHIN if drives else _STARTS_WITHIN)
+            if late >= _BUSY or (late >= 0.0 and not is_ready(self._pid)):
                 self._kill()
 
     def _kill(self) -> None:

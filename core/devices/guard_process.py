@@ -181,3 +181,5 @@ def main(program: int) -> None:
     os.dup2(2, 1)  # what a library prints is no status
     with own_control_group():
         Service(os.fdopen(os.dup(0), "rb"), statuses, program).run()
+    with suppress(OSError):  # half an answer may be left that nobody reads
+        statuses.close()

@@ -12,6 +12,7 @@ import select
 import signal
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,16 @@ def runs_on_linux(process: int) -> bool:
         int(fields.get("SigBlk", "0"), 16) & _CRASHES
     )
     return fields.get("State", "R")[:1] not in "TtZX" and not crashing and "VmSize" in fields
+
+
+def is_ready(process: int) -> bool:
+    """Whether a thread of a process runs or waits for a processor; False on other systems than
+    Linux."""
+    for thread in Path(f"/proc/{process}/task").glob("*/stat"):
+        with suppress(OSError):  # it has just ended
+            if thread.read_text(errors="replace").rpartition(")")[2].split()[0] == "R":
+                return True
+    return False
 
 
 def runs_on_macos(process: int, select: Any, libproc: Any) -> IsRunning:
