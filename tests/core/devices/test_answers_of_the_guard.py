@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 from file_hid import file_device, reports_of
@@ -27,14 +28,14 @@ def test_a_guard_that_others_keep_from_the_processor_is_not_replaced(pad):
     """For 0.8 s, of which Linux leaves it a twentieth at most: a program of real-time priority has
     its processor. A new guard would have none either."""
     watched = guard._state.guard._pid
-    os.sched_setaffinity(watched, {max(os.sched_getaffinity(0))})
-    for thread in os.listdir(f"/proc/{watched}/task"):
-        os.sched_setaffinity(int(thread), {max(os.sched_getaffinity(0))})
+    processor = {max(os.sched_getaffinity(0))}
+    for thread in Path(f"/proc/{watched}/task").iterdir():
+        os.sched_setaffinity(int(thread.name), processor)
     busy = subprocess.Popen(
         [sys.executable, "-c", "import time\nend = time.time() + 0.8\nwhile time.time() < end: 0"]
     )
     try:
-        os.sched_setaffinity(busy.pid, {max(os.sched_getaffinity(0))})
+        os.sched_setaffinity(busy.pid, processor)
         os.sched_setscheduler(busy.pid, os.SCHED_FIFO, os.sched_param(10))
     except PermissionError:
         pytest.skip("only root has real-time priority")
