@@ -57,16 +57,16 @@ def placed_annotations(
         frame: the camera's frame, which the legend does not cover.
         cues: words about objects out of sight.
     """
-    builder = HudBuilder(scale)
+    builder = HudBuilder(scale, measure)
     if cues:
-        _add_cues(builder, cues, free, occupied, measure)
+        _add_cues(builder, cues, free, occupied)
     placed = builder.build()
     if legend != "NONE":
         taken = (*occupied, *placed.bounds, *(() if frame is None else (frame,)))
         placed = placed.joined(_placed_legend(data, free, scale, measure, taken, legend == "LEFT"))
     if not data.labels:
         return placed
-    builder = HudBuilder(scale)
+    builder = HudBuilder(scale, measure)
     _add_labels(
         builder,
         data,
@@ -74,17 +74,12 @@ def placed_annotations(
         size,
         free,
         np.array([*placed.bounds, *occupied]).reshape(-1, 4),
-        measure,
     )
     return placed.joined(builder.build())
 
 
 def _add_cues(
-    builder: HudBuilder,
-    cues: Sequence[Cue],
-    free: Rectangle,
-    occupied: Sequence[Rectangle],
-    measure: Measure,
+    builder: HudBuilder, cues: Sequence[Cue], free: Rectangle, occupied: Sequence[Rectangle]
 ) -> None:
     """Plates with the words of cues within ``free``, each at its place or above what is there."""
     scale = builder.scale
@@ -92,7 +87,7 @@ def _add_cues(
     height = text * 0.95 + 2 * _PADDING[1] * scale
     taken = list(occupied)
     for cue in cues:
-        width = measure(cue.words, text) + 2 * _PADDING[0] * scale
+        width = builder.width(cue.words) + 2 * _PADDING[0] * scale
         edge = _MARGIN * scale
         left = min(max(cue.place[0] - width / 2, free[0] + edge), free[2] - edge - width)
         bottom = min(max(cue.place[1] - height / 2, free[1] + edge), free[3] - edge - height)
@@ -123,17 +118,26 @@ def _add_labels(
     size: tuple[float, float],
     free: Rectangle,
     occupied: FloatArray,
-    measure: Measure,
 ) -> None:
+    """Labels on plates beside their places.
+
+    Args:
+        builder: Takes them.
+        data: The drawn frame, with the labels and what they should not cover.
+        perspective: From the world to clip space (4, 4).
+        size: Of the viewport [pixels].
+        free: The part of it that the user interface does not cover.
+        occupied: Rectangles (m, 4) where something else is drawn.
+    """
     scale, text = builder.scale, TEXT_SIZE * builder.scale
     anchor = project(np.array([label.position for label in data.labels]), perspective, size)
     priority = np.where(np.isnan(anchor[:, 0]), -np.inf, [label.priority for label in data.labels])
     shown = np.argsort(-priority, kind="stable")[: min(_MOST_LABELS, np.isfinite(priority).sum())]
     labels, anchor = [data.labels[k] for k in shown.tolist()], anchor[shown]
-    space = measure(" ", text) * 1.6
-    names = np.array([measure(label.name, text) for label in labels])
+    space = builder.width(" ") * 1.6
+    names = np.array([builder.width(label.name) for label in labels])
     values = [label_text(label) for label in labels]
-    widths = names + space + np.array([measure(value, text) for value in values])
+    widths = names + space + np.array([builder.width(value) for value in values])
     extent = np.column_stack([widths, np.full(len(labels), text * 0.95)]) + 2 * scale * np.array(
         _PADDING
     )
@@ -199,14 +203,11 @@ def _placed_legend(
     return HudBuilder(scale).build()
 
 
-def _legend_width(names: Sequence[str], scale: float, measure: Measure) -> float:
+def _legend_width(builder: HudBuilder, names: Sequence[str]) -> float:
     """Width [pixels] with all symbols, so that the legend keeps its width when an impact
     appears."""
-    widths = sum(measure(name, TEXT_SIZE * scale) for name in names)
-    return (
-        widths
-        + (len(names) * _SYMBOL_WIDTH + (len(names) - 1) * _NAME_GAP + 2 * _LEGEND_PADDING) * scale
-    )
+    beside = len(names) * _SYMBOL_WIDTH + (len(names) - 1) * _NAME_GAP + 2 * _LEGEND_PADDING
+    return sum(map(builder.width, names)) + beside * builder.scale
 
 
 @lru_cache(maxsize=16)
@@ -220,8 +221,8 @@ def _legend(
 ) -> Hud:
     """The legend, its lower left corner at the origin: ``shapes`` with their names, and the colours
     of amplitudes; small without shapes. ``names``: of all shapes."""
-    builder = HudBuilder(scale)
-    width = _legend_width(names, scale, measure) if shapes else _SMALL_WIDTH * scale
+    builder = HudBuilder(scale, measure)
+    width = _legend_width(builder, names) if shapes else _SMALL_WIDTH * scale
     height = (_LEGEND_HEIGHT if shapes else _SMALL_HEIGHT) * scale
     builder.panel((0, 0), (width, height), 6.0)
     x, base = _LEGEND_PADDING * scale, height - 20 * scale
@@ -238,15 +239,9 @@ def _legend(
             colour,
         )
         builder.text(name, (x + _SYMBOL_WIDTH * scale, base), INK)
-        x += (_SYMBOL_WIDTH + _NAME_GAP) * scale + measure(name, TEXT_SIZE * scale)
-    _add_colours(
-        builder,
-        amplitudes,
-        title,
-        width,
-        amplitudes.ticks() if shapes else amplitudes.ticks()[:1],
-        measure,
-    )
+        x += (_SYMBOL_WIDTH + _NAME_GAP) * scale + builder.width(name)
+    ticks = amplitudes.ticks() if shapes else amplitudes.ticks()[:1]
+    _add_colours(builder, amplitudes, title, width, ticks)
     return builder.build()
 
 
@@ -256,7 +251,6 @@ def _add_colours(
     title: str,
     width: float,
     ticks: Sequence[int],
-    measure: Measure,
 ) -> None:
     """The colours from the floor to 0 dB across a legend of ``width`` pixels, ``ticks`` [dB] below
     and ``title`` above."""
@@ -274,7 +268,6 @@ def _add_colours(
             0.0,
             (*last, 1),
         )
-    size = SMALL_TEXT * scale
     builder.text(title, (left, bottom + height + 6 * scale), FAINT_INK, SMALL_TEXT)
     for tick in dict.fromkeys((*ticks, 0)):
         x = left + (1 - tick / amplitudes.floor) * width
@@ -282,6 +275,6 @@ def _add_colours(
             (x - 0.5 * scale, bottom - 4 * scale), (x + 0.5 * scale, bottom), (*FAINT_INK, 1), 0.0
         )
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0 dB"
-        text_width = measure(words, size)
+        text_width = builder.width(words, SMALL_TEXT)
         x = min(max(x - text_width / 2, left), left + width - text_width)
         builder.text(words, (x, bottom - 14 * scale), FAINT_INK, SMALL_TEXT)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..blender.text import Measure, shortened
 from .render_data import Lines, Points, Shape, joined, lines_of, points_of
 
 TEXT_SIZE = 11.0
@@ -62,15 +63,30 @@ class Hud:
         return Hud(lines, points, self.texts + other.texts, self.bounds + other.bounds)
 
 
-class HudBuilder:
-    """Collects plates, lines, symbols and texts. ``scale``: pixels per point."""
+def _unmeasured(words: str, size: float) -> float:
+    """The width of texts that are not drawn, as in pictures of panels."""
+    return 0.0
 
-    def __init__(self, scale: float) -> None:
+
+class HudBuilder:
+    """Collects plates, lines, symbols and texts. ``scale``: pixels per point; ``measure``: the
+    width of texts."""
+
+    def __init__(self, scale: float, measure: Measure = _unmeasured) -> None:
         self.scale = scale
+        self._measure = measure
         self._strokes: list[tuple[float, ...]] = []
         self._symbols: list[tuple[float, ...]] = []
         self._texts: list[Text] = []
         self._bounds: list[Rectangle] = []
+
+    def width(self, words: str, size: float = TEXT_SIZE) -> float:
+        """The width [pixels] of a text of ``size`` points."""
+        return self._measure(words, size * self.scale)
+
+    def fitted(self, words: str, width: float, size: float = TEXT_SIZE) -> str:
+        """A text of ``size`` points, shortened to at most ``width`` pixels."""
+        return shortened(words, width, size * self.scale, self._measure)
 
     def panel(self, low: Sequence[float], high: Sequence[float], radius: float) -> None:
         """Add a plate under other elements; its area counts as covered."""

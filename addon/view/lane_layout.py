@@ -12,7 +12,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import BoolArray, FloatArray
 from ...core.render.lane import height_of
-from ..blender.text import Measure, shortened
+from ..blender.text import Measure
 from .hud import SMALL_TEXT, Hud, HudBuilder
 from .render_data import Drawn, Shape
 
@@ -98,15 +98,15 @@ def names(
     measure: Measure,
 ) -> Hud:
     """The names at the left, the number of hidden rows, and ``marks`` of one-shots [pixels]."""
-    builder, size = HudBuilder(scale), SMALL_TEXT * scale
+    builder = HudBuilder(scale, measure)
     for place in marks:
         builder.symbol(place, Shape.IMPACT, _MARK, colours.source[:3])
     for number, row in enumerate(rows):
-        text = shortened(row.name, _NAME_WIDTH * scale, size, measure)
+        text = builder.fitted(row.name, _NAME_WIDTH * scale, SMALL_TEXT)
         if number == len(rows) - 1 and hidden:
             text = f"{text}  {iface_('and {} more').format(hidden)}"
         left, low = 4 * scale, row.low + row.height / 2 - 5 * scale
-        right = left + measure(text, size) + 2 * scale
+        right = left + builder.width(text, SMALL_TEXT) + 2 * scale
         ground = (*colours.ground[:3], 0.6)
         builder.plate((left - 2 * scale, low), (right, low + 10 * scale), ground, 2.0)
         builder.text(text, (left, low + 2 * scale), colours.ink, SMALL_TEXT)

@@ -12,9 +12,9 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
-from ..blender.text import Measure, shortened
+from ..blender.text import Measure
 from .colour_map import colour_table
-from .hud import FAINT_INK, INK, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder
+from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
 from .levels import FLOOR, Level, decibels, place_of
 from .render_data import SOURCE_COLOUR
 
@@ -131,41 +131,30 @@ def meter_hud(
     If there is not enough room, these are left out in order: margins, body, scope, listeners,
     everything.
     """
-    names = (
-        max(
-            (
-                measure(text, TEXT_SIZE * scale)
-                for text in (title, *(level.listener for level in levels))
-            ),
-            default=0.0,
-        )
-        / scale
-    )
+    builder = HudBuilder(scale, measure)
+    names = max(map(builder.width, (title, *(level.listener for level in levels)))) / scale
     layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
-    builder = HudBuilder(scale)
     if layout is None:
         return builder.build()
     columns, width, height = layout.columns, layout.columns.width + 2 * PADDING, layout.height
     builder.panel((0.0, 0.0), (width * scale, height * scale), 6.0)
     x, y = PADDING * scale, (height - PADDING) * scale
-    _add_heads(builder, (x, y), title, columns, measure)
+    _add_heads(builder, (x, y), title, columns)
     y -= ROW * scale
     for level in layout.shown:
         y -= ROW * scale
-        _add_row(builder, (x, y), level, columns, measure)
+        _add_row(builder, (x, y), level, columns)
     if layout.hidden:
         y -= ROW * scale
         builder.text(iface_("and {} more").format(layout.hidden), (x, y + 4 * scale), FAINT_INK)
     if layout.scope is not None:
         y -= (SCOPE_HEIGHT + GAP) * scale
         size = columns.width * scale, SCOPE_HEIGHT * scale
-        add_scope(builder, (x, y), size, layout.scope, measure)
+        add_scope(builder, (x, y), size, layout.scope)
     if layout.body:
         parts = {level.body_part: level for level in levels if level.body_part}
         left = x + (columns.width - 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH) / 2 * scale
-        add_body(
-            builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, spots, measure
-        )
+        add_body(builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, spots)
     return builder.build()
 
 
@@ -203,53 +192,39 @@ def _strongest(levels: Sequence[Level], most: int) -> tuple[Level, ...]:
 
 
 def _add_heads(
-    builder: HudBuilder,
-    corner: tuple[float, float],
-    title: str,
-    columns: _Columns,
-    measure: Measure,
+    builder: HudBuilder, corner: tuple[float, float], title: str, columns: _Columns
 ) -> None:
     """Add the title, the scale of the bars, and the column headings."""
-    scale, size = builder.scale, SMALL_TEXT * builder.scale
+    scale = builder.scale
     x, base = corner[0], corner[1] - 12 * scale
-    builder.text(
-        shortened(title, (columns.name - 6) * scale, TEXT_SIZE * scale, measure), (x, base), INK
-    )
+    builder.text(builder.fitted(title, (columns.name - 6) * scale), (x, base), INK)
     left, width = x + columns.name * scale, (columns.bar - 8) * scale
     for tick in (-60, -40, -20, 0) if columns.bar > 110 else (-60, 0) if columns.bar > 60 else ():
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0"
-        half = measure(words, size) / 2
+        half = builder.width(words, SMALL_TEXT) / 2
         place = min(max(left + place_of(tick) * width - half, left), left + width - half)
         builder.text(words, (place, base), FAINT_INK, SMALL_TEXT)
     values = left + columns.bar * scale
     builder.text(
-        shortened(iface_("Level", "Haptics"), (LEVEL_WIDTH - 2) * scale, size, measure),
+        builder.fitted(iface_("Level", "Haptics"), (LEVEL_WIDTH - 2) * scale, SMALL_TEXT),
         (values, base),
         FAINT_INK,
         SMALL_TEXT,
     )
     if columns.margin:
-        words = shortened(iface_("Margin", "Haptics"), MARGIN_WIDTH * scale, size, measure)
+        words = builder.fitted(iface_("Margin", "Haptics"), MARGIN_WIDTH * scale, SMALL_TEXT)
         builder.text(words, (values + columns.level * scale, base), FAINT_INK, SMALL_TEXT)
 
 
 def _add_row(
-    builder: HudBuilder,
-    corner: tuple[float, float],
-    level: Level,
-    columns: _Columns,
-    measure: Measure,
+    builder: HudBuilder, corner: tuple[float, float], level: Level, columns: _Columns
 ) -> None:
     """Add name, bar and values of a listener. The bar is the level, the white mark the peak, the
     orange one the threshold of feeling."""
     scale = builder.scale
     x, y = corner
     base = y + 4 * scale
-    builder.text(
-        shortened(level.listener, (columns.name - 6) * scale, TEXT_SIZE * scale, measure),
-        (x, base),
-        INK,
-    )
+    builder.text(builder.fitted(level.listener, (columns.name - 6) * scale), (x, base), INK)
     left, width = x + columns.name * scale, (columns.bar - 8) * scale
     low, high = y + (ROW - BAR) / 2 * scale, y + (ROW + BAR) / 2 * scale
     builder.plate((left, low), (left + width, high), _TRACK, 2.0)
@@ -267,11 +242,7 @@ def _add_row(
         place = left + place_of(level.peak) * width
         builder.plate((place - 1.0 * scale, low), (place + 1.0 * scale, high), _WHITE, 0.0)
     values = left + columns.bar * scale
-    builder.text(
-        shortened(decibels(level.rms), LEVEL_WIDTH * scale, TEXT_SIZE * scale, measure),
-        (values, base),
-        INK,
-    )
+    builder.text(builder.fitted(decibels(level.rms), LEVEL_WIDTH * scale), (values, base), INK)
     if columns.margin:
         builder.text(
             level.margin_text(),
@@ -281,15 +252,11 @@ def _add_row(
 
 
 def add_scope(
-    builder: HudBuilder,
-    corner: tuple[float, float],
-    extent: tuple[float, float],
-    scope: Scope,
-    measure: Measure,
+    builder: HudBuilder, corner: tuple[float, float], extent: tuple[float, float], scope: Scope
 ) -> None:
     """The last second in a box of ``extent`` [pixels]: for every column the range between its
     lowest and highest sample, the latest at the right."""
-    scale, size = builder.scale, SMALL_TEXT * builder.scale
+    scale = builder.scale
     (left, low), width = corner, extent[0]
     high = low + extent[1]
     top = high - _CAPTION * scale
@@ -313,12 +280,13 @@ def add_scope(
     ):
         builder.plate((x, low_end), (x + width / _SCOPE_COLUMNS, high_end), SCOPE_COLOUR, 0.0)
     span = f"±{full:.3g}"
-    room = width - measure(span, size) - 15 * scale
-    words = shortened(iface_("{}, last second").format(scope.listener), room, size, measure)
+    span_width = builder.width(span, SMALL_TEXT)
+    words = iface_("{}, last second").format(scope.listener)
+    words = builder.fitted(words, width - span_width - 15 * scale, SMALL_TEXT)
     builder.text(words, (left + 5 * scale, high - 11 * scale), FAINT_INK, SMALL_TEXT)
     builder.text(
         span,
-        (left + width - measure(span, size) - 5 * scale, high - 11 * scale),
+        (left + width - span_width - 5 * scale, high - 11 * scale),
         FAINT_INK,
         SMALL_TEXT,
     )
@@ -349,11 +317,10 @@ def add_body(
     height: float,
     parts: Mapping[str, Level],
     spots: Sequence[Spot],
-    measure: Measure,
 ) -> None:
     """Two figures of ``height`` points, from the front and from behind; parts with a listener and
     actuators light up by their level."""
-    scale, size = builder.scale, SMALL_TEXT * builder.scale
+    scale = builder.scale
     unit = height / HEIGHT * scale
     x, y = corner
     for number, view in enumerate(VIEWS):
@@ -376,7 +343,7 @@ def add_body(
                 at = (low + share * (high - low)).tolist()
                 builder.line(at, at, (*_WHITE[:3], 0.25 + 0.75 * spot.amplitude), 2.5)
         words = iface_(view)
-        width = measure(words, size)
+        width = builder.width(words, SMALL_TEXT)
         builder.text(
             words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, SMALL_TEXT
         )

@@ -29,17 +29,12 @@ def body_icon(levels: Sequence[Level]) -> int:
 def scope_picture(scope: Scope) -> Pixels:
     """The last second, as wide and high as the picture."""
     builder = HudBuilder(1.0)
-    add_scope(builder, (0.0, 0.0), (SIZE, SIZE), scope, _unmeasured)
+    add_scope(builder, (0.0, 0.0), (SIZE, SIZE), scope)
     return painted(builder.build())
 
 
 def body_picture(parts: Mapping[str, Level]) -> Pixels:
     """Both figures, side by side over the width of the picture."""
     builder, height = HudBuilder(1.0), SIZE * HEIGHT / (4 * HALF_WIDTH)
-    add_body(builder, (0.0, (SIZE - height) / 2), height, parts, (), _unmeasured)
+    add_body(builder, (0.0, (SIZE - height) / 2), height, parts, ())
     return painted(builder.build())
-
-
-def _unmeasured(words: str, size: float) -> float:
-    """The width of a text that is not painted."""
-    return 0.0

@@ -67,9 +67,9 @@ def test_the_path_of_a_scene_names_what_is_hidden_and_out_of_sight(
 
 def test_plates_of_cues_stay_in_sight_and_apart():
     given = [Cue(f"→ object {number}", (700.0, 20.0)) for number in range(6)]
-    builder = hud.HudBuilder(1.0)
+    builder = hud.HudBuilder(1.0, text_width)
     taken = ((600.0, 0.0, 700.0, 80.0),)
-    annotations._add_cues(builder, given, FREE, taken, text_width)
+    annotations._add_cues(builder, given, FREE, taken)
     plates = builder.build().bounds
     assert len(plates) == 6
     for number, plate in enumerate(plates):
