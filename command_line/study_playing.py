@@ -74,15 +74,14 @@ class FilmPlayer:
             if not (self.halted or self._tracks):
                 self._outputs[key].send(samples)
 
-    def stop(self) -> list[float]:
-        """Fall silent. Returns by how many milliseconds sending was late at most, and how many
-        milliseconds of the tracks were never sent, for want of pictures."""
+    def stop(self) -> tuple[float, float]:
+        """Fall silent. Returns by how many seconds sending was late at most, and how many seconds
+        of the tracks were sent; without pictures none are."""
         with self._lock:
             self._check()
-            whole = max((one.shape[1] / RATE for one in self._tracks.values()), default=0.0)
-            found = [self._late, max(whole - self._sent, 0.0)]
+            found = self._late, self._sent
             self._begin({})
-        return [round(1e3 * one, 2) for one in found]
+        return found
 
     def halt(self, reason: str) -> None:
         """Silence every device until `resume`."""
@@ -125,6 +124,7 @@ class FilmPlayer:
 
     def _send(self, due: float) -> None:
         """Send the next block of each device, and what follows in case that the next is late."""
+        played = 0.0
         for key, samples in self._tracks.items():
             output = self._outputs[key]
             begin = self._next * BLOCK + getattr(output.profile, "latency", 0.0)
@@ -132,5 +132,6 @@ class FilmPlayer:
             if first < samples.shape[1]:
                 output.send(samples[:, first:last], due)
                 output.expect(samples[:, last:end], due)
+                played = BLOCK
         self._next += 1
-        self._sent += BLOCK
+        self._sent += played

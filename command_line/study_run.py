@@ -160,8 +160,8 @@ class Study:
         return Response(HTTPStatus.OK, "OK", headers, body)
 
     def _handle(self, connection: ServerConnection) -> None:
-        """Do what a page asks for until it is closed. A participant's page that goes takes the
-        vibration with it."""
+        """Do what a page asks for until it is closed. The participant's page takes the vibration
+        with it."""
         self._connections.add(connection)
         try:
             self._show()
@@ -180,7 +180,8 @@ class Study:
             pass  # what does not speak as a page does is not answered
         finally:
             self._connections.remove(connection)
-            if connection.request is None or connection.request.path.endswith("participant"):
+            pages = [one.request.path for one in self._connections if one.request is not None]
+            if not any(page.endswith("participant") for page in pages):
                 self._player.stop()
 
     def _note(self, what: str) -> None:
@@ -225,7 +226,9 @@ class Study:
         sitting = self._sitting
         if sitting is not None and sitting.step is not None:
             if sitting.step["step"] == "play":
-                answer = self._player.stop()
+                late, sent = self._player.stop()
+                missed = max(self._seconds[sitting.step["scene"]] - sent, 0.0)
+                answer = [round(1e3 * late, 2), round(1e3 * missed, 2)]
             if not self._player.halted:
                 sitting.take(number, answer)
 

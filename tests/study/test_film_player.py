@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from haptic_tracing.command_line.study_playing import BLOCK, RATE, FilmPlayer
+from haptic_tracing.command_line.study_playing import AHEAD, BLOCK, RATE, FilmPlayer
 from haptic_tracing.core.devices.profiles import profile
 from haptic_tracing.core.devices.status import Status
 
@@ -34,17 +34,17 @@ def test_what_is_missed_without_pictures_is_counted():
             if film >= first:
                 player.follow(film, time.perf_counter())
             time.sleep(0.01)
-    late, missed = player.stop()
+    late, played = player.stop()
     count = len(sent)
-    assert missed == pytest.approx(1e3 * (4.0 - count * BLOCK))
-    # Each time the devices go on for AHEAD after the last picture.
-    assert missed == pytest.approx(4000 - 2 * 500 - 200, abs=150 + 2 * late)
+    assert played == pytest.approx(count * BLOCK)
+    # The devices go on for AHEAD after the last picture of the first half second.
+    assert played == pytest.approx(2 * 0.5 + AHEAD, abs=0.15 + 2 * late)
     player.touch("pad", np.ones((2, 10)))
     assert len(sent) == count + 1
     player.halt("stop")
     player.touch("pad", np.ones((2, 10)))
     assert len(sent) == count + 1
-    assert player.stop()[1] == 0.0
+    assert player.stop() == (0.0, 0.0)
 
 
 def test_blocks_are_due_by_the_clock_of_the_film():

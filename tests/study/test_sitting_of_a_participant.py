@@ -241,6 +241,9 @@ def test_a_participant_is_killed_in_the_middle_and_loses_nothing(folder, tmp_pat
     assert [step["condition"] for step in steps if step["step"] == "rate"] == order
     (rank,) = (step["answer"] for step in steps if step["step"] == "rank")
     assert {row["item"]: row["value"] for row in rank} == {order[0]: 2, order[1]: 1}
+    for play in (step["answer"] for step in steps if step["step"] == "play"):
+        values = {row["item"]: row["value"] for row in play}
+        assert values.keys() == {"late_ms", "missed_ms"} and 0 <= values["missed_ms"] < 3000
     felt = [step["answer"] for step in steps if step["step"] == "place"]
     for noticed, *spots in felt:
         assert noticed == {"item": "noticed", "value": 1} and len(spots) >= 2
