@@ -343,7 +343,15 @@ class CollisionDetector:
         again: bool = False,
     ) -> tuple[Source, ...]:
         """Find the triggers since ``previous`` [s], or recall those ``kept``. Returns the temporary
-        sources that they make."""
+        sources that they make.
+
+        Args:
+            frame: the frame.
+            previous: time of the frame before [s], None without one.
+            kept: the stored impacts of the frame, None where they are found anew.
+            impacts: since the frame before.
+            again: the frame stands: later frames go on from its first tracing.
+        """
         sources = [source for source in frame.sources if source.triggers]
         if not sources:
             self._shots.clear()

@@ -21,12 +21,18 @@ def bounded_least_squares(
     high: FloatArray,
     softness: float = 1e-9,
 ) -> FloatArray:
-    """The ``x`` (n,) in [low, high] (n,) that minimises ``|x|^2 + |matrix x - target|^2 /
-    softness``; matrix (m, n), target (m,).
+    """The ``x`` (n,) in [low, high] that minimises ``|x|^2 + |matrix x - target|^2 / softness``.
 
     This is approximately the smallest solution of the equations, or, if there is none, the nearest
     point to one. Newton's method on the dual problem of m unknowns, which is concave and piecewise
     quadratic.
+
+    Args:
+        matrix: (m, n).
+        target: (m,).
+        low: least values (n,), which may be -infinity.
+        high: largest values (n,), which may be infinity.
+        softness: the greater, the less the error counts beside the size of x.
     """
     dual = np.zeros(len(target))
     size = float(np.abs(target).max(initial=0.0)) or 1.0

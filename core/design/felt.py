@@ -8,6 +8,7 @@ import enum
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any, cast
 
@@ -86,17 +87,27 @@ def plan(
     result: FrameResult, settings: Settings, listener: str, wanted: float, means: Means
 ) -> Plan:
     """The changes that bring the margin of a listener to ``wanted`` decibels, or as near as they
-    can; none if all of them together leave it under the threshold of feeling."""
+    can; none if all of them together leave it under the threshold of feeling.
+
+    Args:
+        result: the traced frame.
+        settings: of propagation.
+        listener: its name.
+        wanted: the margin [dB].
+        means: what may be changed.
+    """
     column = [item.name for item in result.listeners].index(listener)
     before = margin_of(result, column)
     now, margin = result, before
     if math.isfinite(before) and (result.amplitudes[:, column] > 0).any():
-        steps = (_with_gain, _with_amplitude, _with_frequency, _with_material)
+        # Each takes the frame, the listener's number, the decibels that its margin lacks, and the
+        # means; None where it can change nothing.
+        steps = (_with_gain, _with_amplitude, _with_frequency, partial(_with_material, settings))
         for step in steps:
             for _ in range(_ROUNDS):
                 if margin >= wanted - _NEAR:
                     break
-                tried = step(now, settings, column, wanted - margin, means)
+                tried = step(now, column, wanted - margin, means)
                 if tried is None or (reached := margin_of(tried, column)) <= margin:
                     break
                 now, margin = tried, reached
@@ -112,8 +123,9 @@ def margin_of(result: FrameResult, column: int) -> float:
 
 
 def _with_gain(
-    result: FrameResult, settings: Settings, column: int, missing: float, means: Means
+    result: FrameResult, column: int, missing: float, means: Means
 ) -> FrameResult | None:
+    """The frame with the listener's gain raised."""
     item = result.listeners[column]
     if item.name not in means.listeners or not 0 < item.gain < MOST_GAIN:
         return None
@@ -124,8 +136,9 @@ def _with_gain(
 
 
 def _with_amplitude(
-    result: FrameResult, settings: Settings, column: int, missing: float, means: Means
+    result: FrameResult, column: int, missing: float, means: Means
 ) -> FrameResult | None:
+    """The frame with the amplitude of the strongest source raised."""
     row = _strongest(result, column, means.loud)
     if row is None or not 0 < result.sources[row].amplitude < 1:
         return None
@@ -136,9 +149,10 @@ def _with_amplitude(
 
 
 def _with_frequency(
-    result: FrameResult, settings: Settings, column: int, missing: float, means: Means
+    result: FrameResult, column: int, missing: float, means: Means
 ) -> FrameResult | None:
-    """The nearest frequency at which enough is felt, else the one at which most is."""
+    """The frame with the frequency nearest to that of the strongest source at which enough is felt,
+    else with the one at which most is."""
     row = _strongest(result, column, means.tuned)
     here = None if row is None else _frequency(result.sources[row])
     if row is None or here is None:
@@ -171,9 +185,17 @@ def _frequency(source: Source) -> float | None:
 
 
 def _with_material(
-    result: FrameResult, settings: Settings, column: int, missing: float, means: Means
+    settings: Settings, result: FrameResult, column: int, missing: float, means: Means
 ) -> FrameResult | None:
-    """K of the materials on the best path of the strongest source."""
+    """The frame with another K of the materials on the best path of the strongest source.
+
+    Args:
+        settings: of propagation.
+        result: the traced frame.
+        column: number of the listener.
+        missing: decibels that its margin lacks.
+        means: what may be changed.
+    """
     row = _strongest(result, column, frozenset(source.name for source in result.sources))
     if row is None or settings.mode not in (Mode.HT, Mode.SD):
         return None

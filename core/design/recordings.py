@@ -256,7 +256,15 @@ def _levels(
     contact: Sequence[str],
     frequency: FloatArray,
 ) -> _Levels:
-    """The gains of a path by frequency."""
+    """The gains of a path by frequency.
+
+    Args:
+        graph: the scene.
+        path: nodes of the path.
+        fitted: numbers of the objects whose loss is fitted.
+        contact: names of the objects of the contact whose gain is fitted, or none.
+        frequency: (f,) [Hz].
+    """
     known, damped, free = np.zeros((3, len(frequency)))
     inside, crossed = 0.0, False
     band = _bands_of(frequency)

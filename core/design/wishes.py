@@ -68,11 +68,18 @@ def fulfil(
     wishes: Sequence[Wish],
     free: Sequence[FreeMaterial],
 ) -> Answer:
-    """The values of ``free`` materials that change the levels as wished, or as closely as their
-    bounds and paths allow (least squares).
+    """The values of free materials that change the levels as wished, or as closely as their bounds
+    and paths allow (least squares).
 
     Gauss-Newton steps within a trust region, which shrinks if a step fails because other paths
-    become the best ones. ``energies``: as for `log_levels`.
+    become the best ones.
+
+    Args:
+        graph: the scene.
+        settings: of propagation.
+        energies: as for `log_levels`.
+        wishes: the levels that are wished for.
+        free: materials that may change, with their bounds.
     """
     index = graph.table.index()
     groups = [[index[name] for name in material.objects] for material in free]

@@ -69,7 +69,15 @@ def gap_message(
     surroundings: Surroundings | None,
 ) -> Message:
     """Message that no chain of contacts leads from source ``row`` to ``listener``, with the objects
-    at its gap."""
+    at its gap.
+
+    Args:
+        result: the traced frame.
+        graph: its complete graph.
+        row: number of the source.
+        listener: number of the listener.
+        surroundings: poses and shapes of the bodies, None where they are unknown.
+    """
     source, felt_at = result.sources[row], result.listeners[listener]
     names = graph.table.names
     start = {names[graph.node_object[node]] for node in graph.sources[row].nodes}

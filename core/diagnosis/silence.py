@@ -114,7 +114,16 @@ def _interruption(
     surroundings: Surroundings | None,
     graph: Callable[[], HapticGraph],
 ) -> Message:
-    """Why nothing of source ``row`` arrives. ``graph``: gives the complete graph."""
+    """Why nothing of a source arrives.
+
+    Args:
+        result: the traced frame.
+        settings: of propagation.
+        row: number of the source.
+        listener: number of the listener.
+        surroundings: poses and shapes of the bodies, None where they are unknown.
+        graph: returns the complete graph.
+    """
     if settings.mode in (Mode.MD, Mode.MN):
         return straight_line_message(result, settings, row, listener)
     return loss_message(graph(), settings, row, listener) or gap_message(
@@ -125,7 +134,15 @@ def _interruption(
 def _source_message(
     result: FrameResult, settings: Settings, row: int, listener: int, muted: Collection[str]
 ) -> Message | None:
-    """Why source ``row`` emits nothing, or nothing for this listener; None if neither holds."""
+    """Why a source emits nothing, or nothing for this listener; None if neither holds.
+
+    Args:
+        result: the traced frame.
+        settings: of propagation.
+        row: number of the source.
+        listener: number of the listener.
+        muted: names of the sources that are muted.
+    """
     source = result.sources[row]
     if source.amplitude == 0:
         return Message.of(

@@ -71,7 +71,15 @@ def write(
 def write_export(
     export: Export, path: Path, frames: bool = True, tracks: str = "none", encoding: str = "pcm16"
 ) -> list[Path]:
-    """Write to ``path``, compressed if it ends in ``.gz``. Raises ValueError or OSError."""
+    """Write to ``path``, compressed if it ends in ``.gz``. Raises ValueError or OSError.
+
+    Args:
+        export: the scene with its frames and tracks.
+        path: of the file, compressed if it ends in ``.gz``.
+        frames: whether frames are written.
+        tracks: how tracks are written, see the options of the format.
+        encoding: of the tracks' samples.
+    """
     document = scene_to_dict(export.need_scene())
     extras = {PROVENANCE: None, **document.pop("extras", {})}
     extras[PROVENANCE] = dict(export.provenance)

@@ -65,6 +65,15 @@ def write(
     If consent is requested and refused, nothing is written, and the result has no files.
     ``progress`` is called with the measured share; if it raises an error, nothing is written.
     Raises ValueError for invalid options or contents, and OSError.
+
+    Args:
+        name: of the format.
+        export: what is written.
+        folder: an existing one.
+        chosen: options of the format by name; defaults for the others.
+        consent: asked before a file is replaced by one that keeps little of the vibration; None:
+            such files are replaced.
+        progress: called with the share that has been measured; what it raises ends the writing.
     """
     form = named(name)
     module, values = _module(form), complete(form.options, chosen)

@@ -223,11 +223,18 @@ def _coarsened(
     slot: IntArray,
     contacts: FloatArray,
 ) -> FloatArray:
-    """Spacings (m,) so large that no object has many more than `REGIONS` regions where most of its
-    contacts are, nor than `MOST_REGIONS`. Arguments as in `_lattice`.
+    """Spacings (m,) of lattices, so large that no object has many more than `REGIONS` regions where
+    most of its contacts are, nor than `MOST_REGIONS` in all.
 
     Regions are no more than the lattice points within the extents of the contacts, nor than eight
     for each contact. The harmonic mean of the two is a continuous estimate.
+
+    Args:
+        local: places of the contacts in the axes of their objects, about the middle (n, 3) [m].
+        strength: their weights (n,).
+        spacing: of the lattice of each object without that limit (m,) [m], which is changed.
+        slot: which object each contact is on (n,), ascending.
+        contacts: sum of the weights on each object (m,).
     """
     around = 8 * contacts
     many = (around > REGIONS)[slot]

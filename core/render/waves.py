@@ -112,9 +112,16 @@ class Waves:
         threshold: FloatArray,
         sources: Mapping[str, float] = MappingProxyType({}),
     ) -> None:
-        """Keep the samples (l, n) of a frame, the first is number ``start``, its level and
-        threshold (l,), and the amplitudes of its sources, replacing earlier ones; samples outside
-        are dropped."""
+        """Keep the samples, level and threshold of a frame, and the amplitudes of its sources, in
+        place of earlier ones. Samples that lie outside the range of the waves are dropped.
+
+        Args:
+            start: number of the first sample.
+            block: the samples (l, n).
+            level: (l,) [dB of full scale].
+            threshold: level of this vibration at the threshold of feeling (l,) [dB].
+            sources: amplitudes by name.
+        """
         first, last = max(start, 0), min(start + block.shape[1], self._low[0].shape[1])
         if first >= last:
             return

@@ -339,7 +339,15 @@ class Run:
         source_positions: Mapping[str, Position],
         listener_positions: Mapping[str, Position],
     ) -> Frame:
-        """The frame of the tracer that ends at ``time``."""
+        """The frame of the tracer that ends at ``time``.
+
+        Args:
+            time: its end [s].
+            contacts: those of the caller, as in a scene file; None where they are found.
+            impacts: those of the caller since the last step; None where they are found.
+            source_positions: world positions by name that replace those on the objects [m].
+            listener_positions: likewise of listeners [m].
+        """
         self._step += 1
         given = self._given(contacts)
         begun = time if self._time is None else self._time

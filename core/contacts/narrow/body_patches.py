@@ -71,7 +71,15 @@ class CoreContacts:
 def core_contacts(
     rows: CorePairs, normal: FloatArray, distance: FloatArray, patch: Patches, corners: bool
 ) -> CoreContacts:
-    """Contacts of cores, with normals from the first body of the pair to the second."""
+    """Contacts of cores, with normals from the first body of the pair to the second.
+
+    Args:
+        rows: pairs of cores (n,).
+        normal: unit normals from first to second core (3, n).
+        distance: signed, between the surfaces (n,) [m].
+        patch: where they touch (n,).
+        corners: whether the outlines of the patches are wanted.
+    """
     points = None
     if corners:
         every = zip(patch.corners.transpose(2, 1, 0), patch.used.T, patch.centre.T, strict=True)

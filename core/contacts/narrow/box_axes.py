@@ -114,7 +114,15 @@ class EdgePoints:
 def edge_points(
     axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
 ) -> EdgePoints:
-    """The nearest points of the two edges that belong to each ``axis`` (p,) of two edges."""
+    """The nearest points of the two edges that belong to each ``axis`` (p,) of two edges.
+
+    Args:
+        axis: numbers as of `best_axes`, from `FIRST_EDGE_AXIS` on (p,).
+        rotation: of the second box in the frame of the first (3, 3, p).
+        offset: its centre there (3, p) [m].
+        half_a: half extents of the first (3, p) [m].
+        half_b: half extents of the second (3, p) [m].
+    """
     pair, count = axis - FIRST_EDGE_AXIS, len(axis)
     number = np.arange(count)
     rows = np.concatenate([rotation.reshape(9, -1), offset, half_a, half_b]).reshape(-1)
@@ -155,7 +163,15 @@ def edge_points(
 def axis_normals(
     axis: IntArray, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
 ) -> FloatArray:
-    """Unit normals (3, p) from first to second along each ``axis`` (p,)."""
+    """Unit normals (3, p) from first to second along each ``axis`` (p,).
+
+    Args:
+        axis: numbers as of `best_axes` (p,).
+        rotation: of the second box in the frame of the first (3, 3, p).
+        offset: its centre there (3, p) [m].
+        half_a: half extents of the first (3, p) [m].
+        half_b: half extents of the second (3, p) [m].
+    """
     k = axis % 3
     normal = np.where(axis < 3, k == COLUMN, pick(rotation.reshape(9, -1), 3 * COLUMN + k))
     normal *= np.where(dot(normal, offset) < 0, -1.0, 1.0)

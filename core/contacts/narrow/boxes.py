@@ -107,9 +107,15 @@ def box_contacts(
     half_b: FloatArray,
     limit: FloatArray,
 ) -> BoxContacts:
-    """Contacts of boxes: rotation (3, 3, p) and centre (3, p) of the second in the frame of the
-    first, half extents (3, p) > 0. Beyond ``limit`` (p,) only a lower bound on the distance is
-    given."""
+    """Contacts of pairs of boxes.
+
+    Args:
+        rotation: of the second box in the frame of the first (3, 3, p).
+        offset: its centre there (3, p) [m].
+        half_a: half extents of the first (3, p) [m], above 0.
+        half_b: half extents of the second (3, p) [m].
+        limit: distance beyond which only a lower bound on it is given (p,) [m].
+    """
     boxes = rotation, offset, half_a, half_b
     distance, axis = best_axes(*boxes)
     near = (distance <= limit).nonzero()[0]

@@ -176,6 +176,13 @@ def segment_to_box(
     The squared distance to a box is convex and piecewise quadratic along the segment, its pieces
     ending where the segment crosses a plane of a face. Its derivative, piecewise linear, is
     evaluated there and its zero found in between.
+
+    Args:
+        start: one end of each segment (3, n) [m].
+        end: the other end (3, n) [m].
+        rotation: of the boxes (3, 3, n).
+        centre: of the boxes (3, n) [m].
+        half: half extents of the boxes (3, n) [m].
     """
     a = turned_back(rotation, start - centre)
     way = turned_back(rotation, end - centre) - a

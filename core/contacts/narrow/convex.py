@@ -236,7 +236,15 @@ def _overlapping(
     a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, growth: float = 0.0
 ) -> tuple[float, FloatArray, FloatArray]:
     """Signed distance, normal and deepest points (2, 3) of two bodies that overlap, the first grown
-    by ``growth`` metres."""
+    by ``growth`` metres.
+
+    Args:
+        a: the first body, which stays where it is.
+        b: the second body.
+        rotation: of the second (3, 3).
+        offset: of the second (3,) [m].
+        growth: metres by which the first is grown.
+    """
     own = a.placed(_UPRIGHT, np.zeros(3))
     first = (lambda way: own(way) + growth * way) if growth else own
     found = penetration(first, b.placed(rotation, offset))

@@ -112,6 +112,15 @@ class CorePatches:
         centre: FloatArray,
         direction: FloatArray,
     ) -> tuple[FloatArray, BoolArray, BoolArray]:
+        """The supporting features of cores, or the triangles that stand for them: see `polygons`.
+
+        Args:
+            core: numbers of the cores (n,).
+            triangle: number of the triangle of each mesh (n,), None without meshes.
+            rotation: of the cores (3, 3, n).
+            centre: of the cores (3, n) [m].
+            direction: towards the other core, unit vectors (3, n).
+        """
         if triangle is None:
             return polygons(self._table, core, rotation, centre, direction)
         # The last one repeated.

@@ -146,6 +146,15 @@ def _box(
     rounding: float,
     sharp_to_boxes: bool = True,
 ) -> Core:
+    """The core of a box.
+
+    Args:
+        matrix: from the box to the shape (4, 4).
+        radius: metres by which it is grown.
+        half: its half extents (3,) [m], rounding included.
+        rounding: radius of its edges within that size [m].
+        sharp_to_boxes: whether its edges are sharp where it meets another such box.
+    """
     inner = min(rounding, float(np.min(half)))
     roundings = [inner, 0.0, rounding] if sharp_to_boxes else 3 * [inner]
     halves = np.array([np.maximum(half - each, 0.0) for each in roundings])

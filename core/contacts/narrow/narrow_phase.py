@@ -109,7 +109,16 @@ class NarrowPhase:
         centre: FloatArray,
     ) -> tuple[IntArray, FloatArray]:
         """The number (k,) of the pair, and the place (3, k), of each corner of the patches of
-        ``pairs``, which have this ``normal`` and ``centre`` (3, p)."""
+        ``pairs``, which have this ``normal`` and ``centre`` (3, p).
+
+        Args:
+            pairs: numbers of the bodies (p, 2).
+            rotation: of the second body in the frame of the first (3, 3, p).
+            offset: of its origin there (3, p) [m].
+            limit: distance up to which there is a patch (p,) [m].
+            normal: of the patches (3, p).
+            centre: of the patches (3, p) [m].
+        """
         parts, others = [], np.arange(len(pairs))
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is not None:
@@ -193,7 +202,15 @@ class NarrowPhase:
         limit: FloatArray,
         corners: bool = False,
     ) -> PairPatches:
-        """Pairs of any shapes."""
+        """Distances and patches of pairs of any shapes, as of `query`.
+
+        Args:
+            pairs: numbers of the bodies (p, 2).
+            rotation: of the second body in the frame of the first (3, 3, p).
+            offset: of its origin there (3, p) [m].
+            limit: distance beyond which a lower bound will do (p,) [m].
+            corners: whether the outlines of the patches are wanted.
+        """
         distance = np.full(len(pairs), np.inf)
         found: list[CoreContacts] = []
         closed: list[tuple[CorePairs, AxisSeparation]] = []
@@ -246,7 +263,16 @@ class NarrowPhase:
         corners: bool,
     ) -> None:
         """Add the patches of rows within ``limit`` to ``found`` and lower bounds on the others to
-        ``distance``."""
+        ``distance``.
+
+        Args:
+            rows: pairs of cores (n,).
+            separated: their separations (n,).
+            limit: largest distance of a contact, of each pair of bodies (p,) [m].
+            distance: of each pair of bodies (p,) [m], which is changed.
+            found: contacts so far, which is added to.
+            corners: whether the outlines of the patches are wanted.
+        """
         gap = bounded(rows, separated.distance - rows.radius_a - rows.radius_b, limit)
         near = gap <= limit[rows.owner]
         np.minimum.at(distance, rows.owner[~near], gap[~near])

@@ -62,9 +62,17 @@ def reach(
     point: FloatArray,
     around: FloatArray,
 ) -> FloatArray:
-    """How far (k, n) [m] boxes and hulls, grown by their radii, reach from points (3, n) in them in
-    the directions ``around`` (3, k, n); 0 for a point outside. ``rotation``, ``centre``: poses of
-    the cores (n,)."""
+    """How far (k, n) [m] boxes and hulls, grown by their radii, reach from points in them; 0 for a
+    point outside.
+
+    Args:
+        table: the cores of all bodies.
+        core: numbers of boxes or hulls (n,).
+        rotation: of the cores (3, 3, n).
+        centre: of the cores (3, n) [m].
+        point: one in each (3, n) [m].
+        around: the directions (3, k, n).
+    """
     local, ways = turned_back(rotation, point - centre), turned_back(rotation, around)
     result = np.zeros(ways.shape[1:])
     boxes = np.flatnonzero(table.kind[core] == Kind.BOX)

@@ -35,8 +35,16 @@ def box_to_box(
     centre_b: FloatArray,
     half_b: FloatArray,
 ) -> AxisSeparation:
-    """Boxes in world space: rotations (3, 3, n), centres (3, n), half extents (3, n), which may be
-    0."""
+    """Separations of pairs of boxes in world space.
+
+    Args:
+        rotation_a: of the first boxes (3, 3, n).
+        centre_a: of the first (3, n) [m].
+        half_a: half extents of the first (3, n) [m], which may be 0.
+        rotation_b: of the second boxes (3, 3, n).
+        centre_b: of the second (3, n) [m].
+        half_b: half extents of the second (3, n) [m], which may be 0.
+    """
     rotation, offset = (
         relative(rotation_a, rotation_b),
         turned_back(rotation_a, centre_b - centre_a),

@@ -36,9 +36,19 @@ def polygons(
     centre: FloatArray,
     direction: FloatArray,
 ) -> tuple[FloatArray, BoolArray, BoolArray]:
-    """The features of cores (n,) placed in the world in ``direction`` (3, n): corners (3, ``MANY``,
-    n), the last one repeated; which have more than ``FEW`` (n,); which are wider than a line
-    (n,)."""
+    """The supporting features of cores in the world.
+
+    Args:
+        table: the cores of all bodies.
+        core: numbers of the cores (n,).
+        rotation: of the cores (3, 3, n).
+        centre: of the cores (3, n) [m].
+        direction: unit vectors along which the features are farthest (3, n).
+
+    Returns:
+        Corners (3, ``MANY``, n), the last one repeated; which features have more than ``FEW`` of
+        them (n,); which are wider than a line (n,).
+    """
     count = len(core)
     corners = np.empty((3, MANY, count))
     many = np.zeros(count, dtype=np.bool_)

@@ -306,9 +306,18 @@ class SurfacePairs:
         found: list[CoreContacts],
         corners: bool,
     ) -> None:
-        """Add contacts of surfaces that do not cross, and of such that cross where no faces look
-        at each other. ``sunk`` (n,): by how much the distance of a pair of which one is inside the
-        other is less than that of their surfaces; 0 of others."""
+        """Add the contacts of surfaces that do not cross, and of those that cross where no two
+        faces look at each other.
+
+        Args:
+            rows: pairs of triangles (n,).
+            sunk: how much less the distance of the bodies is than that of the triangles, as one
+                body is inside the other (n,) [m]; otherwise 0.
+            limit: largest distance of a contact, of each pair of bodies (p,) [m].
+            distance: of each pair of bodies (p,) [m], which is changed.
+            found: contacts so far, which is added to.
+            corners: whether the outlines of the patches are wanted.
+        """
         first, second = self._corners(rows)
         separation = triangle_to_triangle(first, second)
         # Where they touch, the outer sides of the two are towards each other.

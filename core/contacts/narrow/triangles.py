@@ -187,9 +187,18 @@ def facing_axes(
 def _facing_axis(
     first: FloatArray, second: FloatArray, normal_a: FloatArray, normal_b: FloatArray, number: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Separations (n,) of the faces along one of the axes of `facing_axes`, and that axis (3, n):
-    the normals come first, then the cross products of the edges, with -infinity where those do not
-    lie between the normals."""
+    """Separations (n,) of faces along one of the axes of `facing_axes`, and that axis (3, n).
+
+    An axis across two edges counts only where it lies between the normals; elsewhere the separation
+    is -infinity.
+
+    Args:
+        first: corners of the first triangles (3, 3, n) [m].
+        second: corners of the second (3, 3, n) [m].
+        normal_a: outward unit normals of the first (3, n).
+        normal_b: outward unit normals of the second (3, n).
+        number: of the axis: 0 and 1 are the normals, then come the cross products of the edges.
+    """
     if number < 2:
         axis = (normal_a, -normal_b)[number]
         return _separation(first, second, axis), axis
