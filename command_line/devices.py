@@ -119,7 +119,7 @@ def run_test(args: argparse.Namespace) -> int:
     finally:
         output.stop()
     status = output.status
-    if status.failed_writes:
+    if status.failed_writes or status.state == "failed":
         raise OSError(status.message)
     print(
         f"{args.name}: {status.written} reports written, the last is release; "

@@ -281,6 +281,32 @@ def test_the_command_plays_a_sweep_on_one_actuator_after_the_other(under_umockde
     assert left and right and max(left) < max(right) and min(left) < min(right)
 
 
+GUARD_DIES = f"""
+import os, signal, sys, threading, time
+from haptic_tracing.command_line import main
+sys.path.append({str(Path(__file__).parent)!r})
+from umockdev_scenes import children
+
+def kill():
+    while not any(open("/dev/hidraw0", "rb").read()[3::48]):  # until the sweep drives a motor
+        time.sleep(0.05)
+    (guard,) = children()
+    os.kill(guard, signal.SIGKILL)
+
+threading.Thread(target=kill, daemon=True).start()
+sys.exit(main())
+"""
+
+
+@pytest.mark.slow
+def test_a_sweep_whose_guard_dies_is_no_success(under_umockdev):
+    done = under_umockdev(
+        ["-c", GUARD_DIES, "devices", "test", "dualsense", "--seconds", "4"], DUALSENSE_USB
+    )
+    assert done.returncode == 2 and done.stdout == ""
+    assert "the process that guards the devices has ended (-9)" in done.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
