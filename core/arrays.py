@@ -78,6 +78,14 @@ def taken(values: Any, rows: IntArray | BoolArray) -> Any:
     return np.take(values, rows.nonzero()[0] if rows.dtype == np.bool_ else rows, axis=-1)
 
 
+def carried(values: Any, before: IntArray, fresh: Any) -> Any:
+    """``values[..., before]``, and ``fresh`` where ``before`` is -1."""
+    found = np.full((*values.shape[:-1], len(before)), fresh, dtype=values.dtype)
+    known = before >= 0
+    found[..., known] = values[..., before[known]]
+    return found
+
+
 def joined(records: Sequence[_Record]) -> _Record:
     """The rows of several records, one after the other."""
     if len(records) == 1:

@@ -212,6 +212,7 @@ class CollisionDetector:
         begun = perf_counter()
         tracker = self._follow(frame.bodies)
         numbering = self._numbering(frame.bodies, table)
+        self._sources.renumber(numbering.row)
         kept = None
         if again:
             tracker = copy.copy(tracker)
@@ -301,6 +302,7 @@ class CollisionDetector:
         if frame.transforms is None or previous is None:
             self._sources.clear()
         if frame.transforms is not None:
+            self._sources.renumber({name: row for row, name in enumerate(frame.moving)})
             self._sources.end_before(frame.time if previous is None else previous)
             self._sources.add(struck, frame.moving, frame.transforms, self._templates(frame))
             sources += self._sources.sources(frame.transforms)
@@ -397,16 +399,13 @@ class CollisionDetector:
         return Templates(self.settings, {item.name: item for item in frame.objects})
 
     def _follow(self, bodies: tuple[Body, ...]) -> ContactTracker:
-        """Return a tracker of ``bodies``: the current one if names and settings are the same."""
+        """Return a tracker of ``bodies``: the current one if the settings are the same."""
         tracker = self._tracker
         rules = self._rules_of(bodies)
         if self._rules != rules:
             self.forget_impacts()
         self._rules = rules  # known by identity in the next frame
-        same = tracker is not None and (
-            tracker.bodies is bodies or [b.name for b in tracker.bodies] == [b.name for b in bodies]
-        )
-        if tracker is None or tracker.settings != rules[1] or not same:
+        if tracker is None or tracker.settings != rules[1]:
             tracker = self._tracker = ContactTracker(bodies, rules[1])
             self._sources.clear()
             self._rubbing.clear()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -176,6 +177,15 @@ class ImpactSources:
             self._sounding.append(
                 ActiveImpact.of(impact, (names[first], names[second]), local).playing(templates)
             )
+
+    def renumber(self, numbers: Mapping[Any, int]) -> None:
+        """Number the bodies by their names; sources on those that have no number end."""
+        self._sounding = [
+            replace(item, impact=replace(item.impact, objects=(first, second)))
+            for item in self._sounding
+            if (first := numbers.get(item.source.object)) is not None
+            and (second := numbers.get(item.source.second_object)) is not None
+        ]
 
     @property
     def bodies(self) -> IntArray:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray
+from ..arrays import BoolArray, FloatArray, IntArray, carried
 from .narrow.frames import dot, product
 
 _DEPTH = 3
@@ -152,9 +152,25 @@ class MotionHistory:
         if len(self.times) == 1:
             self._still[:] = self._clean[:] = self._unhit[:] = 0
             return
+        known = np.isfinite(self._poses[-2][0])
+        moved = moved[known[moved]]
         self._onset[moved[self._still[moved] > 1]] = 0
         self._still[moved] = 0
         self._begun[moved] = True
+        self._still[~known] = self._clean[~known] = self._unhit[~known] = 0
+
+    def renumber(self, before: IntArray) -> None:
+        """Number the bodies anew: each had the number ``before`` (n,), or -1 if it is new."""
+        self._poses = [carried(poses, before, np.nan) for poses in self._poses]
+        for name, fresh in (
+            ("_still", 0),
+            ("_clean", 0),
+            ("_unhit", 0),
+            ("_hit_at", 0.0),
+            ("_onset", -2),
+            ("_begun", False),
+        ):
+            setattr(self, name, carried(getattr(self, name), before, fresh))
 
     def disturb(self, bodies: IntArray | BoolArray) -> None:
         """Mark bodies that hit something in the last interval: their motion up to then does not
@@ -206,13 +222,13 @@ class MotionHistory:
         bend = np.sqrt(_squared(direct - chord)) * (2 / (step + known))
         if len(self.times) > 3:
             older = self.times[-3] - self.times[-4]
-            bend = np.maximum(
+            bend = np.fmax(
                 bend,
                 np.sqrt(_squared(chord - (before - self._poses[-4][9:]) / older))
                 * (2 / (known + older)),
             )
-        bend = np.clip(bend, weight, _PLAUSIBLE * weight)
-        return np.sqrt(np.maximum(_squared(direct), _squared(chord))) + bend * (step + known / 2)
+        bend = np.clip(np.nan_to_num(bend), weight, _PLAUSIBLE * weight)
+        return np.sqrt(np.fmax(_squared(direct), _squared(chord))) + bend * (step + known / 2)
 
     def drift(self, bodies: IntArray) -> FloatArray:
         """Displacement (3, k) of bodies in the last interval, 0 before there is one."""

@@ -88,6 +88,7 @@ class SlidingAndRolling:
     def clear(self) -> None:
         """Drop all state."""
         self._before: FloatArray | None = None
+        self._bodies: Sequence[Body] = ()  # of ``_before``
         self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # as in `Slid`
         self._now = Slid()
         self._sources: tuple[Source, ...] = ()
@@ -132,8 +133,14 @@ class SlidingAndRolling:
             settings: with the textures.
         """
         before, self._before, self._now = self._before, transforms, Slid()
-        if span is None or before is None or len(before) != len(transforms):
+        known, self._bodies = self._bodies, bodies
+        if span is None or before is None:
             return
+        if known is not bodies:  # a new body has not moved
+            old = {body.name: pose for body, pose in zip(known, before, strict=True)}
+            before = np.array(
+                [old.get(body.name, now) for body, now in zip(bodies, transforms, strict=True)]
+            ).reshape(-1, 4, 4)
         start, step = span[0], span[1] - span[0]
         if (number - 1) % self._block == 0:
             self._paths = {key: (0.0, path) for key, (path, _) in self._paths.items() if path}

@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, chosen_of, connected
+from ..arrays import BoolArray, FloatArray, IntArray, carried, chosen_of, connected
 from ..message import Cause, Message
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
@@ -210,6 +210,7 @@ class ContactTracker:
         self._near, self._near_larger, self._near_smaller = none, none, none
         self._pairs = _Pairs.of(none, none, none)
         self._airborne = self._dynamic.copy()
+        self._new = np.ones(count, dtype=np.bool_)  # without an update so far
         # Time [s] and speed of approach [m/s] by key.
         self._last_impact: dict[int, tuple[float, float]] = {}
         self._queries = 0
@@ -235,21 +236,24 @@ class ContactTracker:
         return *self._history.history(), *pair_state, self._airborne, recent
 
     def replace_bodies(self, bodies: Sequence[Body]) -> None:
-        """Replace shapes or masses of the same bodies, in the same order (deforming meshes); their
-        motion and contacts go on.
-
-        Raises ValueError where the names differ.
-        """
-        if [b.name for b in bodies] != [b.name for b in self.bodies]:
-            raise ValueError("bodies: they must have the same names as before")
-        before = self.bodies
+        """Replace the list of bodies, or shapes and masses of some. The motion and the contacts of
+        those whose names were there go on; the first update with a new one makes no impact of
+        it."""
+        known = {body.name: body for body in self.bodies}
         changed = np.array(
-            [a is not b and a != b for a, b in zip(bodies, before, strict=True)], dtype=np.bool_
+            [
+                (old := known.get(body.name)) is not body and old != body
+                for body in bodies
+            ],
+            dtype=np.bool_,
         )
+        same = [b.name for b in bodies] == list(known)
         numbers = changed.nonzero()[0].tolist()
-        if all(self._moves_parts(k, bodies[k]) for k in numbers):
+        if same and all(self._moves_parts(k, bodies[k]) for k in numbers):
             self.bodies = tuple(bodies)
         else:
+            if not same:
+                self._renumber(bodies)
             self._set(tuple(bodies), self._narrow)
         self._pose[:, changed] = self._rest[:, changed] = np.nan
         self._fat_low[:, changed], self._fat_high[:, changed] = np.inf, -np.inf
@@ -258,6 +262,55 @@ class ContactTracker:
         pairs.larger, pairs.smaller = self._by_size(pairs.key)
         pairs.known &= ~(changed[pairs.larger] | changed[pairs.smaller])
         self._version[changed] += 1
+
+    def _renumber(self, bodies: Sequence[Body]) -> None:
+        """Number everything that is known by the new list of ``bodies``, and forget those that are
+        not in it."""
+        number = {body.name: k for k, body in enumerate(self.bodies)}
+        before = np.array([number.get(body.name, -1) for body in bodies], dtype=np.int64)
+        there = before >= 0
+        after = np.full(len(self.bodies), -1)
+        after[before[there]] = there.nonzero()[0]
+
+        def renumbered(key: IntArray) -> tuple[IntArray, IntArray]:
+            """The rows of the pairs that are left, and their new keys, sorted."""
+            pairs = np.sort(after[self._numbers(key)], axis=1)
+            rows = (pairs[:, 0] >= 0).nonzero()[0]
+            found = pairs[rows] @ (max(len(bodies), 1), 1)
+            order = found.argsort()
+            return rows[order], found[order]
+
+        self._near = renumbered(self._near)[1]
+        self._heap = connected(
+            np.stack(np.divmod(self._near, max(len(bodies), 1)), axis=1), len(bodies)
+        )
+        rows, key = renumbered(self._pairs.key)
+        self._pairs = chosen_of(self._pairs, rows)
+        self._pairs.key = key
+        struck = np.array([*self._last_impact], dtype=np.int64)
+        rows, key = renumbered(struck)
+        self._last_impact = {
+            new: self._last_impact[old]
+            for new, old in zip(key.tolist(), struck[rows].tolist(), strict=True)
+        }
+        self._history.renumber(before)
+        self._before = (
+            carried(self._before[0], before, np.inf),
+            carried(self._before[1], before, -np.inf),
+        )
+        for name, fresh in (
+            ("_pose", np.nan),
+            ("_rest", np.nan),
+            ("_version", 0),
+            ("_low", np.inf),
+            ("_high", -np.inf),
+            ("_fat_low", np.inf),
+            ("_fat_high", -np.inf),
+            ("_airborne", True),
+            ("_new", True),
+        ):
+            setattr(self, name, carried(getattr(self, name), before, fresh))
+        self._last = None
 
     def _moves_parts(self, number: int, body: Body) -> bool:
         """Move the parts of a body, as a skeleton does, if nothing else of it has changed."""
@@ -333,6 +386,7 @@ class ContactTracker:
         if not impacts:
             self._pairs.struck |= self._pairs.touching
         self._last, self._last_ends = result, ends
+        self._new[:] = False
         return result
 
     def _by_size(self, key: IntArray) -> tuple[IntArray, IntArray]:
@@ -518,7 +572,6 @@ class ContactTracker:
             able: numbers of the near pairs with the energy for an impact.
             warnings: about bodies that were left out.
         """
-        first_frame = self._last is None
         old = self._pairs
         touched, struck = old.key[old.touching & old.looked], old.key[old.struck]
         met = self._overlapping()
@@ -553,11 +606,12 @@ class ContactTracker:
         warnings += self._uncertain(impacts)
         pairs.touching &= looked
         pairs.looked = looked
-        self._settle(before, last[_DISTANCE], impacts, first_frame)
+        new = self._new[pairs.larger] | self._new[pairs.smaller]
+        self._settle(before, last[_DISTANCE], impacts, new)
         if paths is not None:
             self._disturb(hits, paths)
         reported = pairs.touching & asked & (pairs.values[_DISTANCE] <= self.settings.tolerance)
-        began = key[reported & apart] if not first_frame else key[:0]
+        began = key[reported & apart & ~new]
         lost = touched[~_among(touched, key[pairs.touching | ~looked])]
         return FrameContacts(
             contacts=self._reported_contacts(reported.nonzero()[0]),
@@ -611,10 +665,10 @@ class ContactTracker:
         return hits.joined(self._landings(paths, pivoting[_among(key[pivoting], recent)], last))
 
     def _settle(
-        self, before: BoolArray, distance: FloatArray, impacts: Sequence[Impact], first_frame: bool
+        self, before: BoolArray, distance: FloatArray, impacts: Sequence[Impact], new: BoolArray
     ) -> None:
         """Note which pairs have nothing more to hit until they part, and which bodies are in free
-        flight. ``distance`` (p,) is that of the last frame."""
+        flight. ``distance`` (p,) is that of the last frame, ``new`` (p,): they had none."""
         pairs = self._pairs
         settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
         if len(impacts):
@@ -624,7 +678,7 @@ class ContactTracker:
                     [a * len(self.bodies) + b for a, b in (impact.objects for impact in impacts)]
                 ),
             )
-        pairs.struck = pairs.touching & (pairs.struck | settled | first_frame)
+        pairs.struck = pairs.touching & (pairs.struck | settled | new)
         self._airborne = self._dynamic.copy()
         self._airborne[pairs.larger[pairs.struck]] = False
         self._airborne[pairs.smaller[pairs.struck]] = False

@@ -330,8 +330,72 @@ def test_deforming_bodies_keep_their_motion():
         impacts += found.impacts
         contacts += len(found.contacts)
     assert len(impacts) == 1 and contacts > 5
-    with pytest.raises(ValueError, match="same names"):
-        tracker.replace_bodies([GROUND])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_bodies_that_come_and_go_leave_the_others_as_they_are(seed):
+    """Boxes fall at different times while others, far away, come and go and the list is shuffled:
+    contacts and impacts are those without the others."""
+    rng = np.random.default_rng(seed)
+    boxes = [GROUND, *(Body(f"box {k}", Box((1, 1, 1)), 10.0) for k in range(4))]
+    far = [Body(f"far {k}", Sphere(float(rng.uniform(0.1, 3))), 1.0) for k in range(6)]
+    alone, tracker = ContactTracker(boxes), ContactTracker(boxes)
+
+    def place(body, time):
+        if body is GROUND:
+            return (0, 0, -0.5)
+        number = int(body.name.split()[1])
+        if body in far:
+            return (100 + 10 * number, 0, 5 * time)
+        return (2 * number - 3, 0, max(0.5, 1 + 0.3 * number - 4.9 * time**2))
+
+    def by_name(found, bodies):
+        names = [body.name for body in bodies]
+        touching = {
+            frozenset(names[k] for k in pair): distance
+            for pair, distance in zip(
+                found.contacts.pairs.tolist(), found.contacts.distance.tolist(), strict=True
+            )
+        }
+        blows = [
+            (frozenset(names[k] for k in blow.objects), blow.time, blow.energy)
+            for blow in found.impacts
+        ]
+        return touching, blows
+
+    count = 0
+    for frame in range(30):
+        time = frame / 24
+        there = [*boxes, *(body for body in far if rng.random() < 0.5)]
+        rng.shuffle(there)
+        tracker.replace_bodies(there)
+        found = tracker.update(time, moved([place(body, time) for body in there]))
+        expected = alone.update(time, moved([place(body, time) for body in boxes]))
+        (touching, blows), (meant, hits) = by_name(found, there), by_name(expected, boxes)
+        assert touching == pytest.approx(meant, abs=1e-12)
+        assert [blow[0] for blow in blows] == [hit[0] for hit in hits]
+        for blow, hit in zip(blows, hits, strict=True):
+            assert blow[1:] == pytest.approx(hit[1:], rel=1e-9)
+        count += len(hits)
+    assert count == 4
+
+
+def test_a_body_that_comes_while_others_move_falls_as_it_must():
+    """It comes at rest 1 m above the ground and makes no impact with its first step; one that comes
+    on the ground makes none at all."""
+    ball, egg = (Body(name, Sphere(0.5), 2.0) for name in ("ball", "egg"))
+    tracker = ContactTracker([GROUND])
+    blows = []
+    for frame in range(60):
+        if frame == 10:
+            tracker.replace_bodies([egg, GROUND, ball])
+        z = max(1.5 - 9.81 / 2 * max(frame - 10, 0) ** 2 / 60**2, 0.5)
+        places = [(3, 0, 0.5), (0, 0, -0.5), (0, 0, z)] if frame >= 10 else [(0, 0, -0.5)]
+        blows += tracker.update(frame / 60, moved(places)).impacts
+    (blow,) = blows
+    assert blow.objects == (1, 2)
+    assert blow.time == pytest.approx(10 / 60 + np.sqrt(2 / 9.81), abs=2e-3)
+    assert blow.energy == pytest.approx(2.0 * 9.81, rel=0.03)
 
 
 @pytest.mark.parametrize(

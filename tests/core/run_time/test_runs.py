@@ -181,6 +181,45 @@ def test_what_is_added_and_removed_is_heard_and_gone():
         run.remove(source="crate")
 
 
+@pytest.mark.parametrize("change", ["add", "remove", "both"])
+def test_what_comes_and_goes_far_away_changes_no_blow_and_no_sample(change):
+    def far(number):
+        return {"name": f"far {number}", "kappa": 0.1, "rho": 0.9, "mass": 1.0,
+                "shape": {"type": "sphere", "radius": 0.2}, "pose": {"position": [50, number, 9]}}  # fmt: skip
+
+    quiet, busy = ht.open(floor_and_crate()), ht.open(floor_and_crate())
+    for number in range(60):
+        busy.add(object=far(number))
+    blows = []
+    for frame, expected in enumerate(drop(quiet, 0.5, 60, 1.0)):
+        if change != "remove":
+            busy.add(object=far(60 + frame))
+        if change != "add":
+            busy.remove(object=f"far {frame}")
+        time = frame / 60
+        z = max(0.5 - G / 2 * time**2, 0.0) + 0.5
+        step = busy.step(time, {"crate": (0, 0, z, *STILL)})
+        assert [blow.time for blow in step.impacts] == [blow.time for blow in expected.impacts]
+        assert step.block == pytest.approx(expected.block, abs=1e-9)
+        blows += step.impacts
+    assert len(blows) == 1
+
+
+def test_contacts_of_the_caller_may_follow_found_ones_while_a_blow_sounds():
+    """Objects without a shape are among those that its impacts number, but are no bodies."""
+    air = {"name": "air", "kappa": 0.1, "rho": 0.9}
+    ground, crate = floor_and_crate().document["objects"]
+    run = ht.open(floor_and_crate(objects=[air, ground, crate]))
+    touching = [{"objects": ["ground", "crate"], "positions": [[0, 0, 0], [0, 0, 0]]}]
+    steps = list(drop(run, 0.5, 60, 0.35))
+    assert steps[-1].impacts or steps[-2].impacts
+    ends = [run.step(0.36, contacts=touching), run.step(0.37), run.step(0.38, contacts=touching)]
+    assert all(
+        any(name.startswith("impact of ground and crate") for name in end.levels["hand"].gains)
+        for end in ends
+    )
+
+
 def test_a_source_with_triggers_plays_once_when_it_is_asked_to():
     click = {"name": "click", "object": "crate", "position": [0, 0, 1], "triggers": []}
     run = ht.open(floor_and_crate(sources=[click]))
