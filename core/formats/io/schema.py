@@ -83,7 +83,12 @@ def _fault(document: Any, schema: str) -> _Fault | None:
     import fastjsonschema
 
     try:
-        _validator(schema)(document)
+        _validator(schema, explains=False)(document)
+        return None
+    except fastjsonschema.JsonSchemaValueException:
+        pass
+    try:
+        _validator(schema, explains=True)(document)
     except fastjsonschema.JsonSchemaValueException as error:
         name = (error.name or "data").removeprefix("data")
         place = next(
@@ -130,7 +135,9 @@ def _alone(schema: dict[str, Any], definitions: dict[str, Any]) -> dict[str, Any
 
 
 @cache
-def _validator(schema: str) -> Callable[[Any], Any]:
+def _validator(schema: str, explains: bool) -> Callable[[Any], Any]:
+    """What raises an exception for a document that is not valid, which ``explains`` what is wrong
+    where. That takes three times as long to make."""
     import fastjsonschema
 
     # The schemas use only keywords with the same meaning in draft 2020-12 and in draft 7, which the
@@ -138,7 +145,9 @@ def _validator(schema: str) -> Callable[[Any], Any]:
     definition = _with_kinds_first(_with_inlined_leaves(load_schema(schema))) | {
         "$schema": "http://json-schema.org/draft-07/schema#"
     }
-    validator: Callable[[Any], Any] = fastjsonschema.compile(definition, use_default=False)
+    validator: Callable[[Any], Any] = fastjsonschema.compile(
+        definition, use_default=False, detailed_exceptions=explains
+    )
     return validator
 
 
@@ -163,7 +172,10 @@ def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
             and "#/$defs/json" not in json.dumps(target)
         ):
             return inlined(target)
-        return {key: inlined(member) for key, member in value.items()}
+        inside = {key: inlined(member) for key, member in value.items()}
+        if "const" in inside:  # for which the validator has no words without explaining
+            inside["enum"] = [inside.pop("const")]
+        return inside
 
     inline: dict[str, Any] = inlined(definition)
     return inline
@@ -218,12 +230,11 @@ def _reason(error: Any) -> tuple[str | None, str]:
                 None,
                 f"must be {'an' if wanted[0] in 'aio' else 'a'} {wanted}, got {_shown(value)}",
             )
-        case "const" | "enum":
-            choices = limit if rule == "enum" else [limit]
+        case "enum":
             return (
                 None,
-                f"must be {' or '.join(json.dumps(choice) for choice in choices)}, got "
-                f"{_shown(value)}{meant(value, choices)}",
+                f"must be {' or '.join(json.dumps(choice) for choice in limit)}, got "
+                f"{_shown(value)}{meant(value, limit)}",
             )
         case "minimum" | "exclusiveMinimum" | "maximum" | "exclusiveMaximum":
             words = {
