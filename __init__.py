@@ -45,6 +45,10 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
+def __dir__() -> list[str]:
+    return [*_FRONT_DOOR, "__version__"]
+
+
 def register() -> None:
     """Called by Blender when the extension is enabled."""
     from .addon import gateway
