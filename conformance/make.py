@@ -302,6 +302,33 @@ def spawn_and_removal():
     ]
 
 
+def others_come_and_go():
+    """The fall again, while another crate comes, far away, or one goes, before each step."""
+    falling = list(fall(1.5, 60, 0.9))
+    exchange = [hello(floor_and_crate())]
+    for number, step in enumerate(falling):
+        other = box(f"other {number // 2}", [1, 1, 1], [100 + number, 0, 9], mass=5)
+        come = {"type": "add", "object": other}
+        go = {"type": "remove", "object": f"other {number // 2}"}
+        exchange += [{"send": go if number % 2 else come}, step]
+    return with_impact(exchange, 1.5)
+
+
+def set_elsewhere():
+    """A crate 5 m above the ground is on it in the next step, and above it again: it has hit
+    nothing."""
+    high, low = ({"crate": [0, 0, z, *STILL]} for z in (5.5, 0.5))
+    none = {"impacts": []}
+    return [
+        hello(floor_and_crate()),
+        *steps(5, poses=high),
+        *steps(1, 5, none, poses=low),
+        *steps(1, 6, none, poses=low),
+        *steps(1, 7, none, poses=high),
+        *steps(1, 8, none, poses=high),
+    ]
+
+
 def one_shot():
     """A source with triggers is silent until it is played, and after it."""
     click = {"name": "click", "object": "crate", "position": [0, 0, 1], "triggers": []}
@@ -353,6 +380,8 @@ FILES = (
     impact_of_the_engine,
     slide,
     spawn_and_removal,
+    others_come_and_go,
+    set_elsewhere,
     one_shot,
     back_in_time,
     mistakes,

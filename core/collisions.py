@@ -52,7 +52,8 @@ class Frame:
     also after motions below the tolerance of rest. ``duration`` [s]: of a frame that is not
     continuous, for triggers at given times. ``heard``: its samples are rendered. ``struck``: the
     impacts since the previous frame, which number the bodies (or the ``objects`` where ``contacts``
-    are given, ``transforms`` being theirs); None: they are found.
+    are given, ``transforms`` being theirs); None: they are found. ``anew``: names of bodies that
+    have come or been set elsewhere, without moving there: they make no impact in this frame.
     """
 
     number: int
@@ -71,6 +72,7 @@ class Frame:
     duration: float = 0.0
     heard: bool = True
     struck: tuple[Impact, ...] | None = None
+    anew: frozenset[str] = frozenset()
 
     @property
     def moving(self) -> tuple[str, ...]:
@@ -210,7 +212,7 @@ class CollisionDetector:
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
             return self._given(frame, table, previous)
         begun = perf_counter()
-        tracker = self._follow(frame.bodies)
+        tracker = self._follow(frame.bodies, frame.anew)
         numbering = self._numbering(frame.bodies, table)
         self._sources.renumber(numbering.row)
         kept = None
@@ -334,6 +336,7 @@ class CollisionDetector:
             transforms,
             numbering.middles,
             self.settings,
+            frame.anew,
         )
 
     def _one_shots(
@@ -398,7 +401,7 @@ class CollisionDetector:
         """Return the templates of the impacts of a frame."""
         return Templates(self.settings, {item.name: item for item in frame.objects})
 
-    def _follow(self, bodies: tuple[Body, ...]) -> ContactTracker:
+    def _follow(self, bodies: tuple[Body, ...], anew: frozenset[str]) -> ContactTracker:
         """Return a tracker of ``bodies``: the current one if the settings are the same."""
         tracker = self._tracker
         rules = self._rules_of(bodies)
@@ -409,9 +412,9 @@ class CollisionDetector:
             tracker = self._tracker = ContactTracker(bodies, rules[1])
             self._sources.clear()
             self._rubbing.clear()
-        elif tracker.bodies is not bodies:
-            if tracker.bodies != bodies:
-                tracker.replace_bodies(bodies)
+        elif tracker.bodies is not bodies or anew:
+            if anew or tracker.bodies != bodies:
+                tracker.replace_bodies(bodies, anew)
             tracker.bodies = bodies  # known by identity in the next frame
         return tracker
 
@@ -452,7 +455,7 @@ def _tracked(settings: ContactSettings) -> ContactSettings:
 
 
 def _without_materials(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
-    return tuple(replace(body, material="") for body in bodies)
+    return tuple(replace(body, material="") if body.material else body for body in bodies)
 
 
 def _transmissions(table: RuleTable[ModulationFunction], objects: ObjectTable) -> TransmissionRules:

@@ -120,6 +120,7 @@ class SlidingAndRolling:
         transforms: FloatArray,
         middles: FloatArray,
         settings: ContactSettings,
+        anew: frozenset[str],
     ) -> None:
         """Follow to the next frame.
 
@@ -131,13 +132,18 @@ class SlidingAndRolling:
             transforms: rigid ones of the bodies (n, 4, 4).
             middles: of the bodies in their own space (n, 3).
             settings: with the textures.
+            anew: names of the bodies that have come or been set elsewhere, without moving there.
         """
         before, self._before, self._now = self._before, transforms, Slid()
         known, self._bodies = self._bodies, bodies
         if span is None or before is None:
             return
-        if known is not bodies:  # a new body has not moved
-            old = {body.name: pose for body, pose in zip(known, before, strict=True)}
+        if known is not bodies or anew:
+            old = {
+                body.name: pose
+                for body, pose in zip(known, before, strict=True)
+                if body.name not in anew
+            }
             before = np.array(
                 [old.get(body.name, now) for body, now in zip(bodies, transforms, strict=True)]
             ).reshape(-1, 4, 4)

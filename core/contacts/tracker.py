@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
@@ -169,14 +169,18 @@ class ContactTracker:
             min(item.least_energy for item in limits),
             max(item.refractory for item in limits),
         )
+        self.bodies: tuple[Body, ...] = ()
+        self._local: list[FloatArray] = []  # their bounds (2, 3)
         self._set(tuple(bodies))
         self.reset()
 
     def _set(self, bodies: tuple[Body, ...], before: NarrowPhase | None = None) -> None:
+        known = {id(b.shape): bounds for b, bounds in zip(self.bodies, self._local, strict=True)}
+        self._local = [
+            b.shape.local_bounds() if (at := known.get(id(b.shape))) is None else at for b in bodies
+        ]
         self.bodies = bodies
-        local = np.array([b.shape.local_bounds() for b in bodies], dtype=np.float64).reshape(
-            -1, 2, 3
-        )
+        local = np.array(self._local).reshape(-1, 2, 3)
         count = len(bodies)
         self._middle, self._extent = np.empty((2, 3, count))
         self._radius, self._arm = np.empty((2, count))
@@ -235,25 +239,25 @@ class ContactTracker:
         pair_state = (pairs.key[touching], pairs.struck[touching], pairs.values[:, touching])
         return *self._history.history(), *pair_state, self._airborne, recent
 
-    def replace_bodies(self, bodies: Sequence[Body]) -> None:
+    def replace_bodies(self, bodies: Sequence[Body], anew: frozenset[str] = frozenset()) -> None:
         """Replace the list of bodies, or shapes and masses of some. The motion and the contacts of
-        those whose names were there go on; the first update with a new one makes no impact of
-        it."""
-        known = {body.name: body for body in self.bodies}
+        those whose names were there go on, unless they are among those that begin ``anew``: the
+        next update makes no impact of a body without a motion before."""
+        known = {body.name: body for body in self.bodies if body.name not in anew}
+        names = [body.name for body in bodies]
         changed = np.array(
-            [
-                (old := known.get(body.name)) is not body and old != body
-                for body in bodies
-            ],
+            [(old := known.get(body.name)) is not body and old != body for body in bodies],
             dtype=np.bool_,
         )
-        same = [b.name for b in bodies] == list(known)
-        numbers = changed.nonzero()[0].tolist()
-        if same and all(self._moves_parts(k, bodies[k]) for k in numbers):
+        same = names == [body.name for body in self.bodies]
+        if names != list(known):
+            self._renumber(names, known)
+        if same and all(
+            bodies[k] == self.bodies[k] or self._moves_parts(k, bodies[k])
+            for k in changed.nonzero()[0].tolist()
+        ):
             self.bodies = tuple(bodies)
         else:
-            if not same:
-                self._renumber(bodies)
             self._set(tuple(bodies), self._narrow)
         self._pose[:, changed] = self._rest[:, changed] = np.nan
         self._fat_low[:, changed], self._fat_high[:, changed] = np.inf, -np.inf
@@ -263,11 +267,11 @@ class ContactTracker:
         pairs.known &= ~(changed[pairs.larger] | changed[pairs.smaller])
         self._version[changed] += 1
 
-    def _renumber(self, bodies: Sequence[Body]) -> None:
-        """Number everything that is known by the new list of ``bodies``, and forget those that are
-        not in it."""
-        number = {body.name: k for k, body in enumerate(self.bodies)}
-        before = np.array([number.get(body.name, -1) for body in bodies], dtype=np.int64)
+    def _renumber(self, names: Sequence[str], known: Collection[str]) -> None:
+        """Number everything that is known by the new list of ``names``; of bodies that are not in
+        it, or not among the ``known`` ones, nothing is."""
+        number = {body.name: k for k, body in enumerate(self.bodies) if body.name in known}
+        before = np.array([number.get(name, -1) for name in names], dtype=np.int64)
         there = before >= 0
         after = np.full(len(self.bodies), -1)
         after[before[there]] = there.nonzero()[0]
@@ -276,13 +280,13 @@ class ContactTracker:
             """The rows of the pairs that are left, and their new keys, sorted."""
             pairs = np.sort(after[self._numbers(key)], axis=1)
             rows = (pairs[:, 0] >= 0).nonzero()[0]
-            found = pairs[rows] @ (max(len(bodies), 1), 1)
+            found: IntArray = pairs[rows, 0] * len(names) + pairs[rows, 1]
             order = found.argsort()
             return rows[order], found[order]
 
         self._near = renumbered(self._near)[1]
         self._heap = connected(
-            np.stack(np.divmod(self._near, max(len(bodies), 1)), axis=1), len(bodies)
+            np.stack(np.divmod(self._near, max(len(names), 1)), axis=1), len(names)
         )
         rows, key = renumbered(self._pairs.key)
         self._pairs = chosen_of(self._pairs, rows)
@@ -326,6 +330,7 @@ class ContactTracker:
         local = new.local_bounds()
         if not self._narrow.place(number, new, local):
             return False
+        self._local[number] = local
         self._measure(slice(number, number + 1), local[None])
         self._time_of_impact.measure(number, local)
         return True

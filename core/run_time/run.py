@@ -27,6 +27,9 @@ from .step import Step, answer
 LONGEST_STEP = 0.25
 """Duration of a step from which on the run begins anew: without impacts, from silence [s]."""
 
+_FASTEST = 100.0
+"""Speed [m/s] above which an object has been set elsewhere, unless it was half as fast before."""
+
 _SHORTEST, _FARTHEST = 1e-12, 1e9
 """Length above which a quaternion is a rotation."""
 
@@ -49,6 +52,7 @@ class Run:
         self.settings, self.rules = scene.settings, scene.rules
         self.sample_rate = sample_rate
         self._objects: dict[str, HapticObject] = {}
+        self._solids: list[tuple[HapticObject, Body]] = []
         self._poses = np.zeros((0, 4, 4))  # of the objects, in their order
         self._set_objects(
             scene.objects,
@@ -57,6 +61,10 @@ class Run:
             ),
         )
         self._moved: set[str] = set()
+        self._anew: set[str] = (
+            set()
+        )  # objects that came, or were set elsewhere, since the last step
+        self._fast: set[str] = set()  # objects at more than half of `_FASTEST` in the last step
         self._listed = scene.contacts
         self._silent: set[str] = set()  # sources that do not play
         self._amplitudes: dict[str, float] = {}
@@ -134,14 +142,14 @@ class Run:
             raise PlacedError(
                 ("time",), f"must be finite, and other than that of the last step, got {time!r}"
             )
-        if poses:
-            self._move(poses)
+        self._move(poses or {}, math.inf if self._time is None else time - self._time)
         for name, form in (sources or {}).items():
             self._play(name, form)
         result = self._tracer.step(
             self._frame(time, contacts, impacts, source_positions or {}, listener_positions or {})
         )
         self._time = time
+        self._anew.clear()
         self._history.feed(result)
         return answer(
             result,
@@ -199,6 +207,7 @@ class Run:
             item = read_object(object, ("object",))
             require_new(item.name, self._objects, "object", ("object", "name"))
             pose = pose_matrix(item.pose or Pose())[None]
+            self._anew.add(item.name)
             self._set_objects((*self._objects.values(), item), np.concatenate([self._poses, pose]))
         if source is not None:
             self._add("source", read_source(source, ("source",)), self._sources)
@@ -259,6 +268,7 @@ class Run:
             require_known(item.name, self._objects, "object", ("object", "name"))
             if item.pose is not None:
                 self._poses[self._row[item.name]] = pose_matrix(item.pose)
+                self._anew.add(item.name)
             self._moved.add(item.name)
             self._set_objects((self._objects | {item.name: item}).values(), self._poses)
         if source is not None:
@@ -293,13 +303,17 @@ class Run:
         self._solid = np.array(
             [item.shape is not None for item in self._frame_objects], dtype=np.bool_
         )
-        self._bodies = tuple(
-            Body.of(item, item.shape) for item in self._frame_objects if item.shape is not None
-        )
+        known = {id(item): body for item, body in self._solids}
+        self._solids = [
+            (item, known.get(id(item)) or Body.of(item, item.shape))
+            for item in self._frame_objects
+            if item.shape is not None
+        ]
+        self._bodies = tuple(body for _, body in self._solids)
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
 
-    def _move(self, poses: Mapping[str, Sequence[float]]) -> None:
-        """Set the poses of objects."""
+    def _move(self, poses: Mapping[str, Sequence[float]], duration: float) -> None:
+        """Set the poses of objects, ``duration`` seconds after the last step."""
         for name in poses:
             require_known(name, self._row, "object", ("poses", name))
         try:
@@ -315,6 +329,10 @@ class Run:
                 f"expected x, y, z, qw, qx, qy, qz: up to {_FARTHEST:g}, and a rotation",
             ) from None
         rows = [self._row[name] for name in poses]
+        travel = np.linalg.norm(moved[:, :3] - self._poses[rows, :3, 3], axis=1)
+        names, far = list(poses), abs(duration) * _FASTEST
+        before, self._fast = self._fast, {names[k] for k in np.flatnonzero(travel > far / 2)}
+        self._anew |= {names[k] for k in np.flatnonzero(travel > far)} - before
         self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:] / length[:, None])
         self._poses[rows, :3, 3] = moved[:, :3]
         self._moved.update(poses)
@@ -366,6 +384,7 @@ class Run:
             )
         return Frame(
             number=self._step,
+            anew=frozenset(self._anew),
             time=time,
             objects=self._frame_objects,
             sources=tuple(sources),

@@ -311,7 +311,7 @@ class CoreTable:
             [part.matrix for parts in per_body for part in parts], dtype=np.float64
         ).reshape(-1, 4, 4)
         matrices = placements @ np.array([core.matrix for core in cores]).reshape(-1, 4, 4)
-        bounds = [each.bounds for each in found]
+        bounds = np.array([each.bounds for each in found], dtype=np.float64).reshape(-1, 2, 3)
         thickness = np.array([each.thickness for each in found], dtype=np.float64)
         return cls(
             radius=_columns([core.radius for core in cores]),
@@ -324,8 +324,8 @@ class CoreTable:
             offset=matrices[:, :3, 3].T.copy(),
             placed=not np.array_equal(matrices, np.broadcast_to(np.eye(4), matrices.shape)),
             is_box=np.array([core.is_box for core in cores], dtype=np.bool_),
-            bound_centre=_columns([corners.mean(axis=0) for corners in bounds]),
-            bound_half=_columns([np.ptp(corners, axis=0) / 2 for corners in bounds]),
+            bound_centre=bounds.mean(axis=1).T.copy(),
+            bound_half=(np.ptp(bounds, axis=1) / 2).T.copy(),
             thickness=np.minimum.reduceat(thickness, start[:-1]) if len(cores) else thickness,
             reduced=reduced,
         )

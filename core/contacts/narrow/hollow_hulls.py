@@ -34,7 +34,9 @@ class HollowHulls:
                 for s in shapes
             ]
         )
-        self._size = np.array([np.ptp(s.local_bounds(), axis=0).min() for s in shapes])
+        self._size = np.zeros(len(shapes))
+        if np.isfinite(self._depth).any():
+            self._size[:] = [np.ptp(s.local_bounds(), axis=0).min() for s in shapes]
 
     def measure(self, body: int, bounds: FloatArray) -> None:
         """Set the size of a body with local ``bounds`` (2, 3)."""

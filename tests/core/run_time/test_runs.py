@@ -205,6 +205,55 @@ def test_what_comes_and_goes_far_away_changes_no_blow_and_no_sample(change):
     assert len(blows) == 1
 
 
+def set_by_pose(run, crate, pose):
+    return {"poses": {"crate": pose}}
+
+
+def set_by_replace(run, crate, pose):
+    run.replace(object={**crate, "pose": {"position": pose[:3], "rotation": pose[3:]}})
+    return {}
+
+
+def set_by_remove_and_add(run, crate, pose):
+    run.remove(object="crate")
+    run.add(object={**crate, "pose": {"position": pose[:3], "rotation": pose[3:]}})
+    return {}
+
+
+@pytest.mark.parametrize("way", [set_by_pose, set_by_replace, set_by_remove_and_add])
+def test_a_crate_that_is_set_onto_the_ground_makes_no_blow_and_falls_again(way):
+    """From 5 m above, or from a place that no motion leads from."""
+    run = ht.open(floor_and_crate())
+    _, crate = floor_and_crate().document["objects"]
+    for frame in range(10):
+        run.step(frame / 60, {"crate": (0, 0, 5.5 - G / 2 * (frame / 60) ** 2, *STILL)})
+    step = run.step(10 / 60, **way(run, crate, (0, 0, 0.5, *STILL)))
+    assert step.impacts == ()
+    for frame in range(11, 20):
+        assert run.step(frame / 60, {"crate": (0, 0, 0.5, *STILL)}).impacts == ()
+    more = way(run, crate, (0, 0, 2.5, *STILL))
+    blows = list(run.step(20 / 60, **more).impacts)
+    for frame in range(1, 60):
+        z = max(2.0 - G / 2 * (frame / 60) ** 2, 0.0) + 0.5
+        blows += run.step((20 + frame) / 60, {"crate": (0, 0, z, *STILL)}).impacts
+    (blow,) = blows
+    assert blow.time == pytest.approx(20 / 60 + math.sqrt(2 * 2.0 / G), abs=2e-3)
+    assert blow.energy == pytest.approx(5.0 * G * 2.0, rel=0.03)
+
+
+def test_what_is_faster_than_100_m_s_all_the_time_still_hits():
+    """From the step after that in which it came so fast."""
+    run = ht.open(floor_and_crate())
+    speed = 120.0
+    blows = []
+    for frame in range(60):
+        z = max(20.0 - speed * frame / 60, 0.0) + 0.5
+        blows += run.step(frame / 60, {"crate": (0, 0, z, *STILL)}).impacts
+    (blow,) = blows
+    assert blow.time == pytest.approx(20.0 / speed, abs=2e-3)
+    assert blow.energy == pytest.approx(5.0 * speed**2 / 2, rel=0.03)
+
+
 def test_contacts_of_the_caller_may_follow_found_ones_while_a_blow_sounds():
     """Objects without a shape are among those that its impacts number, but are no bodies."""
     air = {"name": "air", "kappa": 0.1, "rho": 0.9}
