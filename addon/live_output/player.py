@@ -100,8 +100,15 @@ def play(
     choices: Mapping[str, str],
     recorded: bool = False,
 ) -> None:
-    """Play a fresh frame. ``choices``: by listener, as `places_of` reads them. ``recorded``: it was
-    read from a track."""
+    """Play a frame when its trace is complete.
+
+    Args:
+        scene: Session id of its scene.
+        result: The frame; nothing happens if it was played last.
+        frame_seconds: Duration of a frame [s].
+        choices: The actuators chosen for listeners, by name, as `places_of` reads them.
+        recorded: It was read from a track.
+    """
     if _state.playing and scene != _state.scene:
         rest()
         _state.scene = scene
@@ -133,8 +140,16 @@ def play_ahead(
     frame_seconds: float,
     choices: Mapping[str, str],
 ) -> None:
-    """Play the ``frame`` at ``time`` [s], which is not traced yet, with the gains of the ``latest``
-    traced frame if tracing has been slow; otherwise do nothing."""
+    """Play a frame before it is traced if tracing has been slow, with the gains of an earlier one.
+
+    Args:
+        scene: Session id of its scene.
+        latest: The last traced frame, whose gains it gets.
+        frame: Its number.
+        time: Its time [s].
+        frame_seconds: Duration of a frame [s].
+        choices: As of `play`.
+    """
     if latest.time != _state.timed:
         _state.timed = latest.time
         _state.slow = _state.slow + 1 if sum(latest.milliseconds.values()) > SLOW else 0
@@ -175,7 +190,15 @@ def _send(
     recorded: bool = False,
     sent: float | None = None,
 ) -> None:
-    """Send a block and its continuation to the devices."""
+    """Send a block and its continuation to the devices.
+
+    Args:
+        result: The frame that the block is of.
+        samples: The block (l, n).
+        choices: As of `play`.
+        recorded: The block is of a track, which says itself how it continues.
+        sent: When the block began [s of `perf_counter`]; None for now.
+    """
     mapping, running = _mapping_of(result, choices, {}), dict(outputs.running())
     before = after = None
     if mapping.pans:

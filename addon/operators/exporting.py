@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator, UILayout
 from bpy_extras.io_utils import ExportHelper
 
@@ -21,7 +20,7 @@ from ..blender.single_precision import shortest
 from ..blender.text import wrapped
 from ..blender.words import told
 from ..io import capture, engine, frame_scene, last_export
-from ..properties.kinds import choice, switch, text
+from ..properties.kinds import FRAMES, choice, limited, switch, text, whole
 
 if TYPE_CHECKING:
     from ...core.formats.export import Export
@@ -34,15 +33,13 @@ SCENE_ENDINGS = (".json.gz", ".json")
 LINE = 34
 """Width of the file browser's sidebar in characters."""
 MOST_REPORTED = 12
-LARGEST = 2**31 - 1
-"""Largest bound of a property."""
 
 
 class RangeExport(Action, ExportHelper):
     """Mixin: an export of a range of frames, optionally of one collection, with its losses shown beforehand."""
 
-    frame_start: IntProperty(name="Start", description="First frame", default=1)
-    frame_end: IntProperty(name="End", description="Last frame", default=250)
+    frame_start: whole("Start", "First frame", 1, FRAMES)
+    frame_end: whole("End", "Last frame", 250, FRAMES)
     collection: text(
         "Collection", "Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"}
     )
@@ -92,6 +89,13 @@ class RangeExport(Action, ExportHelper):
                 lambda running: finish(work.export(name), running),
             ),
         )
+
+    def options_layout(self) -> UILayout:
+        """The layout of the file browser's sidebar, with labels beside values."""
+        layout: UILayout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        return layout
 
     def draw_range(self, layout: UILayout) -> None:
         column = layout.column(align=True)
@@ -144,9 +148,7 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         return ".json.gz" if self.compressed else ".json"
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.options_layout()
         layout.prop(self, "frames", expand=True)
         if self.frames == "RANGE":
             self.draw_range(layout)
@@ -231,24 +233,17 @@ def _value(option: Option, value: Any) -> Value:
 
 
 def _property(option: Option) -> Any:
-    text: dict[str, Any] = {"name": option.label, "description": option.description}
-    if isinstance(option.default, bool):
-        return BoolProperty(default=option.default, **text)
-    if isinstance(option.default, str):
-        return EnumProperty(
-            items=[(choice, choice, "") for choice in option.choices],
-            default=option.default,
-            **text,
-        )
-    bounds: dict[str, Any] = {
-        key: value
-        for key, value in (("min", option.minimum), ("max", option.maximum))
-        if math.isfinite(value) and abs(value) <= LARGEST
-    }
-    if isinstance(option.default, int):
-        bounds = {key: int(value) for key, value in bounds.items()}
-        return IntProperty(default=option.default, **bounds, **text)
-    return FloatProperty(default=option.default, precision=3, **bounds, **text)
+    words, default = (option.label, option.description), option.default
+    match default:
+        case bool():
+            return switch(*words, default)
+        case str():
+            items = tuple((value, value, "") for value in option.choices)
+            return choice(*words, items, default=default)
+        case int():
+            return whole(*words, default, (int(option.minimum), int(option.maximum)))
+        case float():
+            return limited(*words, default, (option.minimum, option.maximum), precision=3)
 
 
 class HAPTIC_OT_export_tracks(Operator, RangeExport):
@@ -276,9 +271,7 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
         return named(self.format).suffix
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.options_layout()
         layout.prop(self, "format")
         self.draw_range(layout)
         draw_options(layout, self, self.format)
@@ -313,9 +306,7 @@ class HAPTIC_OT_export_engine(Operator, RangeExport):
     )
 
     def draw(self, context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.options_layout()
         self.draw_range(layout)
         layout.prop(self, "packed")
 

@@ -6,10 +6,7 @@ from bpy.props import CollectionProperty, PointerProperty
 from bpy.types import PropertyGroup, Sound, Text
 
 from .callbacks import view_changed
-from .kinds import number, reference, switch, text, whole
-
-_FRAMES = (-1048574, 1048574)
-"""Blender's range of frames."""
+from .kinds import FRAMES, number, reference, switch, text, whole
 
 
 def _track() -> PointerProperty[Text]:
@@ -42,8 +39,8 @@ class HapticBakeProperties(PropertyGroup):
         update=view_changed,
     )
     use_range: switch("Custom Range", "Bake these frames instead of the scene's frame range")
-    frame_start: whole("Start", "First frame to bake", 1, _FRAMES)
-    frame_end: whole("End", "Last frame to bake", 250, _FRAMES)
+    frame_start: whole("Start", "First frame to bake", 1, FRAMES)
+    frame_end: whole("End", "Last frame to bake", 250, FRAMES)
     write_curves: switch(
         "Write F-Curves",
         "Write intensity and frequency as F-curves on the listeners, to be seen in the graph "

@@ -14,6 +14,9 @@ from bpy.props import (
     StringProperty,
 )
 
+FRAMES = (-1048574, 1048574)
+"""Blender's range of frames."""
+
 
 def switch(name: str, description: str, default: bool = False, **more: Any) -> BoolProperty:
     """A property that is on or off."""

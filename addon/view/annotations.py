@@ -177,8 +177,16 @@ def _placed_legend(
     occupied: Sequence[Rectangle],
     at_left: bool,
 ) -> Hud:
-    """The legend in its corner, above occupied rectangles; a small one, or none, if there is not
-    enough room."""
+    """The legend in its corner; a small one, or none, if there is not enough room.
+
+    Args:
+        data: The drawn frame, whose symbols and scale it explains.
+        free: The part of the viewport that the user interface does not cover.
+        scale: Pixels per point.
+        measure: The width of texts.
+        occupied: Rectangles above which it stands.
+        at_left: In the lower left corner, else in the right one.
+    """
     shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
     names = tuple(iface_(name) for name in NAMES.values())
     margin = _MARGIN * scale
@@ -219,8 +227,16 @@ def _legend(
     scale: float,
     measure: Measure,
 ) -> Hud:
-    """The legend, its lower left corner at the origin: ``shapes`` with their names, and the colours
-    of amplitudes; small without shapes. ``names``: of all shapes."""
+    """The legend, its lower left corner at the origin.
+
+    Args:
+        amplitudes: The scale of the colours.
+        title: Over the colours.
+        shapes: Symbols that are explained; without any, the legend is small.
+        names: Of all symbols, which its width depends on.
+        scale: Pixels per point.
+        measure: The width of texts.
+    """
     builder = HudBuilder(scale, measure)
     width = _legend_width(builder, names) if shapes else _SMALL_WIDTH * scale
     height = (_LEGEND_HEIGHT if shapes else _SMALL_HEIGHT) * scale
@@ -252,8 +268,15 @@ def _add_colours(
     width: float,
     ticks: Sequence[int],
 ) -> None:
-    """The colours from the floor to 0 dB across a legend of ``width`` pixels, ``ticks`` [dB] below
-    and ``title`` above."""
+    """The colours from the floor of the scale to 0 dB.
+
+    Args:
+        builder: Takes them.
+        amplitudes: The scale of the colours.
+        title: Above them.
+        width: Of the legend [pixels].
+        ticks: Numbers below them [dB].
+    """
     scale, parts = builder.scale, 32
     left, bottom, height = _LEGEND_PADDING * scale, _BAR_BOTTOM * scale, _BAR_HEIGHT * scale
     width -= 2 * left

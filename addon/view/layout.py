@@ -85,9 +85,16 @@ def camera_frame(context: Context) -> Rectangle | None:
 def corner_room(
     context: Context, corner: str, width: float, scale: float, margin: float
 ) -> Rectangle:
-    """The free part of the viewport for an element of ``width`` pixels in a ``corner``: ``margin``
-    pixels from the edges of the uncovered part, without Blender's own text, its navigation gizmo,
-    the panel Adjust Last Operation, and the camera's frame: beside it, or else below or above.
+    """The room for an element in a corner of the viewport: what is not covered by the user
+    interface, by Blender's own text, its navigation gizmo and the panel Adjust Last Operation, nor
+    by the camera's frame: beside that, or else below or above.
+
+    Args:
+        context: Of the viewport.
+        corner: "BOTTOM_LEFT", "BOTTOM_RIGHT", "TOP_LEFT" or "TOP_RIGHT".
+        width: Of the element [pixels].
+        scale: Pixels per point.
+        margin: To the edges of the room [pixels].
     """
     vertical, horizontal = corner.split("_")
     space, free = context.space_data, free_rectangle(context)

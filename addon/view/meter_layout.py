@@ -125,11 +125,18 @@ def meter_hud(
     body: bool = True,
     spots: Sequence[Spot] = (),
 ) -> Hud:
-    """The meters, their lower left corner at the origin, within ``room`` [pixels]. ``scale``:
-    pixels per point. ``spots``: the actuators that the body shows.
+    """The meters, their lower left corner at the origin. If there is not enough room, these are
+    left out in order: margins, body, scope, listeners, everything.
 
-    If there is not enough room, these are left out in order: margins, body, scope, listeners,
-    everything.
+    Args:
+        levels: Of all listeners.
+        scope: Of one of them; None leaves it out.
+        room: Width and height [pixels].
+        scale: Pixels per point.
+        measure: The width of texts.
+        title: Above the names.
+        body: Whether the body is shown where listeners have a body part.
+        spots: The actuators that it shows.
     """
     builder = HudBuilder(scale, measure)
     names = max(map(builder.width, (title, *(level.listener for level in levels)))) / scale

@@ -121,8 +121,17 @@ def draw_graph(
     xray: bool,
     flow: float | None,
 ) -> None:
-    """Lines and points; ``view``: from metres in the world to the viewer. ``flow``: seconds of
-    the signal flow, None for no flow."""
+    """Draw lines and points of the graph.
+
+    Args:
+        drawing: The graph on the GPU.
+        projection: From the viewer to clip space.
+        view: From metres in the world to the viewer.
+        size: Of the viewport [pixels].
+        scale: Pixels per point.
+        xray: Over all objects; otherwise parts behind objects are pale.
+        flow: Time of the signal flow [s], None for no flow.
+    """
     if drawing.batch is None:
         return
     passes = (("NONE", 1.0),) if xray else (("GREATER", HIDDEN), ("LESS_EQUAL", 1.0))
@@ -165,8 +174,19 @@ def draw_annotations(
     frame: Rectangle | None = None,
     cues: tuple[Cue, ...] = (),
 ) -> None:
-    """Labels, cues and legend in pixels, within ``free`` and outside ``occupied``; the legend
-    outside the camera's ``frame``, too."""
+    """Draw labels, cues and legend.
+
+    Args:
+        drawing: The graph, which keeps what was placed for the last views.
+        perspective: From metres in the world to clip space (4, 4).
+        size: Of the viewport [pixels].
+        scale: Pixels per point.
+        free: The part of the viewport that the user interface does not cover.
+        occupied: Rectangles in it where something else is drawn.
+        legend: The side of the legend.
+        frame: The camera's frame, which the legend does not cover.
+        cues: Words about objects out of sight.
+    """
     around = (free, occupied, legend, frame, cues)
     key = (perspective.tobytes(), size, scale, *around, bpy.app.translations.locale)
     known = drawing.views.get(key)

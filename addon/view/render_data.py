@@ -115,8 +115,15 @@ def points_of(
     size: FloatArray | Drawn | float,
     shape: IntArray | Drawn | Shape,
 ) -> Points:
-    """Points at ``position`` (n, 3) with the other values of `Points`, of each or of all together;
-    ``colour`` without opacity."""
+    """Points; each value but the position is one for all points or one for each.
+
+    Args:
+        position: (n, 3) [m].
+        colour: Display values without opacity.
+        opacity: 0 to 1.
+        size: Diameter [pixels].
+        shape: The symbol.
+    """
     count, places = len(position), np.asarray(position, dtype=np.float32)
     return Points(
         places,
@@ -134,8 +141,16 @@ def lines_of(
     arc_length: FloatArray | float = -1.0,
     shape: Drawn | Shape = Shape.LINE,
 ) -> Lines:
-    """Lines at ``position`` (n, 2, 3) with the other values of `Lines`, of each or of all together;
-    ``colour`` without opacity."""
+    """Lines; each value but the position is one for all lines or one for each.
+
+    Args:
+        position: Both ends (n, 2, 3) [m].
+        colour: Display values without opacity, also of either end.
+        opacity: 0 to 1, also of either end.
+        width: [pixels].
+        arc_length: Metres along a best path at either end, -1 for lines that show no flow.
+        shape: A line, or a plate between two corners.
+    """
     count, places = len(position), np.asarray(position, dtype=np.float32)
     colours = _with_opacity((count, 2, 4), colour, opacity)
     return Lines(

@@ -72,8 +72,17 @@ def draw(
     flow: tuple[float, float] = (0.0, 0.0),
     opacity: float = 1.0,
 ) -> None:
-    """One draw call, with premultiplied opacity. ``matrix``: from the batch's space to clip space.
-    ``size`` of the viewport [pixels]."""
+    """One draw call, with premultiplied opacity.
+
+    Args:
+        batch: The quads.
+        matrix: From their space to clip space.
+        size: Of the viewport [pixels].
+        pixels_per_point: Scale of widths and sizes.
+        bias: Depth towards the viewer: as a part of the distance, and in clip space.
+        flow: Phase of the signal flow [pulses], and metres per pulse, 0 for no flow.
+        opacity: Factor of all opacities.
+    """
     program = shader()
     program.bind()
     program.uniform_float("matrix", matrix)

@@ -54,8 +54,15 @@ def draw_edges(
     width: float,
     in_front: bool,
 ) -> None:
-    """Draw the edges of a shape at a transform (4, 4) in the current view, ``width`` pixels
-    wide."""
+    """Draw the edges of a shape in the current view.
+
+    Args:
+        shape: The shape.
+        transform: Where it is [m] (4, 4).
+        colour: With opacity.
+        width: Of the edges [pixels].
+        in_front: Over all objects; otherwise objects hide edges.
+    """
     program = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     known = _batches.get(id(shape))
     if known is None:
