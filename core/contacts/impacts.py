@@ -53,7 +53,8 @@ class Impact:
 
 @dataclass(frozen=True, slots=True)
 class Hits:
-    """Pairs (k, 2) whose paths meet ``after`` (k,) seconds, with ``distance`` (k,), ``normal`` (k,
+    """Pairs (k, 2) whose paths meet ``after`` (k,) seconds, and which have met at the ``time`` (k,)
+    [s] that the trend of their motion before the hit gives; with ``distance`` (k,), ``normal`` (k,
     3) and ``centre`` (k, 3) of the patch there, the speed of ``approach`` (k,) [m/s] along the
     normal, and the velocities (k, 2, 3) of the bodies' origins. At the end of the interval: the
     signed distances ``expected`` (k,) on the paths and ``actual`` (k,), and whether one body
@@ -61,6 +62,7 @@ class Hits:
 
     pairs: IntArray
     after: FloatArray
+    time: FloatArray
     distance: FloatArray
     normal: FloatArray
     centre: FloatArray
@@ -77,6 +79,7 @@ class Hits:
         no = np.zeros(0, dtype=np.bool_)
         return cls(
             np.zeros((0, 2), dtype=np.int64),
+            number,
             number,
             number,
             vector,
@@ -129,7 +132,7 @@ def landings(
     paths: Paths,
     pairs: IntArray,
     nodes: FloatArray,
-    old_nodes: FloatArray,
+    away: FloatArray,
     normal: FloatArray,
     distance: FloatArray,
     apart: float,
@@ -147,7 +150,8 @@ def landings(
 
     Args:
         nodes: (2, 3, p) world positions of the contact on either body at the end of the interval.
-        old_nodes: (2, 3, p) where the material of the former contact is now.
+        away: (p,) metres from the nodes to the nearest material of the former contact, on the body
+            where they are less.
         normal: (3, p) from first to second; distance: (p,) [m].
     """
     count = len(pairs)
@@ -161,7 +165,6 @@ def landings(
     spin = ends.spin[:, count:] - ends.spin[:, :count]
     turn = np.sqrt((spin * spin).sum(axis=0)) * paths.duration
     approach = np.maximum(start / paths.duration, (before - start) / paths.earlier_duration)
-    away = np.sqrt(((nodes - old_nodes) ** 2).sum(axis=1)).min(axis=0)
     swung = (start > apart) & (half >= _PIVOT * start) & (turn < _MOST_TURN) & (away > start)
     rows = np.flatnonzero(swung & (approach > _SWUNG))
     if len(rows) == 0:
@@ -171,6 +174,7 @@ def landings(
     return Hits(
         pairs=pairs,
         after=after,
+        time=after,
         distance=distance,
         normal=normal[:, rows].T,
         centre=nodes[:, :, rows].mean(axis=0).T,

@@ -362,7 +362,8 @@ class Meetings:
         turn = first[:9].reshape(3, 3, -1)
         normal, centre = turned(turn, found.normal), turned(turn, found.centre) + first[9:]
         bodies = moving.pairs.T
-        slowed = moving.paths.slowed(bodies, after)
+        time = after / moving.paths.slowed(bodies, after / 2).max(axis=0)
+        slowed = moving.paths.slowed(bodies, time)
         velocities = moving.paths.velocities(bodies, after) * slowed  # (3, 2, k)
         arms = centre[:, None] - np.stack([first[9:], second[9:]], axis=1)
         speeds = velocities + cross(moving.paths.spin[:, bodies] * slowed, arms)
@@ -383,6 +384,7 @@ class Meetings:
         return Hits(
             moving.pairs,
             after,
+            time,
             found.distance,
             *ways,
             np.minimum(self.expected, deep),

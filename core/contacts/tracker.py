@@ -953,15 +953,18 @@ class ContactTracker:
         flipped = larger != keys // len(self.bodies)
         normal = turned(turn, normal[:, of]) * np.where(flipped[of], -1.0, 1.0)
         gap = normal * (distance[of] / 2)
-        old = np.stack(
-            [_placed(pose, last[_ON_LARGER, rows]), _placed(other, last[_ON_SMALLER, rows])]
+        nodes = np.stack([points - gap, points + gap])
+        was, old = self._corners_before(paths, rows, last, limit)
+        old = np.where(flipped[was], old[::-1], old)
+        squared = ((nodes[..., None] - old[:, :, None]) ** 2).sum(axis=1)
+        away = np.sqrt(
+            np.where(of[:, None] == was, squared, np.inf).min(axis=(0, 2), initial=np.inf)
         )
-        old = np.where(flipped, old[::-1], old)[..., of]
         hits = landings(
             paths,
             self._numbers(keys[of]),
-            np.stack([points - gap, points + gap]),
-            old,
+            nodes,
+            away,
             normal,
             distance[of],
             _PRESSING_DISTANCE,
@@ -969,6 +972,27 @@ class ContactTracker:
         order = hits.approach.argsort(kind="stable")[::-1]
         fastest = np.unique(hits.pairs[order] @ (len(self.bodies), 1), return_index=True)[1]
         return hits.chosen(order[fastest])
+
+    def _corners_before(
+        self, paths: Paths, rows: IntArray, last: FloatArray, limit: FloatArray
+    ) -> tuple[IntArray, FloatArray]:
+        """Of each corner of the patches that the pairs ``rows`` had in the last frame, with the
+        values ``last``: the number (k,) of the pair, and where the material of the larger and of
+        the smaller body there (2, 3, k) is now."""
+        larger, smaller = self._pairs.larger[rows], self._pairs.smaller[rows]
+        turn, offset = relative_pose(paths.start[:, larger], paths.start[:, smaller])
+        normal = last[_NORMAL, rows]
+        gap = normal * (last[_DISTANCE, rows] / 2)
+        pairs = np.stack([larger, smaller], axis=1)
+        centre = last[_ON_LARGER, rows] + gap
+        of, places = self._narrow.corners(pairs, turn, offset, limit, normal, centre)
+        on_smaller = turned_back(turn[..., of], places + gap[:, of] - offset[:, of])
+        return of, np.stack(
+            [
+                _placed(self._pose[:, larger[of]], places - gap[:, of]),
+                _placed(self._pose[:, smaller[of]], on_smaller),
+            ]
+        )
 
     def _impacts(self, hits: Hits, paths: Paths | None) -> tuple[Impact, ...]:
         """Impacts from hits, by time. Within the refractory time of a pair only a clearly stronger
@@ -980,11 +1004,11 @@ class ContactTracker:
             / self.settings.time_scale**2
         )
         impacts = []
-        for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
+        for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.time)).tolist():
             a, b = hits.pairs[k].tolist()
             key, when = (
                 a * len(self.bodies) + b,
-                self._history.times[-1] - paths.duration + float(hits.after[k]),
+                self._history.times[-1] - paths.duration + float(hits.time[k]),
             )
             last, speed = self._last_impact.get(key, (-np.inf, 0.0))
             limits = self.settings.impact_limits(self.bodies[a].named, self.bodies[b].named)
@@ -1009,7 +1033,7 @@ class ContactTracker:
         """Mark the bodies whose motion was disturbed: those that hit something, and those that are
         not where their motion led."""
         self._history.disturb(self._history.surprised(paths) & self._dynamic)
-        self._history.hit(hits.pairs, hits.after)
+        self._history.hit(hits.pairs, hits.time)
 
 
 def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:

@@ -22,7 +22,7 @@ def bodies() -> list[Thrown]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rate", [30, 60, 120])
+@pytest.mark.parametrize("rate", [24, 30, 60, 120])
 @pytest.mark.parametrize("ground", [8.0, 500.0])
 def test_first_blows_of_thrown_bodies(rate, ground):
     """None above 5 J is missed and none comes before it, whatever the size of the ground."""
@@ -54,11 +54,14 @@ def row() -> dominoes.Row:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("rate", "late", "error"), [(24, 1 / 190, 0.25), (30, 1 / 240, 0.12), (60, 1 / 480, 0.08)]
+    ("rate", "late", "error"), [(24, 1 / 440, 0.25), (30, 1 / 480, 0.05), (60, 1 / 800, 0.07)]
 )
 def test_first_blows_of_dominoes(rate, late, error):
     """Dominoes a metre high, each felled by the one before within two or three frames: no first blow
-    above 5 J is missed and none invented, and none is heard twice at 30 frames a second or more."""
+    above 5 J is missed and none invented, and none is heard twice at 30 frames a second or more.
+
+    At 24 the speed of a domino follows from two poses after its own blow, whose time is uncertain
+    by two of the 15 to 20 ms up to the first of them: that leaves 20 % of the energy uncertain."""
     fallen, shape = row(), Box(dominoes.SIZE)
     count = fallen.poses.shape[1]
     standing = [Body(f"domino {k}", shape, dominoes.MASS) for k in range(count)]
