@@ -22,7 +22,7 @@ from ..core.propagation.conjugate_gradients import PowerBalance, solve
 from ..core.scene.bands import BAND_CENTRES
 from ..core.scene.functions import Constant, HapticTracing, Impedance, Physical, Wave
 from ..core.scene.materials import MATERIALS
-from ..core.scene.measured import DAMPING, FLESH_CONTACT, physical
+from ..core.scene.measured import DAMPING, physical
 from ..core.scene.values import (
     Contact,
     HapticObject,
@@ -675,8 +675,9 @@ def materials() -> Iterator[Series]:
             "pairs",
             (Point("pairs in order", total, right),),
             0,
-            "out of order is what bends, spreads as on the ground or passes contacts of flesh, "
-            "which the ranges leave out; some are estimates: the library says which",
+            "equal bodies touch as by default, without loss, flesh on flesh too. Out of order is "
+            "what bends or spreads as on the ground, which the ranges leave out; some are "
+            "estimates: the library says which",
             "the loss factors and speeds of materials.json, each within its range",
         )
 
@@ -685,12 +686,11 @@ def _through_bars(name: str) -> FloatArray:
     """Gains by band from end to end of three touching bars of a material."""
     function, own = physical(name, (1.0, 0.1, 0.1)), MATERIALS[name]
     names = ("1", "2", "3")
-    contact = Constant(gain_value=FLESH_CONTACT if name == "flesh" else 1.0)
     places: list[Vector] = [(1.0, 0.0, 0.0), (2.0, 0.0, 0.0)]
     scene = HapticScene(
         tuple(HapticObject(bar, own.kappa, own.rho, function) for bar in names),
         tuple(
-            Contact(pair, (place, place), contact)
+            Contact(pair, (place, place))
             for pair, place in zip(pairwise(names), places, strict=True)
         ),
         (Source("s", "1"),),

@@ -96,6 +96,22 @@ functions = st.one_of(
         sixes,
         sixes,
     ),
+    st.builds(
+        lambda wave, loss, speed, sizes, absorption: {
+            "function": "physical",
+            "wave": wave,
+            "loss_factor": loss,
+            "phase_speed": speed,
+            "thickness": min(sizes),
+            "extent": max(sizes),
+            "absorption": absorption,
+        },
+        st.sampled_from(["bounded", "surface", "limb", "plate", "solid", "rod"]),
+        shares,
+        st.floats(100, 3000),
+        st.tuples(shares, st.floats(0.1, 5)),
+        shares,
+    ),
     st.just({"function": "identity"}),
     st.just({"function": "expression", "expression": "exp(-0.3 * d) * 0.9"}),
 ).map(function_from_dict)
