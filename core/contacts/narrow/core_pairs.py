@@ -3,7 +3,7 @@ their triangles nearby."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -140,16 +140,24 @@ class CorePairing:
         expanded.triangle_b = np.concatenate(triangle)
         return expanded
 
-    def near_triangles(self, rows: CorePairs, reach: FloatArray, facing: bool = False) -> CorePairs:
+    def near_triangles(
+        self,
+        rows: CorePairs,
+        reach: FloatArray,
+        facing: Sequence[tuple[BoolArray, BoolArray]] | None = None,
+    ) -> CorePairs:
         """The pairs of triangles of pairs of surfaces that may be within ``reach`` (n,) metres of
-        each other, in order of the rows. ``facing``: only those that look at each other and may
-        lie over each other, seen along the normal of either."""
+        each other, in order of the rows. ``facing``: which triangles of both surfaces count; of
+        these only those that look at each other and may lie over each other, seen along the normal
+        of either."""
         alike: dict[tuple[int, int], list[int]] = {}
         for k, pair in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
             one, other = (id(self._surfaces[core]) for core in pair)
             alike.setdefault((one, other), []).append(k)
         found = [(np.zeros(0, dtype=np.intp),) * 3] + [
-            self._near_of_alike(rows, np.array(numbers), reach[numbers], facing)
+            self._near_of_alike(
+                rows, np.array(numbers), reach[numbers], facing and [facing[k] for k in numbers]
+            )
             for numbers in alike.values()
         ]
         number, first, second = (np.concatenate(parts) for parts in zip(*found, strict=True))
@@ -159,7 +167,11 @@ class CorePairing:
         return expanded
 
     def _near_of_alike(
-        self, rows: CorePairs, numbers: IntArray, reach: FloatArray, facing: bool
+        self,
+        rows: CorePairs,
+        numbers: IntArray,
+        reach: FloatArray,
+        facing: Sequence[tuple[BoolArray, BoolArray]] | None,
     ) -> tuple[IntArray, IntArray, IntArray]:
         """The same of the rows ``numbers`` (m,), all of the same two surfaces: the number of the
         row and those of the triangles."""
@@ -175,6 +187,10 @@ class CorePairing:
         back = turned_back(turn, middle[:, None] - shift)
         extent = turned(np.abs(turn.transpose(1, 0, 2)), half[:, None] + reach)
         pair, near = first.index.near(np.stack([back - extent, back + extent]).transpose(2, 0, 1))
+        if facing:
+            counts_a, counts_b = (np.stack(counts) for counts in zip(*facing, strict=True))
+            counted = counts_a[pair, near].nonzero()[0]
+            pair, near = pair[counted], near[counted]
         corners = (
             turned(turn[..., pair], first.index.corners[near].transpose(2, 1, 0))
             + shift[:, None, pair]
@@ -189,6 +205,8 @@ class CorePairing:
             half = np.abs(normal) * reach[pair] + radius_a[near]
             bounds = np.stack([middle_a - half, middle_a + half])
             mine, theirs = second.spheres.near(bounds.transpose(2, 0, 1))
+            counted = counts_b[pair[mine], theirs].nonzero()[0]
+            mine, theirs = mine[counted], theirs[counted]
             against = dot(taken(normal, mine), taken(second.normals, theirs))
             if first.depth == 0 or second.depth == 0:  # both sides of a shell look at others
                 against = -np.abs(against)

@@ -9,6 +9,7 @@ while a body moves from outside through the surface to the far side of that wall
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,7 +22,7 @@ from .convex import ConvexDistances
 from .core_pairs import CorePairing, CorePairs
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
-from .frames import chunks, cross, dot, smooth_step
+from .frames import chunks, cross, dot, smooth_step, turned_back
 from .manifold import PATCH_GAP, Patches, patches
 from .surfaces import CoreSurface, Surfaces
 from .triangles import (
@@ -150,7 +151,7 @@ class SurfacePairs:
                 continue
             least, around = gap - radius, 0.0
             if most > 0 and least - most <= limit[owner]:
-                around = self._around(chosen_of(rows, np.array([k])), a, b)
+                around = self._around(chosen_of(rows, np.array([k])))
             sunk = 0.0
             if least - most > limit[owner] or around > 0:
                 sunk = most if np.isfinite(around) else gap + most
@@ -271,23 +272,17 @@ class SurfacePairs:
         )
         return np.where(depth > 0, -np.minimum(depth, np.minimum(thin, size) / 2), -np.inf)
 
-    def _around(self, row: CorePairs, a: CoreSurface, b: CoreSurface) -> float:
+    def _around(self, row: CorePairs) -> float:
         """The depth of the solid that encloses the other surface, 0 where neither does."""
-        for outer, inner, outer_pose, inner_pose in (
-            (a, b, (row.rotation_a, row.centre_a), (row.rotation_b, row.centre_b)),
-            (b, a, (row.rotation_b, row.centre_b), (row.rotation_a, row.centre_a)),
-        ):
-            turn, place = (pose[..., 0] for pose in outer_pose)
-            point = (
-                inner_pose[0][..., 0] @ inner.index.corners[0, 0] + inner_pose[1][:, 0] - place
-            ) @ turn
+        for solid, other, turn, place in self._each_in_other(row):
+            point = other.index.corners[0, :1] @ turn + place
             if (
-                outer.depth > 0
-                and (point > outer.low).all()
-                and (point < outer.high).all()
-                and outer.contains(point[None])[0]
+                solid.depth > 0
+                and (point > solid.low).all()
+                and (point < solid.high).all()
+                and solid.contains(point)[0]
             ):
-                return outer.depth
+                return solid.depth
         return 0.0
 
     def _corners(self, rows: CorePairs) -> tuple[FloatArray, FloatArray]:
@@ -387,7 +382,9 @@ class SurfacePairs:
         """
         several = chosen_of(pairs, chosen)
         rows = self._pairing.near_triangles(
-            replace(several, owner=np.arange(len(chosen))), _REACH + 2 * most[chosen], facing=True
+            replace(several, owner=np.arange(len(chosen))),
+            _REACH + 2 * most[chosen],
+            self._taking_part(several),
         )
         number, rows = chosen[rows.owner], replace(rows, owner=several.owner[rows.owner])
         shell_a = np.array([self._surfaces[core].depth == 0 for core in pairs.first.tolist()])
@@ -412,20 +409,53 @@ class SurfacePairs:
         beyond = dot(axis, ends[1] - ends[0])  # at the middle of the patch
         patch = replace(patch, centre=(ends[0] + ends[1]) / 2)
         valid = patch.found & (depth < _REACH)
-        for k in chosen.tolist():
-            mine = np.flatnonzero((number == k) & valid)
-            under = mine[beyond[mine] < -_TOUCHING]
-            valid[under] = self._overlap(
-                chosen_of(pairs, np.array([k])), ends[0][:, under], ends[1][:, under]
-            )
-            through = [under[valid[under] & (turned[under] == side)] for side in (False, True)]
-            if len(through[0]) and len(through[1]):  # a shell inside a wall: the shorter way out
+        under = (valid & (beyond < -_TOUCHING)).nonzero()[0]
+        valid[under] = self._overlap(chosen_of(rows, under), ends[0][:, under], ends[1][:, under])
+        under = under[valid[under]]
+        for k in np.unique(number[under[turned[under]]]).tolist():
+            mine = under[number[under] == k]
+            through = [mine[turned[mine] == side] for side in (False, True)]
+            if len(through[0]):  # a shell inside a wall: the shorter way out
                 valid[max(through, key=lambda way: float(-depth[way].min()))] = False
         kept = valid.nonzero()[0]
         rows, number, depth = chosen_of(rows, kept), number[kept], depth[kept]
         gap = np.maximum(depth, -most[number]) - rows.radius_a - rows.radius_b
         facing = core_contacts(rows, axis[:, kept], gap, chosen_of(patch, kept), corners)
         return number, -depth, facing
+
+    def _taking_part(self, pairs: CorePairs) -> list[tuple[BoolArray, BoolArray]]:
+        """Which triangles of the first and of the second surface of each of ``pairs`` may belong
+        to its patch: all but those that are outside the other one, a solid, and farther than
+        `_REACH` from it."""
+        near = self._pairing.near_triangles(
+            replace(pairs, owner=np.arange(len(pairs))), np.full(len(pairs), _REACH)
+        )
+        masks: list[tuple[BoolArray, IntArray]] = []
+        cores, points = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))]
+        for k in range(len(pairs)):
+            mine = (near.owner == k).nonzero()[0]
+            row = chosen_of(pairs, np.array([k]))
+            for (solid, other, turn, place), core, close in zip(
+                self._each_in_other(row),
+                (row.second, row.first),
+                (near.triangle_a, near.triangle_b),
+                strict=True,
+            ):
+                assert close is not None
+                corner = other.index.corners[:, 0] @ turn + place
+                counts = np.full(len(corner), solid.depth == 0)
+                counts[close[mine]] = True
+                doubtful = ~counts & ((corner > solid.low) & (corner < solid.high)).all(axis=1)
+                masks.append((counts, doubtful.nonzero()[0]))
+                cores.append(core.repeat(len(masks[-1][1])))
+                points.append(corner[doubtful])
+        inside = self._contained(np.concatenate(cores), np.concatenate(points).T)
+        begin = 0
+        for counts, asked in masks:
+            counts[asked] = inside[begin : begin + len(asked)]
+            begin += len(asked)
+        counted = [counts for counts, _ in masks]
+        return list(zip(counted[::2], counted[1::2], strict=True))
 
     def _over_each_other(
         self, rows: CorePairs, shell_a: BoolArray, numbers: IntArray
@@ -508,13 +538,7 @@ class SurfacePairs:
     def _is_deep(self, row: CorePairs, most: float) -> bool:
         """Whether a corner of either surface is surely deeper than ``most`` [m] inside the other
         one, if that is a solid."""
-        a, b = self._both(row)
-        turn_a, turn_b = row.rotation_a[..., 0], row.rotation_b[..., 0]
-        place_a, place_b = row.centre_a[:, 0], row.centre_b[:, 0]
-        for solid, other, turn, place in (
-            (a, b, turn_b.T @ turn_a, turn_a.T @ (place_b - place_a)),
-            (b, a, turn_a.T @ turn_b, turn_b.T @ (place_a - place_b)),
-        ):
+        for solid, other, turn, place in self._each_in_other(row):
             if solid.depth > 0:
                 points = other.index.corners.reshape(-1, 3) @ turn + place
                 inner = (points > solid.low + most) & (points < solid.high - most)
@@ -525,20 +549,39 @@ class SurfacePairs:
                     return True
         return False
 
+    def _each_in_other(
+        self, row: CorePairs
+    ) -> Iterator[tuple[CoreSurface, CoreSurface, FloatArray, FloatArray]]:
+        """Of the only one of ``row``, the second surface and the first one, then the first and the
+        second: one, the other, and how points (n, 3) of the other are placed in the frame of the
+        one, ``points @ turn + place``."""
+        a, b = self._both(row)
+        turn_a, turn_b = row.rotation_a[..., 0], row.rotation_b[..., 0]
+        way = row.centre_b[:, 0] - row.centre_a[:, 0]
+        yield b, a, turn_a.T @ turn_b, -turn_b.T @ way
+        yield a, b, turn_b.T @ turn_a, turn_a.T @ way
+
     def _both(self, row: CorePairs) -> tuple[CoreSurface, CoreSurface]:
         return self._surfaces[int(row.first[0])], self._surfaces[int(row.second[0])]
 
-    def _overlap(self, row: CorePairs, on_a: FloatArray, on_b: FloatArray) -> BoolArray:
-        """Where points (3, n) of either surface are inside the other one, if that is a solid."""
-        result = np.ones(on_a.shape[1], dtype=np.bool_)
-        a, b = self._both(row)
-        for solid, points, turn, place in (
-            (a, on_b, row.rotation_a, row.centre_a),
-            (b, on_a, row.rotation_b, row.centre_b),
-        ):
-            if solid.depth > 0:
-                result &= solid.contains((points - place).T @ turn[..., 0])
-        return result
+    def _overlap(self, rows: CorePairs, on_a: FloatArray, on_b: FloatArray) -> BoolArray:
+        """Which points (3, n) of either surface are inside the other one, if that is a solid."""
+        in_a = turned_back(rows.rotation_a, on_b - rows.centre_a)
+        in_b = turned_back(rows.rotation_b, on_a - rows.centre_b)
+        return self._contained(rows.first, in_a) & self._contained(rows.second, in_b)
+
+    def _contained(self, cores: IntArray, points: FloatArray) -> BoolArray:
+        """Which points (3, n) are inside the solids ``cores`` (n,), each in the frame of its own;
+        true of shells."""
+        inside = np.ones(len(cores), dtype=np.bool_)
+        unique, number = np.unique(cores, return_inverse=True)
+        surfaces = [self._surfaces[core] for core in unique.tolist()]
+        alike = np.array([id(surface) for surface in surfaces], dtype=np.int64)[number]
+        for surface in {id(surface): surface for surface in surfaces}.values():
+            if surface.depth > 0:
+                mine = (alike == id(surface)).nonzero()[0]
+                inside[mine] = surface.contains(points[:, mine].T)
+        return inside
 
 
 def _most(a: CoreSurface, b: CoreSurface) -> float:
