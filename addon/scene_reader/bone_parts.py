@@ -32,6 +32,10 @@ _KEEP_PLACES = {
 """Types of modifiers after which the vertices of the mesh are still the first ones, about where
 the armature moved them."""
 
+_SMOOTH = 5e-4
+"""Metres by which vertices of a part may be outside its hull: a limb of thousands of vertices needs
+some hundred."""
+
 _STRETCHED = 1e-3
 """Part by which a bone may change lengths without a shape of its own for that."""
 
@@ -145,14 +149,15 @@ def parts_at_rest(obj: Object, armature: Object, scale: FloatArray) -> BoneParts
     inside = of[triangles]
     whole = (inside == inside[:, :1]).all(axis=1)
     place = np.empty(len(points), dtype=np.int64)
+    hulls = tuple(_hull(own.tobytes()) for own in groups)
     deviations = []
-    for part, own in enumerate(groups):
+    for part, (own, hull) in enumerate(zip(groups, hulls, strict=True)):
         place[of == part] = np.arange(len(own))
-        deviations.append(hull_deviation(own, place[triangles[whole & (inside[:, 0] == part)]]))
+        mine = place[triangles[whole & (inside[:, 0] == part)]]
+        deviations.append(max(_beyond(own, hull), hull_deviation(own, mine, _SMOOTH)))
     rest = read_array(armature.data.bones, "matrix_local", 16).reshape(-1, 4, 4)
     data = [armature.data.bones.find(bone.name) for bone in armature.pose.bones]
     inverse = np.linalg.inv(rest.transpose(0, 2, 1).astype(np.float64))[np.array(data)[bones]]
-    hulls = tuple(_hull(own.tobytes()) for own in groups)
     return BoneParts(points, of, hulls, bones, inverse, max(deviations))
 
 
@@ -176,7 +181,13 @@ def _is_point(points: FloatArray) -> bool:
 @lru_cache(maxsize=1024)
 def _hull(points: bytes) -> ConvexHull:
     """The hull of points (n, 3), the same object where a mesh is read again."""
-    return ConvexHull(convex_hull(np.frombuffer(points).reshape(-1, 3)).points)
+    return ConvexHull(convex_hull(np.frombuffer(points).reshape(-1, 3), _SMOOTH).points)
+
+
+def _beyond(points: FloatArray, hull: ConvexHull) -> float:
+    """How far ``points`` (n, 3) are at most outside a hull [m]."""
+    normals, offsets = convex_hull(hull.points).planes()
+    return float((points @ normals.T - offsets).max(initial=0.0))
 
 
 @lru_cache(maxsize=256)

@@ -85,25 +85,26 @@ def _farthest(offsets: FloatArray, count: int) -> IntArray:
     return np.asarray(order[last])
 
 
-def convex_hull(points: FloatArray) -> Hull:
+def convex_hull(points: FloatArray, tolerance: float = 0.0) -> Hull:
     """The hull of ``points`` (n, 3), at least one. Points within 1e-9 of the extent of a face count
-    as lying in it."""
+    as lying in it. ``tolerance`` [m]: it is the hull of so many of the points that no other is
+    farther outside."""
     points = np.unique(np.asarray(points, dtype=np.float64), axis=0)
-    if len(points) > MAX_HULL_POINTS:
+    if len(points) > MAX_HULL_POINTS and tolerance == 0:
         points = extreme_points(points, MAX_HULL_POINTS)
-    return _hull_of(points.tobytes())
+    return _hull_of(points.tobytes(), tolerance)
 
 
 @lru_cache(1024)
-def _hull_of(coordinates: bytes) -> Hull:
+def _hull_of(coordinates: bytes, tolerance: float) -> Hull:
     """The hull of distinct points, cached for scenes with the same meshes and for shrunk hulls."""
     points = np.frombuffer(coordinates).reshape(-1, 3)
-    hull = _computed_hull(points)
+    hull = _computed_hull(points, tolerance)
     hull.points.flags.writeable = hull.triangles.flags.writeable = False
     return hull
 
 
-def _computed_hull(points: FloatArray) -> Hull:
+def _computed_hull(points: FloatArray, tolerance: float) -> Hull:
     extent = float(np.max(np.ptp(points, axis=0)))
     simplex = _simplex(points, 1e-9 * max(extent, float(np.max(np.abs(points))) * 1e-4))
     if len(simplex) == 1:
@@ -116,7 +117,7 @@ def _computed_hull(points: FloatArray) -> Hull:
         )
     if len(simplex) == 3:
         return _flat_hull(points, points[simplex])
-    return _Quickhull(points, simplex, 1e-9 * extent).hull()
+    return _Quickhull(points, simplex, 1e-9 * extent, tolerance).hull()
 
 
 def _simplex(points: FloatArray, tolerance: float) -> list[int]:
@@ -193,12 +194,16 @@ class _HullFace:
 
 class _Quickhull:
     """Quickhull (Barber, Dobkin, Huhdanpaa 1996): the farthest point outside a face replaces all
-    the faces it sees."""
+    the faces it sees. ``level`` [m]: heights above a face up to which points lie in it;
+    ``tolerance`` [m]: up to which they need not become corners."""
 
-    def __init__(self, points: FloatArray, simplex: list[int], tolerance: float) -> None:
+    def __init__(
+        self, points: FloatArray, simplex: list[int], level: float, tolerance: float
+    ) -> None:
         self._points = points
         self._coordinates = points.tolist()
-        self._tolerance = tolerance
+        self._level = level
+        self._enough = max(level, tolerance)
         a, b, c, d = simplex
         if (
             np.dot(np.cross(points[b] - points[a], points[c] - points[a]), points[d] - points[a])
@@ -253,7 +258,7 @@ class _Quickhull:
         )
         best = heights.argmax(axis=1)
         top = heights[np.arange(len(indices)), best]
-        outside = np.flatnonzero(top > self._tolerance)
+        outside = np.flatnonzero(top > self._enough)
         order = outside[np.lexsort((top[outside], best[outside]))]
         counts = np.bincount(best[order], minlength=len(faces)).tolist()
         end = 0
@@ -272,7 +277,7 @@ class _Quickhull:
             for edge, other in face.neighbours.items():
                 if not other.alive:
                     continue
-                if float(other.normal @ point) - other.offset > self._tolerance:
+                if float(other.normal @ point) - other.offset > self._level:
                     other.alive = False
                     visible.append(other)
                 else:

@@ -100,10 +100,12 @@ def is_closed(points: FloatArray, triangles: IntArray) -> bool:
     return len(ways) > 0 and bool((ways[1:] != ways[:-1]).all()) and np.array_equal(ways, back)
 
 
-def hull_deviation(points: FloatArray, triangles: IntArray) -> float:
-    """How far the convex hull of ``points`` (n, 3) is from ``triangles`` (t, 3) over them [m]; of
-    very many, from some."""
-    return _deviation(convex_hull(points), points[triangles], _FEW) if len(triangles) else 0.0
+def hull_deviation(points: FloatArray, triangles: IntArray, smooth: float = 0.0) -> float:
+    """How far the convex hull of ``points`` (n, 3), with the tolerance ``smooth`` [m], is from
+    ``triangles`` (t, 3) over them [m]; of very many, from some."""
+    if len(triangles) == 0:
+        return 0.0
+    return _deviation(convex_hull(points, smooth), points[triangles], _FEW)
 
 
 def _deviation(hull: Hull, corners: FloatArray, most: int) -> float:
