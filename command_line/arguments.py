@@ -314,10 +314,14 @@ def _convert(parser: Parser) -> None:
         help="its ending tells the format; some formats take one file per channel; -: standard "
         "output",
     )
-    parser.add_argument("--from", dest="read_as", choices=tuple(FORMATS), help="the format of -")
+    _add_from(parser)
     parser.add_argument("--to", choices=tuple(FORMATS), help="the format of - as a target")
     _add_format_options(parser)
     _add_old_format_options(parser)
+
+
+def _add_from(parser: Parser) -> None:
+    parser.add_argument("--from", dest="read_as", choices=tuple(FORMATS), help="the format of -")
 
 
 def _play(parser: Parser) -> None:
@@ -325,8 +329,9 @@ def _play(parser: Parser) -> None:
         "file",
         metavar="FILE",
         type=Path,
-        help=f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: a scene from standard input",
+        help=f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
     )
+    _add_from(parser)
     parser.add_argument(
         "--device",
         action="append",

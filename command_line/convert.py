@@ -25,9 +25,7 @@ SAMPLE_RATE = 8000
 
 def run(args: argparse.Namespace) -> int:
     """Read, write, print. Returns exit code 0."""
-    source, target = args.source, args.target
-    if source == DASH:
-        source = from_input(_suffix(INPUT, args.read_as, "--from"))
+    source, target = given(args.source, args.read_as), args.target
     if target == DASH:
         target = for_output(target, _suffix(OUTPUT, args.to, "--to"))
     name, written = _converted(source, target, args.options)
@@ -37,6 +35,11 @@ def run(args: argparse.Namespace) -> int:
     put_out(written.files, args.stdout)
     say(written.losses)
     return 0
+
+
+def given(path: Path, read_as: str | None) -> Path:
+    """``path``, or for ``-`` what comes from standard input in the format ``read_as``."""
+    return path if path != DASH else from_input(_suffix(INPUT, read_as, "--from"))
 
 
 def _suffix(stream: str, name: str | None, flag: str) -> str:

@@ -20,7 +20,7 @@ from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.formats.tracks.wav import at_rate
 from ..core.message import sentence
 from . import answer, say, warn_of_unknown
-from .convert import is_scene, tracks_of
+from .convert import given, is_scene, tracks_of
 from .export import rendered
 from .keyboard import pressed_keys
 from .serve.stage import DeviceStage
@@ -33,7 +33,7 @@ _PATIENCE = 3.0
 
 def run(args: argparse.Namespace) -> int:
     """Read the file, open the devices, play. Exit code 0."""
-    tracks = _tracks(args.file, args.seconds)
+    tracks = _tracks(given(args.file, args.read_as), args.seconds)
     samples, parts = _at_body_parts(at_rate(tracks, RATE))
     stage = DeviceStage.of(args.device)
     try:

@@ -134,6 +134,21 @@ def test_a_pipe_needs_a_format(sound):
     assert code == 2 and "--from" in err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "given", "message"),
+    [
+        (["--from", "wav"], None, "device 'no such pad' is not connected"),
+        (["--from", "wav"], b"RIFF", "standard input: "),
+        ([], None, "standard input: say its format by --from"),
+    ],
+)
+def test_what_is_played_comes_from_a_pipe(sound, arguments, given, message):
+    """It is read before a device is looked for."""
+    given = sound.read_bytes() if given is None else given
+    code, out, err = program("play", "-", "--device", "no such pad", *arguments, given=given)
+    assert (code, out) == (2, b"") and message in err and err.count("\n") == 1
+
+
 def test_a_sound_becomes_a_signal_in_a_pipe(sound, tmp_path):
     code, text, _ = program("sound", "-", "--output", "-", given=sound.read_bytes())
     assert program("sound", sound, "--output", tmp_path / "signal.json")[0] == 0
