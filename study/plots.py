@@ -65,13 +65,13 @@ def plots(ride: Ride) -> Iterator[tuple[str, str, bytes]]:
         "Range and variety of what is felt, and of patterns over the body, by section.",
         _intensity(ride),
     )
-    for name, title, first, last in ride.sections:
+    for _name, title, first, last in ride.sections:
         if last > first:
             caption = (
                 "Peak drive of every actuator, at how many anything is felt, and how far over the "
                 "body the vibration reaches."
             )
-            yield title, caption, _section(ride, name, first, last)
+            yield title, caption, _section(ride, first, last)
     yield (
         "Spectrogram",
         "All actuators together; decibels of a full-scale sine.",
@@ -122,7 +122,7 @@ def _seconds(ride: Ride, rows: slice) -> Any:
     return (ride.frames[rows] - 1) / ride.frame_rate
 
 
-def _section(ride: Ride, name: str, first: int, last: int) -> bytes:
+def _section(ride: Ride, first: int, last: int) -> bytes:
     rows = ride.rows(first, last)
     seconds = _seconds(ride, rows)
     figure, axes = _figure(

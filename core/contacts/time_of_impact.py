@@ -94,9 +94,7 @@ class TimeOfImpact:
         relative = paths.velocities(b, paths.duration / 2) - paths.velocities(a, paths.duration / 2)
         travel = np.sqrt((relative * relative).sum(axis=0)) * paths.duration
         far = travel > (self._thickness[a] + self._thickness[b]) / 4
-        moving = _MovingPairs(
-            self._narrow, paths, pairs, travel + np.minimum(self._radius[a], self._radius[b])
-        )
+        moving = _MovingPairs(self._narrow, paths, pairs)
         mesh = self._narrow.is_mesh[a] | self._narrow.is_mesh[b]
         expected, after = np.full((2, len(pairs)), np.inf)
         for rows, touches in (
@@ -156,40 +154,34 @@ class TimeOfImpact:
             self.unsure.update(map(tuple, np.sort(moving.pairs[rows[unsure]], axis=1).tolist()))
         return expected, after
 
-    def final_distances(self, paths: Paths, pairs: IntArray, limit: FloatArray) -> FloatArray:
-        """Signed distances (p,) of ``pairs`` at the end of their paths, exact up to ``limit``
-        (p,)."""
-        return _MovingPairs(self._narrow, paths, pairs, limit).clearances(
-            np.full(len(pairs), paths.duration)
-        )
+    def final_distances(self, paths: Paths, pairs: IntArray) -> FloatArray:
+        """Signed distances (p,) of ``pairs`` at the end of their paths."""
+        moving = _MovingPairs(self._narrow, paths, pairs)
+        return moving.clearances(np.full(len(pairs), paths.duration))
 
 
+@dataclass(frozen=True, slots=True)
 class _MovingPairs:
-    """Pairs of bodies on their paths, each pair at its own time. Distances are exact up to
-    ``limit`` (k,)."""
+    """``pairs`` (k, 2) of bodies on their ``paths``, each pair at its own time."""
 
-    def __init__(
-        self, narrow: NarrowPhase, paths: Paths, pairs: IntArray, limit: FloatArray
-    ) -> None:
-        self.narrow = narrow
-        self.paths = paths
-        self.pairs = pairs
-        self._limit = limit
+    narrow: NarrowPhase
+    paths: Paths
+    pairs: IntArray
 
     def chosen(self, rows: IntArray | BoolArray) -> _MovingPairs:
-        return _MovingPairs(self.narrow, self.paths, self.pairs[rows], self._limit[rows])
+        return _MovingPairs(self.narrow, self.paths, self.pairs[rows])
 
     def poses(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         both = self.paths.poses(self.pairs.T.reshape(-1), np.concatenate([time, time]))
         return both[:, : len(time)], both[:, len(time) :]
 
     def clearances(self, time: FloatArray) -> FloatArray:
-        return self.narrow.clearances(self.pairs, *relative_pose(*self.poses(time)), self._limit)
+        return self.narrow.clearances(self.pairs, *relative_pose(*self.poses(time)))
 
     def actual(self) -> FloatArray:
         """Signed distances (k,) in the actual poses at the end."""
         first, second = (self.paths.end[:, k] for k in self.pairs.T)
-        return self.narrow.clearances(self.pairs, *relative_pose(first, second), self._limit)
+        return self.narrow.clearances(self.pairs, *relative_pose(first, second))
 
     def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes,
@@ -267,7 +259,7 @@ class _MovingPairs:
         a, b = self.pairs.T
         first, second = self.poses(now)
         distance, normal = self.narrow.directed_clearances(
-            self.pairs, *relative_pose(first, second), self._limit
+            self.pairs, *relative_pose(first, second)
         )
         relative = self.paths.velocities(a, now) - self.paths.velocities(b, now)
         bend = self.paths.acceleration[:, b] - self.paths.acceleration[:, a]

@@ -485,10 +485,9 @@ class ContactTracker:
         larger, smaller = pairs.larger[rows], pairs.smaller[rows]
         poses = self._history.last_poses
         self._queries += len(rows)
-        limit = np.full(len(rows), self.settings.tolerance)
         relative = relative_pose(poses.take(larger, axis=1), poses.take(smaller, axis=1))
-        distance = self._narrow.clearances(np.stack([larger, smaller], axis=1), *relative, limit)
-        touching = distance <= limit
+        distance = self._narrow.clearances(np.stack([larger, smaller], axis=1), *relative)
+        touching = distance <= self.settings.tolerance
         pairs.looked[rows], pairs.known[rows] = True, False
         pairs.touching[rows] = pairs.struck[rows] = touching
         pairs.values[_DISTANCE, rows] = distance
@@ -921,9 +920,7 @@ class ContactTracker:
             arrived = arrived[~_among(arrived, np.sort(hits.pairs @ (len(self.bodies), 1)))]
         if len(arrived):
             pairs = self._numbers(arrived)
-            expected = self._time_of_impact.final_distances(
-                paths, pairs, np.full(len(pairs), self.settings.tolerance)
-            )
+            expected = self._time_of_impact.final_distances(paths, pairs)
             pulled = pairs[expected > 2 * _PRESSING_DISTANCE]
             if len(pulled):
                 meetings = self._time_of_impact.meetings(paths.to_the_ends(), pulled)

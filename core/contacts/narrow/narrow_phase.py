@@ -138,25 +138,23 @@ class NarrowPhase:
             [places for _, places in parts], axis=1
         )
 
-    def clearances(
-        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray
-    ) -> FloatArray:
+    def clearances(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> FloatArray:
         """Signed distances (p,), or lower bounds on them that are positive only if the distance is.
-        Cheaper than `query`. Beyond ``limit`` (p,) a bound need not be larger than that."""
+        Cheaper than `query`."""
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is None:
-            return self.directed_clearances(pairs, rotation, offset, limit)[0]
+            return self.directed_clearances(pairs, rotation, offset)[0]
         distance = np.empty(len(pairs))
         distance[boxes.rows] = self._boxes.clearances(boxes)
         if len(boxes.rows) < len(pairs):
             others = np.delete(np.arange(len(pairs)), boxes.rows)
             distance[others] = self.directed_clearances(
-                pairs[others], rotation[..., others], offset[:, others], limit[others]
+                pairs[others], rotation[..., others], offset[:, others]
             )[0]
         return distance
 
     def directed_clearances(
-        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """The same, and normals (3, p) from first to second."""
         found = self._boxes.directed_clearances(pairs, rotation, offset)
