@@ -18,19 +18,14 @@ _ROWS = 64
 """Largest number of boxes per step of the sweep."""
 
 
-def overlapping_pairs(bounds: FloatArray, moved: BoolArray | None = None) -> IntArray:
-    """Pairs (p, 2) of boxes (n, 2, 3) that overlap or touch, each once, smaller index first,
-    sorted.
-
-    With ``moved`` (n,) only pairs in which at least one box has moved. A box with NaN overlaps
-    nothing.
-    """
+def overlapping_pairs(bounds: FloatArray, active: BoolArray) -> IntArray:
+    """Pairs (p, 2) of boxes (n, 2, 3) that overlap or touch and of which at least one is ``active``
+    (n,): each once, smaller index first, sorted. A box with NaN overlaps nothing."""
     count = len(bounds)
     real = ~np.isnan(bounds).any(axis=(1, 2))
     if not real.all():
         number = np.flatnonzero(real)
-        return number[overlapping_pairs(bounds[real], None if moved is None else moved[real])]
-    active = np.ones(count, dtype=np.bool_) if moved is None else moved
+        return number[overlapping_pairs(bounds[real], active[real])]
     low, high = np.ascontiguousarray(bounds.transpose(1, 2, 0))  # (3, n): compared along the boxes
     few = int(active.sum()) * count <= _CHUNK
     first, second = _with_all(low, high, active) if few else _swept(low, high, active)

@@ -153,26 +153,6 @@ class _Attachments:
     share: FloatArray
     energy: FloatArray
 
-    def divided(self, count: int) -> tuple[_Attachments, _Attachments]:
-        """Those of the first ``count`` ends, and those of the others."""
-        cut = int(self.size[:count].sum())
-        return (
-            _Attachments(
-                self.first[:count],
-                self.size[:count],
-                self.region[:cut],
-                self.share[:cut],
-                self.energy[:, :cut],
-            ),
-            _Attachments(
-                self.first[count:] - cut,
-                self.size[count:],
-                self.region[cut:],
-                self.share[cut:],
-                self.energy[:, cut:],
-            ),
-        )
-
 
 class _Assembly:
     """The equations of all subsystems within ``hops`` contacts from the ends ``here``."""
@@ -192,7 +172,7 @@ class _Assembly:
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
         self._balance = self._equations()
         self._total = self._balance.diagonal
-        self._ends = self._attached(here.node + there.node).divided(len(here.node))
+        self._ends = self._attached(here.node), self._attached(there.node)
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
         """Squares (lanes, n) of the gains of objects over distances; gains above 1 count as 1."""
