@@ -38,7 +38,8 @@ CREEP = 0.02
 creep of one or two per cent on."""
 
 _PIVOT = 2.0 / 3.0
-"""Mean distance from the middle of a disc, relative to its radius."""
+"""Mean distance of the points of a disc from its middle, relative to its radius: the sliding speed
+of a disc that turns on the spot."""
 
 
 _NAMES = ("{0} sliding on {1}", "{1} sliding on {0}"), ("{0} rolling on {1}", "{1} rolling on {0}")

@@ -13,10 +13,11 @@ from .hull import Hull, convex_hull
 from .shapes import MAX_TRIANGLES, ConvexHull, Mesh, Shape
 
 SUNK_IN = 0.05
-"""Metres beneath the surface of a solid down to which what lies inside touches it."""
+"""Depth beneath the surface of a solid down to which bodies inside it touch it [m]."""
 
 _SAME_PLACE = 1e-6
-"""Part of a mesh's extent up to which two vertices are one: seams have two at a place."""
+"""Distance up to which two vertices count as one, relative to the extent of the mesh: at a seam,
+meshes have two vertices in one place."""
 
 _FEW, _MOST = 500_000, 20_000_000
 """Corners times planes of the hull that are compared first, to find most concave meshes, and above

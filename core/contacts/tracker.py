@@ -45,7 +45,7 @@ _FACING = 0.05
 """Part of a body's face covered by the patch at which the contact counts half as one of faces."""
 
 _PRESSING_DISTANCE = 2e-3
-"""Metres of distance below which a contact acts on the bodies."""
+"""Distance below which bodies count as pressing on each other [m]."""
 
 _CREEP = 0.05
 """Speed of approach [m/s] up to which touching bodies have come to rest against each other."""
@@ -651,7 +651,7 @@ class ContactTracker:
             able: numbers of the near pairs with the energy for an impact.
             free: those of them that have parted since their last one.
             before: which pairs touched in the last frame (p,).
-            examined: which pairs were looked at now (p,).
+            examined: which pairs were queried in this frame (p,).
             last: the values of all pairs in the last frame.
         """
         pairs, time = self._pairs, self._history.times[-1]

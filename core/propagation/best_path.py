@@ -33,7 +33,7 @@ COSTS_AT_ONCE = 1 << 22
 """Most pairs of a root and a node whose costs are in memory at a time."""
 
 EXPANSION = 32
-"""Work of one partial path of this search, in the states that a budget counts."""
+"""Work of expanding one partial path in this search, in units of the budget (states)."""
 
 
 @dataclass(slots=True)

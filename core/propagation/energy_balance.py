@@ -41,7 +41,7 @@ INAUDIBLE = 1e-12
 or -120 dB."""
 
 UNDERFLOW = 1e-280
-"""Smallest square of a gain that is not 0."""
+"""Squares of gains other than 0 are raised to this, so that they do not underflow."""
 
 TINIEST = 1e-140
 """Least bound on the error of an amplitude that is not known to be 0."""

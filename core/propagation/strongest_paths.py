@@ -25,7 +25,7 @@ from .hop_constrained import hop_constrained_paths
 from .shortest_paths import shortest_paths
 
 WALKED = 64
-"""Nodes of the path so far that are examined in about the time of one partial path."""
+"""Length of a partial path, in nodes, whose examination takes about as long as expanding it."""
 
 TAPS = 8
 """Most paths whose delays are given."""

@@ -28,7 +28,8 @@ TAILS = 0.05, 0.15
 contacts begin and end. The few beyond don't count: a body far away changes no lattice."""
 
 FARTHEST = 2.0**40
-"""Most lattice points from the middle: contacts beyond belong to the last one."""
+"""Largest distance of a lattice point from the middle, in spacings: contacts further away belong to
+the outermost point."""
 
 HIGHEST = 1e140
 """Largest distance, whose square is still finite."""
@@ -44,7 +45,7 @@ LIGHTEST = 1e-100
 """Least mass of a region, whose reciprocal is still finite."""
 
 BISECTIONS = 60
-"""Steps to the length over which a function of several terms damps."""
+"""Bisection steps to the length over which the gain of a function with spreading falls to 1/e."""
 
 SAMPLES, REFINED = 1025, 12
 """Distances at which a function without a closed form is evaluated, to find where it damps, and how

@@ -57,7 +57,7 @@ ROUNDS = 32
 one."""
 
 OUTSIDE = 1e-6
-"""Part of the least component on a cycle that components outside the cycles begin with."""
+"""Initial components of the vector outside the cycles, relative to the least one on a cycle."""
 
 NEGLIGIBLE = 1e-9
 """Part of the sum below which the bound on the remaining terms is small enough."""

@@ -22,9 +22,10 @@ from ..arrays import BoolArray, FloatArray
 SMOOTHING = 0.008
 """Seconds of the window. From 250 Hz on it passes less than -31 dB of a corner."""
 _CLOSING = 1.5 * SMOOTHING
-"""In frames of fewer seconds lines to 0 arrive at their end, and the gains in the frames after."""
+"""Frames shorter than this [s] are too short for a line to reach 0 early: it does so at the frame's
+end, and the smoothed gain in the frames after."""
 _INSTANT = 1e-9
-"""In frames of fewer seconds gains jump."""
+"""Frames shorter than this [s] count as instants, in which gains jump."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ _CHUNK = 4096
 """Samples of a signal are rendered in runs that begin at multiples of this, so that they are
 bit-identical for any division into frames."""
 _BRIEF = 2 * _CHUNK
-"""Signals of at most so many samples are rendered whole, for the same reason."""
+"""Signals of at most this many samples are rendered as a whole, for the same reason."""
 _TOGETHER = 16
 """Most signals that are rendered at once: enough to outweigh the overhead, few enough for the
 processor's cache."""

@@ -19,13 +19,16 @@ from ...arrays import BoolArray, FloatArray, IntArray
 from .frames import COLUMN, dot, pick, turned, turned_back
 
 FACE_PREFERENCE = 1e-6
-"""Metres by which an axis of two edges must be better than that of a face to be chosen."""
+"""Metres by which the separation along an axis of two edges must exceed that along the normal of a
+face for the axis to be chosen."""
 
 EDGE_TOLERANCE = 1e-9
-"""Part of a face's or an edge's size within which a point on its end counts as on it."""
+"""Relative tolerance with which a point at the border of a face or at the end of an edge counts as
+lying on it."""
 
 _PARALLEL = 1e-8
-"""Squared sine of the angle between two edges below which they give no axis."""
+"""Squared sine of the angle between two edges below which they count as parallel, so that their
+cross product is no axis."""
 
 FIRST_EDGE_AXIS = 6
 """Number of the first axis that belongs to two edges."""

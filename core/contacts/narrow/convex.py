@@ -19,13 +19,14 @@ _POINT_RADIUS = 1e-9
 """Radius [m] of the spheres and capsules that stand for points and segments, which FCL lacks."""
 
 _CONFIRMED = 2e-5
-"""Metres between the bounds on a distance below which it is accepted."""
+"""Difference of the upper and the lower bound on a distance up to which the upper one is accepted
+[m]."""
 
 _TOUCHING = 1e-7
 """Metres of distance below which the nearest points do not determine the normal."""
 
 _GROWTH = 1.5
-"""Times an uncertain distance by which a body is grown, so that it overlaps the other one."""
+"""A body is grown by this multiple of an uncertain distance, so that it overlaps the other one."""
 
 _MOST_TRIANGLES = 100_000
 

@@ -63,7 +63,7 @@ _CLOSED_FORMS: dict[tuple[int, int], Callable[[_Placed, _Placed], Separation]] =
     (Kind.SEGMENT, Kind.SEGMENT): lambda a, b: segment_to_segment(*_ends(*a), *_ends(*b)),
     (Kind.SEGMENT, Kind.BOX): _segment_and_box,
 }
-"""By kinds, those pairs that need neither separating axes nor FCL."""
+"""The function for each pair of kinds whose distance has a closed form."""
 
 
 class CoreDistances:

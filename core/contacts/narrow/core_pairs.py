@@ -20,7 +20,7 @@ BEYOND = 1e-9
 known."""
 
 _OPPOSITE = -1e-3
-"""Cosine between the normals of two faces below which they look at each other."""
+"""Cosine of the angle between the outward normals of two faces below which they face each other."""
 
 
 @dataclass(slots=True)
@@ -208,7 +208,7 @@ class CorePairing:
             counted = counts_b[pair[mine], theirs].nonzero()[0]
             mine, theirs = mine[counted], theirs[counted]
             against = dot(taken(normal, mine), taken(second.normals, theirs))
-            if first.depth == 0 or second.depth == 0:  # both sides of a shell look at others
+            if first.depth == 0 or second.depth == 0:  # either side of a shell can face others
                 against = -np.abs(against)
             mine, theirs = mine[against < _OPPOSITE], theirs[against < _OPPOSITE]
             way = taken(middle_b, theirs) - taken(middle_a, mine)

@@ -16,7 +16,8 @@ from .cores import CoreTable, Size
 from .manifold import PATCH_GAP
 
 _SAME = 1e-9
-"""Metres up to which a depth is the largest one: contacts with triangles are no deeper."""
+"""Tolerance with which a depth counts as the largest allowed one [m]: contacts with triangles are
+no deeper."""
 
 
 class HollowHulls:

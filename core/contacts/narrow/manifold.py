@@ -23,7 +23,7 @@ crates and the edges of stones are. So the patch of a body of 1 m hardly moves i
 1e-3 rad."""
 
 PATCH_GAP = 0.001
-"""The same of meshes, whose triangles are looked for no further away."""
+"""The same for meshes: triangles further apart than this are not searched for."""
 
 _LYING, _TIPPED = 0.002, 0.02
 """Slopes between two faces below which they lie on each other, and above which they touch along a

@@ -33,7 +33,8 @@ _AT_ONCE = 1 << 14
 """Elements per array that are computed at a time: few enough for the processor's cache."""
 
 _LEAST = 1e-12
-"""Metres and slopes below which a face is at the point, and a direction runs along a face."""
+"""Least distance of a face from the point [m], and least rate at which a direction approaches a
+face: smaller ones are replaced by it, so that quotients are finite."""
 
 
 def directions(normal: FloatArray) -> FloatArray:

@@ -1,7 +1,7 @@
 """Contacts of surfaces: of two meshes, a mesh and a hull, and of a convex core inside a mesh.
 
 FCL finds the distance of two surfaces. Where they are apart, the triangles about the nearest points
-make the patch. Where solids cross, the faces that look at each other do; the deeper they are, the
+make the patch. Where solids cross, the triangles that face each other do; the deeper they are, the
 more the curve along which the surfaces cross takes their place. For a body wholly inside a solid,
 that solid is a wall as thick as bodies may sink in. So distances, centres and areas are continuous
 while a body moves from outside through the surface to the far side of that wall.
@@ -37,7 +37,7 @@ _REACH = 1.1 * PATCH_GAP
 """Metres beyond the least distance within which triangles belong to the patch."""
 
 _TOUCHING = 1e-7
-"""Metres of distance up to which surfaces may cross."""
+"""Distance up to which two surfaces count as touching, so that they may cross [m]."""
 
 _OPEN = 1e-6
 """Weight of the mean of the surfaces' normals beside the area that the curve along which they
@@ -301,8 +301,8 @@ class SurfacePairs:
         found: list[CoreContacts],
         corners: bool,
     ) -> None:
-        """Add the contacts of surfaces that do not cross, and of those that cross where no two
-        faces look at each other.
+        """Add the contacts of surfaces that do not cross, and of those that cross where no
+        triangles face each other.
 
         Args:
             rows: pairs of triangles (n,).
@@ -339,7 +339,7 @@ class SurfacePairs:
     ) -> list[int]:
         """Add contacts of pairs, by number, whose surfaces cross and of which one is a solid, with
         how far they may sink into each other [m]. Returns the numbers of those that only touch,
-        where no faces look at each other."""
+        where no triangles face each other."""
         several = chosen_of(pairs, np.array(list(deep)))
         most = np.array(list(deep.values()))
         row = [chosen_of(several, np.array([k])) for k in range(len(deep))]
@@ -466,7 +466,7 @@ class SurfacePairs:
         the first ones are of a shell."""
         first, second = self._corners(rows)
         normal_a, normal_b = unit_normals(first), unit_normals(second)
-        # A shell has no outside: both sides of it are looked at.
+        # A shell has no outside: either of its sides can face the other surface.
         turned = dot(normal_a, normal_b) > 0
         normal_a = np.where(turned & shell_a, -normal_a, normal_a)
         normal_b = np.where(turned & ~shell_a, -normal_b, normal_b)
@@ -508,7 +508,7 @@ class SurfacePairs:
         facing: CoreContacts,
     ) -> CoreContacts:
         """The contact of the only one of ``row``, whose solids have sunk deep into each other: from
-        that of the faces which look at each other, at half the depth ``most`` [m], to that around
+        that of the triangles which face each other, at half the depth ``most`` [m], to that around
         the curve where the surfaces cross, from ``most`` on.
 
         Args:

@@ -21,8 +21,8 @@ the faces' normal."""
 
 
 _AXES = 11
-"""Axes along which two faces that look at each other may be least deep: the normals of both, and
-the cross products of their edges."""
+"""Axes along which the penetration of two faces that face each other may be least: both normals,
+and the cross products of their edges."""
 
 _NARROW = 1e-6
 """The share of their extent by which triangles may be apart and still count as overlapping: more
@@ -171,7 +171,7 @@ def unit_normals(corners: FloatArray) -> FloatArray:
 def facing_axes(
     first: FloatArray, second: FloatArray, normal_a: FloatArray, normal_b: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Signed separations (n,) of faces of two solids that look at each other, their outward normals
+    """Signed separations (n,) of faces of two solids that face each other, their outward normals
     being ``normal_a`` and ``normal_b`` (3, n), and the axes (3, n) from the first to the second.
     Negative where they have passed through each other: of the axes between the two normals, that
     along which they are least deep (separating axes)."""

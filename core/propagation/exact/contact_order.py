@@ -12,7 +12,8 @@ from ...arrays import IntArray
 from ...graph.haptic_graph import HapticGraph
 
 WIDEST = 48
-"""With more objects than this at once in the frontier, no order is narrow."""
+"""Most objects of the frontier that are considered as the next one: where there are more, no order
+is narrow enough for an exact sum."""
 
 Neighbours = dict[int, list[tuple[int, int]]]
 """Of each object: the number of every contact at it, and the object on its other side."""

@@ -44,7 +44,8 @@ NOWHERE = SHIFT[-1] + BITS
 """Shift to a field that is always 0."""
 
 ELEMENTS = 16
-"""Numbers that are added in the time in which one transition is found."""
+"""How many numbers are added up in the time that it takes to find one transition: converts vector
+operations to the unit of work."""
 
 Waiting = list[tuple[int, int]]
 """Nodes of an object at which an end may wait, with their slots."""

@@ -25,10 +25,11 @@ from .step_graph import StepGraph, walk_bounds
 SetArray = NDArray[np.uint64]
 
 STEPS_PER_WORK, WORDS_PER_WORK = 4, 32
-"""Steps examined, and words of sets of contacts copied, in the time of one unit of work."""
+"""Steps that are examined, and 64-bit words of contact sets that are copied, in one unit of
+work."""
 
 MANY = 1000
-"""Steps from which on it pays to rank them."""
+"""Number of steps above which they are sorted by what they can still contribute."""
 
 BYTES = 1 << 28
 """Most bytes that the states may take."""
@@ -41,7 +42,8 @@ MISSED = 1e-11
 """Relative allowance for rounding in the bound on what is missing."""
 
 MOST, SCALE = 800.0, 1024.0
-"""Cost above that of any gain that a float can hold, and a power of two above that."""
+"""A cost larger than ``-log`` of the least positive float, and a power of two above that, which
+keeps the sorting keys of different entries apart."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,10 +25,11 @@ TERMS, SETTLED, GROWING = 400, 8, 20
 many times in a row terms may grow: a series with more of them is taken to diverge."""
 
 FEW = 8
-"""Contacts of the walks among which the strongest is searched."""
+"""Most contacts of the walks among which the strongest one is searched."""
 
 MEANINGLESS = 1e4
-"""Bounds this many times above the strongest path are no use for ranking."""
+"""Ratio of the bound on all walks to the strongest walk above which the bound is too coarse to rank
+states by."""
 
 
 @dataclass(frozen=True, slots=True)

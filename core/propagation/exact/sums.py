@@ -51,7 +51,7 @@ LONG = 64
 gain is exactly rounded."""
 
 EXACT = 1e-11
-"""Relative difference that rounding explains."""
+"""Relative difference between two sums up to which they count as equal, because of rounding."""
 
 
 @dataclass(frozen=True, slots=True)
