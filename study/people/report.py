@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import tomllib
 from collections.abc import Mapping
 from html import escape
@@ -68,7 +69,7 @@ def analyse(folder: Path) -> list[Path]:
         count=len(reasons),
         planned=len(plan["orders"]),
         kept=(reasons == "").sum(),
-        rules=form["exclusion"],
+        rules=", ".join(f"{name} = {json.dumps(rule)}" for name, rule in form["exclusion"].items()),
         rank_plot=_rank_plot(order),
         effect=form["smallest_effect"],
         maps=maps,
@@ -138,8 +139,10 @@ def _rank_plot(order: DataFrame) -> str:
     from matplotlib.figure import Figure
 
     drawing, file = Figure(figsize=(11, 3), layout="constrained"), BytesIO()
-    counts = order.apply(pandas.Series.value_counts).T.add_prefix("rank ")
+    counts = order.astype(int).apply(pandas.Series.value_counts).T.add_prefix("rank ")
     if len(order):
-        counts[::-1].plot.barh(stacked=True, xlabel="people", ax=drawing.subplots())
+        axes = drawing.subplots()
+        counts[::-1].plot.barh(stacked=True, xlabel="people", ax=axes, legend=False)
+        drawing.legend(loc="outside right")
     drawing.savefig(file, format="png", metadata={"Software": None})
     return f'<img alt="" src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}">'
