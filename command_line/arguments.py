@@ -160,13 +160,7 @@ def _serve(parser: Parser) -> None:
         metavar="PORT",
         help="also answer OSC over UDP on this port, such as 7711",
     )
-    parser.add_argument(
-        "--device",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="a device to play on, as `devices` lists it",
-    )
+    _add_devices(parser)
     parser.add_argument(
         "--osc-devices", action="store_true", help="steps by OSC are played on the devices, too"
     )
@@ -270,13 +264,7 @@ def _devices(parser: Parser) -> None:
 def _export(parser: Parser) -> None:
     _add_scene(parser)
     parser.add_argument("--to", default="", metavar="FORMAT,...", help=FORMAT_NAMES)
-    parser.add_argument(
-        "--out",
-        default="out",
-        type=Path,
-        metavar="FOLDER",
-        help="where the files are written; -: one file, to standard output (out)",
-    )
+    _add_folder(parser, "where the files are written; -: one file, to standard output")
     _add_format_options(parser)
     _add_old_format_options(parser)
     parser.add_argument(
@@ -332,13 +320,7 @@ def _play(parser: Parser) -> None:
         help=f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
     )
     _add_from(parser)
-    parser.add_argument(
-        "--device",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="a device to play on, as `devices` lists it (all)",
-    )
+    _add_devices(parser, " (all)")
     parser.add_argument(
         "--seconds",
         type=float,
@@ -472,13 +454,7 @@ def _sweep(parser: Parser) -> None:
     parser.add_argument(
         "--tracks", action="store_true", help="keep the tracks of every variant as WAV files, too"
     )
-    parser.add_argument(
-        "--out",
-        default="out",
-        type=Path,
-        metavar="FOLDER",
-        help="where results, table and pictures are written (out)",
-    )
+    _add_folder(parser, "where results, table and pictures are written")
     parser.add_argument(
         "--over",
         metavar="COLUMN",
@@ -489,13 +465,7 @@ def _sweep(parser: Parser) -> None:
 
 
 def _demo(parser: Parser) -> None:
-    parser.add_argument(
-        "--out",
-        default="out",
-        type=Path,
-        metavar="FOLDER",
-        help="where the results are written (out)",
-    )
+    _add_folder(parser, "where the results are written")
     parser.add_argument("--start", type=int, help="first frame (the scene's)")
     parser.add_argument("--end", type=int, help="last frame (the scene's)")
     parser.add_argument(
@@ -505,13 +475,7 @@ def _demo(parser: Parser) -> None:
 
 
 def _study(parser: Parser) -> None:
-    parser.add_argument(
-        "--out",
-        default="out/study",
-        type=Path,
-        metavar="FOLDER",
-        help="where the results are written (out/study)",
-    )
+    _add_folder(parser, "where the results are written", "out/study")
     parser.add_argument(
         "--frames",
         type=_frame_range,
@@ -548,13 +512,7 @@ def _study(parser: Parser) -> None:
         metavar="DIR",
         help="folder with study.toml, which is put there to be filled in, and the answers",
     )
-    run.add_argument(
-        "--device",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="a device to play on, as `devices` lists it (all that are connected)",
-    )
+    _add_devices(run, " (all that are connected)")
     run.add_argument("--port", type=int, default=7720, help="of the pages (7720)")
     run.add_argument("--prepare", action="store_true", help="only render films and tracks")
 
@@ -709,14 +667,17 @@ def _add_scene(parser: Parser) -> None:
     )
 
 
-def _add_folder(parser: Parser) -> None:
+def _add_folder(
+    parser: Parser, about: str = "where the files are written", folder: str = "out"
+) -> None:
     parser.add_argument(
-        "--out",
-        default="out",
-        type=Path,
-        metavar="FOLDER",
-        help="where the files are written (out)",
+        "--out", default=folder, type=Path, metavar="FOLDER", help=f"{about} ({folder})"
     )
+
+
+def _add_devices(parser: Parser, default: str = "") -> None:
+    about = f"a device to play on, as `devices` lists it{default}"
+    parser.add_argument("--device", action="append", default=[], metavar="NAME", help=about)
 
 
 def _add_frames(parser: Parser) -> None:
