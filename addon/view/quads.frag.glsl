@@ -49,8 +49,6 @@ vec3 to_target(vec3 colour)
 void main()
 {
   float pixel = screen.z;
-  vec3 dark = vec3(0.063, 0.063, 0.071);
-  vec3 light = vec3(0.97);
   vec4 result = vec4(0.0);
   if (kind == SHAPE_LINE) {
     float along = clamp(local.x, 0.0, length_pixels);
@@ -73,26 +71,7 @@ void main()
   else {
     vec3 colour = colour_a.rgb;
     float radius = half_width;
-    if (kind == SHAPE_CONTACT) {
-      result = over(result, dark, 0.9 * covered(disc(local, radius)));
-      result = over(result, colour, covered(disc(local, radius - 1.3 * pixel)));
-    }
-    else if (kind == SHAPE_SOURCE) {
-      result = over(result, dark, 0.92 * covered(disc(local, radius)));
-      result = over(result, colour, covered(abs(disc(local, radius - 2.6 * pixel)) - 1.1 * pixel));
-      result = over(result, light, covered(disc(local, radius - 5.4 * pixel)));
-      result = over(result, colour, covered(disc(local, radius - 7.0 * pixel)));
-    }
-    else if (kind == SHAPE_IMPACT) {
-      result = over(result, dark, 0.92 * covered(burst(local, radius)));
-      result = over(result, light, covered(burst(local, radius - 1.8 * pixel)));
-      result = over(result, colour, covered(burst(local, radius - 4.0 * pixel)));
-    }
-    else {
-      result = over(result, dark, 0.92 * covered(diamond(local, radius)));
-      result = over(result, light, covered(diamond(local, radius - 1.9 * pixel)));
-      result = over(result, colour, covered(diamond(local, radius - 4.7 * pixel)));
-    }
+    DRAW_SYMBOL
     result *= colour_a.a;
   }
   result *= opacity_factor;

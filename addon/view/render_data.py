@@ -41,9 +41,24 @@ IMPACT_COLOUR = hex_colour("#ffab2e")
 SILENT_COLOUR = hex_colour("#9a9a9a")
 HALO_COLOUR = hex_colour("#101012")
 HIGHLIGHT_COLOUR = hex_colour("#f4f4f4")
+LIGHT_COLOUR = hex_colour("#f7f7f7")
 
 POINT_SIZE = {Shape.CONTACT: 9.0, Shape.SOURCE: 26.0, Shape.LISTENER: 21.0, Shape.IMPACT: 22.0}
 """Diameters in pixels at a user interface scale of 1."""
+LAYERS: dict[Shape, tuple[tuple[float, FloatArray | None, float], ...]] = {
+    Shape.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, None, 1.0)),
+    Shape.LISTENER: ((0.0, HALO_COLOUR, 0.92), (1.9, LIGHT_COLOUR, 1.0), (4.7, None, 1.0)),
+    Shape.SOURCE: (
+        (0.0, HALO_COLOUR, 0.92),
+        (1.5, None, 1.0),
+        (3.7, HALO_COLOUR, 1.0),
+        (5.4, LIGHT_COLOUR, 1.0),
+        (7.0, None, 1.0),
+    ),
+    Shape.IMPACT: ((0.0, HALO_COLOUR, 0.92), (1.8, LIGHT_COLOUR, 1.0), (4.0, None, 1.0)),
+}
+"""The layers of each symbol from the outside in: inset [points], colour (None: that of the point)
+and opacity. Shader, meshes and painter draw these."""
 THIN_LINE = (1.2, 2.6)  # pixels, from the floor of the scale to 0 dB
 PATH_LINE = (3.0, 5.0)
 HALO = 3.0  # pixels of a halo on either side of a path

@@ -12,7 +12,15 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .quads import ATTRIBUTES, Quads
-from .render_data import Shape
+from .render_data import LAYERS, Shape
+
+_DISTANCES = {
+    Shape.CONTACT: "disc",
+    Shape.LISTENER: "diamond",
+    Shape.SOURCE: "disc",
+    Shape.IMPACT: "burst",
+}
+"""The function in ``quads.frag.glsl`` that is the distance to a symbol's outline."""
 
 
 @cache
@@ -32,6 +40,7 @@ def shader() -> GPUShader:
     info = GPUShaderCreateInfo()
     for shape in Shape:
         info.define(f"SHAPE_{shape.name}", f"{float(shape)}")
+    info.define("DRAW_SYMBOL", _symbols())
     info.push_constant("MAT4", "matrix")
     info.push_constant("VEC4", "screen")  # width, height, pixels per point
     info.push_constant("VEC2", "bias")
@@ -47,6 +56,19 @@ def shader() -> GPUShader:
     info.vertex_source(_source("vert"))
     info.fragment_source(_source("frag"))
     return gpu.shader.create_from_info(info)
+
+
+def _symbols() -> str:
+    """Statements that draw the layers of the symbol ``kind`` over each other."""
+    statements = []
+    for shape, layers in LAYERS.items():
+        for inset, own, opacity in layers:
+            colour = "colour" if own is None else f"vec3{tuple(own.tolist())}"
+            cover = f"{opacity} * covered({_DISTANCES[shape]}(local, radius - {inset} * pixel))"
+            statements.append(
+                f"if (kind == SHAPE_{shape.name}) result = over(result, {colour}, {cover});"
+            )
+    return " ".join(statements)
 
 
 def _source(stage: str) -> str:

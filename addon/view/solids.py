@@ -10,9 +10,8 @@ import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
 from .hud import Hud
-from .render_data import HALO_COLOUR, Drawn, Lines, Points, RenderData, Shape
+from .render_data import HALO_COLOUR, LAYERS, Drawn, Lines, Points, RenderData, Shape
 
-WHITE = np.array([0.97, 0.97, 0.97])
 RIM = 2.2
 """Width of the dark rim around lines [points]."""
 UPRIGHT = np.array([(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)])
@@ -177,21 +176,11 @@ def flat(items: Hud, scale: float) -> Solid:
     return joined(parts)
 
 
-def layers(shape: Shape, colour: FloatArray) -> tuple[tuple[float, FloatArray, float], ...]:
-    """Layers of a symbol from the outside in: inset [points], colour, opacity, as in
-    ``quads.frag.glsl``."""
-    return {
-        Shape.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, colour, 1.0)),
-        Shape.SOURCE: (
-            (0.0, HALO_COLOUR, 0.92),
-            (1.5, colour, 1.0),
-            (3.7, HALO_COLOUR, 1.0),
-            (5.4, WHITE, 1.0),
-            (7.0, colour, 1.0),
-        ),
-        Shape.IMPACT: ((0.0, HALO_COLOUR, 0.92), (1.8, WHITE, 1.0), (4.0, colour, 1.0)),
-        Shape.LISTENER: ((0.0, HALO_COLOUR, 0.92), (1.9, WHITE, 1.0), (4.7, colour, 1.0)),
-    }[shape]
+def layers(shape: Shape, colour: FloatArray) -> list[tuple[float, FloatArray, float]]:
+    """The layers of a symbol of a ``colour``: inset [points], colour, opacity; see `LAYERS`."""
+    return [
+        (inset, colour if own is None else own, opacity) for inset, own, opacity in LAYERS[shape]
+    ]
 
 
 def _ring(count: int, *radii: float) -> FloatArray:
