@@ -25,7 +25,7 @@ class HAPTIC_PT_output(SidebarPanel, Panel):
         row = column.row(align=True)
         row.prop(haptics.live_output, "preview_volume")
         row.prop(haptics.live_output, "sharper", toggle=True)
-        column.prop(haptics.live_output, "heard")
+        column.prop(haptics.live_output, "heard", text="Heard")
         row = layout.row(align=True)
         draw_search(row)
         row.popover("HAPTIC_PT_live_output", text="", icon="PREFERENCES")

@@ -272,22 +272,36 @@ def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[st
     except those of which the data path, which begins with ``prefix``, is ``animated``: their values
     depend on the current frame."""
     found = []
-    for definition in group.bl_rna.properties:
-        key, path = definition.identifier, f"{prefix}{definition.identifier}"
-        if key in _NOT_FELT or path in animated:
+    for key, kind, default in _felt_properties(group.__class__):
+        path = f"{prefix}{key}"
+        if path in animated:
             continue
         value = getattr(group, key)
-        if key in _ADDED and value == definition.default:
+        if key in _ADDED and value == default:
             continue
-        if definition.type == "COLLECTION":
+        if kind == "COLLECTION":
             value = [
                 ("", _values(item, animated, f"{path}[{number}]."))
                 for number, item in enumerate(value)
             ]
-        elif isinstance(value, PropertyGroup):
+        elif isinstance(value, ID):
+            value = _datablock(value)
+        elif kind == "POINTER" and value is not None:
             value = _values(value, animated, f"{path}.")
-        found.append((key, _datablock(value) if isinstance(value, ID) else _plain(value)))
+        else:
+            value = _plain(value)
+        found.append((key, value))
     return found
+
+
+@lru_cache(maxsize=64)
+def _felt_properties(group: type[PropertyGroup]) -> tuple[tuple[str, str, Any], ...]:
+    """Names, kinds and defaults of the properties of a group that change what is felt."""
+    return tuple(
+        (item.identifier, item.type, getattr(item, "default", None))
+        for item in group.bl_rna.properties
+        if item.identifier not in _NOT_FELT
+    )
 
 
 def _datablock(value: ID) -> Any:

@@ -183,28 +183,38 @@ class Window:
         as closed as it was when the window opened."""
         yield from self.click_button(switch, at=0.13)
 
-    def click_button(self, wanted: str, at: float | None = None) -> Steps:
+    def click_button(
+        self,
+        wanted: str,
+        at: float | None = None,
+        # Buttons may share a line; check boxes of headers stand at a fifth of the width.
+        columns: tuple[float, ...] = (0.4, 0.82, 0.15, 0.755, 0.945, 0.9),
+    ) -> Steps:
         """Click the panels' button for an operator ("haptic.add_source") or a property
         ("haptics.kappa"), wherever it is: in Properties also where one has to scroll to it. ``at``:
-        the part of the width at which to click beside it."""
+        the part of the width at which to click beside it. ``columns``: parts of the width at which
+        it is looked for."""
         passed: set[str] = set()
         for notches in (0, 60, -120, 12, 12, 12) if self.is_in_properties else (0,):
             if notches:
                 yield from self.scroll_sidebar(notches)
-            if (yield from self._click_in_view(wanted, passed, at)):
+            if (
+                yield from self._click_in_view(
+                    wanted, passed, at, columns if at is None else (0.2,)
+                )
+            ):
                 return
         raise AssertionError(
             f"no button for {wanted} in the panels; there are {sorted(passed - {''})}"
         )
 
     def _click_in_view(
-        self, wanted: str, passed: set[str], at: float | None
+        self, wanted: str, passed: set[str], at: float | None, columns: tuple[float, ...]
     ) -> Generator[float, None, bool]:
         """Click the button if it is in sight; returns whether it is. ``passed``: what the others
         do, to which those in sight are added."""
         _, region = self.panels()
-        # Buttons may share a line; check boxes of headers stand at a fifth of the width.
-        for fraction in (0.4, 0.82, 0.15, 0.755, 0.945, 0.9) if at is None else (0.2,):
+        for fraction in columns:
             for y in range(region.y + region.height - 4, region.y, -8):
                 self.point(region.x + int(fraction * region.width), y)
                 yield 0.02
