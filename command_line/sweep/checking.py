@@ -7,11 +7,11 @@ from itertools import zip_longest
 from bpy.types import Scene
 
 from ..trace import open_file, start_blender
-from .study import Study
+from .study import SweepStudy
 from .task import frames_of, vary
 
 
-def check(study: Study) -> float:
+def check(study: SweepStudy) -> float:
     """Set every value once in every scene. Returns the size of the tracks of all variants in bytes.
 
     Raises ValueError with the scene and the missing item, or the value that is out of range.
@@ -36,7 +36,7 @@ BYTES_PER_SECOND = 4 * 8000
 """Data rate of a listener's track."""
 
 
-def _check_values(scene: Scene, study: Study) -> None:
+def _check_values(scene: Scene, study: SweepStudy) -> None:
     ranges = {**study.settings, **study.random}
     for values in zip_longest(*ranges.values(), fillvalue=None):
         settings = {

@@ -58,7 +58,7 @@ class Variant:
 
 
 @dataclass(frozen=True, slots=True)
-class Study:
+class SweepStudy:
     """Lists of values: every combination is a variant. ``random``: least and greatest value by
     path, of which each seed draws one."""
 
@@ -101,7 +101,7 @@ class Study:
                 yield Variant(str(scene), blends[scene], self.frames, mode, seed, settings, made_of)
 
 
-def read_study(path: Path) -> Study:
+def read_study(path: Path) -> SweepStudy:
     """Read a study. Raises FormatError, and OSError."""
     try:
         form = tomllib.loads(read_bytes(path, _MAX_BYTES).decode(), parse_float=_finite)
@@ -121,7 +121,7 @@ def _finite(text: str) -> float:
     return value
 
 
-def _study(form: Mapping[str, Any], folder: Path) -> Study:
+def _study(form: Mapping[str, Any], folder: Path) -> SweepStudy:
     """A study from its validated document. Raises PlacedError."""
     scenes = tuple(dict.fromkeys((folder / name).resolve() for name in form["scenes"]))
     for number, scene in enumerate(scenes):
@@ -153,7 +153,7 @@ def _study(form: Mapping[str, Any], folder: Path) -> Study:
         {key: _distinct(values) for key, values in form.get(name, {}).items()}
         for name in ("settings", "materials")
     )
-    study = Study(
+    study = SweepStudy(
         scenes,
         (frames[0], frames[1]) if frames else None,
         modes,

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from .connection import StandInModule
 from .families.family import HidDevice, Interface, RumbleFamily, any_interface
-from .profiles import Actuator, Calibration, Channel, Profile
+from .profiles import Actuator, Calibration, DriveChannel, Profile
 from .report import Report, Tones, Transport, unsigned16
 
 _SYSTEM = Path("/sys/class/input")
@@ -140,7 +140,7 @@ FORCE_FEEDBACK = RumbleFamily(
 def force_feedback_profile(node: Interface) -> Profile:
     """The profile of such a gamepad: a strong, slow motor and a weak, fast one, which shake the
     whole pad."""
-    channels = (Channel("left", (10.0, 100.0)), Channel("right", (100.0, 1000.0)))
+    channels = (DriveChannel("left", (10.0, 100.0)), DriveChannel("right", (100.0, 1000.0)))
     actuator = Actuator(
         "both motors",
         ("hand.L", "hand.R"),

@@ -20,7 +20,7 @@ from ..scene.body import BODY_PARTS
 from .connection import DeviceError, StandInModule
 from .families.family import RESEND, RumbleFamily, any_interface
 from .loopback import Connection, Player, player_module
-from .profiles import Actuator, Calibration, Channel, Profile
+from .profiles import Actuator, Calibration, DriveChannel, Profile
 from .report import Report, Tones, Transport
 
 BHAPTICS = "ws://127.0.0.1:15881/v2/feedbacks?app_id=haptic-tracing&app_name=Haptic%20Tracing"
@@ -227,7 +227,7 @@ def _profile(
             (30.0, 250.0),
             0.05,
             1.0,
-            (Channel(name, _TAKES),),
+            (DriveChannel(name, _TAKES),),
             Calibration(),
             position=position,
         )

@@ -80,7 +80,7 @@ def check_adjustment(adjustment: Adjustment, actuators: Iterable[Actuator]) -> N
 
 
 @dataclass(frozen=True, slots=True)
-class Channel:
+class DriveChannel:
     """One value that the device is commanded by. takes: its range of the signal's frequencies
     [Hz]."""
 
@@ -105,7 +105,7 @@ class Actuator:
     band: tuple[float, float]
     latency: float
     safe_maximum: float
-    channels: tuple[Channel, ...]
+    channels: tuple[DriveChannel, ...]
     calibration: Calibration
     resonances: tuple[float, ...] = ()
     full_scale: tuple[tuple[float, float], ...] = ()
@@ -214,7 +214,7 @@ def _actuator(place: Place, data: Mapping[str, Any]) -> Actuator:
         for i, channel in enumerate(data["channels"])
     ]
     channels = tuple(
-        Channel(channel["name"], band)
+        DriveChannel(channel["name"], band)
         for channel, band in zip(data["channels"], takes, strict=True)
     )
     calibration = Calibration(**data.get("calibration", {}))

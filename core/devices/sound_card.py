@@ -24,7 +24,7 @@ from .connection import DeviceError, carried_module
 from .high_pass import HighPass
 from .limits import DriveLimits, SampleLimits
 from .pacing import Ahead, SampleQueue, join
-from .profiles import Actuator, Adjustment, Calibration, Channel
+from .profiles import Actuator, Adjustment, Calibration, DriveChannel
 from .resampling import Resampler
 from .status import ThreadedOutput
 from .writer import RESCAN, SAMPLE_RATE
@@ -126,7 +126,7 @@ def _actuators(device: Mapping[str, Any]) -> tuple[Actuator, ...]:
             _BAND,
             0.005,
             _SAFE_MAXIMUM,
-            (Channel(str(number), _BAND),),
+            (DriveChannel(str(number), _BAND),),
             Calibration(),
         )
         for number, (name, part) in used.items()

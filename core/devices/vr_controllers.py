@@ -20,7 +20,7 @@ from .families.family import RumbleFamily
 from .high_pass import HighPass
 from .limits import DriveLimits
 from .pacing import WATCHDOG, Ahead, SampleQueue, join
-from .profiles import Actuator, Adjustment, Calibration, Channel, Profile, check_adjustment
+from .profiles import Actuator, Adjustment, Calibration, DriveChannel, Profile, check_adjustment
 from .report import Report, Tones, Transport
 from .status import Output, State, Status
 from .writer import SAMPLE_RATE
@@ -64,7 +64,7 @@ PROFILE = Profile(
             _BAND,
             0.010,
             1.0,
-            (Channel(name, _BAND),),
+            (DriveChannel(name, _BAND),),
             Calibration(),
         )
         for name, part in (("left", "hand.L"), ("right", "hand.R"))

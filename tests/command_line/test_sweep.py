@@ -25,7 +25,7 @@ distributed = pytest.importorskip("distributed", reason="haptic-tracing[sweep] i
 
 from haptic_tracing.command_line import sweep
 from haptic_tracing.command_line.sweep import checking, plot, scheduling, table, wishes
-from haptic_tracing.command_line.sweep.study import Study, Variant, read_study
+from haptic_tracing.command_line.sweep.study import SweepStudy, Variant, read_study
 from haptic_tracing.core.formats.io.error import FormatError
 
 
@@ -195,7 +195,7 @@ def study_of(**more):
         "materials": {},
         "random": {},
     }
-    return Study(**{**empty, **more})
+    return SweepStudy(**{**empty, **more})
 
 
 @pytest.mark.parametrize(
