@@ -11,8 +11,8 @@ from http import HTTPStatus
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed
-from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
+from websockets.protocol import State
 from websockets.sync.server import Server, ServerConnection, serve
 
 from ...core.run_time import Scene
@@ -22,7 +22,6 @@ from .conversation import Answer, Conversation, Stage, text_of
 LARGEST = 4 * 2**20
 """Bytes of a message."""
 MOST_CONNECTIONS = 8
-_FULL = f"there are {MOST_CONNECTIONS} connections already"
 LOCAL = ("127.0.0.1", "::1", "localhost")
 """Names of this machine."""
 _MOST_WAITING = 64
@@ -84,22 +83,30 @@ class Door:
         self._origins = origins
         self.host = host
         self.is_local = host in LOCAL
-        self._count = 0
+        self._names: set[str] = set()  # that a client may call the server
+        self._open: set[ServerConnection] = set()
         self._holder: ServerConnection | None = None  # who has the devices
         self._lock = threading.Lock()
 
     def listen(self, port: int) -> Server:
         """The server, which accepts connections once `serve_forever` is called. Raises OSError."""
-        return serve(
+        server = serve(
             self._handle,
             self.host,
             port,
             max_size=LARGEST,
             process_request=self._admit,
+            process_response=self._keep_place,
             compression=None,
             max_queue=4,
             server_header=None,
         )
+        address, port = server.socket.getsockname()[:2]
+        names = [self.host, f"[{self.host}]", address]
+        if self.is_local:
+            names += ["localhost", "127.0.0.1"]
+        self._names = {f"{name}:{port}" for name in names}
+        return server
 
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         if request.path == "/health":
@@ -110,42 +117,37 @@ class Door:
                     HTTPStatus.FORBIDDEN,
                     f"the origin {origin} is not allowed: start the server with --allow-origin\n",
                 )
-        address, port = connection.socket.getsockname()[:2]
-        named = {
-            f"{name}:{port}"
-            for name in (
-                self.host,
-                f"[{self.host}]",
-                address,
-                *(("localhost", "127.0.0.1") if self.is_local else ()),
-            )
-        }
-        if self.host not in ("0.0.0.0", "::") and request.headers.get("Host") not in named:
+        if self.host not in ("0.0.0.0", "::") and request.headers.get("Host") not in self._names:
             return connection.respond(
                 HTTPStatus.FORBIDDEN,
                 "this host name is not the address that the server listens on\n",
             )
-        if self._count >= MOST_CONNECTIONS:
-            return connection.respond(
-                HTTPStatus.SERVICE_UNAVAILABLE,
-                f"{_FULL}\n",
-            )
+        return None
+
+    def _keep_place(
+        self, connection: ServerConnection, request: Request, response: Response
+    ) -> Response | None:
+        """Count a connection that is about to be accepted, or refuse it."""
+        if response.status_code != HTTPStatus.SWITCHING_PROTOCOLS:
+            return None
+        with self._lock:
+            self._open = {one for one in self._open if one.state is not State.CLOSED}
+            if len(self._open) >= MOST_CONNECTIONS:
+                return connection.respond(
+                    HTTPStatus.SERVICE_UNAVAILABLE,
+                    f"there are {MOST_CONNECTIONS} connections already\n",
+                )
+            self._open.add(connection)
         return None
 
     def _handle(self, connection: ServerConnection) -> None:
         """Answer one client until it goes."""
-        with self._lock:
-            is_full = self._count >= MOST_CONNECTIONS
-            self._count += 1
         outbox = Outbox()
         sender = threading.Thread(
             target=_send, args=(connection, outbox), name="haptics answers", daemon=True
         )
         conversation = Conversation(self._scene, partial(self._stage_for, connection))
         try:
-            if is_full:
-                connection.close(CloseCode.TRY_AGAIN_LATER, _FULL)
-                return
             sender.start()
             for message in connection:
                 outbox.put(conversation.answer(message))
@@ -155,7 +157,7 @@ class Door:
         finally:
             outbox.close()
             with self._lock:
-                self._count -= 1
+                self._open.discard(connection)
                 if self._holder is connection:
                     self._holder = None
                     if self._stage is not None:

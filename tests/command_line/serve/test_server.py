@@ -154,6 +154,31 @@ def test_a_ninth_connection_and_a_message_above_4_mb_are_refused(served):
     pytest.fail("no connection is accepted after others have closed")
 
 
+def test_requests_that_come_to_nothing_take_no_place_and_leave_no_traceback(served):
+    """Requests without a key, as by a page's `fetch`, and clients that go in the handshake."""
+    address = served.url.removeprefix("ws://")
+    host, port = address.split(":")
+    where = host, int(port)
+    request = f"GET / HTTP/1.1\r\nHost: {address}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    key = "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
+    for _ in range(12):
+        with socket.create_connection(where, 20) as one:
+            one.sendall(f"{request}\r\n".encode())
+            assert one.recv(100).startswith(b"HTTP/1.1 400")
+        with socket.create_connection(where, 20) as one:
+            one.sendall(f"{request}{key}\r\n".encode())
+    deadline = time.monotonic() + 20
+    with ExitStack() as stack:
+        clients = []
+        while len(clients) < 8 and time.monotonic() < deadline:
+            try:
+                clients.append(stack.enter_context(connect(served.url)))
+            except InvalidStatus:  # one of those that went is not counted out yet
+                time.sleep(0.05)
+        assert len(clients) == 8
+        assert all(ask(one, type="hello", version=1)["type"] == "scene" for one in clients)
+
+
 def test_a_slow_reader_loses_old_frames_never_the_newest(served):
     with connect(served.url, max_queue=1) as client:
         ask(client, type="hello", version=1)
