@@ -49,6 +49,20 @@ def test_hulls(seed, count, kind):
     check_hull(points, convex_hull(points))
 
 
+@pytest.mark.parametrize("tolerance", [5e-3, 0.02])
+def test_no_point_is_outside_by_more_than_the_tolerance(tolerance):
+    """Of a ball of radius 1, with corners in inverse proportion to it, as bodies within so thin a
+    layer have; a box keeps its own."""
+    ball = np.random.default_rng(3).normal(size=(3000, 3))
+    ball /= np.linalg.norm(ball, axis=1)[:, None]
+    hull = convex_hull(ball, tolerance)
+    check_hull(hull.points, hull)
+    normals, offsets = hull.planes()
+    assert 0 < (ball @ normals.T - offsets).max() <= tolerance
+    assert len(hull.points) < 8 / tolerance
+    np.testing.assert_array_equal(convex_hull(CUBE, tolerance).points, convex_hull(CUBE).points)
+
+
 def test_flat_lines_and_points():
     square = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1], [0.5, 0.5, 1]], dtype=float)
     flat = convex_hull(square)

@@ -1,0 +1,124 @@
+"""What tracing costs in six scenes of concave, skinned and many objects.
+
+    python -m benchmarks.bench_real_scenes [NAME ...]
+
+Each scene is made by formulas (`real_scenes`) in a process of its own. *Make Haptic* is pressed
+with all objects selected; one of them sounds and one is a listener. Blocks of frames are then
+played without and with tracing in turns, the first frame of each left out; `off` and `on` are
+medians of the processor's time of a frame, of all threads, and `worst` is the longest that one with
+tracing takes. `memory` is what the tracer keeps, `file` the scene with its frames as a haptic scene
+(`.json`), of 24 frames.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import tempfile
+import time
+import tracemalloc
+from pathlib import Path
+from typing import NamedTuple
+
+NAMES = ("kitchen", "robots", "walker", "pile", "city", "house")
+BLOCK = 10
+
+
+class Row(NamedTuple):
+    """A row of the table: seconds and milliseconds of the processor, bytes, and how many."""
+
+    name: str
+    objects: int
+    contacts: int
+    make_haptic: float
+    first: float
+    off: float
+    on: float
+    worst: float
+    memory: int
+    file: int
+
+
+def measure(name: str) -> Row:
+    """Build a scene, press *Make Haptic*, and play it."""
+    import bpy
+    import haptic_tracing
+    from haptic_tracing.addon.session import session
+
+    from . import real_scenes
+
+    haptic_tracing.register()
+    scene, objects = real_scenes.build(name)
+    scene.haptics.tracing = False
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[-1]
+    begun = time.process_time()
+    bpy.ops.haptic.make_objects()
+    bpy.context.view_layer.update()
+    made = time.process_time() - begun
+    objects[-1].haptics.source.enabled = objects[0].haptics.listener.enabled = True
+    scene.frame_set(1)
+    begun = time.process_time()
+    result = session.trace(scene, bpy.context.evaluated_depsgraph_get(), live=True)
+    first = time.process_time() - begun
+    times: dict[bool, list[float]] = {False: [], True: []}
+    for begin in range(1, real_scenes.FRAMES + 1, BLOCK):
+        tracing = scene.haptics.tracing = begin // BLOCK % 2 == 1
+        for frame in range(begin, begin + BLOCK):
+            begun = time.process_time()
+            scene.frame_set(frame)
+            result = session.result_of(scene) if tracing else result
+            if frame > begin + 1:
+                times[tracing].append(1000 * (time.process_time() - begun))
+    off, on = (sorted(times[tracing]) for tracing in (False, True))
+    session.clear()
+    tracemalloc.start()
+    session.trace(scene, bpy.context.evaluated_depsgraph_get())
+    held, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return Row(
+        name,
+        len(objects),
+        0 if result is None else len(result.contacts),
+        made,
+        1000 * first,
+        off[len(off) // 2],
+        on[len(on) // 2],
+        on[-1],
+        held,
+        _file_size(scene),
+    )
+
+
+def _file_size(scene: object) -> int:
+    import bpy
+
+    with tempfile.TemporaryDirectory() as folder:
+        bpy.context.scene.frame_end = 24
+        path = Path(folder) / "scene.json"
+        bpy.ops.export_scene.haptic_scene(filepath=str(path), frames="RANGE")
+        return path.stat().st_size
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", default=NAMES)
+    print(
+        "scene    objects contacts | Make Haptic   first |    off      on   worst | memory   file"
+    )
+    print("                          |         s      ms |     ms      ms      ms |     MB     MB")
+    for name in parser.parse_args().names:
+        with multiprocessing.get_context("spawn").Pool(1) as process:
+            row = process.apply(measure, (name,))
+        print(
+            f"{row.name:<8}{row.objects:8}{row.contacts:9} |{row.make_haptic:12.2f}{row.first:8.0f}"
+            f" |{row.off:7.1f}{row.on:8.1f}{row.worst:8.1f} |{row.memory / 1e6:7.1f}"
+            f"{row.file / 1e6:7.2f}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
