@@ -21,7 +21,8 @@ import numpy as np
 from haptic_tracing.core.arrays import FloatArray
 from haptic_tracing.core.devices.families.family import RumbleFamily, StreamFamily
 from haptic_tracing.core.devices.pacing import pacing_of
-from haptic_tracing.core.devices.profiles import Actuator, Adjustment, Profile, load_profiles
+from haptic_tracing.core.devices.profile_files import load_profiles
+from haptic_tracing.core.devices.profiles import Actuator, Adjustment, Profile
 from haptic_tracing.core.devices.report import Report, Tones
 from haptic_tracing.core.signals import (
     DecayingSine,

@@ -29,7 +29,7 @@ from haptic_tracing.addon.blender.time import frame_seconds
 from haptic_tracing.addon.live_output import handlers, outputs, player
 from haptic_tracing.core.devices.guard import DeviceOutput, GuardedOutput
 from haptic_tracing.core.devices.inventory import Found, Inventory
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.sample_scenes import build_sample
 
 from .timed_pad import TimedPad, events

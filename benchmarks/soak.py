@@ -36,7 +36,8 @@ from haptic_tracing.addon.blender.time import frame_seconds
 from haptic_tracing.addon.live_output import handlers, outputs
 from haptic_tracing.core.devices.guard import DeviceOutput
 from haptic_tracing.core.devices.inventory import Found, Inventory
-from haptic_tracing.core.devices.profiles import Adjustment, Profile, profile
+from haptic_tracing.core.devices.profile_files import profile
+from haptic_tracing.core.devices.profiles import Adjustment, Profile
 from made_up_devices import DUALSENSE_BT, DUALSENSE_USB, SWITCH_PRO_BT, XBOX_BT, describe
 from timed_hid import TimedHid, reports_of
 

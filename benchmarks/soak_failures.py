@@ -40,7 +40,7 @@ import numpy as np
 sys.path[0] = {tests!r}
 from timed_hid import TimedHid
 from haptic_tracing.core.devices.guard import DeviceOutput
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 
 devices = [replace(profile(name), slew=10_000.0, sustained_maximum=1.0) for name in {names!r}]
 outputs = [DeviceOutput(device, hid=TimedHid({folder!r})) for device in devices]

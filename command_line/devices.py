@@ -15,7 +15,8 @@ from ..core.devices.connection import connected, hid_module, missing_permission
 from ..core.devices.families.family import RumbleFamily
 from ..core.devices.families.registry import family
 from ..core.devices.guard import DeviceOutput
-from ..core.devices.profiles import BUILT_IN, Actuator, Profile, load_profiles
+from ..core.devices.profile_files import BUILT_IN, load_profiles
+from ..core.devices.profiles import Actuator, Profile
 from ..core.devices.report import Report, Transport
 from ..core.formats.io.strict_json import read_json
 from ..core.formats.scene.scene_json import current_document, scene_of, write_document

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..core.devices.profiles import profile
+from ..core.devices.profile_files import profile
 from ..core.formats.io.atomic import write_text
 from ..core.formats.io.json_text import compact
 from ..core.signals.felt_sound import Feel, felt_onsets, vibration

@@ -10,7 +10,8 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.props import FloatVectorProperty
 from bpy.types import Context, Object, PropertyGroup
 
-from ...core.devices import profiles
+from ...core.devices.profile_files import BUILT_IN, load_profiles
+from ...core.devices.profiles import Profile
 from ..blender.extension import profile_folders
 from ..blender.paths import local_path
 from .callbacks import changed, updating
@@ -43,9 +44,9 @@ def sound_path(owner: bpy.types.ID, path: str) -> Path:
     return full
 
 
-def device_profiles() -> Mapping[str, profiles.Profile]:
+def device_profiles() -> Mapping[str, Profile]:
     """The built-in and the user's device profiles, by name."""
-    return profiles.load_profiles((profiles.BUILT_IN, *profile_folders()))[0]
+    return load_profiles((BUILT_IN, *profile_folders()))[0]
 
 
 def _matching_devices(self: PropertyGroup, context: Context, typed: str) -> list[str]:

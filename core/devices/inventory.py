@@ -20,7 +20,8 @@ from .force_feedback import ForceFeedbackModule, event_nodes, force_feedback_pro
 from .guard import DeviceOutput, GuardedOutput, SoundCardOutput
 from .mapping import ActuatedDevice
 from .network import bhaptics, intiface
-from .profiles import BUILT_IN, Adjustment, Profile, load_profiles
+from .profile_files import BUILT_IN, load_profiles
+from .profiles import Adjustment, Profile
 from .sound_card import sound_cards, sound_module
 
 _BUS = {"usb": "USB", "bt": "Bluetooth"}

@@ -15,7 +15,7 @@ from haptic_tracing.addon.blender import compatibility, job
 from haptic_tracing.addon.io import sound_source
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import sound_picture
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from made_sounds import claps, drums
 
 _spec = importlib.util.spec_from_file_location(

@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "core" / "devices"))
 from haptic_tracing.command_line.serve.stage import DeviceStage
 from haptic_tracing.command_line.study_run import Study
 from haptic_tracing.core.devices.guard import DeviceOutput
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.study.people.plan import read_form
 from timed_hid import TimedHid
 

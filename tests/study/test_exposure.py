@@ -9,7 +9,7 @@ import pytest
 from haptic_tracing.command_line.serve.stage import DeviceStage
 from haptic_tracing.command_line.study_run import Study
 from haptic_tracing.core.devices.guard import DeviceOutput
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.formats.tracks.wav import described, read, write_wav
 from haptic_tracing.core.perception import FullScale

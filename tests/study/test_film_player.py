@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from haptic_tracing.command_line.study_playing import AHEAD, BLOCK, RATE, FilmPlayer
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.devices.status import Status
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from haptic_tracing.command_line.study_run import Study
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.devices.status import Status
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.formats.tracks.wav import described, write_wav

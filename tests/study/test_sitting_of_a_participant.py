@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from bounded_program import bounded, line_of
 from haptic_tracing.command_line import main
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.formats.tracks.wav import described, write_wav
 from haptic_tracing.study.people.exposure import hand_weighting

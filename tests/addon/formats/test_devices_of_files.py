@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.core.devices.mapping import map_listeners
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.scene.device_mapping import ActuatorMapping, DeviceMapping
 from scene_files import exported, imported

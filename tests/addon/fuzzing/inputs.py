@@ -30,7 +30,7 @@ from haptic_tracing.command_line.sweep import study
 from haptic_tracing.core.devices import network
 from haptic_tracing.core.devices.connection import DeviceError
 from haptic_tracing.core.devices.loopback import Player, messages_of
-from haptic_tracing.core.devices.profiles import BUILT_IN, parse_profile
+from haptic_tracing.core.devices.profile_files import BUILT_IN, parse_profile
 from haptic_tracing.core.formats import haptic_scene, registry
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.propagation import Propagation

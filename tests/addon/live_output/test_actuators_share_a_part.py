@@ -10,7 +10,7 @@ from haptic_tracing.addon.live_output import player
 from haptic_tracing.addon.operators import live_output
 from haptic_tracing.addon.view.levels import Level
 from haptic_tracing.addon.view.meter_layout import meter_hud
-from haptic_tracing.core.devices.profiles import BUILT_IN
+from haptic_tracing.core.devices.profile_files import BUILT_IN
 
 
 @pytest.fixture

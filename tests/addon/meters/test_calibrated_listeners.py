@@ -11,7 +11,7 @@ from haptic_tracing.addon.operators import live_output
 from haptic_tracing.addon.properties import sound
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view.levels import shown_levels
-from haptic_tracing.core.devices.profiles import BUILT_IN
+from haptic_tracing.core.devices.profile_files import BUILT_IN
 from haptic_tracing.core.perception import FullScale, threshold_level
 
 DEVICE = FullScale(((60.0, 4.0), (160.0, 12.0)))

@@ -277,7 +277,7 @@ def test_another_mode_is_traced_although_a_track_is_there(felt, monkeypatch, pla
 def test_a_device_that_is_not_felt_at_the_listener_is_named(felt, monkeypatch):
     """The mapping is the real one, of a real profile; only that it is connected is made up."""
     from haptic_tracing.addon.live_output import outputs
-    from haptic_tracing.core.devices.profiles import BUILT_IN, load_profiles
+    from haptic_tracing.core.devices.profile_files import BUILT_IN, load_profiles
 
     profiles, _ = load_profiles([BUILT_IN])
     profile = next(

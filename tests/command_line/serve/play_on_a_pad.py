@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "core" / "devices"))
 from haptic_tracing.command_line import main, play
 from haptic_tracing.command_line.serve.stage import DeviceStage
 from haptic_tracing.core.devices.guard import DeviceOutput
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from timed_hid import TimedHid, reports_of
 from umockdev_scenes import children
 

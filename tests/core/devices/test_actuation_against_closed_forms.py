@@ -14,7 +14,8 @@ from haptic_tracing.core.devices.actuation import (
     checked_block,
 )
 from haptic_tracing.core.devices.high_pass import HighPass
-from haptic_tracing.core.devices.profiles import Calibration, profile
+from haptic_tracing.core.devices.profile_files import profile
+from haptic_tracing.core.devices.profiles import Calibration
 from haptic_tracing.core.devices.resampling import Resampler
 from hypothesis import given, settings
 from hypothesis import strategies as st

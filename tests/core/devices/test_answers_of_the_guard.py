@@ -6,10 +6,11 @@ import sys
 import time
 from pathlib import Path
 
+import haptic_tracing
 import pytest
 from file_hid import file_device, reports_of
 from haptic_tracing.core.devices import guard
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 
 
 @pytest.fixture
@@ -21,6 +22,27 @@ def pad(tmp_path):
     output.wait_until_open(20.0)
     yield output
     output.stop(20.0)
+
+
+LOADED = f"""
+import importlib, sys, types
+package = types.ModuleType("haptic_tracing")
+package.__path__ = [{str(Path(haptic_tracing.__file__).parent)!r}]
+sys.modules["haptic_tracing"] = package
+importlib.import_module("haptic_tracing.core.devices.guard_process")
+importlib.import_module("haptic_tracing.core.devices.writer")
+print(*sys.modules)
+"""
+
+
+def test_a_guard_is_there_soon():
+    """It reads no files: schemas and what a scene holds would make half of its start."""
+    done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True)
+    loaded = done.stdout.split()
+    assert "haptic_tracing.core.devices.writer" in loaded
+    assert not {"haptic_tracing.core.formats.io.schema", "haptic_tracing.core.scene.values"} & set(
+        loaded
+    )
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="schedulers of Linux")

@@ -13,7 +13,7 @@ from bounded_program import run as run_bounded
 from fake_hid import RELEASE
 from haptic_tracing.core.devices.families.family import RumbleFamily
 from haptic_tracing.core.devices.pacing import WATCHDOG
-from haptic_tracing.core.devices.profiles import load_profiles
+from haptic_tracing.core.devices.profile_files import load_profiles
 from made_up_devices import DUALSENSE_USB, VENDOR, Fake, describe
 from umockdev_scenes import ENDINGS, GROUP_ENDINGS, serial_of
 

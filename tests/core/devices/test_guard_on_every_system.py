@@ -27,7 +27,7 @@ sys.path.insert(0, {here!r})
 import numpy as np
 from file_hid import file_device
 from haptic_tracing.core.devices import guard
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 
 device = replace(profile({name!r}), slew=10_000.0)
 def started():

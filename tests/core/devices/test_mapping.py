@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from haptic_tracing.core.devices.mapping import Loss, Place, map_listeners
-from haptic_tracing.core.devices.profiles import load_profiles, profile
+from haptic_tracing.core.devices.profile_files import load_profiles, profile
 from haptic_tracing.core.message import Cause, Message, sentence
 from haptic_tracing.core.scene.body import BODY_PARTS, DEFAULT_LISTENERS
 from hypothesis import given

@@ -12,7 +12,8 @@ from haptic_tracing.core.devices.actuation import ToneActuation
 from haptic_tracing.core.devices.families.family import RumbleFamily
 from haptic_tracing.core.devices.families.switch import usb_command
 from haptic_tracing.core.devices.pacing import WATCHDOG, RumblePacing, pacing_of
-from haptic_tracing.core.devices.profiles import Adjustment, load_profiles, profile
+from haptic_tracing.core.devices.profile_files import load_profiles, profile
+from haptic_tracing.core.devices.profiles import Adjustment
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -10,7 +10,8 @@ import pytest
 from haptic_tracing.core.collisions import Frame
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.devices.mapping import map_listeners, shares
-from haptic_tracing.core.devices.profiles import Actuator, Calibration, parse_profile, profile
+from haptic_tracing.core.devices.profile_files import parse_profile, profile
+from haptic_tracing.core.devices.profiles import Actuator, Calibration
 from haptic_tracing.core.scene.bhaptics import DEVICES
 from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Source
 from haptic_tracing.core.tracer import Tracer
@@ -110,7 +111,7 @@ def test_without_positions_all_play_alike_as_before():
 
 
 def test_a_profile_of_the_users_own_may_have_positions(tmp_path):
-    from haptic_tracing.core.devices.profiles import BUILT_IN
+    from haptic_tracing.core.devices.profile_files import BUILT_IN
 
     document = json.loads((BUILT_IN / "dualsense.json").read_text())
     for actuator, x in zip(document["actuators"], (0, 1), strict=True):

@@ -8,13 +8,13 @@ from itertools import pairwise
 import jsonschema
 import pytest
 from haptic_tracing.core.devices.families.registry import FAMILIES
-from haptic_tracing.core.devices.profiles import (
+from haptic_tracing.core.devices.profile_files import (
     BUILT_IN,
-    Calibration,
     load_profiles,
     parse_profile,
     profile,
 )
+from haptic_tracing.core.devices.profiles import Calibration
 from haptic_tracing.core.formats.io.schema import SCHEMAS
 from haptic_tracing.core.scene.body import PAPER_LISTENERS
 

@@ -13,7 +13,8 @@ import pytest
 from fake_hid import RELEASE, ZERO, FakeHid, FakePad, sounding, until
 from haptic_tracing.core.devices.connection import DeviceError, connected, hid_module, open_device
 from haptic_tracing.core.devices.families.registry import family
-from haptic_tracing.core.devices.profiles import Adjustment, Calibration, profile
+from haptic_tracing.core.devices.profile_files import profile
+from haptic_tracing.core.devices.profiles import Adjustment, Calibration
 from haptic_tracing.core.devices.writer import DeviceWriter, stop_all
 
 RATE = 8000

@@ -22,7 +22,7 @@ from haptic_tracing.core.devices.connection import connected, hid_module, open_d
 from haptic_tracing.core.devices.families.registry import family
 from haptic_tracing.core.devices.guard import DeviceOutput, stop_all
 from haptic_tracing.core.devices.inventory import look
-from haptic_tracing.core.devices.profiles import profile
+from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.devices.writer import DeviceWriter
 from kernel_input import Kernel
 from processor_waits import Waits
