@@ -54,6 +54,10 @@ _STRONGER = 1.25
 """Factor of the last impact's speed (2 dB) above which another one counts within the refractory
 time."""
 
+_TIPPING = 1 / 24
+"""Seconds after the refractory time within which another part of a body that still touches may
+land, whatever the frame rate."""
+
 _FRAMES_AHEAD = 3
 """Frames in which gravity may accelerate a body to an impact: its contacts are watched that long
 before, wanted or not."""
@@ -227,10 +231,10 @@ class ContactTracker:
 
     def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
         """The state that later frames depend on, except their own poses: motion, contacts, and
-        impacts within the refractory time."""
+        recent impacts."""
         pairs, since = (
             self._pairs,
-            self._history.times[-1] - self._refractory if self._history.times else 0.0,
+            self._history.times[-1] - self._refractory - _TIPPING if self._history.times else 0.0,
         )
         touching = pairs.touching.nonzero()[0]
         recent = np.array(
@@ -606,7 +610,7 @@ class ContactTracker:
         )
         if paths is not None and len(able):
             hits = self._hits_of_frame(paths, hits, able, free, before, examined, last)
-        impacts = self._impacts(hits, paths)
+        impacts = self._impacts(hits, paths, struck)
         warnings += self._uncertain(impacts)
         pairs.touching &= looked
         pairs.looked = looked
@@ -663,7 +667,7 @@ class ContactTracker:
         self._last_impact = {
             k: hit
             for k, hit in self._last_impact.items()
-            if time - hit[0] <= self._refractory + paths.duration
+            if time - hit[0] <= self._refractory + max(paths.duration, _TIPPING)
         }
         recent = np.array(sorted(self._last_impact), dtype=np.int64)
         return hits.joined(self._landings(paths, pivoting[_among(key[pivoting], recent)], last))
@@ -930,8 +934,8 @@ class ContactTracker:
     def _landings(self, paths: Paths, rows: IntArray, last: FloatArray) -> Hits:
         """Hits of the pairs ``rows``, which touch in both frames, by a part that was away from the
         other body before; of each pair, the hit of the patch's fastest point. ``last``: the values
-        of all pairs in the last frame. Only for pairs with an impact within the refractory time:
-        bodies that have touched for longer are at rest."""
+        of all pairs in the last frame. Only for pairs with a recent impact: bodies that have
+        touched for longer are at rest."""
         pairs = self._pairs
         rows = rows[~(self._medium[pairs.larger[rows]] | self._medium[pairs.smaller[rows]])]
         if len(rows) == 0:
@@ -991,16 +995,17 @@ class ContactTracker:
             ]
         )
 
-    def _impacts(self, hits: Hits, paths: Paths | None) -> tuple[Impact, ...]:
-        """Impacts from hits, by time. Within the refractory time of a pair only a clearly stronger
-        hit makes another impact."""
+    def _impacts(self, hits: Hits, paths: Paths | None, struck: IntArray) -> tuple[Impact, ...]:
+        """Impacts from hits, by time. Within the refractory time of a pair, and while it has not
+        parted since its last impact (``struck``, by key), only a clearly stronger hit makes another
+        one."""
         if paths is None or len(hits) == 0:
             return ()
         energies = (
             impact_energies(hits, self._mass, ~self._dynamic, self.settings.energy)
             / self.settings.time_scale**2
         )
-        impacts = []
+        impacts, still = [], _among(hits.pairs @ (len(self.bodies), 1), struck)
         for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.time)).tolist():
             a, b = hits.pairs[k].tolist()
             key, when = (
@@ -1009,7 +1014,8 @@ class ContactTracker:
             )
             last, speed = self._last_impact.get(key, (-np.inf, 0.0))
             limits = self.settings.impact_limits(self.bodies[a].named, self.bodies[b].named)
-            resting = when - last < limits.refractory and hits.approach[k] < _STRONGER * speed
+            again = still[k] or when - last < limits.refractory
+            resting = again and hits.approach[k] < _STRONGER * speed
             if energies[k] < limits.least_energy or resting:
                 continue
             self._last_impact[key] = when, float(hits.approach[k])
