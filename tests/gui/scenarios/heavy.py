@@ -1,4 +1,4 @@
-"""Colliders of 200,000 vertices whose meshes are edited take long to trace: edits go on, the panel
+"""Colliders of 100,000 vertices whose meshes are edited take long to trace: edits go on, the panel
 shows and cancels it, and another file opens at once."""
 
 import time
@@ -13,7 +13,7 @@ def steps(window):
     scene.haptics.tracing = False
     sessions = window.module("addon.session.sessions")
     for name, x in (("left", 0.0), ("right", 1.99)):
-        bpy.ops.mesh.primitive_uv_sphere_add(segments=560, ring_count=360, location=(x, 0, 0))
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=400, ring_count=250, location=(x, 0, 0))
         obj = bpy.context.object
         obj.name = name
         bpy.ops.rigidbody.object_add(type="PASSIVE")
@@ -34,9 +34,10 @@ def steps(window):
 
     def edit():
         """Surfaces of other content are prepared anew."""
-        mesh = scene.objects["right"].data
-        mesh.vertices[0].co.z += 0.001
-        mesh.update()
+        for name in ("left", "right"):
+            mesh = scene.objects[name].data
+            mesh.vertices[0].co.z += 0.001
+            mesh.update()
 
     scene.haptics.tracing = True
     yield 2.0
@@ -45,8 +46,10 @@ def steps(window):
         timed(edit)
         yield 1.5
     window.seen["edits go on"] = sessions.is_behind(scene) and max(waited) < 5.0
-    yield from window.screenshot("tracing")
-    yield from window.click_button("haptic.cancel_tracing", columns=(0.9,))
+    timed(edit)
+    yield 0.3
+    window.save_picture("tracing")
+    yield from window.click_button("haptic.cancel_tracing", columns=(0.82,))
     yield 0.5
     window.seen["cancelled"] = not sessions.is_behind(scene)
     timed(edit)
