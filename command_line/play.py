@@ -24,6 +24,7 @@ from .convert import given, is_scene, tracks_of
 from .export import rendered
 from .keyboard import pressed_keys
 from .serve.stage import DeviceStage
+from .standard_streams import leave_in_order_when_ended
 
 RATE = 8000
 """Sample rate of what is sent to devices [Hz]."""
@@ -33,6 +34,7 @@ _PATIENCE = 3.0
 
 def run(args: argparse.Namespace) -> int:
     """Read the file, open the devices, play. Exit code 0."""
+    leave_in_order_when_ended()
     tracks = _tracks(given(args.file, args.read_as), args.seconds)
     samples, parts = _at_body_parts(at_rate(tracks, RATE))
     stage = DeviceStage.of(args.device)

@@ -87,11 +87,15 @@ def folder() -> Path:
     """The temporary folder of this run."""
     if not _folders:
         _folders.append(tempfile.TemporaryDirectory(prefix="haptic_tracing_"))
-        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
-            signal.signal(signal.SIGTERM, _end)
+        leave_in_order_when_ended()
     return Path(_folders[-1].name)
 
 
+def leave_in_order_when_ended() -> None:
+    """From now on SIGTERM raises SystemExit, so that what is open is closed on the way out."""
+    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, _end)
+
+
 def _end(number: int, frame: FrameType | None) -> NoReturn:
-    """Called on SIGTERM: the temporary folder is removed on the way out."""
     raise SystemExit(128 + number)

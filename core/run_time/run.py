@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..arrays import FloatArray
 from ..collisions import Frame
 from ..contacts.authored import AuthoredContacts
 from ..contacts.contact_set import ContactSet
+from ..contacts.impacts import Impact
 from ..contacts.settings import Body
 from ..contacts.shapes import pose_matrix, rotation_matrix
 from ..formats.io.schema import validate
@@ -131,22 +133,29 @@ class Run:
             for this step.
 
         Raises:
-            ValueError: names the key where a value is not valid.
+            ValueError: names the key where a value is not valid; the run is as it was then.
 
         >>> first = run.step(0.0)
         >>> raised = run.step(0.125, {"bench": [0, 0, 2, 1, 0, 0, 0]})
         >>> raised.levels["hand"].gains, raised.block.shape  # 1/8 s of samples at 8 kHz
         ({'drill': 0.75}, (1, 1000))
         """
-        if not math.isfinite(time) or time == self._time:
+        if not (isinstance(time, Real) and math.isfinite(time)) or time == self._time:
             raise PlacedError(
-                ("time",), f"must be finite, and other than that of the last step, got {time!r}"
+                ("time",),
+                f"must be a finite number, and other than that of the last step, got {time!r}",
             )
-        self._move(poses or {}, math.inf if self._time is None else time - self._time)
+        moved = self._checked_poses(poses or {})
+        self._check_sources(sources or {})
+        self._check_positions("source", self._sources, source_positions or {})
+        self._check_positions("listener", self._listeners, listener_positions or {})
+        given = self._given(contacts)
+        struck = None if impacts is None else self._struck(impacts, given is not None, time)
+        self._move(list(poses or {}), moved, math.inf if self._time is None else time - self._time)
         for name, form in (sources or {}).items():
             self._play(name, form)
         result = self._tracer.step(
-            self._frame(time, contacts, impacts, source_positions or {}, listener_positions or {})
+            self._frame(time, given, struck, source_positions or {}, listener_positions or {})
         )
         self._time = time
         self._anew.clear()
@@ -312,48 +321,85 @@ class Run:
         self._bodies = tuple(body for _, body in self._solids)
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
 
-    def _move(self, poses: Mapping[str, Sequence[float]], duration: float) -> None:
-        """Set the poses of objects, ``duration`` seconds after the last step."""
+    def _checked_poses(self, poses: Mapping[str, Sequence[float]]) -> FloatArray:
+        """Poses of objects as an array (n, 7)."""
         for name in poses:
             require_known(name, self._row, "object", ("poses", name))
         try:
             moved = np.array([*poses.values()], dtype=np.float64).reshape(len(poses), 7)
             if not (np.abs(moved) <= _FARTHEST).all():
                 raise ValueError
-            length = np.linalg.norm(moved[:, 3:], axis=1)
-            if not (length > _SHORTEST).all():
+            if not (np.linalg.norm(moved[:, 3:], axis=1) > _SHORTEST).all():
                 raise ValueError
         except (TypeError, ValueError):
             raise PlacedError(
                 ("poses", _faulty(poses)),
                 f"expected x, y, z, qw, qx, qy, qz: up to {_FARTHEST:g}, and a rotation",
             ) from None
-        rows = [self._row[name] for name in poses]
+        return moved
+
+    def _move(self, names: Sequence[str], moved: FloatArray, duration: float) -> None:
+        """Set the poses (n, 7) of the named objects, ``duration`` seconds after the last step."""
+        rows = [self._row[name] for name in names]
         travel = np.linalg.norm(moved[:, :3] - self._poses[rows, :3, 3], axis=1)
-        names, far = list(poses), abs(duration) * _FASTEST
-        before, self._fast = self._fast, {names[k] for k in np.flatnonzero(travel > far / 2)}
-        self._anew |= {names[k] for k in np.flatnonzero(travel > far)} - before
+        far = abs(duration) * _FASTEST
+        before, self._fast = (
+            self._fast,
+            {names[k] for k in np.flatnonzero(travel > far / 2).tolist()},
+        )
+        self._anew |= {names[k] for k in np.flatnonzero(travel > far).tolist()} - before
+        length = np.linalg.norm(moved[:, 3:], axis=1)
         self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:] / length[:, None])
         self._poses[rows, :3, 3] = moved[:, :3]
-        self._moved.update(poses)
+        self._moved.update(names)
+
+    def _check_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
+        """Raise PlacedError unless each form says what a source of the run shall do."""
+        for name, form in sources.items():
+            require_known(name, self._sources, "source", ("sources", name))
+            for key, value in form.items():
+                if key != "playing" and not (
+                    key == "amplitude" and isinstance(value, int | float) and 0 <= value <= 1
+                ):
+                    raise PlacedError(
+                        ("sources", name, key),
+                        "expected playing: true or false, or amplitude: 0 to 1",
+                    )
+
+    def _check_positions(
+        self, kind: str, known: Mapping[str, Any], positions: Mapping[str, Position]
+    ) -> None:
+        """Raise PlacedError unless all are three numbers for something known of this kind."""
+        for name, place in positions.items():
+            where = (f"{kind}_positions", name)
+            require_known(name, known, kind, where)
+            try:
+                valid = len(place) == 3 and all(abs(value) <= _FARTHEST for value in place)
+            except TypeError:
+                valid = False
+            if not valid:
+                raise PlacedError(where, f"expected x, y, z: up to {_FARTHEST:g}")
+
+    def _struck(
+        self, impacts: Sequence[Mapping[str, Any]], given: bool, time: float
+    ) -> tuple[Impact, ...]:
+        """The caller's impacts since the last step. given: whether contacts are given: all objects
+        may then be hit, otherwise those with a shape."""
+        moving = list(self._objects) if given else [body.name for body in self._bodies]
+        begun = time if self._time is None else self._time
+        return read_impacts(impacts, moving, self._objects, self.rules, (begun, time))
 
     def _play(self, name: str, form: Mapping[str, Any]) -> None:
-        require_known(name, self._sources, "source", ("sources", name))
-        for key, value in form.items():
-            if key == "playing":
-                (self._silent.discard if value else self._silent.add)(name)
-            elif key == "amplitude" and isinstance(value, int | float) and 0 <= value <= 1:
-                self._amplitudes[name] = float(value)
-            else:
-                raise PlacedError(
-                    ("sources", name, key), "expected playing: true or false, or amplitude: 0 to 1"
-                )
+        if "playing" in form:
+            (self._silent.discard if form["playing"] else self._silent.add)(name)
+        if "amplitude" in form:
+            self._amplitudes[name] = float(form["amplitude"])
 
     def _frame(
         self,
         time: float,
-        contacts: Sequence[Mapping[str, Any]] | None,
-        impacts: Sequence[Mapping[str, Any]] | None,
+        given: ContactSet | None,
+        struck: tuple[Impact, ...] | None,
         source_positions: Mapping[str, Position],
         listener_positions: Mapping[str, Position],
     ) -> Frame:
@@ -361,15 +407,12 @@ class Run:
 
         Args:
             time: its end [s].
-            contacts: those of the caller, as in a scene file; None where they are found.
-            impacts: those of the caller since the last step; None where they are found.
+            given: the contacts; None where they are found.
+            struck: the impacts since the last step; None where they are found.
             source_positions: world positions by name that replace those on the objects [m].
             listener_positions: likewise of listeners [m].
         """
         self._step += 1
-        given = self._given(contacts)
-        begun = time if self._time is None else self._time
-        moving = [body.name for body in self._bodies] if given is None else list(self._objects)
         transforms = self._poses[self._solid] if given is None else self._poses.copy()
         sources = []
         for source in self._sources.values():
@@ -398,9 +441,7 @@ class Run:
             contacts=given,
             continuous=self._time is not None and 0 < time - self._time <= LONGEST_STEP,
             authored=self._contacts_listed() if given is None else None,
-            struck=None
-            if impacts is None
-            else read_impacts(impacts, moving, self._objects, self.rules, (begun, time)),
+            struck=struck,
         )
 
     def _position(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from copy import copy
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from ..formats.scene.scene_json import (
 )
 from ..graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
 from ..propagation import Propagation, propagate
+from ..scene.references import require_known
 from ..scene.values import Contact, HapticScene
 
 
@@ -98,6 +99,8 @@ class Scene:
         """
         scene = copy(self)
         with self._errors():
+            for name in chosen:
+                require_known(name, asdict(self.content.settings), "setting", ("settings", name))
             scene.content = replace(self.content, settings=replace(self.content.settings, **chosen))
         return scene
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache, partial
+from inspect import signature
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,7 +17,7 @@ from ...contacts.shapes import Shape, shape_from_dict
 from ...scene.declaration import declared, default_of
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactLimits, ImpactRule
-from ...scene.references import Place, PlacedError
+from ...scene.references import Place, PlacedError, meant
 from ...scene.rule_table import Rule, RuleTable, Side
 from ...scene.rules import ContactSettings
 from ...scene.texture import Texture
@@ -28,6 +29,12 @@ T = TypeVar("T")
 
 def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) -> T:
     """``make`` with the members of ``form`` as arguments."""
+    known, required = _arguments(make)
+    if not required <= form.keys() <= known:
+        for key in sorted(form.keys() - known):
+            raise PlacedError((*place, key), f"does not belong here{meant(key, known)}")
+        for key in sorted(required - form.keys()):
+            raise PlacedError((*place, key), "is required")
     members = read_members(form, place)
     return _placed(lambda _: make(**members), form, place)
 
@@ -42,6 +49,15 @@ def read_members(form: Mapping[str, Any], place: Place) -> dict[str, Any]:
     return {
         key: tuple(value) if isinstance(value, list) else value for key, value in members.items()
     }
+
+
+@cache
+def _arguments(make: Callable[..., Any]) -> tuple[frozenset[str], frozenset[str]]:
+    """Names of the arguments of a function or class, and of those that have no default."""
+    arguments = signature(make).parameters.values()
+    return frozenset(one.name for one in arguments), frozenset(
+        one.name for one in arguments if one.default is one.empty
+    )
 
 
 read_contact = partial(read_value, Contact)

@@ -309,3 +309,45 @@ def test_a_source_that_comes_in_the_place_of_another_has_its_own_amplitude_and_p
     quiet = run.step(1.0).levels["hand"].level
     run.replace(source={**drill, "amplitude": 1.0})
     assert run.step(2.0).levels["hand"].level == pytest.approx(quiet + 20 * math.log10(4), abs=1e-3)
+
+
+MISTAKES = [
+    ({"sources": {"dril": {"playing": True}}}, "sources/dril"),
+    ({"sources": {"drill": {"amplitude": 2}}}, "sources/drill/amplitude"),
+    ({"source_positions": {"hand": (0, 0, 0)}}, "source_positions/hand"),
+    ({"listener_positions": {"hand": (0, 0)}}, "listener_positions/hand"),
+    ({"listener_positions": {"hand": (0, 0, math.nan)}}, "listener_positions/hand"),
+    (
+        {"contacts": [{"objects": ["crate", "wall"], "positions": [[0, 0, 0]]}]},
+        "contacts/0/objects/1",
+    ),
+    (
+        {"contacts": [{"objects": ["crate", "ground"], "positoins": [[0, 0, 0]]}]},
+        "contacts/0/positoins",
+    ),
+    ({"impacts": [{"objects": ["crate", "ground"], "position": [0, 0, 0]}]}, "impacts/0"),
+]
+
+
+@pytest.mark.parametrize("mistake, place", MISTAKES)
+def test_a_step_that_is_refused_changes_nothing(mistake, place):
+    refused, other = ht.open(floor_and_crate()), ht.open(floor_and_crate())
+    for run in (refused, other):
+        run.step(0.0)
+    with pytest.raises(ValueError) as error:
+        refused.step(0.05, {"crate": (0, 0, 3, *STILL)}, **mistake)
+    assert str(error.value).startswith(place)
+    for run in (refused, other):
+        run.step(0.1)
+    np.testing.assert_array_equal(refused.step(0.2).block, other.step(0.2).block)
+    assert refused.step(0.3).levels["hand"].gains["drill"] > 0  # it still stands on the ground
+
+
+def test_a_misspelt_setting_is_named():
+    with pytest.raises(ValueError, match=r"settings/treshold: .*did you mean 'threshold'"):
+        floor_and_crate().with_settings(treshold=0.1)
+
+
+def test_a_time_that_is_no_number_is_named():
+    with pytest.raises(ValueError, match=r"^time: must be a finite number"):
+        ht.open(floor_and_crate()).step("0")
