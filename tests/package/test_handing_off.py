@@ -3,8 +3,10 @@
 import re
 import wave
 
+import haptic_tracing as ht
 import numpy as np
 import pytest
+from haptic_tracing.command_line.serve.conversation import Conversation
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
@@ -48,3 +50,38 @@ def test_the_seat_is_the_last_channel_of_the_sound_track(listings, tmp_path):
     np.testing.assert_array_equal(np.column_stack([left, right]) * 32768, sound)
     np.testing.assert_allclose(seat[:4800], TONES["seat"], atol=1e-4)
     assert not seat[4800:].any()
+
+
+def written_in(root, language):
+    page = (root / "docs" / "handing_off.md").read_text("utf-8")
+    (listing,) = re.findall(rf"```{language}\n(.*?)```", page, flags=re.DOTALL)
+    return listing
+
+
+def test_what_unreal_says_is_answered_in_its_axes_and_unit(root):
+    scene = ht.Scene(
+        objects=[{"name": "crate", "kappa": 0.1, "rho": 0.9}],
+        sources=[{"name": "motor", "object": "crate", "position": [0, 0, 0]}],
+        listeners=[{"name": "chest", "object": "crate", "position": [0, 0, 1]}],
+    )
+    conversation = Conversation(scene, None)
+    answers = [conversation.answer(line)[0] for line in written_in(root, "json").splitlines()]
+    assert [answer["type"] for answer in answers] == ["scene", "frame", "frame"]
+    assert answers[2]["levels"]["chest"]["level"] == pytest.approx(
+        20 * np.log10(answers[2]["levels"]["chest"]["gains"]["motor"] / np.sqrt(2)), abs=0.3
+    )
+
+
+@pytest.mark.parametrize(
+    "language, client, called, declared",
+    [
+        ("gdscript", "godot/addons/haptic_tracing/haptic_tracing.gd", "haptics", "(?:signal|func) {}[(]"),
+        ("csharp", "csharp/HapticTracing.cs", "client", "public [^(]* {}(?:[(]|;)"),
+    ],
+)  # fmt: skip
+def test_listings_call_what_clients_have(root, language, client, called, declared):
+    source = (root / "clients" / client).read_text("utf-8")
+    names = re.findall(rf"\b{called}\.(\w+)", written_in(root, language))
+    assert names
+    for name in names:
+        assert re.search(declared.format(name), source), name
