@@ -35,7 +35,7 @@ _LENT = {
     "addon.vr": "controllers drawing recording",
     "core": "signals",
     "core.design": "felt recordings wishes",
-    "core.devices": "connection mapping profiles",
+    "core.devices": "connection mapping profile_files profiles",
     "core.formats": "haptic_scene registry",
     "core.render": "limiter mixing",
     "core.scene": "spectra",

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.props import FloatVectorProperty
 from bpy.types import Context, Object, PropertyGroup
 
-from ...core.devices.profile_files import BUILT_IN, load_profiles
-from ...core.devices.profiles import Profile
+from ...core.devices import profile_files
 from ..blender.extension import profile_folders
 from ..blender.paths import local_path
 from .callbacks import changed, updating
 from .kinds import choice, limited, reference, share, switch, text
+
+if TYPE_CHECKING:
+    from ...core.devices.profiles import Profile
 
 ORIGINS = (
     ("FILE", "File", "A WAV, FLAC, MP3 or Ogg file"),
@@ -46,7 +49,7 @@ def sound_path(owner: bpy.types.ID, path: str) -> Path:
 
 def device_profiles() -> Mapping[str, Profile]:
     """The built-in and the user's device profiles, by name."""
-    return load_profiles((BUILT_IN, *profile_folders()))[0]
+    return profile_files.load_profiles((profile_files.BUILT_IN, *profile_folders()))[0]
 
 
 def _matching_devices(self: PropertyGroup, context: Context, typed: str) -> list[str]:
