@@ -99,8 +99,9 @@ class Scene:
         """
         scene = copy(self)
         with self._errors():
+            known = asdict(self.content.settings)
             for name in chosen:
-                require_known(name, asdict(self.content.settings), "setting", ("settings", name))
+                require_known(name, known, "setting", ("settings", name))
             scene.content = replace(self.content, settings=replace(self.content.settings, **chosen))
         return scene
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import small_study
 from haptic_tracing.command_line.serve.stage import DeviceStage
 from haptic_tracing.command_line.study_run import Study
 from haptic_tracing.core.devices.guard import DeviceOutput
@@ -94,19 +95,12 @@ def test_without_a_calibration_there_is_no_exposure():
     assert daily([(SINE, None)], RATE, [(1.0, DEVICE), (1.0, None)], "hand.L") is None
 
 
-FORM = """
-title = "T"
-smallest_effect = 0.5
-consent = "C"
-instructions = "I"
-about = {}
-words = []
-scale = {low = 1, high = 5}
-items = [{factor = "Realism", text = "R"}]
-exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0}
-conditions = {one = {}, two = {}}
+FORM = (
+    small_study.FORM
+    + """conditions = {one = {}, two = {}}
 scenes = {sine = {tracks = {one = "one.wav", two = "two.wav"}}}
 """
+)
 
 
 def test_a_study_knows_the_exposure_by_the_calibration_beside_the_tracks(tmp_path):

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import small_study
 from haptic_tracing.command_line.study_run import Study
 from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.devices.status import Status
@@ -17,19 +18,12 @@ from haptic_tracing.study.people.record import read_steps
 from websockets.sync.client import connect
 
 RATE, SECONDS = 8000, 2.0
-FORM = """
-title = "T"
-smallest_effect = 0.5
-consent = "C"
-instructions = "I"
-about = {}
-words = []
-scale = {low = 1, high = 5}
-items = [{factor = "Realism", text = "R"}]
-exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0}
-conditions = {one = {}, two = {}}
+FORM = (
+    small_study.FORM
+    + """conditions = {one = {}, two = {}}
 scenes = {buzz = {tracks = {one = "one.wav", two = "two.wav"}}}
 """
+)
 
 
 @pytest.fixture

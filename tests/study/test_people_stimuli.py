@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+import small_study
 from bounded_program import run as run_bounded
 from haptic_tracing.core.formats.tracks.wav import StoredSamples, read
 from haptic_tracing.core.perception import FullScale
@@ -12,17 +13,9 @@ from haptic_tracing.study.people.plan import stimuli as known
 
 pytestmark = pytest.mark.slow
 
-FORM = """
-title = "T"
-smallest_effect = 0.5
-consent = "C"
-instructions = "I"
-about = {}
-words = []
-scale = {low = 1, high = 5}
-items = [{factor = "Realism", text = "R"}]
-exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0}
-film_settings = ["scene.render.engine=CYCLES", "scene.cycles.samples=1",
+FORM = (
+    small_study.FORM
+    + """film_settings = ["scene.render.engine=CYCLES", "scene.cycles.samples=1",
                  "scene.render.resolution_x=32", "scene.render.resolution_y=24"]
 [conditions.traced]
 settings = ["scene.haptics.mode=HT", 'objects["hand.L"].haptics.listener.full_scale=40 3, 160 14']
@@ -32,6 +25,7 @@ settings = ["scene.haptics.mode=MN"]
 sample = "jackhammer_bench"
 frames = [1, 6]
 """
+)
 
 
 def test_films_and_tracks_are_rendered_once(tmp_path):
