@@ -47,13 +47,14 @@ class Frame:
     traced last; otherwise contact history, velocities and active signals are dropped. Either bodies
     are given, with rigid world ``transforms`` (n, 4, 4) of ``bodies``, which are ``objects`` in the
     same order; or ``contacts``, which number the objects by their sorted names. ``authored``
-    contacts replace detected ones. ``recall``: a frame that is not continuous has the impacts of
-    its last continuous trace, see `CollisionDetector`. ``exact``: contacts and gains are recomputed
-    also after motions below the tolerance of rest. ``duration`` [s]: of a frame that is not
-    continuous, for triggers at given times. ``heard``: its samples are rendered. ``struck``: the
-    impacts since the previous frame, which number the bodies (or the ``objects`` where ``contacts``
-    are given, ``transforms`` being theirs); None: they are found. ``anew``: names of bodies that
-    have come or been set elsewhere, without moving there: they make no impact in this frame.
+    contacts replace detected ones. ``restore``: where this frame is not continuous, it has the
+    impacts stored when it was last traced as a continuous one, see `CollisionDetector`. ``exact``:
+    contacts and gains are recomputed also after motions below the tolerance of rest. ``duration``
+    [s]: of a frame that is not continuous, for triggers at given times. ``heard``: its samples are
+    rendered. ``struck``: the impacts since the previous frame, which number the bodies (or the
+    ``objects`` where ``contacts`` are given, ``transforms`` being theirs); None: they are found.
+    ``anew``: names of bodies that appeared or were set elsewhere since the previous frame, without
+    a motion in between: they make no impact in this frame.
     """
 
     number: int
@@ -67,7 +68,7 @@ class Frame:
     contacts: ContactSet | None = None
     continuous: bool = True
     authored: AuthoredContacts | None = None
-    recall: bool = False
+    restore: bool = False
     exact: bool = False
     duration: float = 0.0
     heard: bool = True
@@ -84,7 +85,7 @@ class Frame:
 class Collisions:
     """Collisions of one frame. ``sources``: temporary sources of triggers (``shots``), of active
     impacts, and of sliding and rolling. ``frames``: the frames of reference of the objects, None if
-    propagation does not need them. ``start`` [s]: that of the frame if its impacts are recalled."""
+    propagation does not need them. ``start`` [s]: that of the frame if its impacts are restored."""
 
     contacts: ContactSet
     frames: ObjectFrames | None = None
@@ -103,12 +104,12 @@ class CollisionDetector:
     ``lazy``: contacts are detected only in heaps of bodies that hold a listener and a sound; gains
     and impacts are unaffected.
 
-    Impacts need two consecutive frames. They are stored for at most `MOST_FRAMES` frames: a frame
-    with ``recall``, reached by a jump or detected again after an edit, has the same impacts and the
-    same sliding and rolling as before, so that modes, gains, materials and strategies are compared
-    on the same impact. All stored impacts are dropped when bodies, shapes, masses, motions, or
-    rules of contacts and impacts change, when a struck body has moved, and by `forget_impacts`,
-    which is called after edits of animation and physics.
+    Impacts need two consecutive frames. They are stored for at most `MOST_FRAMES` frames, and
+    restored in a frame with ``restore``, which was reached by a jump on the timeline or is traced a
+    second time after an edit: modes, gains, materials and strategies are thus compared on the same
+    impact, sliding and rolling. All stored impacts are dropped when bodies, shapes, masses,
+    motions, or rules of contacts and impacts change, when a struck body has moved, and by
+    `forget_impacts`, which is called after edits of animation and physics.
     """
 
     def __init__(self, settings: ContactSettings, lazy: bool) -> None:
@@ -123,23 +124,23 @@ class CollisionDetector:
         self._numbered = Unchanged(_numbered)
         self._tracked = Unchanged(_tracked)
         self._without_materials = Unchanged(_without_materials)
-        self._remembered: dict[int, FrameImpacts] = {}
+        self._stored: dict[int, FrameImpacts] = {}
         self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
         self._last: Frame | None = None
 
     @property
-    def remembers(self) -> bool:
-        """True if impacts, sliding or rolling of any frame are stored."""
-        return bool(self._remembered)
+    def has_stored_impacts(self) -> bool:
+        """Whether impacts, sliding or rolling of any frame are stored."""
+        return bool(self._stored)
 
     def impacts_of(self, number: int) -> FrameImpacts | None:
         """Return the stored impacts of a frame."""
-        return self._remembered.get(number)
+        return self._stored.get(number)
 
     def restore_impacts(self, number: int, bodies: tuple[Body, ...], kept: FrameImpacts) -> None:
         """Replace all stored impacts by those of one frame of ``bodies``."""
         self._rules = self._rules_of(bodies)
-        self._remembered = {number: kept}
+        self._stored = {number: kept}
 
     def _rules_of(self, bodies: tuple[Body, ...]) -> tuple[tuple[Body, ...], ContactSettings]:
         if not self.settings.impact_table.rows:  # then materials make no impact
@@ -148,17 +149,18 @@ class CollisionDetector:
 
     def forget_impacts(self) -> None:
         """Drop all stored impacts."""
-        self._remembered.clear()
+        self._stored.clear()
         self._last = None
 
     def take_over(self, interrupted: CollisionDetector) -> None:
         """Take over the settings and the stored impacts of an interrupted detector, but not its
         contacts."""
         self.settings, self.lazy = interrupted.settings, interrupted.lazy
-        self._remembered, self._rules = interrupted._remembered, interrupted._rules
+        self._stored, self._rules = interrupted._stored, interrupted._rules
 
-    def stands(self, frame: Frame) -> bool:
-        """Whether ``frame`` is the one that was detected last, with the same poses and shapes."""
+    def is_retrace(self, frame: Frame) -> bool:
+        """Whether ``frame`` is the one that was traced last, with the same poses and shapes: an
+        edit has changed sources, listeners, materials or settings at most."""
         if (
             self._last is None
             or self._tracker is None
@@ -193,21 +195,25 @@ class CollisionDetector:
             self._tracker.reset()
 
     @property
-    def late(self) -> Mapping[str, float]:
+    def delays(self) -> Mapping[str, float]:
         """Largest delay of each source at the listeners [s], by name."""
-        return self._shots.late
+        return self._shots.delays
 
-    def hold(self, late: Mapping[str, float]) -> None:
+    def set_delays(self, delays: Mapping[str, float]) -> None:
         """Extend temporary sources by their largest delays at the listeners [s], given by name."""
-        self._sources.late = self._shots.late = late
+        self._sources.delays = self._shots.delays = delays
 
     def detect(
-        self, frame: Frame, table: ObjectTable, previous: float | None, again: bool = False
+        self, frame: Frame, table: ObjectTable, previous: float | None, retrace: bool = False
     ) -> Collisions:
-        """Return the collisions of ``frame``; ``table`` numbers its objects, ``previous`` is the
-        time of the frame before it, if any.
+        """Return the collisions of a frame.
 
-        again: it `stands`; contacts are detected again, without an effect on later frames.
+        Args:
+            frame: the frame.
+            table: numbers its objects.
+            previous: time of the frame before it [s], None without one.
+            retrace: the frame `is_retrace`. Its contacts are detected from scratch by a copy of the
+                tracker, so that later frames are not affected, and its impacts are restored.
         """
         if frame.contacts is not None or not frame.bodies or frame.transforms is None:
             return self._given(frame, table, previous)
@@ -216,18 +222,18 @@ class CollisionDetector:
         numbering = self._numbering(frame.bodies, table)
         self._sources.renumber(numbering.row)
         kept = None
-        if again:
+        if retrace:
             tracker = copy.copy(tracker)
             tracker.reset()
         elif previous is not None:
             self._sources.end_before(previous)
-        if again or (frame.recall and previous is None):
+        if retrace or (frame.restore and previous is None):
             self._sources.clear()
-            kept = self._recalled(frame.number, frame.transforms)
-        recalled = (
+            kept = self._restorable(frame.number, frame.transforms)
+        restored = (
             ()
             if kept is None or not self.settings.impacts
-            else self._sources.recall(kept, self._templates(frame))
+            else self._sources.restore(kept, self._templates(frame))
         )
         rules = self._transmissions(self.settings.transmission_table, table)
         hits = any(
@@ -255,21 +261,21 @@ class CollisionDetector:
         impacts = struck if self.settings.impacts else ()
         if impacts:
             self._sources.add(impacts, frame.moving, frame.transforms, self._templates(frame))
-        shots = self._one_shots(frame, previous, kept, struck, again)
+        shots = self._one_shots(frame, previous, kept, struck, retrace)
         rubbing: tuple[Source, ...] = ()
         if self.settings.textures.rows:
-            if not again:
+            if not retrace:
                 self._rub(frame, frame.transforms, found.contacts, previous, numbering)
             if kept is not None and kept.rubbed is not None:
-                self._rubbing.recall(kept.rubbed)
+                self._rubbing.restore(kept.rubbed)
             rubbing = self._rubbing.sources(frame.bodies, self.settings.textures)
         else:
             self._rubbing.clear()
-        if previous is not None and not again:
-            self._remember(
+        if previous is not None and not retrace:
+            self._store(
                 frame.number,
-                self._sources.kept(
-                    previous, frame.transforms, self._shots.sounding, self._rubbing.kept
+                self._sources.snapshot(
+                    previous, frame.transforms, self._shots.sounding, self._rubbing.snapshot
                 ),
             )
         self._last = frame
@@ -278,7 +284,7 @@ class CollisionDetector:
             frames=numbering.frames(frame.transforms)
             if _asks_for_frames(frame.settings, contacts)
             else None,
-            impacts=impacts or recalled,
+            impacts=impacts or restored,
             sources=shots + rubbing + self._sources.sources(frame.transforms),
             statistics={
                 "candidate_pairs": found.statistics.candidates,
@@ -345,25 +351,25 @@ class CollisionDetector:
         previous: float | None,
         kept: FrameImpacts | None,
         impacts: Sequence[Impact],
-        again: bool = False,
+        retrace: bool = False,
     ) -> tuple[Source, ...]:
-        """Find the triggers since ``previous`` [s], or recall those ``kept``. Returns the temporary
-        sources that they make.
+        """The temporary sources of the triggers since ``previous`` [s], or of the ``kept`` ones.
 
         Args:
             frame: the frame.
             previous: time of the frame before [s], None without one.
-            kept: the stored impacts of the frame, None where they are found anew.
+            kept: the stored impacts of the frame, None where its triggers are detected.
             impacts: since the frame before.
-            again: the frame stands: later frames go on from its first tracing.
+            retrace: the frame `is_retrace`: nothing is detected, later frames continue from its
+                first trace.
         """
         sources = [source for source in frame.sources if source.triggers]
         if not sources:
             self._shots.clear()
             return ()
-        if again or kept is not None:
-            self._shots.recall(() if kept is None else kept.shots, sources)
-        if not again:
+        if retrace or kept is not None:
+            self._shots.restore(() if kept is None else kept.shots, sources)
+        if not retrace:
             names = frame.moving
             hits = [
                 ((names[a], names[b]), impact.time, impact.amplitude)
@@ -382,20 +388,20 @@ class CollisionDetector:
         )
         return self._shots.sources(sources, start, frame.time, frame.objects, self.settings)
 
-    def _recalled(self, number: int, transforms: FloatArray) -> FrameImpacts | None:
+    def _restorable(self, number: int, transforms: FloatArray) -> FrameImpacts | None:
         """Return the stored impacts of a frame; all are dropped if a struck body has moved."""
-        kept = self._remembered.get(number)
-        if kept is not None and not kept.stands(transforms):
+        kept = self._stored.get(number)
+        if kept is not None and not kept.bodies_unmoved(transforms):
             self.forget_impacts()
             kept = None
         return kept
 
-    def _remember(self, number: int, kept: FrameImpacts | None) -> None:
-        self._remembered.pop(number, None)
+    def _store(self, number: int, kept: FrameImpacts | None) -> None:
+        self._stored.pop(number, None)
         if kept is not None:
-            self._remembered[number] = kept
-            if len(self._remembered) > MOST_FRAMES:
-                del self._remembered[next(iter(self._remembered))]
+            self._stored[number] = kept
+            if len(self._stored) > MOST_FRAMES:
+                del self._stored[next(iter(self._stored))]
 
     def _templates(self, frame: Frame) -> Templates:
         """Return the templates of the impacts of a frame."""

@@ -59,17 +59,17 @@ class Tracer:
         """Trace one frame. Raises ValueError, which names the object, if a designer's expression
         gives no valid gain.
 
-        A frame that is traced again (`CollisionDetector.stands`) is not rendered; later frames
-        continue from its first rendering.
+        A retrace, of the frame that was traced last after an edit (`CollisionDetector.is_retrace`),
+        renders no samples; later frames continue from those of its first trace.
         """
-        again = frame.recall and self.collisions.stands(frame)
-        if not again and (
+        retrace = frame.restore and self.collisions.is_retrace(frame)
+        if not retrace and (
             not frame.continuous or (self._time is not None and frame.time <= self._time)
         ):
             self.reset()
         table = self._table(frame.objects, frame.settings.epsilon)
-        collisions = self.collisions.detect(frame, table, self._time, again)
-        if not again:
+        collisions = self.collisions.detect(frame, table, self._time, retrace)
+        if not retrace:
             self._start = next(
                 t for t in (collisions.start, self._time, frame.time) if t is not None
             )
@@ -82,9 +82,11 @@ class Tracer:
             table, collisions.contacts, sources, frame.listeners, frame.settings, collisions.frames
         )
         propagated = self._propagate(inputs, watch)
-        self.collisions.hold(propagated.propagation.latest([source.name for source in sources]))
+        self.collisions.set_delays(
+            propagated.propagation.longest_delays([source.name for source in sources])
+        )
         block = None
-        if not again:
+        if not retrace:
             end = Sounding(frame.time, sources, frame.listeners, propagated.propagation)
             block = self._mixdown.render(self._time, end, frame.heard)
         watch.lap("mix")
@@ -107,7 +109,7 @@ class Tracer:
             milliseconds=watch.milliseconds,
             statistics={**collisions.statistics, **propagation.statistics},
             warnings=(*collisions.warnings, *propagation.warnings),
-            before=None if again else self._mixdown.before,
+            before=None if retrace else self._mixdown.before,
             shots=collisions.shots,
         )
 

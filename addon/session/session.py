@@ -267,7 +267,7 @@ def begin(
     if session.version != revisions.authored():
         session.reader.forget()
         session.version = revisions.authored()
-        if not session.tracer.collisions.remembers or session.motion != motion_of(scene):
+        if not session.tracer.collisions.has_stored_impacts or session.motion != motion_of(scene):
             session.tracer.collisions.forget_impacts()
             session.motion = None
     exact = scene.frame_current % EXACT_FRAMES == 0 or (is_stepped(scene) and session.frame is None)
@@ -294,7 +294,7 @@ def begin(
     if continuous and session.motion is None:
         session.motion = motion_of(scene)
     _restore_impacts(scene, session, reading, baked_impacts)
-    recall = whole and not is_stepped(scene) and not is_playing()
+    restore = whole and not is_stepped(scene) and not is_playing()
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     session.serial = next(_serials)
     read_milliseconds = 1000 * (time.perf_counter() - started)
@@ -306,7 +306,7 @@ def begin(
     session.begun_at = time.monotonic()
     heard = not (live and continuous) or plays or session.asked or shows_samples(session)
     session.asked = not continuous
-    _submit(session, begun, frame_of(scene, reading, continuous, recall, exact, heard), released)
+    _submit(session, begun, frame_of(scene, reading, continuous, restore, exact, heard), released)
 
 
 def keep_impacts(scene: Scene) -> None:
@@ -417,7 +417,7 @@ def frame_of(
     scene: Scene,
     reading: Reading,
     continuous: bool,
-    recall: bool = False,
+    restore: bool = False,
     exact: bool = False,
     heard: bool = True,
 ) -> Frame:
@@ -427,7 +427,7 @@ def frame_of(
         scene: in its current frame.
         reading: of that frame.
         continuous: it follows the frame traced last.
-        recall: otherwise it has the impacts of its last continuous trace.
+        restore: otherwise it has the impacts of its last continuous trace.
         exact: motions below the tolerance of rest count.
         heard: its samples are rendered.
     """
@@ -442,7 +442,7 @@ def frame_of(
         transforms=reading.transforms,
         continuous=continuous,
         authored=reading.authored,
-        recall=recall,
+        restore=restore,
         exact=exact,
         duration=frame_seconds(scene),
         heard=heard,

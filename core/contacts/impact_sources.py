@@ -14,7 +14,7 @@ from ..scene.values import HapticObject, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, Signal, impact_template
 from .impacts import Impact
 from .one_shots import Shot
-from .rubbing import Slid
+from .rubbing import FrameRubbing
 
 MOST_FRAMES = 4096
 """Number of frames whose impacts are stored."""
@@ -76,7 +76,7 @@ class ActiveImpact:
         return cls(impact, source, local, impact.time + DEFAULT_IMPACT.duration)
 
     def playing(self, templates: Templates) -> ActiveImpact:
-        """The same impact, by these templates."""
+        """This impact with its signal and amplitude by ``templates``."""
         signal, amplitude = templates.of(
             self.source.object, self.source.second_object or "", self.impact
         )
@@ -88,18 +88,26 @@ class ActiveImpact:
 
 @dataclass(frozen=True, slots=True)
 class FrameImpacts:
-    """The active impacts, triggers and rubbing contacts of a frame that begins at ``start`` [s];
-    ``poses`` (k, 2, 3, 4) of the bodies of each impact at its end, and of those that slide or roll,
-    as ``rubbed`` says; ``shots``: of sources with triggers."""
+    """A snapshot of the temporary sources of one frame.
+
+    Attributes:
+        start: time at which the frame begins [s].
+        sounding: the active impacts.
+        poses: (k, 2, 3, 4) of both bodies of each of these impacts, then of each pair that slides
+            or rolls, at the end of the frame.
+        shots: the active one-shots.
+        rubbed: what slides and rolls.
+    """
 
     start: float
     sounding: tuple[ActiveImpact, ...]
     poses: FloatArray
     shots: tuple[Shot, ...] = ()
-    rubbed: Slid | None = None
+    rubbed: FrameRubbing | None = None
 
-    def stands(self, transforms: FloatArray) -> bool:
-        """Whether these bodies are unmoved at ``transforms`` (n, 4, 4)."""
+    def bodies_unmoved(self, transforms: FloatArray) -> bool:
+        """Whether the struck and rubbing bodies are at the same ``poses`` in ``transforms`` (n, 4,
+        4), those of all bodies."""
         poses = _touched_poses(self.sounding, self.rubbed, transforms)
         return bool(
             np.allclose(
@@ -112,16 +120,16 @@ class FrameImpacts:
 
 
 class ImpactSources:
-    """The sources of active impacts; ``late``: their largest delay at the listeners [s], by
-    name."""
+    """The temporary sources of active impacts. ``delays``: longest delay of each at the listeners
+    [s], by name."""
 
     def __init__(self) -> None:
-        self.late: Mapping[str, float] = {}
+        self.delays: Mapping[str, float] = {}
         self._sounding: list[ActiveImpact] = []
 
     def clear(self) -> None:
         """Drop all sources."""
-        self.late = {}
+        self.delays = {}
         self._sounding.clear()
 
     @property
@@ -129,10 +137,19 @@ class ImpactSources:
         """Names of the sources, made from their objects and times."""
         return tuple(sounding.source.name for sounding in self._sounding)
 
-    def kept(
-        self, start: float, transforms: FloatArray, shots: tuple[Shot, ...], rubbed: Slid | None
+    def snapshot(
+        self,
+        start: float,
+        transforms: FloatArray,
+        shots: tuple[Shot, ...],
+        rubbed: FrameRubbing | None,
     ) -> FrameImpacts | None:
-        """The state of the frame from ``start`` [s], for `recall`; None if nothing is active."""
+        """What `restore` needs of the frame that begins at ``start`` [s]; None if nothing is
+        active.
+
+        ``transforms`` (n, 4, 4): of the bodies at its end; ``shots``, ``rubbed``: see
+        `FrameImpacts`.
+        """
         if not self._sounding and not shots and rubbed is None:
             return None
         return FrameImpacts(
@@ -143,8 +160,9 @@ class ImpactSources:
             rubbed,
         )
 
-    def recall(self, kept: FrameImpacts, templates: Templates) -> tuple[Impact, ...]:
-        """Restore the impacts of a frame with these ``templates``; return those that it began."""
+    def restore(self, kept: FrameImpacts, templates: Templates) -> tuple[Impact, ...]:
+        """Restore the impacts of a frame, with signals from ``templates``; return those that began
+        in that frame."""
         self._sounding = [sounding.playing(templates) for sounding in kept.sounding]
         return tuple(
             sounding.impact for sounding in kept.sounding if sounding.impact.time > kept.start
@@ -156,7 +174,7 @@ class ImpactSources:
         self._sounding = [
             item
             for item in self._sounding
-            if item.end + self.late.get(item.source.name, 0.0) > time
+            if item.end + self.delays.get(item.source.name, 0.0) > time
         ]
 
     def add(
@@ -212,7 +230,7 @@ class ImpactSources:
 
 
 def _touched_poses(
-    sounding: Sequence[ActiveImpact], rubbed: Slid | None, transforms: FloatArray
+    sounding: Sequence[ActiveImpact], rubbed: FrameRubbing | None, transforms: FloatArray
 ) -> FloatArray:
     pairs = [*(item.impact.objects for item in sounding), *(() if rubbed is None else rubbed.pairs)]
     return transforms[np.array(pairs, dtype=np.int64).reshape(-1, 2), :3]

@@ -58,37 +58,39 @@ def known_shots(source: Source, first: float = -math.inf, last: float = math.inf
 
 
 class OneShots:
-    """The active shots. ``late``: delay of a source at the listeners [s], by name."""
+    """The active shots. ``delays``: longest delay of each source at the listeners [s], by name."""
 
     def __init__(self) -> None:
-        self.late: Mapping[str, float] = {}
+        self.delays: Mapping[str, float] = {}
         self.sounding: tuple[Shot, ...] = ()
         self._found: list[Shot] = []
-        self._recalled: set[Shot] = set()
+        self._restored: set[Shot] = set()
+        # By source and number of its trigger: the last three positions of the object that may pass
+        # the region, in the region's axes.
         self._paths: dict[tuple[str, int], list[FloatArray]] = {}
-        self._levels: dict[str, float] = {}
+        self._levels: dict[str, float] = {}  # trigger values of the last frame, by source
 
     def clear(self) -> None:
         """Drop all shots and positions."""
-        self.late, self.sounding = {}, ()
+        self.delays, self.sounding = {}, ()
         self._found.clear()
         self._paths.clear()
         self._levels.clear()
 
-    def recall(self, kept: Iterable[Shot], sources: Sequence[Source]) -> None:
-        """Restore these shots if ``sources`` still have their triggers."""
+    def restore(self, kept: Iterable[Shot], sources: Sequence[Source]) -> None:
+        """Restore those shots ``kept`` of which ``sources`` still have the trigger."""
         known = {shot for source in sources for shot in known_shots(source)}
         now = {
             (source.name, trigger.on, trigger.object)
             for source in sources
             for trigger in source.triggers or ()
         }
-        self._recalled = {
+        self._restored = {
             s
             for s in kept
             if (s in known if s.on is TriggerKind.TIMES else (s.source, s.on, s.object) in now)
         }
-        self._found = list(self._recalled)
+        self._found = list(self._restored)
 
     def follow(
         self,
@@ -104,8 +106,9 @@ class OneShots:
             sources: those with triggers.
             start: time of the frame before [s], None for the first one.
             time: of this frame [s].
-            places: where objects are now.
-            hits: impacts since the frame before.
+            places: positions (3,) of objects in this frame, by name.
+            hits: impacts since the frame before: names of both objects, time [s], and fraction of
+                the full energy.
         """
         before, paths, self._levels, self._paths = self._levels, self._paths, {}, {}
         for source, number, trigger in (
@@ -166,7 +169,7 @@ class OneShots:
         for source in sources:
             template = source.emitted
             earliest = (
-                start - template.duration / LEAST_PITCH - max(self.late.values(), default=0.0)
+                start - template.duration / LEAST_PITCH - max(self.delays.values(), default=0.0)
             )
             shots = [
                 *known_shots(source, earliest, time),
@@ -177,8 +180,8 @@ class OneShots:
                     continue
                 signal, strength = _played(shot, template, source.object, material, settings)
                 if (
-                    shot.onset + signal.duration + self.late.get(shot.name, 0.0) > start
-                    or shot in self._recalled
+                    shot.onset + signal.duration + self.delays.get(shot.name, 0.0) > start
+                    or shot in self._restored
                 ):
                     begun = replace(
                         source,
@@ -193,7 +196,7 @@ class OneShots:
                     )
         self.sounding = tuple(shot for shot, _ in playing.values())
         self._found = [shot for shot in self.sounding if shot.on is not TriggerKind.TIMES]
-        self._recalled.clear()
+        self._restored.clear()
         return tuple(source for _, source in playing.values())
 
 

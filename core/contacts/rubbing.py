@@ -49,8 +49,15 @@ overlaps the next one."""
 
 @dataclass(frozen=True, slots=True)
 class _Moving:
-    """Contacts ``rows`` of bodies that slide or roll in a frame; ``speeds`` [m/s] of sliding and of
-    rolling, ``force`` [N], NaN if unknown."""
+    """A contact that slides or rolls in a frame.
+
+    Attributes:
+        rows: numbers of both bodies.
+        names: of these bodies.
+        positions: of the contact node on either body [m, world].
+        speeds: of sliding and of rolling [m/s].
+        force: normal force [N], NaN if unknown.
+    """
 
     rows: tuple[int, int]
     names: tuple[str, str]
@@ -60,10 +67,18 @@ class _Moving:
 
 
 @dataclass(frozen=True, slots=True)
-class Slid:
-    """Sliding and rolling contacts of a frame from ``start`` [s] on for ``step`` [s]; ``paths`` [m]
-    in its block of frames and in the one before, by names and whether it rolls; ``last``: sources
-    of the frame before."""
+class FrameRubbing:
+    """Sliding and rolling contacts of one frame.
+
+    Attributes:
+        number: of the frame.
+        start: time at which it begins [s].
+        step: its duration [s].
+        moving: the contacts that slide or roll.
+        paths: by names of both bodies and whether it rolls: length of the path over the surface [m]
+            within this block of frames, and within the whole block before.
+        last: sources of the frame before.
+    """
 
     number: int = 0
     start: float = 0.0
@@ -79,8 +94,8 @@ class Slid:
 
 
 class SlidingAndRolling:
-    """Follows sliding and rolling from frame to frame; blocks end at frames whose number is a
-    multiple of ``block``."""
+    """Follows sliding and rolling from frame to frame. ``block``: number of frames after which path
+    lengths begin at zero again; blocks end at frames whose number is a multiple of it."""
 
     def __init__(self, block: int) -> None:
         self._block = block
@@ -90,17 +105,17 @@ class SlidingAndRolling:
         """Drop all state."""
         self._before: FloatArray | None = None
         self._bodies: Sequence[Body] = ()  # of ``_before``
-        self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # as in `Slid`
-        self._now = Slid()
+        self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # as in `FrameRubbing`
+        self._now = FrameRubbing()
         self._sources: tuple[Source, ...] = ()
 
     @property
-    def kept(self) -> Slid | None:
-        """The frame that was followed last, for `recall`; None without sliding or rolling."""
+    def snapshot(self) -> FrameRubbing | None:
+        """State after the last frame, for `restore`; None without sliding or rolling."""
         return self._now if self._now.moving or self._now.last else None
 
-    def recall(self, kept: Slid) -> None:
-        """Take a frame for the one that was followed last."""
+    def restore(self, kept: FrameRubbing) -> None:
+        """Return to the state after the frame ``kept``."""
         self._now, self._paths = kept, dict(kept.paths)
 
     def history(self) -> str:
@@ -123,11 +138,11 @@ class SlidingAndRolling:
         settings: ContactSettings,
         anew: frozenset[str],
     ) -> None:
-        """Follow to the next frame.
+        """Advance by one frame.
 
         Args:
             number: of the frame.
-            span: the times [s] from and to which it leads; None where it follows no other.
+            span: time of the frame before and of this one [s]; None for the first frame.
             bodies: of the scene.
             contacts: between them, by their numbers.
             transforms: rigid ones of the bodies (n, 4, 4).
@@ -135,7 +150,7 @@ class SlidingAndRolling:
             settings: with the textures.
             anew: names of the bodies that have come or been set elsewhere, without moving there.
         """
-        before, self._before, self._now = self._before, transforms, Slid()
+        before, self._before, self._now = self._before, transforms, FrameRubbing()
         known, self._bodies = self._bodies, bodies
         if span is None or before is None:
             return
@@ -162,7 +177,7 @@ class SlidingAndRolling:
                     path, earlier = self._paths.get(key, (0.0, 0.0))
                     self._paths[key] = path + speed * step, earlier
         last = tuple(source for source in self._sources if source.onset > start - 1.5 * step)
-        self._now = Slid(number, start, step, moving, dict(self._paths), last)
+        self._now = FrameRubbing(number, start, step, moving, dict(self._paths), last)
 
     def sources(self, bodies: Sequence[Body], textures: RuleTable[Texture]) -> tuple[Source, ...]:
         """The sources of the frame that was followed last, by the materials of ``bodies`` and by

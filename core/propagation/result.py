@@ -66,9 +66,9 @@ class Propagation:
             delay,
         )
 
-    def latest(self, names: Sequence[str]) -> dict[str, float]:
+    def longest_delays(self, names: Sequence[str]) -> dict[str, float]:
         """The longest delay [s] of each source, by its name, at the listeners that it reaches;
-        nothing where there are no delays."""
+        empty without delays. ``names``: of all sources."""
         if self.delay is None:
             return {}
         return dict(

@@ -303,7 +303,7 @@ def traced(
     detect = not scene.contacts and not any(
         frame.contacts or frame.parted for frame in recording.frames
     )
-    for number, state in states(scene, recording, lambda: tracer.collisions.late):
+    for number, state in states(scene, recording, lambda: tracer.collisions.delays):
         frame = frame_of(state, number, recording.time_of(number), detect)
         yield tracer.step(replace(frame, exact=number % EXACT_FRAMES == 0))
 

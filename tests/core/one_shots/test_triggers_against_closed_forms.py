@@ -260,14 +260,14 @@ def test_a_frame_that_is_come_to_again_has_the_shots_that_it_had():
     results = play(range(20), make, tracer)
     frame = 11  # both sound
     assert len(results[frame].shots) == 2
-    again = tracer.step(replace(make(frame, frame / RATE), continuous=False, recall=True))
+    again = tracer.step(replace(make(frame, frame / RATE), continuous=False, restore=True))
     assert (
         again.sources == results[frame].sources
         and again.amplitudes.tolist() == results[frame].amplitudes.tolist()
     )
     bell = replace(bell, triggers=(gate,))
     edited = tracer.step(
-        replace(falling(bell, 4.0)(frame, frame / RATE), continuous=False, recall=True)
+        replace(falling(bell, 4.0)(frame, frame / RATE), continuous=False, restore=True)
     )
     assert [shot.on for shot in edited.shots] == ["passing"]
 
