@@ -27,7 +27,7 @@ from pathlib import Path
 
 import numpy as np
 from haptic_tracing.core.contacts.settings import Body, Motion
-from haptic_tracing.core.contacts.tracker import ContactTracker, Ends
+from haptic_tracing.core.contacts.tracker import ContactTracker, Endpoints
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "core" / "contacts"))
 import bullet_pairs
@@ -111,7 +111,7 @@ def timed(
     kind: str,
     wanted: str,
     sequence: list[np.ndarray],
-    ends: Ends | None = None,
+    ends: Endpoints | None = None,
 ) -> Row:
     """Follow the bodies; the first frame, in which everything is new, is not counted."""
     tracker = ContactTracker(bodies)
@@ -146,12 +146,12 @@ def rows(counts: list[int], frames: int) -> Iterator[Row]:
             bodies, sequence = simulated(count, kind, frames)
             yield timed(bodies, kind, "all", sequence)
             heard, one = np.ones(len(bodies), dtype=np.bool_), np.arange(len(bodies)) == 1
-            yield timed(bodies, kind, "nothing sounds", sequence, Ends(heard, ~heard))
+            yield timed(bodies, kind, "nothing sounds", sequence, Endpoints(heard, ~heard))
             still = [sequence[-1].copy() for _ in range(20)]
-            yield timed(bodies, kind, "one source, still", still, Ends(heard, one))
+            yield timed(bodies, kind, "one source, still", still, Endpoints(heard, one))
             for frame, matrices in enumerate(still):
                 matrices[1, :3, 3] += [0.0, 0.0, 0.001 * (frame % 2)]
-            yield timed(bodies, kind, "one moves", still, Ends(heard, one))
+            yield timed(bodies, kind, "one moves", still, Endpoints(heard, one))
 
 
 def run(

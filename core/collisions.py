@@ -20,7 +20,7 @@ from .contacts.impacts import Impact
 from .contacts.one_shots import OneShots, Shot
 from .contacts.rubbing import SlidingAndRolling
 from .contacts.settings import Body, ContactSettings
-from .contacts.tracker import ContactTracker, Ends
+from .contacts.tracker import ContactTracker, Endpoints
 from .contacts.transmissions import TransmissionRules
 from .graph.haptic_graph import ObjectTable
 from .graph.object_frames import ObjectFrames, local_centres
@@ -250,10 +250,10 @@ class CollisionDetector:
             and not hits
             and not self.settings.textures.rows
         )
-        ends = self._ends(frame, numbering.row) if lazy else None
+        endpoints = self._endpoints(frame, numbering.row) if lazy else None
         searched = frame.struck is None and (self.settings.impacts or hits)
         found = tracker.update(
-            frame.time, frame.transforms, ends, frame.continuous, searched, frame.exact
+            frame.time, frame.transforms, endpoints, frame.continuous, searched, frame.exact
         )
         contacts = self._numbered(found.contacts, numbering, rules, frame.authored)
         broad = found.statistics.broad_seconds
@@ -424,7 +424,7 @@ class CollisionDetector:
             tracker.bodies = bodies  # known by identity in the next frame
         return tracker
 
-    def _ends(self, frame: Frame, row: Mapping[Any, int]) -> Ends:
+    def _endpoints(self, frame: Frame, row: Mapping[Any, int]) -> Endpoints:
         """Return the bodies, numbered by name in ``row``, with listeners and those with active
         sources; without propagation through contacts, none."""
         heard, sounding = np.zeros((2, len(frame.bodies)), dtype=np.bool_)
@@ -441,7 +441,7 @@ class CollisionDetector:
             sounding[[row[name] for name in names if name in row]] = True
             sounding[self._sources.bodies] = True
             sounding[[body for impact in frame.struck or () for body in impact.objects]] = True
-        return Ends(heard, sounding)
+        return Endpoints(heard, sounding)
 
 
 def _tracked(settings: ContactSettings) -> ContactSettings:

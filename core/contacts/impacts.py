@@ -53,12 +53,19 @@ class Impact:
 
 @dataclass(frozen=True, slots=True)
 class Hits:
-    """Pairs (k, 2) whose paths meet ``after`` (k,) seconds, and which have met at the ``time`` (k,)
-    [s] that the trend of their motion before the hit gives; with ``distance`` (k,), ``normal`` (k,
-    3) and ``centre`` (k, 3) of the patch there, the speed of ``approach`` (k,) [m/s] along the
-    normal, and the velocities (k, 2, 3) of the bodies' origins. At the end of the interval: the
-    signed distances ``expected`` (k,) on the paths and ``actual`` (k,), and whether one body
-    ``passes`` (k,) right through the other."""
+    """Pairs of bodies that hit each other on their paths.
+
+    Attributes:
+        pairs: (k, 2) numbers of the bodies.
+        after: (k,) time at which the paths meet, from the start of the interval [s].
+        time: (k,) time of the hit by the trend of the motion before it, likewise [s].
+        distance, normal, centre: (k,) [m], (k, 3) and (k, 3) of the patch there.
+        approach: (k,) speed of approach along the normal [m/s].
+        velocities: (k, 2, 3) of the bodies' origins [m/s].
+        expected: (k,) signed distance at the end of the interval on the paths [m].
+        actual: (k,) signed distance in the actual poses then [m].
+        passes: (k,) whether one body passes right through the other on the paths.
+    """
 
     pairs: IntArray
     after: FloatArray
@@ -95,15 +102,15 @@ class Hits:
         return len(self.pairs)
 
     def chosen(self, rows: BoolArray | IntArray) -> Hits:
-        """Some of the hits."""
+        """Those hits that ``rows`` select."""
         return Hits(*(getattr(self, f.name)[rows] for f in fields(self)))
 
     def approaching(self) -> Hits:
-        """Those at which the bodies approach each other."""
+        """The hits with a positive speed of approach."""
         return self.chosen(self.approach > SLOWEST)
 
     def joined(self, other: Hits) -> Hits:
-        """These and others."""
+        """These hits followed by those of ``other``."""
         return Hits(
             *(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self))
         )
@@ -155,7 +162,7 @@ def landings(
         normal: (3, p) from first to second; distance: (p,) [m].
     """
     count = len(pairs)
-    ends = paths.of(pairs.T.reshape(-1)).to_the_ends()
+    ends = paths.chosen(pairs.T.reshape(-1)).through_ends()
     before, start, half = _gaps(
         (ends.earlier, ends.start, ends.poses(slice(None), ends.duration / 2)),
         ends.end,

@@ -34,13 +34,22 @@ _DEVIATION = 0.001
 
 @dataclass(frozen=True, slots=True)
 class Paths:
-    """Paths of bodies from one frame to the next, ``duration`` seconds: from ``start`` (12, n) with
-    ``velocity`` (3, n), constant ``acceleration`` (3, n) and ``spin`` (3, n) [rad/s] about the
-    body's origin. ``end`` (12, n): the actual poses at the end. ``certain`` (n,): the path is known
-    throughout, without a hit. ``turned`` (n,): it was deflected by a hit in the interval before.
-    ``earlier`` (12, n): the poses ``earlier_duration`` seconds before the start. ``trend`` (2, 3,
-    n): of dynamic bodies that nothing has hit before the start, velocity there and acceleration by
-    the poses before, otherwise 0."""
+    """Paths of n bodies from one frame to the next.
+
+    Attributes:
+        duration: of the interval [s].
+        start: (12, n) poses at its start.
+        velocity: (3, n) of the origins at the start [m/s].
+        acceleration: (3, n) of the origins, constant [m/s^2].
+        spin: (3, n) angular velocity about the origin, constant [rad/s].
+        end: (12, n) actual poses at the end of the interval, which the path need not lead to.
+        certain: (n,) whether the path is known throughout and has no hit.
+        turned: (n,) whether a hit in the interval before deflected it.
+        earlier: (12, n) poses one frame before the start.
+        earlier_duration: seconds between those and the start.
+        trend: (2, 3, n) velocity at the start and acceleration as estimated from the poses before
+            it; 0 of kinematic bodies, and of those that were hit shortly before.
+    """
 
     duration: float
     start: FloatArray
@@ -54,8 +63,8 @@ class Paths:
     earlier_duration: float
     trend: FloatArray
 
-    def of(self, bodies: IntArray) -> Paths:
-        """The paths of ``bodies`` (k,)."""
+    def chosen(self, bodies: IntArray) -> Paths:
+        """The paths of some ``bodies`` (k,), by number."""
         columns = (
             "start",
             "velocity",
@@ -71,9 +80,8 @@ class Paths:
             self, **{name: getattr(self, name).take(bodies, axis=-1) for name in columns}
         )
 
-    def to_the_ends(self) -> Paths:
-        """The paths from the same starts with the same accelerations to the actual poses at the
-        end."""
+    def through_ends(self) -> Paths:
+        """Paths with the same starts and accelerations that lead to the actual poses at the end."""
         direct = (self.end[9:] - self.start[9:]) / self.duration
         velocity = direct - self.acceleration * (self.duration / 2)
         return replace(self, velocity=velocity, spin=spins(self.start, self.end, self.duration))
@@ -97,10 +105,10 @@ class Paths:
         """Velocities (3, k) of the origins of ``bodies`` at ``time``."""
         return self.velocity[:, bodies] + self.acceleration[:, bodies] * time
 
-    def slowed(self, bodies: IntArray, time: FloatArray) -> FloatArray:
-        """By what factor (k,) >= 1 ``bodies`` (k,) were faster just before they hit something at
-        ``time`` (k,) than on their paths, which lead to their ends and so on after the hit: by the
-        ``trend`` of their motion before."""
+    def speed_correction(self, bodies: IntArray, time: FloatArray) -> FloatArray:
+        """Factors (k,) >= 1 from the speeds of ``bodies`` (k,) on their paths at ``time`` (k,) to
+        those by their ``trend``. A path that leads to the pose at the end of an interval with a hit
+        is too slow, because the body bounced or rested for a part of that interval."""
         velocity, acceleration = self.trend[..., bodies]
         before = np.sqrt(_squared(velocity + acceleration * time))
         on_path = np.sqrt(_squared(self.velocities(bodies, time)))
@@ -111,8 +119,8 @@ class Paths:
         return (self.velocity + self.acceleration * (self.duration / 2)) * self.duration
 
     def fastest(self) -> FloatArray:
-        """Greatest speed (n,) of each body's origin on its path, on the straight line to its actual
-        position at the end, or by the trend of its motion before."""
+        """Greatest speed (n,) [m/s] of each body's origin on its path, on the straight line to its
+        actual position at the end, or by its ``trend``."""
         final = self.velocity + self.acceleration * self.duration
         direct = (self.end[9:] - self.start[9:]) / self.duration
         trend = self.trend[0] + self.trend[1] * self.duration
@@ -122,18 +130,19 @@ class Paths:
 
 
 class MotionHistory:
-    """The last poses of bodies, and for how many intervals each has moved, and has moved
-    undisturbed."""
+    """The poses of n bodies in the last frames, and since when each has moved undisturbed."""
 
     def __init__(self, count: int) -> None:
-        self.times: list[float] = []
-        self._poses: list[FloatArray] = []
-        self._still = np.zeros(count, dtype=np.int64)
-        self._clean = np.zeros(count, dtype=np.int64)
-        self._unhit = np.zeros(count, dtype=np.int64)
-        self._hit_at = np.zeros(count)
-        self._onset = np.full(count, -2)
-        self._begun = np.zeros(count, dtype=np.bool_)
+        self.times: list[float] = []  # of the stored frames [s]
+        self._poses: list[FloatArray] = []  # (12, n) in each of them
+        # Frames since each body last moved, was disturbed in any way, was hit, and began to move
+        # after a rest; the time of that hit [s]; and whether it has ever moved.
+        self._since_moved = np.zeros(count, dtype=np.int64)
+        self._since_disturbed = np.zeros(count, dtype=np.int64)
+        self._since_hit = np.zeros(count, dtype=np.int64)
+        self._hit_time = np.zeros(count)
+        self._since_onset = np.full(count, -2)
+        self._has_moved = np.zeros(count, dtype=np.bool_)
 
     @property
     def step(self) -> float:
@@ -145,55 +154,60 @@ class MotionHistory:
         have moved."""
         self.times = [*self.times[-_DEPTH:], time]
         self._poses = [*self._poses[-_DEPTH:], poses]
-        self._onset += 1
-        self._still += 1
-        self._clean += 1
-        self._unhit += 1
+        self._since_onset += 1
+        self._since_moved += 1
+        self._since_disturbed += 1
+        self._since_hit += 1
         if len(self.times) == 1:
-            self._still[:] = self._clean[:] = self._unhit[:] = 0
+            self._since_moved[:] = self._since_disturbed[:] = self._since_hit[:] = 0
             return
         known = np.isfinite(self._poses[-2][0])
         moved = moved[known[moved]]
-        self._onset[moved[self._still[moved] > 1]] = 0
-        self._still[moved] = 0
-        self._begun[moved] = True
-        self._still[~known] = self._clean[~known] = self._unhit[~known] = 0
+        self._since_onset[moved[self._since_moved[moved] > 1]] = 0
+        self._since_moved[moved] = 0
+        self._has_moved[moved] = True
+        self._since_moved[~known] = self._since_disturbed[~known] = self._since_hit[~known] = 0
 
     def renumber(self, before: IntArray) -> None:
-        """Number the bodies anew: each had the number ``before`` (n,), or -1 if it is new."""
+        """Renumber the bodies: each had the number ``before`` (n,), or -1 if it is new."""
         self._poses = [carried(poses, before, np.nan) for poses in self._poses]
         for name, fresh in (
-            ("_still", 0),
-            ("_clean", 0),
-            ("_unhit", 0),
-            ("_hit_at", 0.0),
-            ("_onset", -2),
-            ("_begun", False),
+            ("_since_moved", 0),
+            ("_since_disturbed", 0),
+            ("_since_hit", 0),
+            ("_hit_time", 0.0),
+            ("_since_onset", -2),
+            ("_has_moved", False),
         ):
             setattr(self, name, carried(getattr(self, name), before, fresh))
 
     def disturb(self, bodies: IntArray | BoolArray) -> None:
         """Mark bodies that hit something in the last interval: their motion up to then does not
         predict what follows."""
-        self._clean[bodies] = 0
+        self._since_disturbed[bodies] = 0
 
     def hit(self, pairs: IntArray, after: FloatArray) -> None:
         """Mark bodies, ``pairs`` (k, 2), that hit each other ``after`` (k,) seconds in the last
         interval. Of hits in consecutive intervals the first counts."""
         self.disturb(pairs)
-        fresh = (self._unhit[pairs] > 2).any(axis=1)
-        self._unhit[pairs[fresh]] = 0
-        self._hit_at[pairs[fresh]] = (self.times[-2] + after[fresh])[:, None]
+        fresh = (self._since_hit[pairs] > 2).any(axis=1)
+        self._since_hit[pairs[fresh]] = 0
+        self._hit_time[pairs[fresh]] = (self.times[-2] + after[fresh])[:, None]
 
     def history(self) -> tuple[FloatArray, ...]:
-        """What later paths depend on: times and poses stored, and the counts as far as they are
-        asked for."""
+        """What later paths depend on: times, poses, and counts, clipped to where larger values make
+        no difference."""
         counts = (
             np.minimum(count, _DEPTH + 1)
-            for count in (self._still, self._clean, self._unhit, self._onset)
+            for count in (
+                self._since_moved,
+                self._since_disturbed,
+                self._since_hit,
+                self._since_onset,
+            )
         )
-        hit_at = np.where(self._unhit <= 2, self._hit_at, 0.0)
-        return np.array(self.times), *self._poses, np.stack([self.moving(), *counts]), hit_at
+        hit_time = np.where(self._since_hit <= 2, self._hit_time, 0.0)
+        return np.array(self.times), *self._poses, np.stack([self.moving(), *counts]), hit_time
 
     @property
     def last_poses(self) -> FloatArray:
@@ -202,19 +216,19 @@ class MotionHistory:
 
     def moving(self) -> BoolArray:
         """Which bodies (n,) have moved within the stored frames."""
-        return self._begun & (self._still <= _DEPTH)
+        return self._has_moved & (self._since_moved <= _DEPTH)
 
     def speeds(self) -> FloatArray:
         """(n,) mean speed of each body in the last interval; 0 before there is one."""
         if len(self.times) < 2:
-            return np.zeros(len(self._still))
+            return np.zeros(len(self._since_moved))
         return np.sqrt(_squared(self._poses[-1][9:] - self._poses[-2][9:])) / self.step
 
     def speed_bound(self, gravity: FloatArray) -> FloatArray:
         """Estimated upper bound (n,) on the speed of each body in the last interval; 0 before there
         are three poses."""
         if len(self.times) < 3:
-            return np.zeros(len(self._still))
+            return np.zeros(len(self._since_moved))
         step, known = self.times[-1] - self.times[-2], self.times[-2] - self.times[-3]
         now, last, before = (self._poses[-k][9:] for k in (1, 2, 3))
         direct, chord = (now - last) / step, (last - before) / known
@@ -237,9 +251,9 @@ class MotionHistory:
         drift = self._poses[-1][9:, bodies] - self._poses[-2][9:, bodies]
         return np.where(np.isfinite(drift), drift, 0.0)
 
-    def surprised(self, paths: Paths) -> BoolArray:
-        """Which bodies (n,) are neither at the ends of ``paths`` nor where they would be without
-        acceleration."""
+    def deviated(self, paths: Paths) -> BoolArray:
+        """Which moving bodies (n,) are neither at the ends of their ``paths`` nor where these would
+        end without acceleration."""
         t = paths.duration
         straight = paths.end[9:] - paths.start[9:] - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
@@ -248,8 +262,10 @@ class MotionHistory:
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
         """Paths from the last frame but one to the last. None before there are three poses.
 
-        ``kinematic`` (n,): known at both ends. ``airborne`` (n,): fall with ``gravity`` (3,)
-        [m/s^2] where their acceleration can't be measured.
+        Args:
+            kinematic: bodies whose path leads to their pose in the last frame (n,).
+            airborne: bodies that fall where their acceleration can't be measured (n,).
+            gravity: (3,) [m/s^2].
         """
         if len(self.times) < 3:
             return None
@@ -261,25 +277,25 @@ class MotionHistory:
         now, last, before = end[9:], start[9:], earlier[9:]
         weight = float(np.linalg.norm(gravity))
         chord, direct = (last - before) / known, (now - last) / step
-        clean = self._clean - 1  # undisturbed intervals up to the start of the path
+        clean = self._since_disturbed - 1  # undisturbed intervals up to the start of the path
         trend = np.zeros((2, *chord.shape))
-        trend[0] = np.where((self._unhit > 1) & ~kinematic, chord, 0.0)
+        trend[0] = np.where((self._since_hit > 1) & ~kinematic, chord, 0.0)
         # Dynamic: constant acceleration, measured where no hit falsifies it.
         bend = np.where(airborne, gravity[:, None], 0.0)
         if older:
             measured = 2 * (chord - (before - self._poses[-4][9:]) / older[0]) / (known + older[0])
             plausible = (
                 (clean >= 2)
-                & (self._onset > 2)
+                & (self._since_onset > 2)
                 & (_squared(measured) <= (_PLAUSIBLE * weight) ** 2)
             )
             bend = np.where(plausible, measured, bend)
             # A body at rest that was hit in the interval before the last moves only from then on.
-            knocked = (self._unhit == 2) & (self._onset == 2)
-            since = np.where(knocked, self.times[-3] - self._hit_at, older[0])
+            knocked = (self._since_hit == 2) & (self._since_onset == 2)
+            since = np.where(knocked, self.times[-3] - self._hit_time, older[0])
             since = np.clip(since, older[0] / 10, older[0])
             gain = 2 * (chord - (before - self._poses[-4][9:]) / since) / (known + since)
-            steady = knocked | ((self._unhit > 2) & (self._onset > 2))
+            steady = knocked | ((self._since_hit > 2) & (self._since_onset > 2))
             steady &= ~kinematic & (_squared(gain) <= (_PLAUSIBLE * weight) ** 2)
             trend[1] = np.where(steady, gain, 0.0)
             trend[0] += trend[1] * (known / 2)
@@ -294,7 +310,7 @@ class MotionHistory:
                 & (fallen <= 0.501 * weight * known**2)
                 & (level <= (0.1 * fallen) ** 2)
             )
-            dropped = (self._onset == 1) & airborne & from_rest
+            dropped = (self._since_onset == 1) & airborne & from_rest
             begin = np.where(
                 dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin
             )

@@ -34,7 +34,7 @@ _MOST_STEPS_OF_MESHES = 12
 
 class TimeOfImpact:
     """Finds when the paths of bodies meet. ``bounds`` (n, 2, 3): of the shapes in local space.
-    ``unsure``: pairs with a mesh for which the steps of the last search were too few."""
+    ``unsure``: pairs with a mesh whose time of impact was not found within the allowed steps."""
 
     def __init__(self, narrow: NarrowPhase, bounds: FloatArray) -> None:
         self._narrow = narrow
@@ -49,7 +49,7 @@ class TimeOfImpact:
     def may_hit(
         self, paths: Paths, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray
     ) -> BoolArray:
-        """Which pairs (p,) have bounding boxes that overlap while one moves relative to the other.
+        """Which pairs (p,) have bounding boxes that overlap at some time on their paths.
 
         Args:
             paths: of all bodies.
@@ -69,8 +69,9 @@ class TimeOfImpact:
         above = high[:, second] + np.maximum(relative, 0.0) + slack >= low[:, first]
         return np.asarray((below & above).all(axis=0))
 
-    def closing(self, paths: Paths, first: IntArray, second: IntArray) -> FloatArray:
-        """How much nearer pairs can come to each other on their paths at most [m]."""
+    def largest_approach(self, paths: Paths, first: IntArray, second: IntArray) -> FloatArray:
+        """Upper bound (p,) on how much the distance of each pair can shrink on its paths [m].
+        ``first``, ``second`` (p,): its bodies."""
         relative = paths.displacement()[:, second] - paths.displacement()[:, first]
         bend = np.sqrt(dot(paths.acceleration, paths.acceleration)) * (paths.duration**2 / 8)
         turn = np.minimum(np.sqrt(dot(paths.spin, paths.spin)) * paths.duration, 2.0) * self._radius
@@ -79,7 +80,7 @@ class TimeOfImpact:
         )
 
     def hits_at(self, meetings: Meetings | None) -> Hits:
-        """The hits at ``meetings``, whose patches are asked for here."""
+        """The hits at ``meetings``, with a query for their patches."""
         return (
             Hits.none()
             if meetings is None
@@ -110,12 +111,19 @@ class TimeOfImpact:
         poses = moving.poses(after)
         placing = moving.pairs, *relative_pose(*poses), np.full(len(after), _AROUND)
         return Meetings(
-            moving, after, poses, placing, expected[met], moving.actual(), far[met], mesh[met]
+            moving,
+            after,
+            poses,
+            placing,
+            expected[met],
+            moving.actual_distances(),
+            far[met],
+            mesh[met],
         )
 
     def _touches(self, moving: _MovingPairs, far: BoolArray) -> tuple[FloatArray, FloatArray]:
-        """Distances (k,) at the end of the paths, and times (k,) of the first touch, infinite where
-        there is none; ``far`` (k,) as in `Meetings`."""
+        """Distances (k,) at the end of the paths [m], and times (k,) of the first touch [s],
+        infinite where there is none, of pairs without a mesh; ``far`` (k,) as in `Meetings`."""
         duration = moving.paths.duration
         expected = moving.clearances(np.full(len(far), duration))
         after = np.full(len(far), np.inf)
@@ -127,19 +135,21 @@ class TimeOfImpact:
         rows, start = rows[start > _TOUCH], start[start > _TOUCH]
         slow, fast = (~far[rows]).nonzero()[0], far[rows].nonzero()[0]
         if len(slow):
-            after[rows[slow]] = moving.chosen(rows[slow]).first_touch(
+            after[rows[slow]] = moving.chosen(rows[slow]).touch_by_regula_falsi(
                 start[slow], expected[rows[slow]]
             )
         if len(fast):
-            after[rows[fast]] = moving.chosen(rows[fast]).advanced(self._radius)
+            after[rows[fast]] = moving.chosen(rows[fast]).touch_by_advancement(self._radius)
         return expected, after
 
     def _touches_of_meshes(
         self, moving: _MovingPairs, far: BoolArray
     ) -> tuple[FloatArray, FloatArray]:
-        """The same of pairs with a mesh; distances at the end only where they can touch."""
+        """Distances (k,) at the end of the paths [m] and times (k,) of the first touch [s], as
+        `_touches`, of pairs with a mesh. Distances of pairs that can't touch are infinite, because
+        those of meshes take long."""
         duration = moving.paths.duration
-        start, speed = moving.approaching(np.zeros(len(far)), self._radius)
+        start, speed = moving.distances_and_speeds(np.zeros(len(far)), self._radius)
         expected, after = np.full(len(far), np.inf), np.where(start <= _TOUCH, 0.0, np.inf)
         possible = (start <= speed * duration).nonzero()[0]
         if len(possible):
@@ -148,7 +158,7 @@ class TimeOfImpact:
             )
         rows = possible[start[possible] > _TOUCH]
         if len(rows):
-            after[rows], unsure = moving.chosen(rows).stepped(
+            after[rows], unsure = moving.chosen(rows).touch_of_meshes(
                 start[rows], start[rows] / speed[rows], expected[rows], self._radius
             )
             self.unsure.update(map(tuple, np.sort(moving.pairs[rows[unsure]], axis=1).tolist()))
@@ -178,15 +188,15 @@ class _MovingPairs:
     def clearances(self, time: FloatArray) -> FloatArray:
         return self.narrow.clearances(self.pairs, *relative_pose(*self.poses(time)))
 
-    def actual(self) -> FloatArray:
+    def actual_distances(self) -> FloatArray:
         """Signed distances (k,) in the actual poses at the end."""
         first, second = (self.paths.end[:, k] for k in self.pairs.T)
         return self.narrow.clearances(self.pairs, *relative_pose(first, second))
 
-    def first_touch(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Times (k,) at which the distance, ``start`` > 0 at first and ``end`` at last, vanishes,
-        by regula falsi (Illinois) from the time at which bodies with constant acceleration would
-        meet."""
+    def touch_by_regula_falsi(self, start: FloatArray, end: FloatArray) -> FloatArray:
+        """Times (k,) [s] at which the signed distances vanish, given those at the ``start`` > 0 and
+        at the ``end`` (k,) of the interval: by regula falsi (Illinois), beginning at the time at
+        which points with constant acceleration would meet."""
         duration = self.paths.duration
         low, high = np.zeros(len(start)), np.full(len(start), duration)
         f_low, f_high = start.copy(), end.copy()
@@ -231,12 +241,10 @@ class _MovingPairs:
             time[active] = np.clip((b * fa - a * fb) / np.maximum(fa - fb, 1e-300), a, b)
         return time
 
-    def advanced(self, radius: FloatArray) -> FloatArray:
-        """Times (k,) of the first touch, infinite where there is none. ``radius`` (n,): of all
-        bodies about their origins.
-
-        The distance can't shrink faster than the bodies move along the normal, which bounds the
-        next step.
+    def touch_by_advancement(self, radius: FloatArray) -> FloatArray:
+        """Times (k,) of the first touch [s], infinite where there is none, by conservative
+        advancement: each step is the distance over a bound on the speed at which it shrinks, so
+        none goes past a touch. ``radius`` (n,): of all bodies about their origins [m].
         """
         duration = self.paths.duration
         time = np.zeros(len(self.pairs))
@@ -246,16 +254,19 @@ class _MovingPairs:
             if len(active) == 0:
                 break
             now = time[active]
-            distance, speed = self.chosen(active).approaching(now, radius)
+            distance, speed = self.chosen(active).distances_and_speeds(now, radius)
             touching = distance <= _TOUCH
             result[active[touching]] = now[touching]
             time[active] = now + np.maximum(distance, _TOUCH / 2) / speed
             active = active[~touching & (time[active] <= duration)]
         return result
 
-    def approaching(self, now: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distances (k,) ``now`` (k,), and bounds (k,) on how fast they can shrink from then on
-        [m/s]; ``radius`` as in `advanced`."""
+    def distances_and_speeds(
+        self, now: FloatArray, radius: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Signed distances (k,) [m] at the times ``now`` (k,), and upper bounds (k,) > 0 on the
+        speed at which they shrink from then to the end of the interval [m/s]. ``radius`` (n,): of
+        all bodies about their origins [m]."""
         a, b = self.pairs.T
         first, second = self.poses(now)
         distance, normal = self.narrow.directed_clearances(
@@ -268,19 +279,24 @@ class _MovingPairs:
         )
         speed = np.maximum(dot(relative, turned(first[:9].reshape(3, 3, -1), normal)), 0.0)
         speed += np.sqrt((bend * bend).sum(axis=0)) * (self.paths.duration - now) + turning
-        return distance, np.maximum(speed, 1e-9)
+        return distance, np.maximum(speed, 1e-9)  # which the caller divides by
 
-    def stepped(
+    def touch_of_meshes(
         self, start: FloatArray, time: FloatArray, end: FloatArray, radius: FloatArray
     ) -> tuple[FloatArray, IntArray]:
-        """Times (k,) of the first touch of pairs with a mesh, whose distances tell nothing once
-        they overlap, infinite where there is none; and the numbers of the pairs for which the steps
-        were too few. ``start`` and ``end`` (k,): distances at either
-        end; ``time`` (k,) up to which they can't touch; ``radius`` as in `advanced`.
+        """Times (k,) of the first touch of pairs with a mesh [s], infinite where there is none, and
+        the numbers of the pairs for which `_MOST_STEPS_OF_MESHES` steps were too few; these touch
+        at the end of the interval if they are in contact there.
 
-        Conservative steps, lengthened to where the distance would vanish as it has shrunk in the
-        step before; where that is too far, the next one halves it. Pairs not found in
-        `_MOST_STEPS_OF_MESHES` steps have what the end says.
+        Where a mesh overlaps a body, their distance says nothing about the time of touch, so its
+        zero can't be bracketed. Steps are those of conservative advancement, lengthened by a secant
+        through the last two distances; a step that ends in an overlap is halved.
+
+        Args:
+            start: distances at the start of the interval (k,) [m].
+            time: up to which they can't touch (k,) [s].
+            end: distances at its end (k,) [m].
+            radius: of all bodies about their origins (n,) [m].
         """
         duration, count = self.paths.duration, len(start)
         low, high = np.zeros(count), np.full(count, np.inf)
@@ -290,7 +306,7 @@ class _MovingPairs:
         time, active = time.copy(), np.arange(count)
         for _ in range(_MOST_STEPS_OF_MESHES):
             now = time[active]
-            distance, speed = self.chosen(active).approaching(now, radius)
+            distance, speed = self.chosen(active).distances_and_speeds(now, radius)
             ahead = distance > _TOUCH
             before, through = active[ahead], active[~ahead]
             step = now[ahead] - low[before]
@@ -317,9 +333,9 @@ class _MovingPairs:
                 break
         return result, active
 
-    def go_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
-        """Which pairs overlap by ``depth`` (k,) somewhere on their paths ``within`` (k,) seconds
-        after the first touch."""
+    def pass_through(self, after: FloatArray, within: FloatArray, depth: FloatArray) -> BoolArray:
+        """Which pairs, on their paths, overlap by at least ``depth`` (k,) [m] at one of four times
+        ``within`` (k,) seconds ``after`` (k,) the first touch."""
         at = np.minimum(
             after + np.array([[0.2], [0.4], [0.6], [0.8]]) * within, self.paths.duration
         )
@@ -334,10 +350,18 @@ class _MovingPairs:
 
 @dataclass(frozen=True, slots=True)
 class Meetings:
-    """Pairs of bodies that first touch ``after`` (k,) seconds on their paths, in ``poses`` (12, k)
-    of the first and of the second; ``placing``: a query for their patches there. ``expected`` and
-    ``actual`` (k,) as in `Hits`; ``far`` (k,): whether the bodies move far compared with their
-    thickness; ``mesh`` (k,): whether one is a mesh."""
+    """Pairs of bodies that touch on their paths.
+
+    Attributes:
+        moving: the pairs and their paths.
+        after: (k,) time of the first touch, from the start of the paths [s].
+        poses: (12, k) of the first and of the second bodies at that time.
+        placing: the arguments of `NarrowPhase.query` for the patches there.
+        expected: (k,) signed distance at the end of the paths [m].
+        actual: (k,) signed distance in the actual poses at the end of the interval [m].
+        far: (k,) whether the bodies move far compared with their thickness.
+        mesh: (k,) whether one is a mesh.
+    """
 
     moving: _MovingPairs
     after: FloatArray
@@ -354,17 +378,17 @@ class Meetings:
         turn = first[:9].reshape(3, 3, -1)
         normal, centre = turned(turn, found.normal), turned(turn, found.centre) + first[9:]
         bodies = moving.pairs.T
-        time = after / moving.paths.slowed(bodies, after / 2).max(axis=0)
-        slowed = moving.paths.slowed(bodies, time)
-        velocities = moving.paths.velocities(bodies, after) * slowed  # (3, 2, k)
+        time = after / moving.paths.speed_correction(bodies, after / 2).max(axis=0)
+        correction = moving.paths.speed_correction(bodies, time)
+        velocities = moving.paths.velocities(bodies, after) * correction  # (3, 2, k)
         arms = centre[:, None] - np.stack([first[9:], second[9:]], axis=1)
-        speeds = velocities + cross(moving.paths.spin[:, bodies] * slowed, arms)
+        speeds = velocities + cross(moving.paths.spin[:, bodies] * correction, arms)
         approach = dot(speeds[:, 0] - speeds[:, 1], normal)
         passes, fast = self.far.copy(), self.far.nonzero()[0]
         if len(fast):
             one, other = moving.narrow.thickness[bodies[:, fast]]
             within = (one + other) / np.maximum(approach[fast], SLOWEST)
-            passes[fast] = moving.chosen(fast).go_through(
+            passes[fast] = moving.chosen(fast).pass_through(
                 after[fast], within, np.minimum(one, other) / 4
             )
         ways = normal.T, centre.T, approach, velocities.transpose(2, 1, 0)

@@ -29,9 +29,8 @@ STILL = 1e-5
 """Metres of motion below which a body counts as at rest: simulations at rest tremble, and poses are
 float32."""
 
-_SAME = 1e-12
-"""Metres of relative motion up to which a contact is unchanged: bodies that move together differ by
-rounding."""
+_NO_MOTION = 1e-12
+"""Metres of relative motion that are rounding: two bodies that move together keep their contact."""
 
 _RESTING = 0.2
 """Part of the tolerance up to which a gap counts as that of bodies at rest; up to twice that,
@@ -60,10 +59,11 @@ land, whatever the frame rate."""
 
 _FRAMES_AHEAD = 3
 """Frames in which gravity may accelerate a body to an impact: its contacts are watched that long
-before, wanted or not."""
+before, requested or not."""
 
-_FAT = 0.05
-"""Metres added to the bounds of the broad phase, so that they hold for several frames."""
+_WIDENING = 0.05
+"""Metres by which the bounds of the broad phase are widened, so that they hold for several
+frames."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,8 +82,9 @@ class ContactStatistics:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ends:
-    """Bodies (n,) with a listener (``heard``), and with a source that sounds (``sounding``)."""
+class Endpoints:
+    """Where signals begin and end: bodies (n,) with a source that sounds (``sounding``), and with a
+    listener (``heard``)."""
 
     heard: BoolArray
     sounding: BoolArray
@@ -91,9 +92,17 @@ class Ends:
 
 @dataclass(frozen=True, slots=True)
 class FrameContacts:
-    """One frame: all ``contacts`` (pairs by number of the body, sorted), the pairs (k, 2) that
-    ``began`` and ``ended``, ``impacts`` by time, and ``warnings`` about objects. Where nothing has
-    changed, ``contacts`` is the same object as in the last frame."""
+    """The contacts of one frame, and what has changed since the last one.
+
+    Attributes:
+        contacts: sorted by the numbers of the bodies; the same object as in the last frame where
+            nothing has changed.
+        began: pairs (k, 2) that touch and did not in the last frame.
+        ended: pairs (k, 2) that touched in the last frame and do not now.
+        impacts: sorted by time.
+        statistics: work of the update.
+        warnings: about objects.
+    """
 
     contacts: ContactSet
     began: IntArray
@@ -103,9 +112,9 @@ class FrameContacts:
     warnings: tuple[Message, ...]
 
 
-# Rows of the values of a pair, in the frame of its larger body unless said otherwise: centre of the
-# smaller body's bounds, its rotation, the contact on the larger and (in its own frame) on the
-# smaller body, normal from larger to smaller, distance, area.
+# Rows of `_Pairs.values`, in the frame of the larger body unless said otherwise: centre of the
+# smaller body's bounds, its rotation, the contact node on the larger body and (in the frame of the
+# smaller body) that on the smaller one, normal from larger to smaller, distance, area.
 _PLACE, _TURN, _ON_LARGER, _ON_SMALLER, _NORMAL = (
     slice(0, 3),
     slice(3, 12),
@@ -118,12 +127,18 @@ _DISTANCE, _AREA, _ROWS = 21, 22, 23
 
 @dataclass(slots=True)
 class _Pairs:
-    """Candidate pairs (p,), sorted by ``key`` = smaller number * n + larger number, and their
-    state.
+    """Candidates: the p pairs of bodies whose bounds overlap, and what is known of each.
 
-    ``larger`` and ``smaller`` (p,): the bodies by size. ``known``: has been queried, at ``version``
-    (2, p) of their poses, with ``values`` (rows, p). ``touching``: in contact. ``struck``: no
-    further hit until they part. ``looked``: examined in the last frame.
+    Attributes:
+        key: (p,) smaller number * n + larger number of the bodies, ascending.
+        larger, smaller: (p,) numbers of the bodies, by their size.
+        known: (p,) whether ``values`` are those of a query.
+        touching: (p,) in contact.
+        struck: (p,) no further impact until the pair parts.
+        examined: (p,) whether the pair was queried, or found unmoved, in the last frame. Pairs that
+            no signal can pass are not.
+        version: (2, p) counts of pose changes of the larger and of the smaller body at the query.
+        values: (rows, p) result of the last query.
     """
 
     key: IntArray
@@ -132,23 +147,31 @@ class _Pairs:
     known: BoolArray
     touching: BoolArray
     struck: BoolArray
-    looked: BoolArray
+    examined: BoolArray
     version: IntArray
     values: FloatArray
 
     @classmethod
     def of(cls, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
-        """Pairs that have not been queried."""
+        """Pairs without a query so far."""
         count = len(key)
         known, touching, struck = np.zeros((3, count), dtype=np.bool_)
-        looked = np.ones(count, dtype=np.bool_)
+        examined = np.ones(count, dtype=np.bool_)
         version = np.full((2, count), -1)
         return cls(
-            key, larger, smaller, known, touching, struck, looked, version, np.zeros((_ROWS, count))
+            key,
+            larger,
+            smaller,
+            known,
+            touching,
+            struck,
+            examined,
+            version,
+            np.zeros((_ROWS, count)),
         )
 
     def carried_to(self, key: IntArray, larger: IntArray, smaller: IntArray) -> _Pairs:
-        """The pairs ``key``, with the state of those that were candidates before."""
+        """The pairs ``key``; those that were candidates before keep their state."""
         if np.array_equal(key, self.key):
             return self
         if len(self.key) == 0 or len(key) == 0:
@@ -159,7 +182,7 @@ class _Pairs:
         carried.key, carried.larger, carried.smaller = key, larger, smaller
         for state in (carried.known, carried.touching, carried.struck):
             state &= here
-        carried.looked |= ~here
+        carried.examined |= ~here
         return carried
 
 
@@ -174,11 +197,13 @@ class ContactTracker:
             max(item.refractory for item in limits),
         )
         self.bodies: tuple[Body, ...] = ()
-        self._local: list[FloatArray] = []  # their bounds (2, 3)
-        self._set(tuple(bodies))
+        self._local: list[FloatArray] = []  # bounds (2, 3) of each body in its own space
+        self._set_bodies(tuple(bodies))
         self.reset()
 
-    def _set(self, bodies: tuple[Body, ...], before: NarrowPhase | None = None) -> None:
+    def _set_bodies(self, bodies: tuple[Body, ...], before: NarrowPhase | None = None) -> None:
+        """Set all that depends on bodies and shapes alone. Shapes that are the same objects as now
+        keep their bounds, and in ``before`` what the narrow phase has computed for them."""
         known = {id(b.shape): bounds for b, bounds in zip(self.bodies, self._local, strict=True)}
         self._local = [
             b.shape.local_bounds() if (at := known.get(id(b.shape))) is None else at for b in bodies
@@ -187,22 +212,26 @@ class ContactTracker:
         local = np.array(self._local).reshape(-1, 2, 3)
         count = len(bodies)
         self._middle, self._extent = np.empty((2, 3, count))
-        self._radius, self._arm = np.empty((2, count))
-        self._still = np.empty((12, count))
-        self._measure(slice(count), local)
+        self._radius, self._reach = np.empty((2, count))
+        self._rest_limits = np.empty((12, count))
+        self._set_sizes(slice(count), local)
         self._narrow = NarrowPhase([b.shape for b in bodies], [b.medium for b in bodies], before)
         self._time_of_impact = TimeOfImpact(self._narrow, local)
         self._mass = np.array([b.mass or 0.0 for b in bodies], dtype=np.float64)
         self._dynamic = np.array([b.motion is Motion.DYNAMIC for b in bodies], dtype=np.bool_)
         self._medium = np.array([b.medium for b in bodies], dtype=np.bool_)
 
-    def _measure(self, bodies: slice, local: FloatArray) -> None:
-        """Set the sizes of bodies with ``local`` bounds (k, 2, 3)."""
+    def _set_sizes(self, bodies: slice, local: FloatArray) -> None:
+        """Set what depends on the ``local`` bounds (k, 2, 3) of some bodies: their middle and half
+        extents (3,) in the body's space, their radius about the middle, their reach from the body's
+        origin [m], and the changes of the 12 elements of a pose that count as rest."""
         self._middle[:, bodies] = local.mean(axis=1).T
         self._extent[:, bodies] = (np.ptp(local, axis=1) / 2).T
         self._radius[bodies] = np.sqrt((self._extent[:, bodies] ** 2).sum(axis=0))
-        arm = self._arm[bodies] = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
-        self._still[:, bodies] = STILL / np.stack([arm] * 9 + [np.ones_like(arm)] * 3).clip(1e-9)
+        reach = self._reach[bodies] = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
+        self._rest_limits[:, bodies] = STILL / np.stack(
+            [reach] * 9 + [np.ones_like(reach)] * 3
+        ).clip(1e-9)
 
     def reset(self) -> None:
         """Drop all history: the next update begins no contact and makes no impact."""
@@ -210,24 +239,26 @@ class ContactTracker:
         none = np.zeros(0, dtype=np.int64)
         self._history = MotionHistory(count)
         self._pose = np.full((12, count), np.nan)
-        self._rest = self._pose.copy()
+        self._rest_pose = self._pose.copy()
         self._version = np.zeros(count, dtype=np.int64)
         self._low, self._high = np.full((3, count), np.inf), np.full((3, count), -np.inf)
-        self._fat_low, self._fat_high = self._low.copy(), self._high.copy()
-        self._before = (self._low.copy(), self._high.copy())
+        self._wide_low, self._wide_high = self._low.copy(), self._high.copy()
+        self._last_bounds = (self._low.copy(), self._high.copy())
+        # Keys of the near pairs, whose wide bounds overlap. Those whose bounds overlap in this
+        # frame are the candidates.
         self._near, self._near_larger, self._near_smaller = none, none, none
         self._pairs = _Pairs.of(none, none, none)
         self._airborne = self._dynamic.copy()
-        self._new = np.ones(count, dtype=np.bool_)  # without an update so far
-        # Time [s] and speed of approach [m/s] by key.
+        self._new = np.ones(count, dtype=np.bool_)  # bodies without an update so far
+        # Of each pair, by key: time of its last impact [s] and speed of approach in it [m/s].
         self._last_impact: dict[int, tuple[float, float]] = {}
         self._queries = 0
-        self._same = _SAME
-        self._begun = 0.0
+        self._no_motion = _NO_MOTION
+        self._update_began = 0.0
         self._last: FrameContacts | None = None
         self._reported = np.zeros((3, 0), dtype=np.int64)
-        self._last_ends: Ends | None = None
-        self._heap = np.arange(count)
+        self._last_endpoints: Endpoints | None = None
+        self._heap = np.arange(count)  # of each body: connected component of the near pairs
 
     def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
         """The state that later frames depend on, except their own poses: motion, contacts, and
@@ -244,9 +275,9 @@ class ContactTracker:
         return *self._history.history(), *pair_state, self._airborne, recent
 
     def replace_bodies(self, bodies: Sequence[Body], anew: frozenset[str] = frozenset()) -> None:
-        """Replace the list of bodies, or shapes and masses of some. The motion and the contacts of
-        those whose names were there go on, unless they are among those that begin ``anew``: the
-        next update makes no impact of a body without a motion before."""
+        """Replace the list of bodies, or shapes and masses of some. A body whose name was in the
+        list before keeps its motion and contacts, unless it begins ``anew``, by name; the next
+        update makes no impact of the others."""
         known = {body.name: body for body in self.bodies if body.name not in anew}
         names = [body.name for body in bodies]
         changed = np.array(
@@ -257,14 +288,14 @@ class ContactTracker:
         if names != list(known):
             self._renumber(names, known)
         if same and all(
-            bodies[k] == self.bodies[k] or self._moves_parts(k, bodies[k])
+            bodies[k] == self.bodies[k] or self._move_parts(k, bodies[k])
             for k in changed.nonzero()[0].tolist()
         ):
             self.bodies = tuple(bodies)
         else:
-            self._set(tuple(bodies), self._narrow)
-        self._pose[:, changed] = self._rest[:, changed] = np.nan
-        self._fat_low[:, changed], self._fat_high[:, changed] = np.inf, -np.inf
+            self._set_bodies(tuple(bodies), self._narrow)
+        self._pose[:, changed] = self._rest_pose[:, changed] = np.nan
+        self._wide_low[:, changed], self._wide_high[:, changed] = np.inf, -np.inf
         self._near_larger, self._near_smaller = self._by_size(self._near)
         pairs = self._pairs
         pairs.larger, pairs.smaller = self._by_size(pairs.key)
@@ -272,8 +303,8 @@ class ContactTracker:
         self._version[changed] += 1
 
     def _renumber(self, names: Sequence[str], known: Collection[str]) -> None:
-        """Number everything that is known by the new list of ``names``; of bodies that are not in
-        it, or not among the ``known`` ones, nothing is."""
+        """Renumber the whole state by a new list of ``names``. The state of bodies that are not in
+        that list, or whose names are not ``known``, is dropped."""
         number = {body.name: k for k, body in enumerate(self.bodies) if body.name in known}
         before = np.array([number.get(name, -1) for name in names], dtype=np.int64)
         there = before >= 0
@@ -281,7 +312,7 @@ class ContactTracker:
         after[before[there]] = there.nonzero()[0]
 
         def renumbered(key: IntArray) -> tuple[IntArray, IntArray]:
-            """The rows of the pairs that are left, and their new keys, sorted."""
+            """The rows of the pairs that remain, and their new keys, sorted."""
             pairs = np.sort(after[self._numbers(key)], axis=1)
             rows = (pairs[:, 0] >= 0).nonzero()[0]
             found: IntArray = pairs[rows, 0] * len(names) + pairs[rows, 1]
@@ -302,26 +333,27 @@ class ContactTracker:
             for new, old in zip(key.tolist(), struck[rows].tolist(), strict=True)
         }
         self._history.renumber(before)
-        self._before = (
-            carried(self._before[0], before, np.inf),
-            carried(self._before[1], before, -np.inf),
+        self._last_bounds = (
+            carried(self._last_bounds[0], before, np.inf),
+            carried(self._last_bounds[1], before, -np.inf),
         )
         for name, fresh in (
             ("_pose", np.nan),
-            ("_rest", np.nan),
+            ("_rest_pose", np.nan),
             ("_version", 0),
             ("_low", np.inf),
             ("_high", -np.inf),
-            ("_fat_low", np.inf),
-            ("_fat_high", -np.inf),
+            ("_wide_low", np.inf),
+            ("_wide_high", -np.inf),
             ("_airborne", True),
             ("_new", True),
         ):
             setattr(self, name, carried(getattr(self, name), before, fresh))
         self._last = None
 
-    def _moves_parts(self, number: int, body: Body) -> bool:
-        """Move the parts of a body, as a skeleton does, if nothing else of it has changed."""
+    def _move_parts(self, number: int, body: Body) -> bool:
+        """Move the parts of a compound, as bones do. Returns False, without a change, if ``body``
+        differs from body ``number`` in anything but the poses of its parts."""
         old, new = self.bodies[number].shape, body.shape
         if (
             not isinstance(old, Compound)
@@ -335,7 +367,7 @@ class ContactTracker:
         if not self._narrow.place(number, new, local):
             return False
         self._local[number] = local
-        self._measure(slice(number, number + 1), local[None])
+        self._set_sizes(slice(number, number + 1), local[None])
         self._time_of_impact.measure(number, local)
         return True
 
@@ -343,7 +375,7 @@ class ContactTracker:
         self,
         time: float,
         transforms: FloatArray,
-        ends: Ends | None = None,
+        endpoints: Endpoints | None = None,
         continuous: bool = True,
         impacts: bool = True,
         exact: bool = False,
@@ -352,13 +384,15 @@ class ContactTracker:
         the shapes.
 
         Args:
-            ends: only contacts through which a signal may pass, of bodies that are joined by pairs
-                with overlapping bounds to a listener, and to a source or an impact; None: all.
-                Impacts are found all the same. A pair that was not examined in the last frame gets
-                no slack.
-            continuous: False where this step does not follow the last one; history is then dropped.
-            impacts: False where none are looked for. What touches meanwhile makes an impact only
-                once it has parted.
+            time: of this frame, after that of the last one.
+            transforms: rows by the number of the body.
+            endpoints: restricts the contacts to those through which a signal may pass: of bodies
+                that chains of near pairs join to a listener, and to a source or an impact. Impacts
+                are found all the same. None: all contacts. A pair that was not examined in the last
+                frame gets no slack.
+            continuous: False drops all history, as this frame does not follow the last one.
+            impacts: False finds none; pairs that touch meanwhile make an impact only after they
+                have parted.
             exact: contacts are computed again for all bodies that have moved, even if only by
                 rounding.
 
@@ -373,39 +407,45 @@ class ContactTracker:
         if not continuous or (self._history.times and time <= self._history.times[-1]):
             self.reset()
         self._queries = 0
-        self._begun = perf_counter()
+        self._update_began = perf_counter()
         moved, warnings = self._update_poses(time, transforms)
-        self._same = _SAME
+        self._no_motion = _NO_MOTION
         if exact:
-            self._same = 0.0
-            self._rest[:] = self._pose
+            self._no_motion = 0.0
+            self._rest_pose[:] = self._pose
             self._pairs.version[:] = -1
-        elif self._last is not None and len(moved) == 0 and _same(ends, self._last_ends):
+        elif (
+            self._last is not None
+            and len(moved) == 0
+            and _same_request(endpoints, self._last_endpoints)
+        ):
             return self._unchanged(warnings)
         paths, able = self._near_pairs(moved, impacts)
         striking = self._may_strike() if impacts else np.zeros(len(self.bodies), dtype=np.bool_)
         if not impacts:
             self._history.disturb(~striking)
-        elif ends is not None:
+        elif endpoints is not None:
             pairs = self._pairs
-            late = (~pairs.looked & (striking[pairs.larger] | striking[pairs.smaller])).nonzero()[0]
-            if self._catch_up(late):
+            late = (~pairs.examined & (striking[pairs.larger] | striking[pairs.smaller])).nonzero()[
+                0
+            ]
+            if self._examine_last_frame(late):
                 paths, able = self._near_pairs(moved, impacts)
-        result = self._contacts(ends, paths, striking, able, warnings)
+        result = self._contacts(endpoints, paths, striking, able, warnings)
         if not impacts:
             self._pairs.struck |= self._pairs.touching
-        self._last, self._last_ends = result, ends
+        self._last, self._last_endpoints = result, endpoints
         self._new[:] = False
         return result
 
     def _by_size(self, key: IntArray) -> tuple[IntArray, IntArray]:
-        """The larger and the smaller body of each pair."""
+        """Numbers of the larger and of the smaller body of each pair, by ``key``."""
         first, second = key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)
         larger = self._radius[first] >= self._radius[second]
         return np.where(larger, first, second), np.where(larger, second, first)
 
     def _numbers(self, key: IntArray) -> IntArray:
-        """Pairs (k, 2), smaller number first."""
+        """Numbers of the bodies (k, 2) of pairs by ``key``, smaller number first."""
         return np.stack([key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)], axis=1)
 
     def _update_poses(
@@ -418,16 +458,18 @@ class ContactTracker:
         if len(moved) == 0:
             self._history.advance(time, columns, moved)
             return moved, ()
-        self._before = (self._low.copy(), self._high.copy())
+        self._last_bounds = (self._low.copy(), self._high.copy())
         finite = np.isfinite(columns[:, moved]).all(axis=0)
         moved, lost = moved[finite], moved[~finite]
         gone = lost[np.isfinite(self._pose[0, lost])]
         self._low[:, gone], self._high[:, gone] = np.inf, -np.inf
         self._version[gone] += 1
-        self._pose[:, lost] = self._rest[:, lost] = np.nan
+        self._pose[:, lost] = self._rest_pose[:, lost] = np.nan
         pose = self._pose[:, moved] = columns.take(moved, axis=1)
-        left = moved[(~(np.abs(pose - self._rest[:, moved]) <= self._still[:, moved])).any(axis=0)]
-        self._rest[:, left] = columns[:, left]
+        left = moved[
+            (~(np.abs(pose - self._rest_pose[:, moved]) <= self._rest_limits[:, moved])).any(axis=0)
+        ]
+        self._rest_pose[:, left] = columns[:, left]
         self._version[moved] += 1
         self._low[:, moved], self._high[:, moved] = self._world_bounds(moved, pose)
         self._history.advance(time, columns, left)
@@ -450,7 +492,7 @@ class ContactTracker:
     def _unchanged(self, warnings: tuple[Message, ...]) -> FrameContacts:
         assert self._last is not None
         none = np.zeros((0, 2), dtype=np.int64)
-        statistics = ContactStatistics(len(self._pairs.key), 0, perf_counter() - self._begun)
+        statistics = ContactStatistics(len(self._pairs.key), 0, perf_counter() - self._update_began)
         return FrameContacts(self._last.contacts, none, none, (), statistics, warnings)
 
     def _energies(self, speed: FloatArray) -> FloatArray:
@@ -464,8 +506,8 @@ class ContactTracker:
         return mass / 2 * (speed / self.settings.time_scale) ** 2
 
     def _may_strike(self) -> BoolArray:
-        """Which bodies (n,) may take part in an impact soon: all that move and have a mass, once
-        one of them has the energy for it."""
+        """Which bodies (n,) may take part in an impact within the next `_FRAMES_AHEAD` frames: all
+        that move and have a mass, as soon as one of them may have the energy for it."""
         gain = (
             float(np.linalg.norm(self.settings.gravity))
             * self.settings.time_scale**2
@@ -476,13 +518,14 @@ class ContactTracker:
         moving = self._history.moving()
         return moving & (self._mass > 0) & np.any(moving & (energy >= self._least / 2))
 
-    def _in_heaps(self, bodies: BoolArray) -> BoolArray:
-        """Which bodies (n,) are in a heap with one of these (n,): joined to it by near pairs."""
+    def _in_heaps_of(self, bodies: BoolArray) -> BoolArray:
+        """Which bodies (n,) are in the same heap as one of the ``bodies`` (n,): chains of near
+        pairs join them."""
         return np.isin(self._heap, self._heap[bodies])
 
-    def _catch_up(self, rows: IntArray) -> bool:
-        """Find which pairs ``rows``, not examined in the last frame, touched then. Returns whether
-        any did."""
+    def _examine_last_frame(self, rows: IntArray) -> bool:
+        """Find out which pairs ``rows``, which were not examined in the last frame, touched in its
+        poses. Returns whether any did."""
         if len(rows) == 0:
             return False
         pairs = self._pairs
@@ -492,15 +535,15 @@ class ContactTracker:
         relative = relative_pose(poses.take(larger, axis=1), poses.take(smaller, axis=1))
         distance = self._narrow.clearances(np.stack([larger, smaller], axis=1), *relative)
         touching = distance <= self.settings.tolerance
-        pairs.looked[rows], pairs.known[rows] = True, False
+        pairs.examined[rows], pairs.known[rows] = True, False
         pairs.touching[rows] = pairs.struck[rows] = touching
         pairs.values[_DISTANCE, rows] = distance
         self._airborne[larger[touching]] = self._airborne[smaller[touching]] = False
         return bool(touching.any())
 
     def _near_pairs(self, moved: IntArray, impacts: bool) -> tuple[Paths | None, IntArray]:
-        """Update the near pairs. Returns the paths of the bodies if any is fast enough for an
-        impact, and the numbers among the near pairs of those that have the energy for one."""
+        """Update the near pairs. Returns the paths of the bodies, None if none is fast enough for
+        an impact, and the numbers, within the near pairs, of those with the energy for one."""
         low, high = self._low, self._high
         paths, none = None, np.zeros(0, dtype=np.int64)
         gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
@@ -513,14 +556,14 @@ class ContactTracker:
         if paths is not None:
             speed = paths.fastest()
             if turning:
-                speed += np.sqrt(dot(paths.spin, paths.spin)) * self._arm
+                speed += np.sqrt(dot(paths.spin, paths.spin)) * self._reach
             energy = self._energies(speed)
             fast = (energy >= least / 2).nonzero()[0]
             if len(fast) == 0:
                 paths = None
         if paths is not None:
             low, high = low.copy(), high.copy()
-            before_low, before_high = self._before[0][:, fast], self._before[1][:, fast]
+            before_low, before_high = self._last_bounds[0][:, fast], self._last_bounds[1][:, fast]
             ahead_low, ahead_high = self._world_bounds(fast, paths.poses(fast, paths.duration))
             low[:, fast] = np.minimum(np.minimum(low[:, fast], before_low), ahead_low)
             high[:, fast] = np.maximum(np.maximum(high[:, fast], before_high), ahead_high)
@@ -537,20 +580,20 @@ class ContactTracker:
         ]
 
     def _widen(self, low: FloatArray, high: FloatArray, moved: IntArray) -> None:
-        """Enlarge the wide bounds to contain the bounds ``low`` to ``high`` again, and find the
-        pairs whose wide bounds overlap."""
-        inside = (low[:, moved] >= self._fat_low[:, moved]) & (
-            high[:, moved] <= self._fat_high[:, moved]
+        """Move the wide bounds of those ``moved`` bodies that they do not contain any more, by
+        bounds from ``low`` to ``high`` (3, n), and find the near pairs again."""
+        inside = (low[:, moved] >= self._wide_low[:, moved]) & (
+            high[:, moved] <= self._wide_high[:, moved]
         )
         rows = moved[~inside.all(axis=0)]
         if len(rows) == 0:
             return
         drift = self._history.drift(rows)
-        self._fat_low[:, rows] = low[:, rows] - _FAT + 2 * np.minimum(drift, 0.0)
-        self._fat_high[:, rows] = high[:, rows] + _FAT + 2 * np.maximum(drift, 0.0)
+        self._wide_low[:, rows] = low[:, rows] - _WIDENING + 2 * np.minimum(drift, 0.0)
+        self._wide_high[:, rows] = high[:, rows] + _WIDENING + 2 * np.maximum(drift, 0.0)
         escaped = np.zeros(len(self.bodies), dtype=np.bool_)
         escaped[rows] = True
-        found = overlapping_pairs(np.stack([self._fat_low.T, self._fat_high.T], axis=1), escaped)
+        found = overlapping_pairs(np.stack([self._wide_low.T, self._wide_high.T], axis=1), escaped)
         near = found[:, 0] * len(self.bodies) + found[:, 1]
         if len(rows) < len(self.bodies):
             near = np.sort(
@@ -565,7 +608,7 @@ class ContactTracker:
 
     def _contacts(
         self,
-        ends: Ends | None,
+        endpoints: Endpoints | None,
         paths: Paths | None,
         striking: BoolArray,
         able: IntArray,
@@ -574,53 +617,53 @@ class ContactTracker:
         """The contacts of this frame, and what has changed.
 
         Args:
-            ends: as in `update`.
+            endpoints: as in `update`.
             paths: of the bodies, None where nothing can hit.
-            striking: which bodies may take part in an impact soon (n,).
+            striking: which bodies may soon take part in an impact (n,), see `_may_strike`.
             able: numbers of the near pairs with the energy for an impact.
             warnings: about bodies that were left out.
         """
         old = self._pairs
-        touched, struck = old.key[old.touching & old.looked], old.key[old.struck]
+        touched, struck = old.key[old.touching & old.examined], old.key[old.struck]
         met = self._overlapping()
         key = self._near[met]
         pairs = self._pairs = old.carried_to(key, self._near_larger[met], self._near_smaller[met])
-        broad = perf_counter() - self._begun
+        broad = perf_counter() - self._update_began
         fresh = (
             pairs.known
             & (pairs.version[0] == self._version[pairs.larger])
             & (pairs.version[1] == self._version[pairs.smaller])
         )
-        asked = self._asked(ends, striking, able)
-        looked = asked | fresh
-        if ends is not None:
-            looked |= striking[pairs.larger] | striking[pairs.smaller]
+        requested = self._requested(endpoints, striking, able)
+        examined = requested | fresh
+        if endpoints is not None:
+            examined |= striking[pairs.larger] | striking[pairs.smaller]
         if len(able):
             striking = np.zeros(len(met), dtype=np.bool_)
             striking[able] = True
-            looked |= striking[met]
-        self._catch_up((looked & ~pairs.looked).nonzero()[0])
-        before = pairs.touching & pairs.looked
-        apart = ~pairs.touching & pairs.looked
+            examined |= striking[met]
+        self._examine_last_frame((examined & ~pairs.examined).nonzero()[0])
+        before = pairs.touching & pairs.examined
+        apart = ~pairs.touching & pairs.examined
         last = pairs.values.copy()
-        examined = looked & ~fresh
+        queried = examined & ~fresh
         free = able[~_among(self._near[able], struck)]
-        hits = self._look(
-            examined.nonzero()[0], before, None if paths is None else self._meetings(paths, free)
+        hits = self._examine(
+            queried.nonzero()[0], before, None if paths is None else self._meetings(paths, free)
         )
         if paths is not None and len(able):
-            hits = self._hits_of_frame(paths, hits, able, free, before, examined, last)
+            hits = self._hits_of_frame(paths, hits, able, free, before, queried, last)
         impacts = self._impacts(hits, paths, struck)
         warnings += self._uncertain(impacts)
-        pairs.touching &= looked
-        pairs.looked = looked
+        pairs.touching &= examined
+        pairs.examined = examined
         new = self._new[pairs.larger] | self._new[pairs.smaller]
         self._settle(before, last[_DISTANCE], impacts, new)
         if paths is not None:
             self._disturb(hits, paths)
-        reported = pairs.touching & asked & (pairs.values[_DISTANCE] <= self.settings.tolerance)
+        reported = pairs.touching & requested & (pairs.values[_DISTANCE] <= self.settings.tolerance)
         began = key[reported & apart & ~new]
-        lost = touched[~_among(touched, key[pairs.touching | ~looked])]
+        lost = touched[~_among(touched, key[pairs.touching | ~examined])]
         return FrameContacts(
             contacts=self._reported_contacts(reported.nonzero()[0]),
             began=self._numbers(began),
@@ -644,7 +687,7 @@ class ContactTracker:
         able: IntArray,
         free: IntArray,
         before: BoolArray,
-        examined: BoolArray,
+        queried: BoolArray,
         last: FloatArray,
     ) -> Hits:
         """The hits of this frame.
@@ -655,12 +698,12 @@ class ContactTracker:
             able: numbers of the near pairs with the energy for an impact.
             free: those of them that have parted since their last one.
             before: which pairs touched in the last frame (p,).
-            examined: which pairs were queried in this frame (p,).
+            queried: which pairs were queried in this frame (p,).
             last: the values of all pairs in the last frame.
         """
         pairs, time = self._pairs, self._history.times[-1]
         key = pairs.key
-        now = pairs.touching & examined
+        now = pairs.touching & queried
         pivoting = (before & now & _among(key, self._near[able])).nonzero()[0]
         arrived = key[now & ~before & (pairs.values[_DISTANCE] <= _PRESSING_DISTANCE)]
         hits = self._hits(paths, met, arrived[_among(arrived, self._near[free])])
@@ -675,8 +718,15 @@ class ContactTracker:
     def _settle(
         self, before: BoolArray, distance: FloatArray, impacts: Sequence[Impact], new: BoolArray
     ) -> None:
-        """Note which pairs have nothing more to hit until they part, and which bodies are in free
-        flight. ``distance`` (p,) is that of the last frame, ``new`` (p,): they had none."""
+        """Update which pairs make no further impact until they part, and which bodies are in free
+        flight.
+
+        Args:
+            before: whether each pair touched in the last frame (p,).
+            distance: of the pairs in the last frame (p,) [m].
+            impacts: of this frame.
+            new: whether one of the bodies was not in the last frame (p,).
+        """
         pairs = self._pairs
         settled = before & (distance - pairs.values[_DISTANCE] <= _CREEP * self._history.step)
         if len(impacts):
@@ -699,25 +749,29 @@ class ContactTracker:
         state = np.stack(
             [pairs.key[rows], self._version[pairs.larger[rows]], self._version[pairs.smaller[rows]]]
         )
-        computed = self._same == 0 and self._queries > 0
+        computed = self._no_motion == 0 and self._queries > 0
         if self._last is not None and not computed and np.array_equal(state, self._reported):
             return self._last.contacts
         self._reported = state
         return self._contact_set(rows)
 
-    def _asked(self, ends: Ends | None, striking: BoolArray, able: IntArray) -> BoolArray:
-        """Which candidate pairs the caller asked for: those of heaps with a listener in which
-        something sounds, or may after an impact."""
+    def _requested(
+        self, endpoints: Endpoints | None, striking: BoolArray, able: IntArray
+    ) -> BoolArray:
+        """Which candidate pairs (p,) the caller wants: those in heaps that hold both a listener and
+        a source, or a body that may strike."""
         pairs = self._pairs
-        if ends is None:
+        if endpoints is None:
             return np.ones(len(pairs.key), dtype=np.bool_)
-        sounding = ends.sounding | striking
+        sounding = endpoints.sounding | striking
         sounding[self._near_larger[able]] = True
-        return (self._in_heaps(ends.heard) & self._in_heaps(sounding))[pairs.larger]
+        return (self._in_heaps_of(endpoints.heard) & self._in_heaps_of(sounding))[pairs.larger]
 
-    def _look(self, rows: IntArray, before: BoolArray, meetings: Meetings | None = None) -> Hits:
-        """Update pairs ``rows``, by a query where they have moved relative to each other. Returns
-        the hits at ``meetings``: one query for both costs less than two."""
+    def _examine(self, rows: IntArray, before: BoolArray, meetings: Meetings | None = None) -> Hits:
+        """Bring the values of the pairs ``rows`` up to date, by a query for those whose bodies have
+        moved relative to each other. Returns the hits at ``meetings``, whose patches are part of
+        the same query because one large query costs less than two. ``before`` (p,): whether each
+        pair touched in the last frame."""
         if len(rows) == 0:
             return self._time_of_impact.hits_at(meetings)
         pairs = self._pairs
@@ -733,14 +787,19 @@ class ContactTracker:
             self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
         )
         place = turned(turn, self._middle.take(smaller, axis=1)) + offset
-        stays = self._stays(rows, turn, place, self._radius[smaller], limit, before[rows])
-        if stays.any():
-            asked = (~stays).nonzero()[0]
-            rows, larger, smaller, limit = rows[asked], larger[asked], smaller[asked], limit[asked]
+        current = self._up_to_date(rows, turn, place, self._radius[smaller], limit, before[rows])
+        if current.any():
+            queried = (~current).nonzero()[0]
+            rows, larger, smaller, limit = (
+                rows[queried],
+                larger[queried],
+                smaller[queried],
+                limit[queried],
+            )
             turn, offset, place = (
-                turn.take(asked, axis=2),
-                offset.take(asked, axis=1),
-                place.take(asked, axis=1),
+                turn.take(queried, axis=2),
+                offset.take(queried, axis=1),
+                place.take(queried, axis=1),
             )
         placing = np.stack([larger, smaller], axis=1), turn, offset, limit
         if meetings is None:
@@ -766,7 +825,7 @@ class ContactTracker:
         self._queries += len(rows)
         return hits
 
-    def _stays(
+    def _up_to_date(
         self,
         rows: IntArray,
         turn: FloatArray,
@@ -775,8 +834,8 @@ class ContactTracker:
         limit: FloatArray,
         before: BoolArray,
     ) -> BoolArray:
-        """Which pairs are unchanged: touching and not moved relative to each other, or still too
-        far apart to touch.
+        """Which pairs need no query: touching and not moved relative to each other, or too far
+        apart to touch after their motion since the last query.
 
         Args:
             rows: numbers of the pairs (k,).
@@ -790,7 +849,7 @@ class ContactTracker:
         apart = pairs.values[_DISTANCE, rows] - motion > limit
         return np.asarray(
             pairs.known[rows]
-            & np.where(before, motion <= self._same, apart)
+            & np.where(before, motion <= self._no_motion, apart)
             & (pairs.touching[rows] == before)
         )
 
@@ -882,9 +941,10 @@ class ContactTracker:
         return near * (touch + (1.0 - touch) * (_EDGE_WEIGHT + (1.0 - _EDGE_WEIGHT) * facing))
 
     def _meetings(self, paths: Paths, able: IntArray) -> Meetings | None:
-        """Which near pairs ``able`` meet on their ``paths``."""
+        """Where and when those near pairs ``able``, by number, that meet on their ``paths`` do
+        so."""
         possible = self._time_of_impact.may_hit(
-            paths, self._near_larger[able], self._near_smaller[able], *self._before
+            paths, self._near_larger[able], self._near_smaller[able], *self._last_bounds
         )
         able = able[possible]
         meshes = (
@@ -892,12 +952,12 @@ class ContactTracker:
             | self._narrow.is_mesh[self._near_smaller[able]]
         ).nonzero()[0]
         if len(meshes):  # their distances take long: use those of the last query
-            able = np.delete(able, meshes[self._stay_apart(paths, self._near[able[meshes]])])
+            able = np.delete(able, meshes[self._out_of_reach(paths, self._near[able[meshes]])])
         return self._time_of_impact.meetings(paths, self._numbers(self._near[able]))
 
-    def _stay_apart(self, paths: Paths, key: IntArray) -> BoolArray:
-        """Which near pairs, by key, were so far apart when they were queried that they can't meet
-        on their ``paths``."""
+    def _out_of_reach(self, paths: Paths, key: IntArray) -> BoolArray:
+        """Which near pairs, by key, can't meet on their ``paths``: their distance at the last
+        query, less their motion since, exceeds what the paths can close."""
         pairs = self._pairs
         if len(pairs.key) == 0:
             return np.zeros(len(key), dtype=np.bool_)
@@ -911,13 +971,13 @@ class ContactTracker:
         return np.asarray(
             (pairs.key[rows] == key)
             & pairs.known[rows]
-            & (least > self._time_of_impact.closing(paths, larger, smaller))
+            & (least > self._time_of_impact.largest_approach(paths, larger, smaller))
         )
 
     def _hits(self, paths: Paths, hits: Hits, arrived: IntArray) -> Hits:
-        """The confirmed ones among ``hits``. Pairs (by key) that have ``arrived`` at each other by
-        the end of the interval although their motion did not lead there were moved by something
-        else: their paths then lead to where they are."""
+        """The confirmed ones among ``hits``, and those of pairs, by key, that have ``arrived`` at
+        each other by the end of the interval although their motion did not lead there. Something
+        else has moved these, so their hits are found on paths that lead to their actual poses."""
         if len(hits):
             hits = hits.chosen(confirmed(hits, paths, self.settings.tolerance))
         if len(arrived):
@@ -927,7 +987,7 @@ class ContactTracker:
             expected = self._time_of_impact.final_distances(paths, pairs)
             pulled = pairs[expected > 2 * _PRESSING_DISTANCE]
             if len(pulled):
-                meetings = self._time_of_impact.meetings(paths.to_the_ends(), pulled)
+                meetings = self._time_of_impact.meetings(paths.through_ends(), pulled)
                 hits = hits.joined(self._time_of_impact.hits_at(meetings).approaching())
         return hits
 
@@ -996,9 +1056,9 @@ class ContactTracker:
         )
 
     def _impacts(self, hits: Hits, paths: Paths | None, struck: IntArray) -> tuple[Impact, ...]:
-        """Impacts from hits, by time. Within the refractory time of a pair, and while it has not
-        parted since its last impact (``struck``, by key), only a clearly stronger hit makes another
-        one."""
+        """The impacts that hits with enough energy make, by time. ``struck``: pairs, by key, that
+        have not parted since their last impact. These, and any pair within its refractory time,
+        make another one only by a clearly stronger hit."""
         if paths is None or len(hits) == 0:
             return ()
         energies = (
@@ -1023,7 +1083,7 @@ class ContactTracker:
         return tuple(impacts)
 
     def _uncertain(self, impacts: Sequence[Impact]) -> tuple[Message, ...]:
-        """Warnings of impacts whose times were not found in the steps allowed."""
+        """A warning for each impact whose time the search did not find within its steps."""
         unsure = [i.objects for i in impacts if i.objects in self._time_of_impact.unsure]
         self._time_of_impact.unsure.clear()
         names = [(self.bodies[a].name, self.bodies[b].name) for a, b in unsure]
@@ -1033,9 +1093,9 @@ class ContactTracker:
         )
 
     def _disturb(self, hits: Hits, paths: Paths) -> None:
-        """Mark the bodies whose motion was disturbed: those that hit something, and those that are
-        not where their motion led."""
-        self._history.disturb(self._history.surprised(paths) & self._dynamic)
+        """Mark the bodies whose motion up to now does not predict what follows: those that hit
+        something, and dynamic ones that are not where their paths led."""
+        self._history.disturb(self._history.deviated(paths) & self._dynamic)
         self._history.hit(hits.pairs, hits.time)
 
 
@@ -1045,14 +1105,14 @@ def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def _among(keys: IntArray, ordered: IntArray) -> BoolArray:
-    """Which ``keys`` are among the ``ordered`` ones."""
+    """Which ``keys`` (k,) are contained in ``ordered``, which ascend."""
     if len(ordered) == 0:
         return np.zeros(len(keys), dtype=np.bool_)
     return np.asarray(ordered.take(np.searchsorted(ordered, keys), mode="clip") == keys)
 
 
-def _same(a: Ends | None, b: Ends | None) -> bool:
-    """Whether the same contacts are asked for."""
+def _same_request(a: Endpoints | None, b: Endpoints | None) -> bool:
+    """Whether two updates want the same contacts."""
     if a is None or b is None:
         return a is b
     return np.array_equal(a.heard, b.heard) and np.array_equal(a.sounding, b.sounding)

@@ -17,7 +17,7 @@ from haptic_tracing.core.contacts.shapes import (
     Mesh,
     Sphere,
 )
-from haptic_tracing.core.contacts.tracker import ContactTracker, Ends
+from haptic_tracing.core.contacts.tracker import ContactTracker, Endpoints
 from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.core.scene.values import Pose
 from hypothesis import given, settings
@@ -189,7 +189,7 @@ def test_contacts_on_the_way_from_sources_to_listeners_are_found(seed, density):
         ContactTracker(bodies, ContactSettings(slack=0.0)),
     )
     for frame, matrices in enumerate(sequence):
-        ends = Ends(*(generator.random((2, count)) < density))
+        ends = Endpoints(*(generator.random((2, count)) < density))
         some, every = lazy.update(frame / 24, matrices, ends), eager.update(frame / 24, matrices)
         found, expected = rows(some.contacts), rows(every.contacts)
         assert found.keys() <= expected.keys()
@@ -200,7 +200,8 @@ def test_contacts_on_the_way_from_sources_to_listeners_are_found(seed, density):
         assert_among(found, expected, 1e-3)
         assert some.impacts == every.impacts
     assert (
-        len(lazy.update(1.0, sequence[-1], Ends(*np.zeros((2, count), dtype=bool))).contacts) == 0
+        len(lazy.update(1.0, sequence[-1], Endpoints(*np.zeros((2, count), dtype=bool))).contacts)
+        == 0
     )
 
 
@@ -254,7 +255,7 @@ def test_impacts_do_not_depend_on_what_is_wanted(seed, rate, energy):
     lazy, eager = (
         ContactTracker(bodies, ContactSettings(energy=energy, least_energy=1.0)) for _ in range(2)
     )
-    ends = Ends(np.ones(len(bodies), dtype=bool), np.zeros(len(bodies), dtype=bool))
+    ends = Endpoints(np.ones(len(bodies), dtype=bool), np.zeros(len(bodies), dtype=bool))
     for frame, matrices in enumerate(sequence):
         some, every = (
             lazy.update(frame / rate, matrices, ends),
@@ -275,7 +276,7 @@ def test_heaps_without_a_source_or_a_listener_are_not_computed():
     heard, sounding = np.zeros((2, len(bodies)), dtype=bool)
     heard[[0, 8]] = sounding[[3, 4]] = True
     tracker = ContactTracker(bodies)
-    found = tracker.update(0.0, moved(places), Ends(heard, sounding))
+    found = tracker.update(0.0, moved(places), Endpoints(heard, sounding))
     assert (
         found.contacts.pairs.tolist() == [[0, 1], [1, 2], [2, 3]] and found.statistics.queries == 3
     )
