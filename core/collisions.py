@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from time import perf_counter
 from typing import Any
@@ -22,6 +22,7 @@ from .contacts.rubbing import SlidingAndRolling
 from .contacts.settings import Body, ContactSettings
 from .contacts.tracker import ContactTracker, Endpoints
 from .contacts.transmissions import TransmissionRules
+from .frozen import frozen
 from .graph.haptic_graph import ObjectTable
 from .graph.object_frames import ObjectFrames, local_centres
 from .message import Message
@@ -38,7 +39,7 @@ EXACT_FRAMES = 32
 there with bit-identical results."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Frame:
     """The state of a scene at one frame.
 
@@ -81,7 +82,7 @@ class Frame:
         return tuple(item.name for item in (self.bodies if self.contacts is None else self.objects))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Collisions:
     """Collisions of one frame. ``sources``: temporary sources of triggers (``shots``), of active
     impacts, and of sliding and rolling. ``frames``: the frames of reference of the objects, None if

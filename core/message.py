@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+
+from .frozen import frozen
 
 
 @enum.unique
@@ -185,7 +186,7 @@ class Names(tuple[str, ...]):
 Argument = str | int | Metres | Decibels | Hertz | Seconds | Chain | Names
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Message:
     """A cause with its arguments by name. ``object``: the Blender or scene object to look at, ""
     for none."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+
+from ...core.frozen import frozen
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SourceSignal:
     """A signal of a source's properties: its kind and, in hertz, its frequency."""
 

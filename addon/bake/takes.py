@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from bpy.types import Scene
 
+from ...core.frozen import frozen
 from ...core.render.levels import vibration_rms
 from ...core.render.waves import FULL_SCALE
 from ..changes.events import file_changed
@@ -16,7 +15,7 @@ from . import storage
 from .track import HapticTrack
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Difference:
     """The RMS levels [dB of full scale] of a listener over the whole of two takes, minus infinity
     for silence; NaN for a take without the listener."""

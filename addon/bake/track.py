@@ -23,6 +23,7 @@ from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.contact_set import ContactSet
 from ...core.diagnosis.connections import connections
 from ...core.formats.io.strict_json import parse_json
+from ...core.frozen import frozen
 from ...core.graph.haptic_graph import ObjectTable, build_graph
 from ...core.propagation import Propagation
 from ...core.render.frame_result import FrameResult
@@ -45,7 +46,7 @@ class TrackError(ValueError):
     """Error for bytes that are not a haptic track, or one of a later version."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TrackListener:
     """A listener of the track."""
 
@@ -55,7 +56,7 @@ class TrackListener:
     s_max: float = 1.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TrackSource:
     """A source that reached a listener; ``second_object`` is the other object of an impact."""
 

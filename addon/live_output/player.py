@@ -14,6 +14,7 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.devices.mapping import ListenerMapping, Loss, Place, map_listeners, shares
 from ...core.devices.pacing import WATCHDOG
+from ...core.frozen import frozen
 from ...core.message import Cause, Message, Names
 from ...core.render.frame_result import FrameResult
 from ...core.render.playback import Playback, grain, recorded_grain
@@ -29,7 +30,7 @@ traced."""
 _SLOW_FRAMES = 2
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Ahead:
     """A frame that was played before it was traced: its scene (session id), the time at which its
     block was sent, and the listeners' choices."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
+from ...core.frozen import frozen
 from ..blender.units import metres_per_unit
 from ..scene_reader import roles, settings
 from ..session import sessions
@@ -15,7 +15,7 @@ from ..session import sessions
 _SLOWEST_FALL, _FASTEST_FALL = 5.0, 15.0  # m/s²
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Hint:
     """The next step in ``words``, its operators with their icons, and whether the quick start says
     it, too."""

@@ -7,7 +7,6 @@ A mesh is read in its rest pose, as it is without modifiers; each frame only the
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -19,6 +18,7 @@ from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.hull import convex_hull
 from ...core.contacts.shapes import Compound, ConvexHull
 from ...core.contacts.surface_shape import hull_deviation
+from ...core.frozen import frozen
 from ...core.scene.values import Pose
 from ..blender.arrays import read_array
 from ..blender.units import metres_per_unit
@@ -40,7 +40,7 @@ _STRETCHED = 1e-3
 """Part by which a bone may change lengths without a shape of its own for that."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoneParts:
     """The parts of a mesh at rest, in the object's frame with its scale in them: ``points`` (n, 3)
     of its vertices and the number (n,) of the part of each, ``hulls``, and by part the number of

@@ -9,13 +9,13 @@ did not count.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from bpy.types import Depsgraph, Object
 from numpy.typing import NDArray
 
+from ...core.frozen import frozen
 from ..blender.arrays import read_array
 from ..blender.units import metres_per_unit
 from .roles import is_tagged
@@ -25,7 +25,7 @@ _UNUSED = 2**31 - 1
 """Number in the rest of a persistent id."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Instances:
     """The haptic instances of a scene: ``places`` (n,) among all of a depsgraph, whose persistent
     ids are ``identity`` (m, 8), and world ``matrices`` (n, 16) in metres, column by column.

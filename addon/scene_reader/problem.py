@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from ...core.frozen import frozen
 from ..blender.words import told
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Problem:
     """A problem for the designer to fix: the object's name ("" for the scene) and a message for the
     user; ``rule``: the name of a table and the number of the row for a problem in a table of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -11,11 +11,12 @@ from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.settings import Body, ContactSettings
 from ...core.contacts.surface_shape import SurfaceShape
+from ...core.frozen import frozen
 from ...core.scene.values import HapticObject, Listener, Pose, Settings, Source
 from .problem import Problem
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Reading:
     """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the
     bodies' shapes. ``settled``: the names of those that have not moved since their import;

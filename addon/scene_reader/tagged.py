@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,12 +10,13 @@ from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.settings import Body
 from ...core.contacts.surface_shape import SurfaceShape
 from ...core.contacts.tracker import STILL
+from ...core.frozen import frozen
 from ...core.scene.values import HapticObject, Listener, Pose, Source
 from .imported_contacts import Homes
 from .problem import Problem
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Tagged:
     """One tagged object of the scene, as authored."""
 
@@ -32,7 +32,7 @@ class Tagged:
     problems: tuple[Problem, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class TaggedLists:
     """Lists of the tagged objects in the order of the rows: ``rows`` (m,) in the file and
     ``scales`` (m, 3) as authored; which of them are bodies, and the rows in the file where sources

@@ -11,6 +11,7 @@ from typing import Any, Generic, TypeVar
 
 from bpy.types import Scene
 
+from ...core.frozen import frozen
 from ..blender.time import is_playing
 from . import sessions, worker
 
@@ -28,7 +29,7 @@ _REST = 0.3
 """Time [s] without a new frame after which slower values are computed."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Latest(Generic[Value]):
     """The last computed value. ``is_current``: it belongs to the shown frame, and no newer one is
     pending."""
@@ -37,7 +38,7 @@ class Latest(Generic[Value]):
     is_current: bool
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Computed(Generic[Value]):
     key: Hashable
     value: Value

@@ -8,13 +8,14 @@ from __future__ import annotations
 import itertools
 import time
 from concurrent.futures import CancelledError, Future
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
 from ...core.collisions import EXACT_FRAMES
+from ...core.frozen import frozen
 from ...core.modalities.propagation import Felt, ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
@@ -37,7 +38,7 @@ from .derived import shows_samples
 from .sessions import Session, Traced, known, problems_in
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Begun:
     """A frame that is being traced: its reading, the time of reading [ms], and the times of
     Blender's evaluation and of waiting for the frame before [ms] as ``statistics``."""

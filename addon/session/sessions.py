@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.types import Scene
 
+from ...core.frozen import frozen
 from ..scene_reader.problem import Problem
 from ..translations.sentences import sentence
 
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from ..scene_reader.reading import Reading
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Traced:
     """A complete frame, traced or read from a track, from which panels and viewports derive
     everything they show.

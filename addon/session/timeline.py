@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Generator
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from itertools import product
 
@@ -14,6 +14,7 @@ import bpy
 from bpy.types import Scene
 
 from ...core.collisions import EXACT_FRAMES
+from ...core.frozen import frozen
 from ...core.render.frame_result import FrameResult
 from ...core.render.groups import MAX_DELAY
 from ...core.signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal, impact_template
@@ -28,7 +29,7 @@ _MOTION_FRAMES = 5
 """Poses that motion is estimated from, and the one that they lead to."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Step:
     """A traced frame, and how long Blender's evaluation and the tracing took."""
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -19,6 +18,7 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
+from ...core.frozen import frozen
 
 STEPS = 256
 
@@ -47,7 +47,7 @@ def decibels(amplitude: FloatArray) -> FloatArray:
         return np.asarray(20 * np.log10(amplitude))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class AmplitudeScale:
     """Colours from ``floor`` [dB, negative] to 0 dB; weaker amplitudes have the first colour,
     stronger ones the last."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
@@ -11,6 +10,7 @@ from bpy.types import Scene
 
 from ...core.diagnosis.gaps import Surroundings
 from ...core.diagnosis.silence import reasons
+from ...core.frozen import frozen
 from ...core.message import Message
 from ...core.scene.values import Listener, Source
 from ..blender.time import is_playing
@@ -21,7 +21,7 @@ from ..session.sessions import Traced
 from .levels import felt_samples
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Explanation:
     """``notice``: a sentence about the scene, "" for none. ``reasons``: the core's; () if the
     listener feels something. ``is_current``: False while the reasons for the shown frame are

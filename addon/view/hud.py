@@ -4,10 +4,11 @@ given."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ...core.frozen import frozen
 from ..blender.text import Measure, shortened
 from .render_data import Lines, Points, Shape, joined, lines_of, points_of
 
@@ -21,7 +22,7 @@ Rectangle = tuple[float, float, float, float]
 """Left, bottom, right, top in pixels."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Text:
     """A text with the start of its baseline at ``position`` [pixels]."""
 
@@ -31,7 +32,7 @@ class Text:
     colour: tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Hud:
     """Elements drawn over a viewport: ``lines`` and ``points`` in pixels (z = 0, sizes in points)
     and ``texts``; ``bounds``: the plates."""

@@ -4,7 +4,7 @@ in all frames that were baked or played, impacts, and one-shots that can be drag
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import bpy
@@ -14,6 +14,7 @@ from bpy.types import Context, Scene
 from gpu_extras.batch import batch_for_shader
 
 from ...core.arrays import FloatArray
+from ...core.frozen import frozen
 from ...core.render.frame_result import FrameResult
 from ...core.render.lane import bands, height_of
 from ...core.render.waves import Waves, level_and_threshold, row_name
@@ -38,7 +39,7 @@ _MOST_BYTES = 1 << 27
 _OPACITY = {"felt": 0.35, "threshold": 0.5, "amplitude": 1.0, "level": 1.0, "wave": 0.9}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Range:
     """The frame range of a scene and the settings of its trace, which together identify stored
     waves."""

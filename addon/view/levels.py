@@ -8,12 +8,12 @@ neither the source's amplitude nor the listener's own gain is part of it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
+from ...core.frozen import frozen
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import lasts, still_samples
 from ...core.render.levels import LEVEL_SECONDS as LEVEL_SECONDS
@@ -27,7 +27,7 @@ PEAK_SECONDS = 0.1
 """Durations over which peak and level are computed [s]."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Level:
     """The strength at a listener in decibels, minus infinity for silence.
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray, IntArray
+from ...core.frozen import frozen
 from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
 from ..blender.text import Measure
 from .colour_map import colour_table
@@ -42,7 +43,7 @@ _GRID = (0.32, 0.32, 0.34, 1.0)
 SCOPE_COLOUR: Colour = (*colour_table()[len(colour_table()) * 3 // 5].tolist(), 1.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Scope:
     """The last second of a listener: ``samples`` (n,), fewer than a second's at the beginning."""
 
@@ -58,7 +59,7 @@ def colour_of(level: Level) -> Colour:
     return (*colour_table()[round(level.place * (len(colour_table()) - 1))].tolist(), 1.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Columns:
     """Widths in points of names, bars, levels and margins; ``margin`` is 0 if there is no room for
     it."""
@@ -92,7 +93,7 @@ class _Columns:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Layout:
     """The elements that fit: the levels shown, their columns, the scope and the body."""
 

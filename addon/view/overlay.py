@@ -16,6 +16,7 @@ from bpy.types import Context, Scene
 from mathutils import Matrix
 
 from ...core.arrays import FloatArray
+from ...core.frozen import frozen
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
 from ..blender.text import text_width
@@ -41,7 +42,7 @@ PULSE_SPEED = 1.6  # metres per second of the timeline
 _drawings: dict[int, Drawing] = {}  # by session id of the scene
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class GraphShapes:
     """The drawn graph of a frame, and the values it was made from."""
 

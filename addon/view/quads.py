@@ -7,11 +7,11 @@ length 0, so that lines of any width, points of any shape and their order take a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.frozen import frozen
 from .render_data import Drawn, Lines, Points, RenderData, halos, joined
 
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=np.float32)
@@ -26,7 +26,7 @@ ATTRIBUTES = (
 """``style``: width [pixels], shape, and the corner: -1 or 1 along and across the line."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Quads:
     """``attributes`` by name, (4 n, k) each; ``triangles`` (2 n, 3)."""
 

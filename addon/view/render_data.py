@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from enum import IntEnum
 from functools import partial
 from typing import TypeVar
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...core.arrays import BoolArray, FloatArray, IntArray
 from ...core.diagnosis.connections import connections
+from ...core.frozen import frozen
 from ...core.graph.distance_only import distance_only
 from ...core.graph.haptic_graph import HapticGraph, SourceNodes, distances
 from ...core.propagation.spread import Spread, spread
@@ -74,7 +75,7 @@ PARTED = 0.05
 """Distance of the two nodes from which on an impact is drawn on both objects [m]."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Options:
     """Drawing options. ``sources`` and ``listeners``: selected names; if both are empty, nothing is
     dimmed. ``highlight``: a listener, and the object whose part of the best paths to it is
@@ -88,7 +89,7 @@ class Options:
     highlight: tuple[str, str] | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Points:
     """``position`` (n, 3) [m], ``colour`` (n, 4) display values with opacity, ``size`` (n,)
     diameter [pixels], ``shape`` (n,)."""
@@ -99,7 +100,7 @@ class Points:
     shape: Drawn
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Lines:
     """``position`` (n, 2, 3) [m], ``colour`` (n, 2, 4) at either end, ``width`` (n,) [pixels],
     ``arc_length`` (n, 2) metres from the source along a best path at either end, -1 for lines that
@@ -191,7 +192,7 @@ _filled = partial(np.full, dtype=np.float32)
 NO_LINES = lines_of(np.zeros((0, 2, 3)), HALO_COLOUR, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Label:
     """A name at a place, and in ``colour`` (3,) the amplitude of a source or at a listener.
     ``clearance`` [pixels] around the position is kept free. Labels of higher ``priority`` are
@@ -206,7 +207,7 @@ class Label:
     priority: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RenderData:
     """One frame as drawn, from the bottom up: ``tree``, the strongest arrival at every node;
     ``highlight``; ``paths``, the best ones; ``points``."""

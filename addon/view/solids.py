@@ -4,11 +4,12 @@ flat shapes that face the viewer, as on screen. Independent of Blender."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
+from ...core.frozen import frozen
 from .hud import Hud
 from .render_data import HALO_COLOUR, LAYERS, Drawn, Lines, Points, RenderData, Shape
 
@@ -20,7 +21,7 @@ _SIDES = 10
 _LIFT = 0.5, 0.02  # of a symbol's size over its lines, and from one layer to the next
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Solid:
     """``vertices`` (n, 3) [m], ``colours`` (n, 4) display values with opacity, ``triangles`` (m,
     3)."""

@@ -17,6 +17,7 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.contacts.settings import Body, ContactSettings
 from ...core.contacts.shapes import Capsule, Compound, pose_matrix
+from ...core.frozen import frozen
 from ...core.render.frame_result import FrameResult
 from ...core.render.levels import vibration_rms
 from ...core.scene.impact_rule import ImpactLimits, ImpactRule
@@ -62,7 +63,7 @@ Grips = Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float
 """Location [m, world] and rotation (w, x, y, z) of each controller's grip."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Felt:
     """A traced frame of the session. transforms: (2, 4, 4) of the hands. levels: amplitudes at
     which they vibrate, (2,)."""

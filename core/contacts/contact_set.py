@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..scene.functions import Identity, ModulationFunction
 from ..scene.values import Contact
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ContactSet:
     """``n`` contacts between objects given by index.
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..scene.rules import ContactSettings, ImpactTemplates
 from ..scene.values import HapticObject, Source, SourceKind
 from ..signals import DEFAULT_IMPACT, Signal, impact_template
@@ -24,7 +25,7 @@ _UNMOVED = 1e-5
 are float32."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Templates:
     """Signals of impacts between ``objects``, by name, by the rules of ``settings``."""
 
@@ -46,7 +47,7 @@ class Templates:
         return rule.played(template, impact.amplitude, (first, second), impact.time)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ActiveImpact:
     """An impact and its source: the template's ``end`` [s], and the source's position in the frame
     of either body."""
@@ -86,7 +87,7 @@ class ActiveImpact:
         return replace(self, source=source, end=self.impact.time + signal.duration)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FrameImpacts:
     """A snapshot of the temporary sources of one frame.
 

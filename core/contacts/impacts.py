@@ -8,11 +8,12 @@ poses at the end of the interval.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from .motion import Paths
 from .narrow.frames import turned, turned_back
 from .settings import ImpactEnergy
@@ -37,7 +38,7 @@ _VISIBLE = 1e-3
 the hit."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Impact:
     """Two bodies (numbers, smaller first) that begin to touch at ``time`` [s]: ``positions`` of the
     contact node on either body [m, world], unit ``normal`` from first to second, ``energy`` [J],
@@ -51,7 +52,7 @@ class Impact:
     amplitude: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Hits:
     """Pairs of bodies that hit each other on their paths.
 

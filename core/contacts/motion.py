@@ -10,11 +10,12 @@ Poses are arrays (12, n): rotation by rows, then position.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, carried
+from ..frozen import frozen
 from .narrow.frames import dot, product
 
 _DEPTH = 3
@@ -32,7 +33,7 @@ _DEVIATION = 0.001
 """Metres of deviation from the extrapolated path above which a body counts as disturbed."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Paths:
     """Paths of n bodies from one frame to the next.
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import repeat
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..scene.impact_rule import LEAST_PITCH
 from ..scene.rules import ContactSettings
 from ..scene.values import HapticObject, Source, SourceKind, TriggerKind
@@ -25,7 +26,7 @@ _NEAR = 1e-6
 """Metres from the boundary of a region within which a point is in it: poses are float32."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Shot:
     """A trigger of a ``source``, by name, at ``onset`` [s] with ``strength`` in [0, 1]; ``by``: the
     striking object, in which case strength is the fraction of the full energy. ``on``, ``object``:

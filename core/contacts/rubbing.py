@@ -18,12 +18,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from hashlib import blake2b
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..scene.rule_table import RuleTable
 from ..scene.texture import Texture
 from ..scene.values import Source
@@ -47,7 +48,7 @@ _NAMES = ("{0} sliding on {1}", "{1} sliding on {0}"), ("{0} rolling on {1}", "{
 overlaps the next one."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Moving:
     """A contact that slides or rolls in a frame.
 
@@ -66,7 +67,7 @@ class _Moving:
     force: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FrameRubbing:
     """Sliding and rolling contacts of one frame.
 
@@ -233,7 +234,7 @@ class SlidingAndRolling:
         return (path - speed * self._now.step / 2) / period + (left - round(left)) * (1.0 - part)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Poses:
     """Transforms (n, 4, 4) of bodies and the places (n, 3) of their middles, ``before`` and
     ``now``, ``step`` seconds later."""

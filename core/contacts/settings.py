@@ -4,8 +4,8 @@ defines."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from ..frozen import frozen
 from ..scene.rules import ContactSettings as ContactSettings
 from ..scene.rules import ImpactEnergy as ImpactEnergy
 from ..scene.rules import Motion as Motion
@@ -13,7 +13,7 @@ from ..scene.values import HapticObject
 from .shapes import Shape
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Body:
     """An object for the tracker. ``mass`` in kg, None if it has none. ``medium``: a volume (air,
     water) that touches what it overlaps; a mesh then stands for its hull. ``material``: its name in

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..scene.values import Pose, Vector
 
 MAX_TRIANGLES = 500_000
@@ -81,7 +82,7 @@ def pose_matrices(poses: Sequence[Pose]) -> FloatArray:
     return matrices
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Shape:
     """Base of all shapes: values, hashable and compared by content. Every field of type float is a
     length; those named in ``positive`` are greater than 0."""
@@ -132,7 +133,7 @@ class Shape:
         return form
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Box(Shape):
     """``size`` (x, y, z) in metres. ``rounding`` is the radius of its edges within that size
     (Bullet's embedded margin), used against all shapes but boxes: two boxes meet with sharp edges.
@@ -158,7 +159,7 @@ class Box(Shape):
         return np.maximum(np.array(self.size) / 2, self.rounding)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sphere(Shape):
     """``radius`` in metres."""
 
@@ -170,7 +171,7 @@ class Sphere(Shape):
         return [self.radius] * 3
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Upright(Shape):
     """Base of shapes around local z. ``radius`` and ``height`` in metres."""
 
@@ -182,7 +183,7 @@ class _Upright(Shape):
         return [self.radius, self.radius, self.height / 2]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Capsule(_Upright):
     """``radius`` and ``height`` of the cylindrical part, in metres (height 0 is a sphere)."""
 
@@ -193,7 +194,7 @@ class Capsule(_Upright):
         return [self.radius, self.radius, self.height / 2 + self.radius]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Cylinder(_Upright):
     """``radius`` and ``height`` in metres. ``rounding`` is the radius of its edges within that size
     (Bullet's embedded margin)."""
@@ -206,7 +207,7 @@ class Cylinder(_Upright):
         object.__setattr__(self, "rounding", min(self.rounding, self.radius, self.height / 2))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Cone(_Upright):
     """``radius`` of the base and ``height`` in metres. The base lies at ``z = -height / 2``, the
     tip at ``z = +height / 2``."""
@@ -317,7 +318,7 @@ class Mesh(_PointShape):
         return np.array([used.min(axis=0), used.max(axis=0)])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Compound(Shape):
     """Shapes at poses in the local space of the body. ``margin`` adds to that of every child."""
 
@@ -393,7 +394,7 @@ def _child(index: int, form: Mapping[str, Any]) -> tuple[Shape, Pose]:
         raise ValueError(f"children/{index}/{error}") from None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Primitive:
     """A primitive of a shape in the body's local space: ``shape`` (never a compound) under the
     rigid ``matrix`` (4, 4), its core grown by ``radius`` metres in all (its own margin and those of

@@ -3,12 +3,12 @@ its triangles, as a solid or a shell."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from .hull import Hull, convex_hull
 from .shapes import MAX_TRIANGLES, ConvexHull, Mesh, Shape
 
@@ -34,7 +34,7 @@ class Surface(Enum):
     CONVEX_HULL = "convex_hull"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SurfaceShape:
     """A shape, and how far the convex hull is from the surface [m], a lower bound where that has
     very many triangles; ``seen``: of a hull that was chosen for a concave surface, the shape that

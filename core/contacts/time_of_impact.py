@@ -7,11 +7,10 @@ otherwise.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from .impacts import SLOWEST, Hits
 from .motion import Paths
 from .narrow.body_patches import PairPatches
@@ -170,7 +169,7 @@ class TimeOfImpact:
         return moving.clearances(np.full(len(pairs), paths.duration))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _MovingPairs:
     """``pairs`` (k, 2) of bodies on their ``paths``, each pair at its own time."""
 
@@ -348,7 +347,7 @@ class _MovingPairs:
         return np.asarray(deepest <= -depth)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Meetings:
     """Pairs of bodies that touch on their paths.
 

@@ -9,6 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, carried, chosen_of, connected
+from ..frozen import frozen
 from ..message import Cause, Message
 from .broad_phase import overlapping_pairs
 from .contact_set import ContactSet
@@ -66,7 +67,7 @@ _WIDENING = 0.05
 frames."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ContactStatistics:
     """Work of one update: ``candidates`` (pairs with overlapping bounds), narrow-phase ``queries``
     made, time of the broad phase [s]."""
@@ -90,7 +91,7 @@ class Endpoints:
     sounding: BoolArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FrameContacts:
     """The contacts of one frame, and what has changed since the last one.
 

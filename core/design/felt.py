@@ -7,13 +7,14 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any, cast
 
 import numpy as np
 
+from ..frozen import frozen
 from ..propagation import propagate
 from ..render.arrival import arriving
 from ..render.frame_result import FrameResult
@@ -47,7 +48,7 @@ class ChangeKind(enum.StrEnum):
     MATERIAL = "material"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Change:
     """A value of the listener, source or material ``name`` that changes; of a material K = (1 -
     kappa) rho."""
@@ -58,7 +59,7 @@ class Change:
     after: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Means:
     """What may be changed: the gains of ``listeners`` up to `MOST_GAIN`, the amplitudes of ``loud``
     sources, the frequencies of ``tuned`` ones, and ``materials``, of which the objects are given by
@@ -70,7 +71,7 @@ class Means:
     materials: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Plan:
     """``changes`` that bring the margin of a listener from ``before`` to ``after`` [dB], and the
     frame ``result`` as it is then. Without changes, ``after`` is what all means together would

@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Decibels, Message
 from ..propagation import objects_on, propagate
@@ -41,7 +41,7 @@ SURE = 0.2
 _WINDOW = 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Transfer:
     """``level`` (n,): natural logarithm of the gain at ``frequency`` (n,) [Hz], ``coherence`` (n,)
     in [0, 1], over ``windows``."""
@@ -118,7 +118,7 @@ def read_recordings(source: Path, listener: Path) -> Recordings:
     return Recordings(read_wav(source, RATE).samples, read_wav(listener, RATE).samples)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Question:
     """The parameters to fit: the loss of ``objects``, which share a material, and the gain of the
     ``contact`` between two objects, on the path from a source to a listener. Without
@@ -131,7 +131,7 @@ class Question:
     calibrated: bool = True
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FittedLoss:
     """``damping``: multiple of the material's; ``contact``: logarithm of its gain; each with its
     standard deviation. ``k``: the resulting (1 - kappa) rho of the objects, and ``gain`` of the
@@ -152,7 +152,7 @@ class FittedLoss:
     doubts: tuple[Message, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Levels:
     """Logarithms of gains (n,) by frequency along a path: of its ``known`` parts, and of the
     ``contact`` before the fit. ``damped`` (n,): damping of the fitted objects by their material,

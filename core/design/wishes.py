@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, ObjectTable
 from ..least_squares import bounded_least_squares
 from ..propagation import propagate
@@ -34,7 +35,7 @@ _FIRST_STEP, _LAST_STEP = 0.5, 1e-6
 """Largest change of ln K in the first step, and that at which the search ends."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FreeMaterial:
     """Objects that change together, by name, all with the same K = (1 - kappa) rho, which may lie
     from ``least`` to ``most``, in (0, 1]."""
@@ -44,7 +45,7 @@ class FreeMaterial:
     most: float = 0.99
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Wish:
     """A listener, and the desired change of its level [dB]."""
 
@@ -52,7 +53,7 @@ class Wish:
     change: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Answer:
     """``k``: the new K of each free material. ``changes``: the resulting change of the level of
     each wish's listener [dB]; NaN if nothing arrives."""
@@ -121,7 +122,7 @@ def fulfil(
     return Answer(tuple(np.exp(start + change).tolist()), tuple(reached.tolist()))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LogLevels:
     """``level`` (l,): half the logarithm of the energy that arrives at each listener over the best
     path of each source, minus infinity if none does; ``slope`` (l, o): its derivative by ln K of

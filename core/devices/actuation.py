@@ -8,11 +8,11 @@ signal (a full-scale sine is 1) and, if the device can reproduce it, its frequen
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
+from ..frozen import frozen
 from .families.family import RumbleFamily, StreamFamily
 from .high_pass import HighPass
 from .profiles import Calibration, Profile
@@ -32,7 +32,7 @@ _TONE_SHARE, _TONE_HALF_WIDTH = 0.97, 60.0
 _SILENT = 0.002
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DriveStep:
     """Drive values from ``offset`` seconds after the start of the block on."""
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol
 
+from ..frozen import frozen
 from .families.family import AnyFamily, HidDevice, Interface, is_gamepad
 from .families.registry import families_of
 
@@ -73,7 +74,7 @@ def hid_module() -> HidModule:
     return found
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class StandInModule:
     """Replacement for hidapi's module with one device, whether or not it is present. make: makes a
     `HidDevice` that is not open yet."""
@@ -88,7 +89,7 @@ class StandInModule:
         return self.make()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Connected:
     """A connected device: its possible interfaces, and the families that can drive it, the default
     first.

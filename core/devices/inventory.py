@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from ..frozen import frozen
 from .connection import (
     Connected,
     StandInModule,
@@ -27,7 +28,7 @@ from .sound_card import sound_cards, sound_module
 _BUS = {"usb": "USB", "bt": "Bluetooth"}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Found:
     """A device that can be driven.
 
@@ -45,7 +46,7 @@ class Found:
     rule: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Inventory:
     """Result of a search for devices. strangers: unsupported gamepads. problems: one line each."""
 

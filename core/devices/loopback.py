@@ -13,7 +13,6 @@ import socket
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from time import monotonic
@@ -21,6 +20,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from ..formats.io.strict_json import parse_json
+from ..frozen import frozen
 from .connection import DeviceError, StandInModule, carried_module
 from .families.family import HidDevice, Interface
 
@@ -174,7 +174,7 @@ def messages_of(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
     ]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Player:
     """Address and greeting of a player, with its connection.
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..message import Cause, Hertz, Message, Names, Seconds
 from ..scene.body import body_part
 from .profiles import Actuator, Profile
@@ -21,7 +22,7 @@ LATEST = 0.050
 ActuatedDevice = Profile | SoundCard
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Place:
     """An actuator of a device with the gain, >= 0, of a listener's signal; equality ignores the
     gain."""
@@ -31,7 +32,7 @@ class Place:
     gain: float = field(default=1.0, compare=False)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Loss:
     """A part of a listener's signal that is not felt.
 
@@ -46,7 +47,7 @@ class Loss:
     message: Message
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ListenerMapping:
     """Mapping from the samples of listeners to the blocks of devices.
 

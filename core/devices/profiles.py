@@ -6,9 +6,10 @@ The guard process loads this and not the reader of `profile_files`: it has to be
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
+from ..frozen import frozen
 from ..perception import BEST_FREQUENCY, FullScale, threshold_level
 from .families.family import AnyFamily, RumbleFamily
 from .report import Transport
@@ -19,7 +20,7 @@ EARLIEST = -0.050
 """Least delay in seconds, limited by the duration of a frame's block."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Calibration:
     """Mapping from the signal's amplitude to the device's: ``floor + (1 - floor) (gain
     a)^exponent``, 0 staying 0.
@@ -41,7 +42,7 @@ class Calibration:
             raise ValueError(f"exponent {self.exponent} is not in [0.1, 10]")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Adjustment:
     """The user's adjustment of one device, in addition to its profile.
 
@@ -68,7 +69,7 @@ def check_adjustment(adjustment: Adjustment, actuators: Iterable[Actuator]) -> N
         raise ValueError(f"calibrations names an unknown actuator: {sorted(unknown)[0]!r}")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DriveChannel:
     """One value that the device is commanded by. takes: its range of the signal's frequencies
     [Hz]."""
@@ -77,7 +78,7 @@ class DriveChannel:
     takes: tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Actuator:
     """
 
@@ -109,7 +110,7 @@ class Actuator:
         return FullScale(self.full_scale, is_force) if self.full_scale else None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Profile:
     """A device as the user sees it.
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import zlib
-from dataclasses import dataclass
 from typing import Literal
+
+from ..frozen import frozen
 
 Transport = Literal["usb", "bt"]
 
@@ -14,7 +15,7 @@ Transport = Literal["usb", "bt"]
 _OUTPUT_REPORT_SEED = b"\xa2"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Report:
     """One HID report.
 
@@ -26,7 +27,7 @@ class Report:
     feature: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Tones:
     """Drive of a device that is commanded by amplitude: one entry per channel of its family.
 

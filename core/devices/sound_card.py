@@ -12,13 +12,13 @@ import re
 import threading
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .actuation import HOP, checked_block
 from .connection import DeviceError, carried_module
 from .high_pass import HighPass
@@ -54,7 +54,7 @@ _SAFE_MAXIMUM, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS = 1.0, 50.0, 0.7, 10.0
 _MARGIN, _EARLY = 0.015, 0.030
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SoundCard:
     """A sound card. index: PortAudio's number. channels: their number. rate: hertz. actuators:
     those of its used channels, each with the channel's number (from 0) as its channel's name."""

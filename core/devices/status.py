@@ -7,11 +7,12 @@ import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterable
-from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from numpy.typing import ArrayLike
+
+from ..frozen import frozen
 
 if TYPE_CHECKING:
     from .profiles import Adjustment
@@ -23,7 +24,7 @@ UNREACHED = "if it still vibrates, unplug it or switch it off"
 _MEASURED_BLOCKS = 256
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Status:
     """The status of an output.
 

@@ -8,13 +8,13 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .actuation import calibrated, checked_block
 from .families.family import RumbleFamily
 from .high_pass import HighPass
@@ -72,7 +72,7 @@ PROFILE = Profile(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Call:
     """What a controller does for ``seconds``, unless another call replaces it. amplitude: 0 to 1; 0
     stops it. frequency: hertz."""

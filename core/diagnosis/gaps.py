@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ..contacts.narrow.narrow_phase import NarrowPhase
 from ..contacts.settings import Body, ContactSettings
 from ..contacts.shapes import transformed_bounds
 from ..contacts.tracker import ContactTracker
+from ..frozen import frozen
 from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph, build_graph
 from ..message import Argument, Cause, Message, Metres
@@ -24,7 +25,7 @@ _NARROW = 10
 """A gap is called narrow up to this multiple of the contact tolerance."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Surroundings:
     """The bodies of a frame with their ``transforms`` (n, 4, 4), and the settings of contacts
     between them."""
@@ -34,7 +35,7 @@ class Surroundings:
     contact_settings: ContactSettings
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Gap:
     """Two objects that a signal cannot cross between, and their distance [m]."""
 

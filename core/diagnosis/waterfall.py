@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ..frozen import frozen
 from ..graph.distance_only import distance_only
 from ..render.frame_result import FrameResult, Sounding
 from ..render.levels import vibration_rms
@@ -16,7 +17,7 @@ from ..scene.values import Source
 from .losses import object_losses
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Hop:
     """An object on a path, with its contact to the next one: loss [dB] and distance [m]."""
 
@@ -25,7 +26,7 @@ class Hop:
     distance: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Waterfall:
     """From the amplitude of a source to the level of a listener, all in decibels, minus infinity
     for silence.

@@ -8,12 +8,13 @@ measured)``, ``loss(export, options)`` and ``keeps(options)``; one that can be i
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, cast
 
+from ..frozen import frozen
 from .export import Export
 from .io.atomic import staging
 from .io.catalogue import FORMATS as FORMATS
@@ -25,7 +26,7 @@ from .tracks.comparison import sentences as sentences
 from .tracks.vibration_file import VibrationFile
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Written:
     """Result of writing: ``files`` in the order of writing, ``losses`` one sentence each, the
     measured ones last.

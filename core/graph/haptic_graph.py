@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,7 @@ from ..arrays import FloatArray, IntArray
 from ..contacts.authored import rows_of
 from ..contacts.contact_set import ContactSet
 from ..contacts.forces import contact_forces
+from ..frozen import frozen
 from ..scene.bands import BAND_COUNT
 from ..scene.functions import ModulationFunction
 from ..scene.functions.spreading import Spreading
@@ -50,7 +51,7 @@ class NoGain(ValueError):
         self.objects = objects
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ObjectTable:
     """The propagation functions of all objects as arrays, in the order of their sorted names.
 
@@ -214,7 +215,7 @@ def _spectrum_arrays(
     return gains, decays, slowness
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SourceNodes:
     """A source in the graph: one node, or one on each side of the contact for an impact. ``band``:
     its lowest strong band, see `core.scene.spectra.leading_band`; 0 if the graph has no bands."""
@@ -226,7 +227,7 @@ class SourceNodes:
     band: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class HapticGraph:
     """``G = (V, {P, T})`` with the intra-connections P implied.
 

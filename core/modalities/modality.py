@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
+from ..frozen import frozen
 from ..scene.choices import Strategy
 from ..scene.declaration import Number, Numbers, default_of, shown
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Modality:
     """One kind of sensation: vibrotactile, thermal, ...
 

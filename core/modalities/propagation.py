@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
+from ..frozen import frozen
 from ..graph.haptic_graph import ObjectTable, build_graph
 from ..propagation import objects_on, propagate
 from ..scene.functions import ALL_FUNCTIONS, Constant, ModulationFunction, function_from_dict
@@ -18,7 +19,7 @@ from ..scene.values import Extent, HapticObject, HapticScene, Listener, Settings
 from .modality import Modality
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Emitter:
     """A source of a modality: its object, its position (metres, world) and its value in the
     modality's unit."""
@@ -29,7 +30,7 @@ class Emitter:
     value: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Felt:
     """``gains`` (s, l) of the emitters at the listeners, ``values`` (l,) in the modality's unit,
     and the objects of each best path."""
@@ -86,7 +87,7 @@ def _with_transmission(
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ModalityScene:
     """``values`` of objects that differ from the modality's defaults; ``forms``: functions that
     differ from the default, as in a scene file; ``emitters`` in the order of their names.

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ..frozen import frozen
 from ..scene.choices import Strategy
 from ..scene.declaration import Declared, number
 from ..scene.functions import Conduction
@@ -30,7 +31,7 @@ def joint_gain(values: Mapping[str, float]) -> float:
     return JOINT / (JOINT + drawn)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Warmth(Declared):
     """The strength of a source of warmth."""
 

@@ -14,11 +14,12 @@ nor on earlier frames, nor on the number of threads.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, added_by
+from ..frozen import frozen
 
 ITERATIONS = 2000
 """Most iterations."""
@@ -33,7 +34,7 @@ EPSILON = 64 * float(np.finfo(np.float64).eps)
 """Relative rounding error of one row of a product."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PowerBalance:
     """k systems with the same sparsity of couplings and different values.
 
@@ -64,7 +65,7 @@ class PowerBalance:
         object.__setattr__(self, "diagonal", diagonal)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Balanced:
     """``energy`` (k, s, n) under each of s powers, and ``doubt`` (k, s): bound on the error of each
     energy."""

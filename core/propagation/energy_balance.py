@@ -18,11 +18,10 @@ Butterworth-Heinemann 1995, chapters 2 and 3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, added_by, ranges, runs
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 from .conjugate_gradients import Balanced, PowerBalance, solve
@@ -57,7 +56,7 @@ _EQUALLY_NEAR = 1 + 1e-9
 contact differ by rounding alone."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Energies:
     """Amplitude gains ``gain`` (s, l) and their bounds ``error`` (s, l); ``bands`` (s, l, bands) or
     None; ``subsystems`` their number."""
@@ -109,7 +108,7 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
     return Energies(gain, error, bands, count)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Ends:
     """Nodes at which power is injected or energy is received, with the number of their source or
     listener, and their share of it."""
@@ -134,7 +133,7 @@ def _levels(graph: HapticGraph, here: _Ends, there: _Ends) -> tuple[FloatArray, 
         hops *= 2
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Attachments:
     """Shares of ends in the subsystems of their objects.
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray, portions, ranges, runs
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from .connections import intra_costs
 
@@ -22,7 +22,7 @@ CHUNK = 1 << 18
 """Connections relaxed in one vectorised step, a bound on memory."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class HopConstrainedPaths:
     """Cheapest walks by number of contacts crossed.
 

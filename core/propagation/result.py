@@ -5,15 +5,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..message import Message
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Propagation:
     """Gains from s sources to l listeners; amplitudes of the sources are not included.
 

@@ -3,10 +3,10 @@ again."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..contacts.contact_set import ContactSet
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, ObjectTable
 from ..graph.object_frames import ObjectFrames
 from ..scene.values import Listener, Settings, Source
@@ -32,7 +32,7 @@ class Inputs(NamedTuple):
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Propagated:
     """A propagated frame."""
 

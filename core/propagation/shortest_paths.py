@@ -27,12 +27,12 @@ import heapq
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, ranges
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from ..scene.functions.spreading import Law
 from .connections import intra_costs
@@ -54,7 +54,7 @@ LARGE = 48
 """From this many nodes on, Dijkstra's algorithm relaxes an object as an array."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ShortestPaths:
     """Shortest-path trees: costs and predecessors per set of roots (row) and node.
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, SourceNodes
 from ..scene.values import Settings
 from .best_path import crossings_of, most_connections
@@ -25,7 +25,7 @@ ROWS_AT_ONCE = 1 << 20
 """Sources are treated together up to this number of pairs of source and node, a bound on memory."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Spread:
     """The strongest arrival at each node.
 

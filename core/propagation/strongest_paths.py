@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from .connections import HOPS, bounded_exp, cost_limit, intra_costs, path_delay
 from .hop_constrained import hop_constrained_paths
@@ -34,7 +35,7 @@ SEARCHED = 4096
 """Most partial paths examined for one pair."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FoundPath:
     """A path and its cost ``-log(gain)``."""
 

@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray, added_by, runs
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances
 
 REGIONS, MOST_REGIONS = 128, 1024
@@ -56,7 +56,7 @@ ROUNDING = 1e-14
 their certified bounds do not."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Subsystems:
     """Subsystems, and how contact nodes belong to them.
 

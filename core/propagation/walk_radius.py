@@ -23,11 +23,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, ranges, runs
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, distances
 from .connections import LARGEST, intra_gains
 
@@ -63,7 +63,7 @@ NEGLIGIBLE = 1e-9
 """Part of the sum below which the bound on the remaining terms is small enough."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class WalkRadius:
     """Certified bounds on the spectral radius; ``high`` is infinite if only a part of the scene was
     examined."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,13 +10,14 @@ from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..contacts.impacts import Impact
 from ..contacts.one_shots import Shot
+from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from ..message import Message
 from ..propagation import Propagation, objects_on
 from ..scene.values import Listener, Source
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sounding:
     """Sources, listeners and propagation at the end of a block, at ``time`` [s]."""
 
@@ -27,7 +27,7 @@ class Sounding:
     propagation: Propagation
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FrameResult:
     """One traced frame.
 

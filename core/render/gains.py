@@ -13,11 +13,10 @@ A line to 0 arrives there `SMOOTHING` before the frame's end, so that the gain i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
+from ..frozen import frozen
 
 SMOOTHING = 0.008
 """Seconds of the window. From 250 Hz on it passes less than -31 dB of a corner."""
@@ -28,7 +27,7 @@ _INSTANT = 1e-9
 """Frames shorter than this [s] count as instants, in which gains jump."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FrameSamples:
     """The samples `first` to `last - 1` at `times` [s], and how far (0 to 1) each is from the
     frame's start to its end."""
@@ -45,7 +44,7 @@ class FrameSamples:
         return self.last - self.first
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Bend:
     """At `time` [s] the slopes of some lines change by `amount` [1/s], of the gains' shape."""
 
@@ -53,7 +52,7 @@ class Bend:
     amount: FloatArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Gains:
     """Gains of a group of voices during a frame; arrays of shape (n_voices, n_listeners), or
     (n_voices, n_listeners, 6) by band.

@@ -4,12 +4,12 @@ one per band."""
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
+from ..frozen import frozen
 from ..scene.bands import BAND_COUNT
 from ..scene.declaration import MOST
 from .gains import Bend, FrameSamples, Gains, any_gain
@@ -26,7 +26,7 @@ MAX_ONSET = MOST
 """Seconds before and after 0 within which signals begin."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Group:
     """Streams of one kind in a frame with their voices, None where a stream fades out; those with
     voices come first.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..perception import masked_by
 from ..scene.values import Source
 from .frame_result import FrameResult, Sounding
@@ -20,7 +20,7 @@ SECONDS = 0.25
 """Duration over which sources are compared."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FeltSource:
     """``margin``: sensation level of the source alone, after ducking [dB]. ``masker``: the source
     that masks it, "" for none."""
@@ -35,7 +35,7 @@ class FeltSource:
         return "weak" if self.margin <= 0 else "masked" if self.masker else "felt"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class FeltSources:
     """The sources that reach a listener: felt, masked and weak ones, the strongest of each
     first."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from ..message import Cause, Message
 from ..scene.functions import MIXING_VARIABLES, Finding
 from ..scene.functions.expression import CompiledExpression, ExpressionError, compile_expression
@@ -22,7 +22,7 @@ one signal, shape (n,)."""
 MixingMethod = Literal["cumulative", "weighted", "strongest", "power"] | CustomMixing
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class MixingExpression:
     """A designer's formula over `MIXING_VARIABLES` as a mixing method, such as ``s_max * tanh(sum /
     s_max)``.

@@ -9,13 +9,13 @@ bake sample by sample.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .frame_result import FrameResult
 from .mixdown import listener_mixes, primed, source_voices, steady
 from .renderer import ListenerMix, Renderer, sample_index
@@ -232,7 +232,7 @@ class Playback:
         return _moved(voices, self._late)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Correctable:
     """A block from ``start`` to ``end`` [s] that was played before its frame was traced, with the
     gains of ``result``."""

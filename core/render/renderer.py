@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .gains import FrameSamples
 from .groups import MAX_GAIN, MAX_TIME, Groups
 from .limiter import Limiter
@@ -27,7 +27,7 @@ MAX_FRAME = 60.0
 _SNAP = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ListenerMix:
     """The mixing settings of a listener.
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import BoolArray, FloatArray, IntArray
+from ..frozen import frozen
 from ..scene.values import Listener
 from .levels import LEVEL_SECONDS, level_and_margin, vibration_rms
 
@@ -26,7 +26,7 @@ def as_integers(samples: FloatArray) -> NDArray[np.int16]:
     return np.rint(np.clip(samples, -1, 1) * FULL_SCALE).astype(np.int16)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Columns:
     """Parts of a wave, from left to right: the range of the samples in each, ``low`` and ``high``
     (l, c) as integers; ``level`` (l, c) the highest [dB of full scale]; ``threshold`` (l, c) the

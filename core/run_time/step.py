@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..contacts.impacts import Impact
+from ..frozen import frozen
 from ..message import sentence
 from ..render.frame_result import FrameResult
 from ..render.history import lasts, still_samples
 from ..render.levels import LEVEL_SECONDS, finite, level_and_margin
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Level:
     """What a listener feels: ``level``, the RMS of the last quarter second [dB of full scale], and
     ``margin`` above the threshold of feeling [dB], both None for silence; ``gains``: of the paths
@@ -26,7 +26,7 @@ class Level:
     gains: Mapping[str, float]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Blow:
     """An impact at ``time`` [s] between two objects, with its ``position`` [m], its ``energy`` [J],
     the ``amplitude`` of its signal that follows from the energy, and the ``gains`` of the paths to
@@ -40,7 +40,7 @@ class Blow:
     gains: Mapping[str, float]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Step:
     """The answer to a step that ends at ``time`` [s].
 

@@ -11,17 +11,17 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
 
+from ..frozen import frozen
 from .references import named
 
 Side = Literal["L", "R", ""]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BodyPart:
     """A place on the body.
 

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
+
+from ..frozen import frozen
 
 HEIGHT, HALF_WIDTH = 2.0, 0.62
 
 View = Literal["front", "back"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Limb:
     """A stroke with round ends from ``start`` to ``end``, ``width`` wide, or a disc where both are
     equal. ``part``: the body part."""
@@ -29,7 +30,7 @@ class Limb:
     width: float
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Spot:
     """An actuator of a body part: coordinates from the wearer's left and from the top, 0 to 1, and
     its share of the amplitude."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from ..frozen import frozen
 from .declaration import Declared, extras, name_of, number, part
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ActuatorMapping(Declared):
     """An actuator, by its name in the device's profile, and what it plays."""
 
@@ -18,7 +19,7 @@ class ActuatorMapping(Declared):
     gain: float = field(default=1.0, metadata=number("", "Factor of what it plays", 0.0))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DeviceMapping(Declared):
     """A device of the scene; ``profile``: name of its profile (see `core.devices.profiles`)."""
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import enum
 import math
 import struct
-from dataclasses import dataclass, field
+from dataclasses import field
 from hashlib import blake2b
 from typing import TYPE_CHECKING
 
 from .. import signals
+from ..frozen import frozen
 from .declaration import Declared, check, number, numbers, part, share
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ REFRACTORY = number(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ImpactLimits(Declared):
     """Conditions of an impact: a new contact with at least ``least_energy`` (E_min) joules;
     ``full_energy`` (E_max) gives amplitude 1. A pair has no second impact within ``refractory``
@@ -91,7 +92,7 @@ class ImpactLimits(Declared):
     refractory: float = field(default=0.1, metadata=REFRACTORY)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ImpactRule:
     """Signal of impacts: the ``template`` with amplitude ``gain``, modified by ``pitch``, ``decay``
     and ``brightness`` as in `Struck`. Each of these is weak + (full - weak) s at strength s =

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ..frozen import frozen
 from .bands import BAND_COUNT
 from .declaration import Declared, name_of, switch
 from .functions.modulation import BAND_DECAYS, CONDUCTIVITY, WAVE_SPEED
 from .values import KAPPA, RHO
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class LibraryMaterial(Declared):
     """A haptic material. Objects refer to it in ``material`` and have a copy of its values."""
 

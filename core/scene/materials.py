@@ -25,11 +25,11 @@ import json
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from ..frozen import frozen
 from .bands import BAND_CENTRES
 from .coefficients import transfer_coefficient
 
@@ -37,7 +37,7 @@ _REFERENCE = 100.0
 """The frequency of ``absorption``, in hertz."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Material:
     """A material of the library.
 

@@ -26,11 +26,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from ..frozen import frozen
 from .functions import Physical, Wave
 from .materials import MATERIALS, TABLE
 
@@ -38,7 +39,7 @@ IN_A_BUILDING = 0.23
 """Attenuation of walls and floors in place, in 1/m: 2 dB/m, the middle of the measured range."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Damping:
     """Damping of vibration in a material. ``loss_factor`` with its ``loss_range``; ``speed`` of its
     waves [m/s] with its ``speed_range``: extensional waves, or shear and surface waves in soft or

@@ -3,10 +3,11 @@ applies."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import lru_cache
 from typing import Generic, TypeVar
+
+from ..frozen import frozen
 
 Value = TypeVar("Value", covariant=True)
 
@@ -14,7 +15,7 @@ MOST_ROWS = 1000
 """Largest number of rows of a table."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Side:
     """Condition on one of two objects: its name, its material, or neither (any object). In names
     ``*`` stands for any characters and ``?`` for one."""
@@ -53,7 +54,7 @@ def _fits(pattern: str, name: str) -> bool:
     return fnmatchcase(name, pattern.replace("[", "[[]"))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Rule(Generic[Value]):
     """A row: the ``value`` for pairs of objects that match ``between`` in either order."""
 
@@ -72,7 +73,7 @@ class Rule(Generic[Value]):
         return (a.fits(*first) and b.fits(*second)) or (a.fits(*second) and b.fits(*first))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RuleTable(Generic[Value]):
     """A table of ``rows`` in the author's order."""
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 
+from ..frozen import frozen
 from .declaration import Declared, choice, number, numbers, part, switch
 from .functions import ModulationFunction
 from .impact_rule import FULL_ENERGY, LEAST_ENERGY, REFRACTORY, TEMPLATES, ImpactLimits, ImpactRule
@@ -47,7 +48,7 @@ ENERGIES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ContactSettings(Declared):
     """Settings of contacts and impacts. A pair begins to touch at the signed distance
     ``tolerance``, and parts at one larger by ``slack``. ``gravity`` accelerates dynamic bodies if

@@ -5,17 +5,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .body import BODY_PARTS, BodyPart
 
 Point = FloatArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Bone:
     """A bone at rest: its name, head and tail in the space of its skeleton."""
 
@@ -24,7 +24,7 @@ class Bone:
     tail: tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PartPlace:
     """Location of a body part: its bone, and its position in the space of the skeleton at rest."""
 
@@ -115,7 +115,7 @@ _OFF_THE_BONE = {
 body's height."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Named:
     """The parts of a bone's name."""
 

@@ -9,10 +9,11 @@ Vibration", 2009). The power of the force is chosen.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from .. import signals
+from ..frozen import frozen
 from .declaration import Declared, number, share
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ _AS_STRONG = 1.5 * math.sqrt(2.0)
 """Amplitude of interpolated uniform noise whose product with a sine has the power of the sine."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Texture(Declared):
     """The texture of two surfaces: at v m/s they emit a tone of v / ``period`` hertz.
 

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import signals
+from ..frozen import frozen
 from ..perception import FullScale
 from .body import BODY_PARTS
 from .choices import Extent as Extent
@@ -105,7 +106,7 @@ STRATEGIES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Settings(Declared):
     """Settings of propagation. The fields' declarations say what they are."""
 
@@ -166,7 +167,7 @@ class Settings(Declared):
     )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pose:
     """Position in metres and rotation as a quaternion (w, x, y, z), normalised."""
 
@@ -209,7 +210,7 @@ MOTIONS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class HapticObject:
     """An object that transmits haptic signals. ``shape``: see `core.contacts.shapes`.
     ``impact_material``: a key of `IMPACT_MATERIALS`."""
@@ -272,7 +273,7 @@ class HapticObject:
 _IDENTITY = Identity()  # one for all contacts: recordings have hundreds of thousands
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Contact:
     """Two touching objects: one contact node on each, ``positions[k]`` on ``objects[k]`` (world,
     metres).
@@ -330,7 +331,7 @@ class Contact:
         check(self)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Trigger:
     """What makes a source play its signal once.
 
@@ -371,7 +372,7 @@ SOURCE_KINDS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Source:
     """Emits a signal. A source of an impact, or of sliding or rolling, also excites
     ``second_object``, the other side of its contact. A source with ``triggers`` plays its signal
@@ -504,7 +505,7 @@ PARTS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Listener:
     """Receives signals at a point of the body. The fields' declarations say what they are."""
 
@@ -626,7 +627,7 @@ class Listener:
         return _with(self, position=_finite_vector("position", position))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class HapticScene:
     """Objects, contacts, sources and listeners. Names are unique within their list; every reference
     resolves. ``rules``: settings for contacts and impacts that are found from shapes and poses."""

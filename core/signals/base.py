@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, Field, field, fields
 from functools import cache, lru_cache, reduce
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .automation import Automation, checked_parameter, largest, values_of
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_integer, checked_number, within
 
@@ -182,7 +183,7 @@ SIGNAL, SIGNALS = {"check": _checked_signal}, {"check": _checked_signals}
 """Metadata of a field that is a signal, and of one that is a tuple of signals."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Combined(Signal):
     """Base of signals that are made of several others."""
 
@@ -201,7 +202,7 @@ def _to_json(value: object) -> object:
     return value
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Gain(Signal, kind="gain"):
     """`of` times `gain`, a number or an automation over the signal's own time."""
 
@@ -226,7 +227,7 @@ class Gain(Signal, kind="gain"):
         return self.of.values(times, step) * values_of(self.gain, times)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Modified(Signal):
     """Base of signals that are made of another one and do not exceed its peak."""
 
@@ -237,7 +238,7 @@ class Modified(Signal):
         return self.of.peak
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Product(Combined, kind="product"):
     """The product of `of`, as long as the shortest."""
 
@@ -260,7 +261,7 @@ class Product(Combined, kind="product"):
         return reduce(np.multiply, (factor.values(times, step) for factor in self.of))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sum(Combined, kind="sum"):
     """The sum of `of`, as long as the longest."""
 
@@ -280,7 +281,7 @@ class Sum(Combined, kind="sum"):
         return reduce(np.add, (term.at(times, step) for term in self.of))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sequence(Combined, kind="sequence"):
     """`of` one after the other; only the last may be endless."""
 
@@ -313,7 +314,7 @@ def values_inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
     return signal.values(np.clip(times, 0.0, np.nextafter(signal.duration, 0.0)), step)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Delay(Modified, kind="delay"):
     """`of`, `seconds` later."""
 
@@ -329,7 +330,7 @@ class Delay(Modified, kind="delay"):
         return self.of.at(times - self.seconds, step)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Loop(Modified, kind="loop"):
     """`of` repeated `count` times or without end.
 

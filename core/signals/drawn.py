@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..frozen import frozen
 from .automation import Automation, ramp
 from .base import Delay, Loop, Product, Signal, Sum
 from .envelopes import Keyed
@@ -20,7 +20,7 @@ EMPHASIS_SECONDS = 0.02
 """Duration of an emphasis: that of a transient of Core Haptics."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Emphasis:
     """A short burst at ``time`` seconds, of a ``strength`` and a ``sharpness`` from 0 to 1, like
     the transients of phones."""
@@ -41,7 +41,7 @@ class Emphasis:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Drawing:
     """A sine whose amplitude (0 to 1) and frequency (hertz) are drawn over ``duration`` seconds,
     and bursts that are added to it.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .automation import Automation, checked_parameter, largest
 from .base import Signal
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, within
@@ -18,7 +19,7 @@ SILENCE = 1e-4
 """Fraction of its initial value at which an exponential decay ends (-80 dB)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Constant(Signal, kind="constant"):
     """One value for `duration` seconds (endless by default); with a duration, a rectangular
     gate."""
@@ -39,7 +40,7 @@ class Constant(Signal, kind="constant"):
         return np.full(times.shape, self.value)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Adsr(Signal, kind="adsr"):
     """Rises to 1 in `attack` seconds, falls to `sustain` (0 to 1) in `decay`, stays for `hold`,
     falls to 0 in `release`.
@@ -91,7 +92,7 @@ def _lines(envelope: Adsr) -> Automation:
     return Automation(lengths.cumsum(), levels)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Keyed(Signal, kind="keyed"):
     """Straight lines between keys, ending at the last one; constant before the first."""
 
@@ -116,7 +117,7 @@ class Keyed(Signal, kind="keyed"):
         return self.automation.at(times)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Decay(Signal, kind="decay"):
     """exp(-t / time_constant), ending when it has fallen by 80 dB."""
 

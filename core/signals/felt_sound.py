@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .automation import Automation
 from .base import Signal
 from .envelopes import Keyed
@@ -27,7 +27,7 @@ _ROUGH, _OFF = 0.02, 0.005
 to the pitch."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Feel:
     """Settings of the conversion of a sound.
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .base import Amplified
 from .envelopes import SILENCE
 from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, within
 from .oscillators import sine
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Impulse(Amplified, kind="impulse"):
     """A half-sine shock pulse, the force of a contact that lasts `width` seconds: amplitude · sin(π
     t / width)."""
@@ -32,7 +33,7 @@ class Impulse(Amplified, kind="impulse"):
         return self.amplitude * sine(times * (0.5 / self.width))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class DecayingSine(Amplified, kind="decaying_sine"):
     """amplitude · exp(-t / decay) · sin(2π frequency t), ending when it has fallen by 80 dB.
 

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .automation import Automation, checked_parameter, values_of
 from .base import Amplified
 from .limits import MAX_PEAK, checked_integer, within
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Noise(Amplified, kind="noise"):
     """Random values, uniform within ±amplitude, `rate` of them a second, straight lines between
     them.

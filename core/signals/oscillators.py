@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .automation import Automation, checked_parameter, largest, values_of
 from .base import Amplified
 from .limits import MAX_FREQUENCY, MAX_PEAK, within
@@ -22,7 +23,7 @@ _SINE_COEFFICIENTS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Oscillator(Amplified):
     """A wave of period 1 over the phase in cycles, from `phase` on.
 
@@ -70,7 +71,7 @@ class Oscillator(Amplified):
         or corners."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sine(Oscillator, kind="sine"):
     """sin(2π cycles)."""
 
@@ -80,7 +81,7 @@ class Sine(Oscillator, kind="sine"):
         return sine(cycles)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Square(Oscillator, kind="square"):
     """+1 in the first half of the period, -1 in the second."""
 
@@ -89,7 +90,7 @@ class Square(Oscillator, kind="square"):
         return np.clip(-2 * to_edge / np.maximum(width, 1e-9), -1.0, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Triangle(Oscillator, kind="triangle"):
     """0, +1, 0, -1 at the quarters of the period, straight between them."""
 
@@ -101,7 +102,7 @@ class Triangle(Oscillator, kind="triangle"):
         return np.asarray(1.0 - 4 * from_top + 4 * (bottom * bottom - top * top) / width)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Saw(Oscillator, kind="saw"):
     """Rises from -1 to +1 over the period, then jumps back."""
 
@@ -110,7 +111,7 @@ class Saw(Oscillator, kind="saw"):
         return 2 * from_edge - np.clip(2 * from_edge / np.maximum(width, 1e-9), -1.0, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Pulse(Oscillator, kind="pulse"):
     """A train of pulses: 1 for the first `duty` (0 to 1) of the period, 0 for the rest."""
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from . import onsets, pitch
 from .automation import Automation, values_of
 
@@ -52,7 +53,7 @@ class SoundSamples(Protocol):
         channels), full scale being 1."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Clip:
     """A part of a recording, placed in a sound.
 

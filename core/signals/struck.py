@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .base import Modified, Signal
 from .envelopes import SILENCE
 from .limits import within
@@ -24,7 +25,7 @@ rate for longer ones. Linear interpolation of a low-pass filtered tone of f Hz h
 error (pi f / rate)^2 / 2: -60 dB of the template at 1 kHz."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Struck(Modified, kind="struck"):
     """`of`, played `pitch` times as fast, which multiplies all its frequencies, with its decay time
     times `decay` and its amplitude above `CORNER` times `brightness`.

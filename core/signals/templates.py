@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
+from ..frozen import frozen
 from .base import Gain, Product, Signal, Sum
 from .envelopes import Decay
 from .impacts import DecayingSine, Impulse
@@ -22,7 +22,7 @@ DEFAULT_PERSISTENT: Signal = Sine(60.0)
 DEFAULT_IMPACT: Signal = DecayingSine(150.0, 0.03)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ImpactMaterial:
     """The response of a material to an impact.
 

@@ -19,6 +19,7 @@ LEAVES = {
     "formats",
     "formats.io",
     "formats.io.catalogue",
+    "frozen",
     "message",
     "modalities",
     "modalities.modality",

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray, added_by
+from ...frozen import frozen
 from ..hull import hull_2d
 from .core_pairs import CorePairs
 from .frames import dot
@@ -22,7 +21,7 @@ within ``ROUGHNESS``, or ``PATCH_GAP`` of meshes."""
 MOST_CORNERS = 8
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PairPatches:
     """Per pair of bodies, in the frame of the first: signed ``distance`` (p,) [m] (a lower bound
     beyond the limit of the query), unit ``normal`` (3, p) from first to second, ``centre`` (3, p)
@@ -51,7 +50,7 @@ class PairPatches:
         return result
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CoreContacts:
     """Pairs of cores in contact: ``owner`` the pair of bodies, ``distance`` between the surfaces,
     ``normal``, ``centre`` of the patch, ``weight`` (area in square metres; that of a line is tiny,

@@ -11,11 +11,10 @@ centre (3, p) in the frame of the first; half extents are (3, p).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from .frames import COLUMN, dot, pick, turned, turned_back
 
 FACE_PREFERENCE = 1e-6
@@ -102,7 +101,7 @@ def best_axes(
     return distance, axis
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class EdgePoints:
     """Unit ``normal`` (3, p) from first to second, the points of two edges that are nearest to each
     other on the first box (3, p) and on the second, and whether the nearest points of their lines

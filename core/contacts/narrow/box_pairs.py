@@ -3,11 +3,10 @@ cores."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray, joined
+from ...frozen import frozen
 from .body_patches import PairPatches
 from .box_axes import axis_normals, best_axes
 from .boxes import BoxContacts, box_contacts
@@ -17,7 +16,7 @@ from .manifold import patches
 from .supporting_feature import box_face
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Boxes:
     """Pairs ``rows`` (k,) of single boxes, the second placed relative to the first, and the radii
     (k,) by which each is grown."""

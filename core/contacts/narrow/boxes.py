@@ -9,11 +9,12 @@ computed together.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray, replace_rows
+from ...frozen import frozen
 from .box_axes import FIRST_EDGE_AXIS, TURN, best_axes, edge_points
 from .frames import dot, pick, turned, turned_back
 from .manifold import ROUGHNESS, patch_gap
@@ -87,7 +88,7 @@ _Boxes = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 half extents (3, p) of both."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoxContacts:
     """Per pair: signed ``distance`` (p,), ``normal`` (3, p) from first to second, ``centre`` (3, p)
     of the patch midway between the surfaces, ``area`` (p,), and ``exact`` (p,): False where the
@@ -268,7 +269,7 @@ def _nearness(excess: FloatArray) -> FloatArray:
     return np.minimum(np.maximum(1.0 - excess / ROUGHNESS, 0.0), 1.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Corners:
     """The corners of two boxes, those of the second first: ``place`` (2, 3, 8, p), each in the
     frame of the other box, the way ``across`` from there to the nearest point of the other box, and

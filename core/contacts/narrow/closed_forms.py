@@ -7,17 +7,18 @@ inside; a point in a box, cylinder or cone has a negative distance, down to its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
+from ...frozen import frozen
 from .frames import COLUMN, cross, dot, pick, turned, turned_back
 
 _UP = np.array([[0.0], [0.0], [1.0]])
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Separation:
     """Signed ``distance`` (n,), unit ``normal`` (3, n) from first to second, nearest points
     ``first`` and ``second`` (3, n) on the cores."""

@@ -4,12 +4,12 @@ EPA where they overlap."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ..hull import Hull, convex_hull
 from .closed_forms import Separation
 from .cores import Core, CoreTable, Kind, Size
@@ -36,7 +36,7 @@ BOX_CORNERS = np.array([[x, y, z] for x in (1.0, -1.0) for y in (1.0, -1.0) for 
 """The corners (8, 3) of a box of half extents 1."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Convex:
     """A convex body for queries, around its own origin: the hull of ``points`` (n, 3), or of discs
     across the z axis around them with ``radii`` (n,), if it is no polytope. ``first`` and

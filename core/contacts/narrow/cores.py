@@ -8,13 +8,14 @@ edges a smaller box. Distances are between cores, less the two radii.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import IntEnum
 from itertools import permutations
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ..hull import Hull, convex_hull, shrunk_hull
 from ..shapes import (
     Box,
@@ -50,7 +51,7 @@ class Size(IntEnum):
     THICK = 2  # where a box meets a mesh
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Core:
     """One primitive. ``matrix`` (4, 4): from core to shape. By `Size`: ``half`` (3, 3), of a box
     its half extents, of a round core (radius, radius, half height), of a segment (0, 0, half
@@ -239,7 +240,7 @@ def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatAr
     return unit, lengths
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Reduced:
     """The ``core`` of a primitive ``shape``, its bounds (2, 3) in its own frame, and its thickness
     [m]."""
@@ -257,7 +258,7 @@ class Reduced:
         return cls(part.shape, core, core.bounds(), core.thickness())
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CoreTable:
     """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``.
     ``rotation`` (3, 3, c) and ``offset`` (3, c) place a core in its body; ``placed`` is False where

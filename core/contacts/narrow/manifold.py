@@ -10,11 +10,10 @@ smoothly as a body tips.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
+from ...frozen import frozen
 from .frames import added, cross, dot, smooth_step, turned
 
 ROUGHNESS = 0.01
@@ -36,7 +35,7 @@ _LINE_GAP = 0.00005
 """The same where faces touch along a line or at a point [m]."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Patches:
     """Per pair: ``centre`` (3, n) in the contact plane through the origin, ``area`` (n,) [m^2],
     ``found`` (n,) False where the features do not face each other, ``gap`` (n,) by which the

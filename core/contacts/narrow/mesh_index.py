@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 
 _CHUNK = 2_000_000
 """Boxes times blocks or triangles tested at a time, to bound memory."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class MeshIndex:
     """``corners`` (t, 3, 3) of the triangles in the order of the blocks, of which each has as many,
     and their bounds ``low`` and ``high`` (3, b, size), filled up with such that overlap nothing;

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 
 _TOLERANCE = 1e-9
 """Metres between the bounds at which the depth counts as found."""
@@ -47,7 +48,7 @@ Farthest = Callable[[FloatArray], FloatArray]
 _Point = tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Penetration:
     """``depth`` [m] by which two bodies overlap along the unit ``normal`` from first to second,
     ``middle`` between the two deepest points."""

@@ -7,11 +7,10 @@ bounds; ``exact`` says which.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
+from ...frozen import frozen
 from .box_axes import FACE_PREFERENCE, FIRST_EDGE_AXIS, best_axes, edge_points
 from .closed_forms import Separation
 from .frames import COLUMN, added, cross, dot, pick, relative, turned, turned_back
@@ -20,7 +19,7 @@ _ON_FACE = 1e-9
 """Metres beyond the edge of a face within which a point counts as over it."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class AxisSeparation(Separation):
     """A separation and, per pair, whether its distance is ``exact`` (else it is a lower bound)."""
 

@@ -10,12 +10,13 @@ while a body moves from outside through the surface to the far side of that wall
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, taken
+from ...frozen import frozen
 from .body_patches import CoreContacts, core_contacts, reduced
 from .closed_forms import nearest_on_triangle
 from .convex import ConvexDistances
@@ -44,7 +45,7 @@ _OPEN = 1e-6
 cross encloses: an open curve encloses none, and those at both ends of a hole cancel."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Gap:
     """How far apart two cores are, 0 where they overlap, and their nearest points in the world."""
 
@@ -53,7 +54,7 @@ class _Gap:
     second: FloatArray
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _CrossingCurve:
     """The curve along which two surfaces cross: its centre of mass, the vector area that it
     encloses as a unit ``normal`` from first to second and an ``area`` [m^2], and its ``extent``

@@ -3,18 +3,18 @@ one touches it down to a depth."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from .cores import Core, CoreTable
 from .mesh_index import MeshIndex
 from .triangles import unit_normals
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CoreSurface:
     """The triangles of a core in its own frame, by their bounds and by ``spheres`` around their
     middles, and their unit ``normals`` (3, t). ``depth`` [m]: how far beneath the surface a body

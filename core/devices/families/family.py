@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...frozen import frozen
 from ..report import Report, Tones, Transport, levels
 
 BUS_USB = 1
@@ -29,7 +30,7 @@ RESEND = 2.0
 lasts at most that long."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Interface:
     """One entry of hidapi's ``enumerate``.
 

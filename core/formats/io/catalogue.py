@@ -6,11 +6,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from ...frozen import frozen
 from ...scene import references
 
 MAX_SAMPLE_RATE = 192_000
@@ -21,7 +21,7 @@ Value = bool | int | float | str
 _TRUTH = {"true": True, "false": False}
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Option:
     """An option. The type is that of ``default``: bool, int, float, or str with ``choices``.
     ``minimum`` and ``maximum`` bound numbers."""
@@ -84,7 +84,7 @@ def complete(options: Sequence[Option], chosen: Mapping[str, Value]) -> dict[str
     }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Format:
     """``label``: its name in menus. ``suffix``: of its files. ``module``: the module in
     `core.formats` that writes and, if it ``is_read``, reads it. ``files``: patterns of the names of

@@ -7,11 +7,11 @@ import copy
 import json
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ...frozen import frozen
 from ...scene.references import meant
 from .error import FormatError, json_pointer
 from .scene_schema import SCENE, scene_schema
@@ -69,7 +69,7 @@ def _remove(value: Any, pattern: Sequence[str | None], key: str) -> None:
         _remove(value[pattern[0]], pattern[1:], key)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Fault:
     """The first fault of a document, of the value at ``place``. ``unknown``: its key is
     undefined."""

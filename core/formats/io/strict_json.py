@@ -14,12 +14,12 @@ import re
 import zlib
 from collections.abc import Iterator
 from contextlib import nullcontext
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 
+from ...frozen import frozen
 from ...regular_file import open_regular
 from .error import FormatError, json_pointer
 
@@ -31,7 +31,7 @@ _CHUNK = 2**22
 _SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Misplaced:
     """Marker of a value that JSON does not allow."""
 

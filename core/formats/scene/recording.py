@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from ...contacts.contact_set import ContactSet
 from ...contacts.one_shots import Shot
 from ...contacts.settings import Body
 from ...contacts.shapes import pose_matrix
+from ...frozen import frozen
 from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
 from ...scene.functions import ModulationFunction
@@ -83,7 +84,7 @@ def pose_row(ticks: IntArray) -> PoseRow:
     return a, b, c, d, e, f, g
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RecordedFrame:
     """The changes since the frame before; the changes since the scene itself for the first frame.
 
@@ -113,7 +114,7 @@ class RecordedFrame:
     removed_listeners: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Recording:
     """``frames`` in ascending order; in frames without an entry nothing changed. Frame
     ``frame_start`` is at 0 seconds."""

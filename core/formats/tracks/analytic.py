@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from .listener_tracks import Row
 
 ComplexArray = NDArray[np.complex128]
@@ -23,7 +24,7 @@ _GUARD = 2
 """Further margin, in which the circular convolution of the transform wraps around (seconds)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Band:
     """A part of the spectrum from ``low`` to ``high`` hertz.
 

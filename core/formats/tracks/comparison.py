@@ -6,13 +6,13 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import BoolArray, FloatArray
+from ...frozen import frozen
 from .listener_tracks import PIECE, Tracks
 
 EDGES = (0.0, 5.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 1000.0)
@@ -62,7 +62,7 @@ class Kind(enum.Enum):
     LEVEL = "level"  # amplitude alone
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Measures:
     """The kind of data that a format keeps, and its range of frequencies (hertz)."""
 
@@ -71,7 +71,7 @@ class Measures:
     high: float = math.inf
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ListenerFidelity:
     """The measured losses of one listener.
 
@@ -87,7 +87,7 @@ class ListenerFidelity:
     invented: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Fidelity:
     """The measured losses of a format over all listeners, and of each listener.
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ...signals.keys import needed_keys
 from .analytic import CONTEXT, Band, ComplexArray, Window, analytic_windows
 from .carrier import Carrier
@@ -41,7 +41,7 @@ SEAM = 0.1
 """Time before the end of a window in which a carrier may be divided (seconds)."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Fit:
     """Requirements of a fit.
 
@@ -213,7 +213,7 @@ def _stepped(values: FloatArray, step: float) -> FloatArray:
     return np.asarray(np.rint(values / step) * step) if step else values
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Grid:
     """A band on its grid from ``origin`` seconds; ``phase`` and frequency ``offset`` are relative
     to ``centre``."""

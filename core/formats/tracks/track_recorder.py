@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import dataclass
 from typing import IO
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...render.frame_result import FrameResult
 from ...scene.values import Listener, Source, SourceKind
 from .listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class RenderedFrame:
     """The part of a `FrameResult` that is recorded."""
 

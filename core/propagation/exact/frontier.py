@@ -18,11 +18,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray, runs
+from ...frozen import frozen
 from ...graph.haptic_graph import HapticGraph
 from ..connections import LARGEST, intra_lanes, lanes_of
 from .contact_order import contact_order
@@ -56,7 +56,7 @@ where the state does not say (else 0), the bit that marks a fragment that ends a
 the number of the factor."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _CrossedContact:
     """A contact, in the order in which they are taken.
 

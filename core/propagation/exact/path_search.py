@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ..connections import LARGEST, ROUNDING
 from .step_graph import StepGraph, walk_bounds
 
@@ -46,7 +47,7 @@ MOST, SCALE = 800.0, 1024.0
 keeps the sorting keys of different entries apart."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PathLimits:
     """Limits of the paths: most contacts (``crossings``) and least gain (``threshold``) of a path;
     the relative error asked for (``tolerance``) if the exact sum takes more than the ``budget`` of
@@ -58,7 +59,7 @@ class PathLimits:
     budget: int
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class PathSums:
     """Sums (l, lanes) of the ``gain`` over paths to each listener: the plain gain, then that of
     each band. ``missing`` (l,): a bound on the plain gain of all others, `LARGEST` without one.

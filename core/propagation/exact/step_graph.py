@@ -9,11 +9,11 @@ entries, or it ends, over one intra-connection, at a listener.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray, portions, ranges
+from ...frozen import frozen
 from ...graph.haptic_graph import HapticGraph
 from ..connections import LARGEST, band_factors, intra_gains
 
@@ -32,7 +32,7 @@ MEANINGLESS = 1e4
 states by."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Steps:
     """Steps in compressed rows: those of entry e are the ``size[e]`` from ``start[e]`` on.
 
@@ -65,7 +65,7 @@ class Steps:
         return np.minimum(result, LARGEST)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class StepGraph:
     """``nodes`` (e,) of the haptic graph that are entries, the roots last; the ``contact`` (e,)
     that leads into each, numbered from 0, -1 for a root; ``steps`` to other entries and ``ends`` at

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
+from ...frozen import frozen
 from ...graph.haptic_graph import HapticGraph
 from ..connections import (
     HOPS,
@@ -54,7 +55,7 @@ EXACT = 1e-11
 """Relative difference between two sums up to which they count as equal, because of rounding."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class BoundedSums:
     """Sums over paths from one source.
 
@@ -78,7 +79,7 @@ class BoundedSums:
     work: int
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ThresholdCosts:
     """Shortest paths up to a threshold. ``forward``: those of each source (a row); ``behind`` (n,):
     least cost from entering at a node to any listener."""

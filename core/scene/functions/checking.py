@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...frozen import frozen
 from ...message import Cause, Message
 from .expression import CONTACT_VARIABLES, ExpressionError, compile_expression
 
@@ -13,7 +12,7 @@ FARTHEST = 100.0
 """Largest distance at which a formula is evaluated [m]."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Finding:
     """A fault of a formula: its ``message``, the 0-based ``column`` (None if unknown), and whether
     the formula is ``usable`` nevertheless."""

@@ -11,12 +11,12 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...message import Argument, Cause, Message, Names, sentence
 
 CONTACT_VARIABLES = ("area", "depth", "angle", "force")
@@ -31,7 +31,7 @@ MAX_LENGTH = 500
 MAX_NODES = 200
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class _Function:
     arguments: int
     array: Callable[..., Any]
@@ -81,7 +81,7 @@ class ExpressionError(ValueError):
         return cls(Message.of(cause, **arguments), column)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class CompiledExpression:
     """A checked formula. Compared and hashed by its source."""
 

@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
+from ...frozen import frozen
 from ..bands import BAND_COUNT
 from ..coefficients import transfer_coefficient
 from ..declaration import Declared, declared, number, numbers, text
@@ -52,7 +53,7 @@ CONDUCTIVITY = number(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Spectrum(Declared):
     """Frequency bands and delay of a connection, in addition to its plain gain.
 
