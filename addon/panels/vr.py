@@ -8,7 +8,7 @@ from bpy.types import Context, Panel
 from ..gateway import is_loaded
 from ..live_output import outputs
 from ..vr import actions, controllers
-from .drawing import ScenePanel
+from .drawing import ScenePanel, warn
 
 
 class HAPTIC_PT_vr(ScenePanel, Panel):
@@ -28,9 +28,12 @@ class HAPTIC_PT_vr(ScenePanel, Panel):
             depress=runs,
         )
         column = layout.column(align=True)
-        used = is_loaded(controllers) and controllers.hands() is not None
-        column.operator("haptic.vr_hands", icon="VIEW_PAN", depress=used)
+        hands = controllers.hands() if is_loaded(controllers) else None
+        column.operator("haptic.vr_hands", icon="VIEW_PAN", depress=hands is not None)
         records = is_loaded(controllers) and controllers.is_recording()
         column.operator("haptic.record_hands", icon="REC", depress=records)
+        if hands is not None and hands.failure is not None:
+            failure = f"{type(hands.failure).__name__}: {hands.failure}"
+            warn(layout, "The hands feel nothing:", failure)
         if runs and outputs.found(controllers.KEY) is None:
             layout.label(text="Start the session again to feel it", icon="INFO")

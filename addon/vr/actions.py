@@ -24,6 +24,7 @@ _PROFILES = {
 }
 """Controllers that vibrate, and the switch of VR Scene Inspection for those that need an extension
 of OpenXR: without it, a session in which they are named may not start."""
+_LEVEL = 1e-5  # between components of a rotation
 _POSES = {"grip": "/input/grip/pose", "aim": "/input/aim/pose"}
 _UNITS_PER_SECOND = {(5, 2): 1e6}
 """By version of Blender, what makes a second of `haptic_action_apply`, where that was tried. 5.2
@@ -43,16 +44,20 @@ def is_running() -> bool:
 
 
 def grips() -> dict[str, tuple[Any, Any]]:
-    """Location [m, world] and rotation (w, x, y, z) of each controller's grip."""
+    """Location [m, world] and rotation (w, x, y, z) of the grip of each controller that is tracked.
+
+    Blender has others at the origin of the tracked space, turned as that is, level to float32's
+    precision: no hand holds a controller like this.
+    """
     state, context = session_state(), bpy.context
     metres = metres_per_unit(context.scene)
-    return {
-        hand: (
-            tuple(metres * x for x in state.controller_grip_location_get(context, number)),
-            tuple(state.controller_grip_rotation_get(context, number)),
-        )
-        for number, hand in enumerate(HANDS)
-    }
+    found = {}
+    for number, hand in enumerate(HANDS):
+        w, x, y, z = state.controller_grip_rotation_get(context, number)
+        if abs(w - x) > _LEVEL or abs(y - z) > _LEVEL:
+            location = state.controller_grip_location_get(context, number)
+            found[hand] = tuple(metres * value for value in location), (w, x, y, z)
+    return found
 
 
 def vibrate(action_set: str, hand: str, amplitude: float, frequency: float, seconds: float) -> bool:

@@ -111,11 +111,11 @@ def _feel() -> None:
         return
     grips = actions.grips()
     plays = is_playing_anywhere()
-    if plays and _state.take is not None:
+    if plays and grips and _state.take is not None:
         _state.take[scene.frame_current] = grips
     frame = scene.frame_current if plays else None
     for felt in _state.hands.step(own.reading, frame, grips, now):
-        block, rate = felt.result.block, felt.result.sample_rate
+        block, rate = felt.block, felt.result.sample_rate
         if block is not None and _state.output is not None:
             block = block[:, -round(LONGEST * rate) :]  # what is older is over
             _state.output.send(block, now - block.shape[1] / rate, hands=True)

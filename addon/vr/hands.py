@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from ..scene_reader.reading import Reading
 
 PARTS = {"left": "hand.L", "right": "hand.R"}
-NAMES = {"left": "VR hand, left", "right": "VR hand, right"}
+NAMES = {hand: f"VR hand, {hand}\0" for hand in PARTS}
+"""No object of Blender has such a name, recorded hands neither: they may be in the scene."""
 _MASS = 0.5  # kg
 _KNOCKS = ImpactLimits(least_energy=0.01, full_energy=2.0, refractory=0.1)  # 0.2 and 2.8 m/s
 _MOST_FRAMES = 4  # of the timeline that may be dropped while it plays
@@ -60,22 +61,33 @@ OBJECTS = tuple(
 BODIES = tuple(Body(item.name, SHAPE, _MASS, material=item.material) for item in OBJECTS)
 
 Grips = Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float, float]]]
-"""Location [m, world] and rotation (w, x, y, z) of each controller's grip."""
+"""Location [m, world] and rotation (w, x, y, z) of the grip of each controller that is tracked."""
 
 
 @frozen
 class Felt:
-    """A traced frame of the session. transforms: (2, 4, 4) of the hands. levels: amplitudes at
-    which they vibrate, (2,)."""
+    """A traced frame of the session. hands: those that there are, k of two. transforms: theirs,
+    (k, 4, 4)."""
 
+    hands: tuple[str, ...]
     transforms: FloatArray
     result: FrameResult
 
     @property
+    def block(self) -> FloatArray | None:
+        """The samples of both hands (2, n), None if there are none."""
+        if self.result.block is None:
+            return None
+        block = np.zeros((len(NAMES), self.result.block.shape[1]))
+        block[[hand in self.hands for hand in NAMES]] = self.result.block
+        return block
+
+    @property
     def levels(self) -> FloatArray:
+        """The amplitudes (k,) at which the hands vibrate."""
         block = self.result.block
         if block is None:
-            return np.zeros(2)
+            return np.zeros(len(self.hands))
         return np.sqrt(2.0) * vibration_rms(block, self.result.sample_rate)
 
 
@@ -101,7 +113,12 @@ def frame_of(
     """The frame of the session with this number at ``time`` [s]: the scene as it was read last,
     with its bodies at ``transforms``, and the hands, who alone feel. One-shots belong to the
     timeline and are left out."""
-    poses = [Pose(*grips[hand]) for hand in NAMES]
+    hands = [
+        (hand, name, body, Pose(*grips[hand]))
+        for (hand, name), body in zip(NAMES.items(), BODIES, strict=True)
+        if hand in grips
+    ]
+    matrices = np.array([pose_matrix(pose) for *_, pose in hands]).reshape(-1, 4, 4)
     return Frame(
         number=number,
         time=time,
@@ -109,11 +126,11 @@ def frame_of(
         sources=tuple(source for source in reading.sources if source.triggers is None),
         listeners=tuple(
             Listener(name, name, pose.position, PARTS[hand], radius=0.1)
-            for (hand, name), pose in zip(NAMES.items(), poses, strict=True)
+            for hand, name, _, pose in hands
         ),
         settings=reading.settings,
-        bodies=(*reading.bodies, *BODIES),
-        transforms=np.concatenate([transforms, np.array([pose_matrix(pose) for pose in poses])]),
+        bodies=(*reading.bodies, *(body for _, _, body, _ in hands)),
+        transforms=np.concatenate([transforms, matrices]),
         continuous=continuous,
         authored=reading.authored,
     )
@@ -159,7 +176,8 @@ class Glide:
 
 @dataclass(slots=True)
 class Hands:
-    """The tracing of a session's frames. felt: the last one that is traced."""
+    """The tracing of a session's frames. felt: the last one that is traced. failure: why it can't
+    be traced, until it can."""
 
     tracer: Tracer = field(default_factory=lambda: Tracer(lazy=True))
     thread: ThreadPoolExecutor = field(
@@ -167,6 +185,7 @@ class Hands:
     )
     running: Future[Felt] | None = None
     felt: Felt | None = None
+    failure: Exception | None = None
     objects: tuple[HapticObject, ...] = ()
     glide: Glide = field(default_factory=Glide)
     number: int = 0
@@ -181,24 +200,26 @@ class Hands:
             self.objects, self.number = reading.objects, self.number + 1
             given = frame_of(reading, transforms, grips, time, self.number, continues)
             self.tracer.collisions.settings = settings_of(reading.contact_settings)
-            self.running = self.thread.submit(self._trace, given)
+            self.running = self.thread.submit(self._trace, given, tuple(grips))
             felt += self._collect(_PATIENCE)
         return felt
 
-    def _trace(self, frame: Frame) -> Felt:
+    def _trace(self, frame: Frame, hands: tuple[str, ...]) -> Felt:
         assert frame.transforms is not None
-        return Felt(frame.transforms[-2:], self.tracer.step(frame))
+        transforms = frame.transforms[len(frame.transforms) - len(hands) :]
+        return Felt(hands, transforms, self.tracer.step(frame))
 
     def _collect(self, patience: float) -> list[Felt]:
         """The frame that was being traced, if it is complete within ``patience`` [s]."""
         if self.running is None:
             return []
         try:
-            self.felt = self.running.result(patience)
+            self.felt, self.failure = self.running.result(patience), None
         except TimeoutError:
             return []
-        except ValueError:  # the panels say why the scene can't be traced
-            self.felt, self.number = None, 0
+        except Exception as error:  # the panel says it; the session goes on
+            self.felt, self.failure = None, error
+            self.tracer, self.number = Tracer(lazy=True), 0
         self.running = None
         return [] if self.felt is None else [self.felt]
 

@@ -19,27 +19,33 @@ def add(scene: Scene, take: Mapping[int, Grips]) -> None:
     """Add the hands of a take to the scene: haptic objects of flesh with a listener each, and a key
     for each recorded frame of the timeline."""
     frames = sorted(take)
-    poses = {number: {hand: Pose(*take[number][hand]) for hand in NAMES} for number in frames}
-    first = poses[frames[0]]
+    poses = {
+        number: {hand: Pose(*take[number][hand]) for hand in take[number]} for number in frames
+    }
+    first: dict[str, Pose] = {}
+    for number in frames:
+        first = poses[number] | first
+    names = {hand: name.rstrip("\0") for hand, name in NAMES.items() if hand in first}
     hands = HapticScene(
         objects=tuple(
-            replace(item, shape=SHAPE, pose=first[hand])
+            replace(item, name=names[hand], shape=SHAPE, pose=first[hand])
             for hand, item in zip(NAMES, OBJECTS, strict=True)
+            if hand in first
         ),
         listeners=tuple(
             Listener(f"{name}, felt", name, first[hand].position, PARTS[hand], radius=0.1)
-            for hand, name in NAMES.items()
+            for hand, name in names.items()
         ),
     )
     recorded = [
         RecordedFrame(
             number,
             poses={
-                NAMES[hand]: (*pose.position, *pose.rotation)
+                names[hand]: (*pose.position, *pose.rotation)
                 for hand, pose in poses[number].items()
             },
             listener_positions={
-                f"{NAMES[hand]}, felt": pose.position for hand, pose in poses[number].items()
+                f"{names[hand]}, felt": pose.position for hand, pose in poses[number].items()
             },
         )
         for number in frames

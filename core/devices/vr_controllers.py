@@ -28,6 +28,7 @@ from .writer import SAMPLE_RATE
 LONGEST = 0.060
 """Seconds that a call lasts at most, so that the controllers are silent soon after the last one."""
 _FRAMES = 3  # that a call lasts, so that a late frame makes no gap
+_OLDEST = 0.100  # seconds after which samples are over when a frame of the session comes late
 _MARGIN = 0.020  # a block that is earlier by less than this waits for the rest of the one before
 _FREQUENCY_WINDOW = 0.040  # seconds of samples from which the frequency is taken
 _BAND = (65.0, 300.0)
@@ -220,7 +221,7 @@ class VrControllers(Output):
             if now - self._sent > WATCHDOG + self._adjustment.delay:
                 self._clear()
             self._interval = max(min(elapsed, LONGEST), 0.9 * self._interval)
-            powers, frequencies = self._described(self._taken(now, elapsed))
+            powers, frequencies = self._described(self._taken(now, elapsed), elapsed)
         wanted = [
             float(calibrated(np.sqrt(power), self._calibration(actuator)))
             for power, actuator in zip(powers.tolist(), PROFILE.actuators, strict=True)
@@ -237,21 +238,22 @@ class VrControllers(Output):
         return self._adjustment.calibrations.get(actuator.name, actuator.calibration)
 
     def _taken(self, now: float, elapsed: float) -> FloatArray:
-        """The samples (controllers, n) of the frame that ends now and lasted ``elapsed`` seconds,
-        at most `LONGEST`: silence where none were due."""
-        longest = max(round(min(elapsed, LONGEST) * self._rate), 1)
+        """The samples (controllers, n) that were due in the frame that ends now and lasted
+        ``elapsed`` seconds, and before it: silence where none were due."""
+        longest = max(round(elapsed * self._rate), 1)
         count = max(round(min(now - self._due, 1.0) * self._rate), 0)
         if self._due == -np.inf or count == 0:
             return np.zeros((self._rows, longest))
         self._delays.append(now - self._due)
-        taken = self._queue.take(count)[:, -longest:]
+        taken = self._queue.take(count)
         self._due += count / self._rate
-        missing = longest - taken.shape[1]
+        missing = longest - count
         return np.pad(taken, ((0, 0), (missing if missing > _GAP * self._rate else 0, 0)))
 
-    def _described(self, samples: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Powers (of an amplitude of 1: 1) and frequencies [Hz] of the samples of a frame."""
-        count = samples.shape[1]
+    def _described(self, samples: FloatArray, elapsed: float) -> tuple[FloatArray, FloatArray]:
+        """Powers (of an amplitude of 1: 1) and frequencies [Hz] of the last samples of a frame that
+        lasted ``elapsed`` seconds, at most `_OLDEST`."""
+        count = min(samples.shape[1], max(round(min(elapsed, _OLDEST) * self._rate), 1))
         joined = np.concatenate([self._history, samples], axis=1)
         self._history = joined[:, -self._history.shape[1] :]
         recent = joined[:, -max(self._history.shape[1], count + 1) :]
@@ -261,7 +263,7 @@ class VrControllers(Output):
         frequencies = self._rate / np.pi * np.arcsin(np.sqrt(np.minimum(turn / 4, 1.0)))
         # Of a sine, the square plus that of its quadrature, which follows from its step, is
         # constant.
-        envelope = samples**2 + steps[:, -count:] ** 2 / turn[:, None]
+        envelope = joined[:, -count:] ** 2 + steps[:, -count:] ** 2 / turn[:, None]
         parts = np.array_split(envelope, max(round(count / (_PART * self._rate)), 1), axis=1)
         strongest = np.max([part.mean(axis=1) for part in parts], axis=0)
         wanted, frame = envelope.mean(axis=1), count / self._rate

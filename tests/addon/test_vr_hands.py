@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import session
-from haptic_tracing.addon.vr.hands import NAMES, Glide, Hands, frame_of, settings_of
+from haptic_tracing.addon.vr import actions, recording
+from haptic_tracing.addon.vr.hands import Glide, Hands, frame_of, settings_of
 from haptic_tracing.core.tracer import Tracer
 from haptic_tracing.sample_scenes import SAMPLES
 
@@ -67,7 +70,7 @@ def test_the_reading_stays_as_it_is(reading):
     trace(reading, {"left": FAR, "right": FAR}, 0.05)
     assert reading.objects is objects
     assert np.array_equal(reading.transforms, transforms)
-    assert not any(name in bpy.data.objects for name in NAMES.values())
+    assert not any(obj.name.startswith("VR hand") for obj in bpy.data.objects)
 
 
 def test_a_knock_is_felt_and_a_faster_one_more(reading):
@@ -106,6 +109,83 @@ def test_frames_are_traced_on_the_side(reading):
     assert len(felt) >= 19
     assert max(frame.levels[0] for frame in felt) > 0.01
     assert felt[-1].transforms.shape == (2, 4, 4)
+
+
+def step(hands, reading, grips, number):
+    """What was felt by the end of a frame of the session."""
+    felt = hands.step(reading, None, grips, number / 60)
+    if hands.running is not None:
+        hands.running.exception()
+        felt += hands._collect(1.0)
+    return felt
+
+
+def test_hands_go_on_beside_recorded_ones_and_after_their_removal(reading):
+    scene, place = bpy.context.scene, (top_of(reading, "jackhammer"), STRAIGHT)
+    hands, grips = Hands(), {"left": place, "right": FAR}
+    before, made = set(bpy.data.objects), []
+    for number in range(60):
+        if number == 20:
+            recording.add(scene, {1: grips, 2: {"right": FAR}})
+            made = [obj for obj in bpy.data.objects if obj not in before and obj.haptics.enabled]
+            assert sorted(obj.name for obj in made) == ["VR hand, left", "VR hand, right"]
+        if number == 40:
+            for obj in made:
+                bpy.data.objects.remove(obj)
+        if number % 20 == 0:
+            scene.frame_set(scene.frame_current)
+            session.trace(scene, bpy.context.evaluated_depsgraph_get())
+            loudest = 0.0
+        felt = step(hands, session.of(scene).reading, grips, number)
+        assert hands.failure is None
+        loudest = max(loudest, *(frame.levels[0] for frame in felt))
+        assert number % 20 != 19 or loudest > 0.01
+    hands.end()
+
+
+def test_a_controller_that_is_not_tracked_has_no_hand(reading):
+    place, number = (top_of(reading, "jackhammer"), STRAIGHT), 0
+    hands = Hands()
+    for grips in ({"right": place}, {}, {"left": FAR, "right": place}):
+        loudest = np.zeros(2)
+        for _ in range(20):
+            number += 1
+            for frame in step(hands, reading, grips, number):
+                assert frame.hands == tuple(grips)
+                assert frame.transforms.shape == (len(grips), 4, 4)
+                if frame.block is not None:
+                    loudest = np.maximum(loudest, np.abs(frame.block).max(axis=1))
+        assert loudest[0] == 0.0
+        assert (loudest[1] > 0.01) == bool(grips)
+    hands.end()
+
+
+def test_grips_are_those_of_tracked_controllers(monkeypatch):
+    """Poses read from Blender 5.2 with Monado: the right controller was switched off. The left one
+    is turned by a degree, because simulated ones are held level."""
+    places = [(6.894772, -6.687779, 4.659798), (7.352517, -6.932463, 3.359798)]
+    turned = [
+        (0.657552, 0.642597, 0.275461, 0.280588),
+        (0.649215042591095, 0.649215042591095, 0.2802139222621918, 0.2802139222621918),
+    ]
+    state = SimpleNamespace(
+        controller_grip_location_get=lambda context, number: places[number],
+        controller_grip_rotation_get=lambda context, number: turned[number],
+    )
+    monkeypatch.setattr(actions, "session_state", lambda: state)
+    assert actions.grips() == {"left": (places[0], turned[0])}
+
+
+def test_a_failure_is_kept_for_the_panel_until_a_frame_is_traced(reading):
+    hands, grips = Hands(), {"left": FAR, "right": FAR}
+    hands.tracer = SimpleNamespace(
+        collisions=SimpleNamespace(settings=None), step=lambda frame: {}["no such thing"]
+    )
+    assert step(hands, reading, grips, 1) == []
+    assert isinstance(hands.failure, KeyError)
+    assert len(step(hands, reading, grips, 2)) == 1
+    assert hands.failure is None
+    hands.end()
 
 
 def test_bodies_glide_from_frame_to_frame_of_the_timeline_at_their_speed():

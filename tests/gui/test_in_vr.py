@@ -69,8 +69,8 @@ def phase(data, name):
 
 
 def frames_of(data, log, name):
-    """Of a track's calls: times from its start [s], values, and the samples that were due since the
-    call before, at most 60 ms."""
+    """Of a track's calls: times from its start [s], values, the samples that were due since the
+    call before, and the seconds that the frame of the session took that ended with the call."""
     times, values = applied(data, log)
     begin, end = phase(data, name)
     inside = (times > begin) & (times < end)
@@ -78,9 +78,10 @@ def frames_of(data, log, name):
     samples = np.array(data["tracks"][name])
     due = []
     for before, now in pairwise(times.tolist()):
-        first, last = round(max(before, now - 0.06) * RATE), round(now * RATE)
-        due.append(samples[max(first, 0) : max(last, 0)])
-    return times, values, due
+        due.append(samples[max(round(before * RATE), 0) : max(round(now * RATE), 0)])
+    turns = np.array(data["ticks"]) - data["sent"][name]
+    here = np.array([np.abs(turns - time).argmin() for time in times])
+    return times, values, due, turns[here] - turns[here - 1]
 
 
 def test_all_that_a_session_is_for(played):
@@ -104,12 +105,12 @@ def test_a_call_per_frame_that_lasts_until_60_ms(played):
 @pytest.mark.parametrize("name", ["steady", "swept"])
 def test_levels_and_frequencies_arrive(played, name):
     _, data, log = played("vr")
-    times, values, due = frames_of(data, log, name)
+    times, values, due, _ = frames_of(data, log, name)
     whole = (times[1:] > 0.2) & (times[1:] < 3.9)
     wanted = np.array([np.mean(2 * samples**2) if len(samples) else 0.0 for samples in due])[whole]
     called, lasted = values[1:, 0][whole] ** 2, np.diff(times)[whole]
     errors = [
-        10 * np.log10(called[k : k + 3].mean() / wanted[k : k + 3].mean())
+        10 * np.log10((called * lasted)[k : k + 3].sum() / (wanted * lasted)[k : k + 3].sum())
         for k in range(1, len(called) - 2)
         if lasted[k - 1 : k + 3].max() < 0.06  # else Blender was busy
     ]
@@ -124,17 +125,19 @@ def test_levels_and_frequencies_arrive(played, name):
 
 def test_blows_arrive_in_the_next_frame_with_their_peaks(played):
     _, data, log = played("vr")
-    times, values, _ = frames_of(data, log, "blows")
+    times, values, _, frames = frames_of(data, log, "blows")
     samples = np.array(data["tracks"]["blows"])
     delays, losses = [], []
     for onset in data["onsets"]:
         first = int(np.argmax((times > onset) & (values[:, 0] > 0.1)))
-        frame = max(times[first] - times[first - 1], 0.05)
-        delays.append(times[first] - onset - frame)
+        if frames[first] > 0.1:  # Blender was busy
+            continue
+        delays.append(times[first] - onset - frames[first])
         peak = np.sqrt(2 * np.mean(samples[round(onset * RATE) :][:80] ** 2))
         losses.append(20 * np.log10(values[first : first + 3, 0].max() / peak))
     print("later than a frame [ms]", np.round(1000 * np.array(delays), 1))
     print("peaks [dB]", np.round(losses, 2))
+    assert len(delays) >= 3, "Blender was too busy to be judged"
     assert max(delays) < 0.005
     assert np.abs(losses).max() < 3.0
 

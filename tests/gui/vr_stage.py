@@ -8,14 +8,21 @@ KEY = "vr-controllers"
 
 
 class Stage:
-    """The session, and what happened when, by time.perf_counter: marks, blocks sent, and calls, whose
-    order and values the log has, too."""
+    """The session, and what happened when, by time.perf_counter: marks, blocks sent, turns of
+    Blender's main loop, each of which draws a frame of the session, and calls, whose order and
+    values the log has, too."""
 
     def __init__(self, window):
         self.window, self.marks, self.sent, self.called = window, [], {}, []
         self.outputs = window.module("addon.live_output.outputs")
         self.actions = window.module("addon.vr.actions")
         self.vibrate, self.actions.vibrate = self.actions.vibrate, self.note
+        self.ticks, self.ended = [], False
+        bpy.app.timers.register(self.tick, persistent=True)
+
+    def tick(self):
+        self.ticks.append(time.perf_counter())
+        return None if self.ended else 0.0
 
     def note(self, *arguments):
         self.called.append((time.perf_counter(), *arguments[1:]))
@@ -35,6 +42,9 @@ class Stage:
 
     def toggle(self):
         wanted, manager = not self.runs, bpy.context.window_manager
+        # Half of the time in which software draws a frame.
+        manager.xr_session_settings.show_floor = False
+        bpy.context.preferences.system.viewport_aa = "OFF"
         with self.window.context():
             bpy.ops.wm.xr_session_toggle()
         yield from self.window.wait_until(

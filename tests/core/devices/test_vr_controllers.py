@@ -182,6 +182,21 @@ def test_the_gaps_of_a_busy_program_are_counted():
     assert "paused 2 times" in device.status.message
 
 
+def test_a_frame_that_takes_too_long_makes_no_blow_of_a_steady_tone():
+    for late in np.linspace(0.0, 1 / 150, 9):
+        device = VrControllers()
+        device.start()
+        device.send(np.tile(steady()[:400], (2, 1)), 0.0)
+        amplitudes = []
+        for frame in range(1, 17):
+            start, end = (round((frame + k) * 0.05 * RATE) for k in (0, 1))
+            device.send(np.tile(steady()[start:end], (2, 1)), frame * 0.05)
+            if frame != 9:
+                now = frame * 0.05 + late * (frame > 9)
+                amplitudes.append(device.calls(now)["left"].amplitude)
+        assert np.abs(20 * np.log10(np.array(amplitudes[2:]) / 0.4)).max() < 0.5
+
+
 def test_the_users_offset_and_ceiling_are_followed():
     late = played(steady(), 1 / 60, adjustment=Adjustment(delay=0.1))
     assert late[0][np.argmax(late[1] > 0.1)] == pytest.approx(0.1, abs=0.03)

@@ -33,14 +33,13 @@ def play(stage, samples):
     makes no gap between them. Returns when the first sample is due."""
     begun, number = time.perf_counter() + 0.5, 0
     while number * BLOCK < SECONDS:
-        if time.perf_counter() >= begun + number * BLOCK - 0.4:
+        while time.perf_counter() >= begun + number * BLOCK - 0.4 and number * BLOCK < SECONDS:
             first, last = (round(n * BLOCK * RATE) for n in (number, number + 1))
             block = np.zeros((2, last - first))
             block[0] = samples[first:last]
             stage.output.send(block, begun + number * BLOCK)
             number += 1
-        else:
-            yield 0.001
+        yield 0.001
     yield 1.2
     return begun
 
@@ -82,8 +81,10 @@ def steps(window):
     yield from stage.toggle()
     addon_utils.disable("viewport_vr_preview")
     bpy.ops.preferences.addon_enable(module="bl_ext.user_default.haptic_tracing")
+    stage.ended = True
     yield
     data = {
+        "ticks": stage.ticks,
         "calls": stage.called,
         "marks": stage.marks,
         "sent": stage.sent,

@@ -27,15 +27,14 @@ class Hands(Stage):
     def __init__(self, window):
         super().__init__(window)
         self.places, self.asked = {"left": AWAY, "right": AWAY}, []
-        self.actions.grips, self.ticks, self.ended = self.grips, [], False
-        bpy.app.timers.register(self.tick, persistent=True)
-
-    def tick(self):
-        self.ticks.append(time.perf_counter())
-        return None if self.ended else 0.0
+        self.actions.grips = self.grips
+        self.controllers, self.failures = window.module("addon.vr.controllers"), []
 
     def grips(self):
         self.asked.append(time.perf_counter())
+        hands = self.controllers.hands()
+        if hands is not None and hands.failure is not None:
+            self.failures.append(repr(hands.failure))
         return dict(self.places)
 
     def amplitudes(self, since, hand):
@@ -100,6 +99,7 @@ def steps(window):
         bpy.ops.ed.undo()
     yield 0.5
     seen["undone"] = names() == before
+    seen["no frame failed"] = stage.failures == []
     yield from stage.toggle()
     stage.ended = True
     yield
