@@ -38,14 +38,21 @@ EXPANSION = 32
 
 @dataclass(slots=True)
 class BestPaths:
-    """Per pair (row of the source, column of the listener): the nodes of its best path, and its
-    cost ``-log(gain)``. Pairs without a path are left out. ``bands`` (p, bands): gains of these
-    paths in each band, in their order and relative to the plain gain; None without bands.
-    ``bound``: a lower bound on the cost for pairs whose path within the limits may not be the best
-    of these. ``cut``: the most by which the gain of the best path without limits may differ, for
-    pairs of which the limits may leave that path out. ``visited``: largest number of nodes reached
-    from one source or listener; ``relaxed``: number of connections evaluated; ``searched``: number
-    of partial paths."""
+    """Best paths by pair (row of the source, column of the listener).
+
+    Attributes:
+        nodes: of each best path; pairs without a path are left out.
+        cost: of these paths, ``-log(gain)``.
+        bands: (p, bands) gains of these paths in each band relative to the plain gain, None without
+            bands.
+        bound: a lower bound on the cost, for pairs whose path may not be the best one within the
+            limits, because the budget ended.
+        cut: the most by which the gain may differ from that of the best path without limits, for
+            pairs of which the limits may exclude that path.
+        visited: largest number of nodes reached from one source or listener.
+        relaxed: number of connections evaluated.
+        searched: number of partial paths.
+    """
 
     nodes: dict[Pair, Path] = field(default_factory=dict)
     cost: dict[Pair, float] = field(default_factory=dict)
@@ -93,7 +100,8 @@ def best_paths(
         threshold: least gain of a path.
         budget: bound, per source, on the search for pairs that shortest-path trees do not solve.
         amplified: whether some gain exceeds 1.
-        known: trees that are there already and the row in them, by row of the source.
+        known: shortest-path trees that were computed before, and the row in them, by row of the
+            source.
         bands: the frequency band by whose gains a source's paths are chosen. A source without a
             band, and one of whose paths none in that band meets the threshold, has those of the
             plain gains.
@@ -133,7 +141,7 @@ def best_paths(
                 longer.setdefault(pair, found.pop(pair))
             result.nodes |= found
         for row in sorted({row for row, _ in left}):
-            _search_row(
+            _search_from(
                 views[row],
                 row,
                 [column for r, column in left if r == row],
@@ -172,8 +180,8 @@ def _keys(pairs: IntArray) -> list[Pair]:
 def _bound_longer(
     graph: HapticGraph, longer: Mapping[Pair, Path], bands: Mapping[int, int], result: BestPaths
 ) -> None:
-    """Bound what pairs lose whose best path, or cheapest walk, ``longer`` has more connections than
-    allowed."""
+    """Set ``result.cut`` of the pairs whose best path or cheapest walk without a limit, in
+    ``longer``, has more connections than allowed."""
     for (pair, path), cost in zip(
         longer.items(), PathConnections(graph, longer.values()).costs(), strict=True
     ):
@@ -197,7 +205,7 @@ def _set_costs(graph: HapticGraph, result: BestPaths) -> None:
 def _accept(
     graph: HapticGraph, candidates: dict[Pair, Path], limit: float, result: BestPaths
 ) -> None:
-    """Take over the paths that meet the threshold."""
+    """Add those ``candidates`` to ``result`` whose cost is within the ``limit``."""
     costs = PathConnections(graph, candidates.values()).costs()
     for (pair, path), cost in zip(candidates.items(), costs, strict=True):
         if cost <= limit and cost < math.inf:
@@ -256,7 +264,7 @@ def _unconstrained_paths(
     known: Mapping[int, tuple[ShortestPaths, int]],
     result: BestPaths,
 ) -> dict[Pair, Path]:
-    """Cheapest walks from shortest-path trees, ``known`` ones or new ones."""
+    """Cheapest walks of the ``pairs`` from shortest-path trees, those ``known`` or new ones."""
     graph, views = walks.graph, walks.views
     for number, (trees, tree) in known.items():
         mine = pairs[pairs[:, 0] == number]
@@ -337,7 +345,7 @@ class _Trees:
         self.ends = np.where(self.backwards, starts[:, row], listeners[column])
 
 
-def _search_row(
+def _search_from(
     graph: HapticGraph,
     row: int,
     columns: Sequence[int],
@@ -347,8 +355,11 @@ def _search_row(
     amplified: bool,
     result: BestPaths,
 ) -> None:
-    """Best paths of one source for pairs that shortest-path trees do not solve: hop-constrained
-    walks, and a search if such a walk is not a path.
+    """Add the best paths from one source to ``result``, by methods that need no assumptions.
+
+    Shortest-path trees fail under a limit of connections and with gains above 1. Here the cheapest
+    walk of a limited number of contacts is the best path if it crosses no contact twice; otherwise
+    a best-first search finds the path, or bounds its cost when the budget ends.
 
     Args:
         graph: the scene.
@@ -356,9 +367,9 @@ def _search_row(
         columns: of the listeners.
         crossings: most contacts on a path.
         limit: largest cost of a path.
-        budget: work for all pairs, in states.
+        budget: bound on the work for all listeners together, in partial paths.
         amplified: whether some gain exceeds 1.
-        result: takes over what is found.
+        result: is added to.
     """
     roots = graph.sources[row].nodes
     most = min(crossings, graph.contact_count)
@@ -366,7 +377,7 @@ def _search_row(
     walks = hop_constrained_paths(graph, roots, limit + SLACK, count)
     result.relaxed += walks.relaxed
     result.visited = max(result.visited, walks.visited())
-    certain = walks.complete or count == most
+    certain = walks.complete or count == most  # more contacts would make no walk cheaper
     share = budget // (EXPANSION * len(columns))
     for column in columns:
         pair, target = (row, column), int(graph.listener_nodes[column])

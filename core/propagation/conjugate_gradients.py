@@ -67,19 +67,22 @@ class PowerBalance:
 
 @frozen
 class Balanced:
-    """``energy`` (k, s, n) under each of s powers, and ``doubt`` (k, s): bound on the error of each
-    energy."""
+    """``energy`` (k, s, n) under each of s powers, and ``bound`` (k, s) on the error of each of
+    these energies."""
 
     energy: FloatArray
-    doubt: FloatArray
+    bound: FloatArray
 
 
 def solve(
     balance: PowerBalance, power: FloatArray, good_enough: Callable[[FloatArray], FloatArray]
 ) -> Balanced:
-    """Energies under powers (k, s, n) >= 0.
+    """The energies of k systems under s powers each.
 
-    ``good_enough`` returns from energies (k, s, n) the accepted error (k, s).
+    Args:
+        balance: the systems.
+        power: (k, s, n), 0 or more.
+        good_enough: gives the tolerated error (k, s) of approximate energies (k, s, n).
     """
     systems, columns, count = power.shape
     matrix = _Matrix(balance, columns)
@@ -91,21 +94,22 @@ def solve(
         if iteration >= FIRST_CHECK and (iteration - FIRST_CHECK) % CHECKED == 0:
             found[state.column] = state.energy
             wanted = good_enough(found.reshape(power.shape)).reshape(-1)
-            state.keep((state.product > 0) & (state.doubt() > wanted[state.column]))
+            state.restrict((state.product > 0) & (state.error_bounds() > wanted[state.column]))
         if len(state.column) == 0:
             break
         state.iterate()
     found[state.column] = state.energy
     energy = np.maximum(found, 0.0)
-    matrix.keep(np.arange(len(found)))
+    matrix.restrict(np.arange(len(found)))
     rounding = EPSILON * (2 * matrix.diagonal * energy + power.reshape(energy.shape))
     left = np.abs(power.reshape(energy.shape) - matrix.times(energy)) + rounding
-    doubt = (left / np.repeat(balance.damping, columns, axis=0)).max(axis=1, initial=0.0)
-    return Balanced(energy.reshape(power.shape), doubt.reshape(systems, columns))
+    bound = (left / np.repeat(balance.damping, columns, axis=0)).max(axis=1, initial=0.0)
+    return Balanced(energy.reshape(power.shape), bound.reshape(systems, columns))
 
 
 class _Iteration:
-    """The iteration of the columns that are not good enough yet; ``column`` (c,) their numbers."""
+    """The iteration of those columns (pairs of a system and a power) that are not good enough yet;
+    ``column`` (c,): their numbers."""
 
     def __init__(self, matrix: _Matrix, power: FloatArray, damping: FloatArray) -> None:
         self._matrix = matrix
@@ -116,14 +120,14 @@ class _Iteration:
         self._residual = power.copy()
         self._direction = power * self._inverse
         self.product: FloatArray = (power * self._direction).sum(axis=1)
-        self.keep(self.product > 0)
+        self.restrict(self.product > 0)
 
-    def doubt(self) -> FloatArray:
+    def error_bounds(self) -> FloatArray:
         """Bounds (c,) on the errors, rounding left out."""
         return np.asarray((np.abs(self._residual) / self._damping).max(axis=1, initial=0.0))
 
-    def keep(self, chosen: BoolArray) -> None:
-        """Go on with the ``chosen`` (c,) columns."""
+    def restrict(self, chosen: BoolArray) -> None:
+        """Iterate only the ``chosen`` (c,) columns from now on."""
         if chosen.all():
             return
         self.column, self.product = self.column[chosen], self.product[chosen]
@@ -133,7 +137,7 @@ class _Iteration:
             self._direction[chosen],
         )
         self._inverse, self._damping = self._inverse[chosen], self._damping[chosen]
-        self._matrix.keep(self.column)
+        self._matrix.restrict(self.column)
 
     def iterate(self) -> None:
         """One step of conjugate gradients."""
@@ -175,16 +179,16 @@ class _Matrix:
         self._columns = (column + count * blocks).reshape(-1)
         self._firsts = (first + (entries + count) * blocks).reshape(-1)
         self.diagonal = diagonal[self._system]
-        self.keep(np.arange(systems * columns))
+        self.restrict(np.arange(systems * columns))
 
-    def keep(self, blocks: IntArray) -> None:
-        """From now on multiply the vectors of these blocks."""
-        self._kept = self._system[blocks].tolist()
-        self._values = self._system_values[self._kept].reshape(-1)
+    def restrict(self, blocks: IntArray) -> None:
+        """Multiply only the vectors of these ``blocks`` from now on."""
+        self._chosen = self._system[blocks].tolist()
+        self._values = self._system_values[self._chosen].reshape(-1)
         self._terms = np.empty_like(self._values)
 
     def times(self, vectors: FloatArray) -> FloatArray:
-        """The matrix times ``vectors`` (b, n) of the blocks that were kept."""
+        """The matrix times ``vectors`` (b, n), one for each of the chosen blocks."""
         size = len(self._values)
         if size == 0:
             return vectors.copy()
@@ -194,6 +198,6 @@ class _Matrix:
         for begin, block in self._blocks:
             part = slice(begin, begin + block.shape[1])
             # No BLAS, one by one: bits independent of threads and other columns.
-            for number, system in enumerate(self._kept):
+            for number, system in enumerate(self._chosen):
                 result[number, part] -= np.einsum("ij,j->i", block[system], vectors[number, part])
         return result

@@ -58,8 +58,14 @@ contact differ by rounding alone."""
 
 @frozen
 class Energies:
-    """Amplitude gains ``gain`` (s, l) and their bounds ``error`` (s, l); ``bands`` (s, l, bands) or
-    None; ``subsystems`` their number."""
+    """Results of the energy balance.
+
+    Attributes:
+        gain: (s, l) amplitude gains.
+        error: (s, l) bounds on their errors.
+        bands: (s, l, bands) amplitude gains by band, None where no function uses bands.
+        subsystems: their number.
+    """
 
     gain: FloatArray
     error: FloatArray
@@ -77,57 +83,65 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
         return Energies(gain, error, bands, 0)
     nodes = [graph.sources[row].nodes for row in rows.tolist()]
     size = np.array([len(part) for part in nodes])
-    sources = _Ends(
-        [node for part in nodes for node in part],
+    sources = _Terminals(
+        np.array([node for part in nodes for node in part], dtype=np.int64),
         np.arange(len(rows)).repeat(size),
         (1.0 / size).repeat(size),
     )
-    listeners = _Ends(
-        graph.listener_nodes[columns].tolist(), np.arange(len(columns)), np.ones(len(columns))
+    listeners = _Terminals(
+        graph.listener_nodes[columns], np.arange(len(columns)), np.ones(len(columns))
     )
     forward = len(rows) <= len(columns)  # energies are reciprocal: solved for whichever are fewer
-    level, doubt, count = _levels(
+    level, bound, count = _energies(
         graph, *((sources, listeners) if forward else (listeners, sources))
     )
     if not forward:
-        level, doubt = level.swapaxes(1, 2), doubt.T
+        level, bound = level.swapaxes(1, 2), bound.T
     level = np.minimum(np.maximum(level, 0.0), 1.0) * wanted[rows][:, columns]
     amplitude = np.sqrt(level)
     most, least = (
-        np.sqrt(np.minimum(level[0] + doubt, 1.0)),
-        np.sqrt(np.maximum(level[0] - doubt, 0.0)),
+        np.sqrt(np.minimum(level[0] + bound, 1.0)),
+        np.sqrt(np.maximum(level[0] - bound, 0.0)),
     )
-    here = rows[:, None], columns
-    gain[here] = amplitude[0]
+    pairs = rows[:, None], columns
+    gain[pairs] = amplitude[0]
     # Its square may be `UNDERFLOW` in the place of a smaller one.
     rounded = (amplitude[0] > 0) & (amplitude[0] <= 2 * TINIEST)
     beyond = np.maximum(np.maximum(most - amplitude[0], amplitude[0] - least), TINIEST)
-    error[here] = np.where(((doubt > 0) | rounded) & wanted[here], beyond, 0.0)
+    error[pairs] = np.where(((bound > 0) | rounded) & wanted[pairs], beyond, 0.0)
     if bands is not None:
-        bands[here] = np.moveaxis(amplitude[1:], 0, -1)
+        bands[pairs] = np.moveaxis(amplitude[1:], 0, -1)
     return Energies(gain, error, bands, count)
 
 
 @frozen
-class _Ends:
-    """Nodes at which power is injected or energy is received, with the number of their source or
-    listener, and their share of it."""
+class _Terminals:
+    """Where sources or listeners are attached to the graph.
 
-    node: list[int]
+    Attributes:
+        node: (e,) numbers of the nodes; a source that feeds two objects has two.
+        number: (e,) which source or listener each node belongs to, ascending.
+        part: (e,) share of the source's power, or 1 for a listener.
+    """
+
+    node: IntArray
     number: IntArray
     part: FloatArray
 
     @property
     def count(self) -> int:
+        """Number of sources or listeners."""
         return int(self.number[-1]) + 1
 
 
-def _levels(graph: HapticGraph, here: _Ends, there: _Ends) -> tuple[FloatArray, FloatArray, int]:
-    """Energies (lanes, here, there), bounds (here, there) on the errors of the plain ones, and the
-    number of subsystems."""
+def _energies(
+    graph: HapticGraph, driven: _Terminals, observed: _Terminals
+) -> tuple[FloatArray, FloatArray, int]:
+    """Energies (lanes, d, o) at each of o ``observed`` terminals due to unit power at each of d
+    ``driven`` ones, bounds (d, o) on the errors of lane 0, and the number of subsystems."""
     hops = HOPS
     while True:
-        found = _Assembly(graph, here, there, hops).solved()
+        found = _Assembly(graph, driven, observed, hops).solved()
         if found is not None:
             return found
         hops *= 2
@@ -135,14 +149,14 @@ def _levels(graph: HapticGraph, here: _Ends, there: _Ends) -> tuple[FloatArray, 
 
 @frozen
 class _Attachments:
-    """Shares of ends in the subsystems of their objects.
+    """How the nodes of terminals belong to the subsystems of their objects.
 
     Attributes:
-        first, size: of each end: its attachments are the ``size`` from ``first`` on, in the same
-        order for all ends on an object.
+        first, size: (e,) the attachments of a node are the ``size`` from ``first`` on, in the same
+            order for all nodes of an object.
         region: (a,) the subsystem.
-        share: (a,) part of the end that belongs to it.
-        energy: (lanes, a) that part times the energy that gets from the end to the middle of the
+        share: (a,) part of the node that belongs to it.
+        energy: (lanes, a) that part times the squared gain from the node to the middle of the
             subsystem.
     """
 
@@ -154,14 +168,25 @@ class _Attachments:
 
 
 class _Assembly:
-    """The equations of all subsystems within ``hops`` contacts from the ends ``here``."""
+    """The equations of all subsystems within ``hops`` contacts from the ``driven`` terminals.
 
-    def __init__(self, graph: HapticGraph, here: _Ends, there: _Ends, hops: int) -> None:
-        self._graph, self._here, self._there = graph, here, there
+    Args:
+        graph: the scene.
+        driven: terminals at which power is injected.
+        observed: terminals at which energy is read.
+        hops: number of contacts.
+    """
+
+    def __init__(
+        self, graph: HapticGraph, driven: _Terminals, observed: _Terminals, hops: int
+    ) -> None:
+        self._graph, self._driven, self._observed = graph, driven, observed
         self._lanes = lanes_of(graph)
         nodes = graph.nodes_of_contacts()[graph.transmission > 0]
         objects = graph.node_object[nodes]
-        self._reached = _within(objects, graph.node_object[here.node], len(graph.table.names), hops)
+        self._reached = _within(
+            objects, graph.node_object[driven.node], len(graph.table.names), hops
+        )
         inside = self._reached[objects]
         self._border = nodes[inside[:, 0] ^ inside[:, 1]]
         self._inner = nodes[inside.all(axis=1)]
@@ -171,7 +196,7 @@ class _Assembly:
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
         self._balance = self._equations()
         self._total = self._balance.diagonal
-        self._ends = self._attached(here.node), self._attached(there.node)
+        self._attachments = self._attached(driven.node), self._attached(observed.node)
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
         """Squares (lanes, n) of the gains of objects over distances; gains above 1 count as 1."""
@@ -279,15 +304,15 @@ class _Assembly:
         value = self._squares(parts.of_object[a], distances(parts.centre[a], parts.centre[b]))
         return a, b, value * loss[:, a] * loss[:, b], blocks
 
-    def _attached(self, nodes: list[int]) -> _Attachments:
-        """Ends at ``nodes`` and the subsystems of their objects: the nearest ones, by arriving
-        energy, have the largest shares.
+    def _attached(self, node: IntArray) -> _Attachments:
+        """How nodes ``node`` (e,) belong to the subsystems of their objects: the more energy
+        arrives from a subsystem, the larger its share.
 
-        Those of a listener with an extent are by what arrives at its centre, or the nearest ones
-        have all if nothing does: so a larger extent does not move it to regions with less energy.
+        For a listener with an extent, that is the energy at its centre; if none arrives there, the
+        nearest subsystem has the whole share. A larger extent thus never moves a listener to
+        subsystems with less energy.
         """
         graph, parts = self._graph, self._parts
-        node = np.array(nodes, dtype=np.int64)
         index = graph.node_object[node]
         begin = parts.of_object.searchsorted(index, side="left")
         size = parts.of_object.searchsorted(index, side="right") - begin
@@ -295,21 +320,21 @@ class _Assembly:
         which = np.arange(len(node)).repeat(size)
         region = ranges(begin, size)
         away = distances(graph.node_position[node[which]], parts.centre[region])
-        there = self._squares(index[which], away)
-        arriving = there[0]
+        squares = self._squares(index[which], away)
+        arriving = squares[0]
         if graph.reach is not None:
-            there = self._squares(index[which], np.maximum(away - graph.reach[node[which]], 0.0))
+            squares = self._squares(index[which], np.maximum(away - graph.reach[node[which]], 0.0))
             at_centre, shortest = np.zeros(len(node)), np.full(len(node), np.inf)
             np.maximum.at(at_centre, which, arriving)
             np.minimum.at(shortest, which, away)
             arriving = np.where(
                 (at_centre[which] == 0) & (away <= shortest[which] * _EQUALLY_NEAR),
-                there[0],
+                squares[0],
                 arriving,
             )
         at_once = self._squares(index, np.zeros(len(index)))[:, which]
         energy = np.minimum(
-            1.0, np.divide(there, at_once, out=np.zeros_like(there), where=at_once > 0)
+            1.0, np.divide(squares, at_once, out=np.zeros_like(squares), where=at_once > 0)
         )
         nearest = np.zeros(len(node))
         np.maximum.at(nearest, which, arriving)
@@ -325,42 +350,42 @@ class _Assembly:
         )
 
     def solved(self) -> tuple[FloatArray, FloatArray, int] | None:
-        """Energies (lanes, here, there), bounds (here, there) on the plain ones' errors, and the
-        number of subsystems.
-
-        None if subsystems that are not assembled may matter.
+        """Energies (lanes, d, o), bounds (d, o) on the errors of lane 0, and the number of
+        subsystems, as `_energies`; None if subsystems outside the assembly may matter.
         """
-        here, there = self._here, self._there
+        driven, observed = self._driven, self._observed
         lanes, count = self._lanes, len(self._parts.mass)
-        power = np.zeros((lanes, here.count, count))
-        entry, exit_ = self._ends
-        column = here.number.repeat(entry.size)
+        power = np.zeros((lanes, driven.count, count))
+        entry, exit_ = self._attachments
+        column = driven.number.repeat(entry.size)
         for lane in range(lanes):
             np.add.at(
                 power[lane],
                 (column, entry.region),
-                entry.energy[lane] * here.part.repeat(entry.size),
+                entry.energy[lane] * driven.part.repeat(entry.size),
             )
-        straight = self._straight()
-        felt = there.number.repeat(exit_.size)
+        straight = self._direct_energies()
+        receiver = observed.number.repeat(exit_.size)
         reached = np.bincount(
-            felt, weights=exit_.share * there.part.repeat(exit_.size), minlength=there.count
+            receiver,
+            weights=exit_.share * observed.part.repeat(exit_.size),
+            minlength=observed.count,
         )
-        unknown = np.zeros(there.count, dtype=np.bool_)
+        unknown = np.zeros(observed.count, dtype=np.bool_)
         if len(self._border):
-            unknown[there.number[~self._reached[self._graph.node_object[there.node]]]] = True
-        heard = np.flatnonzero((reached > 0) | unknown)
-        weight = exit_.energy * there.part.repeat(exit_.size)
+            unknown[observed.number[~self._reached[self._graph.node_object[observed.node]]]] = True
+        reachable = np.flatnonzero((reached > 0) | unknown)
+        weight = exit_.energy * observed.part.repeat(exit_.size)
 
-        def levels(energy: FloatArray) -> FloatArray:
+        def received(energy: FloatArray) -> FloatArray:
             return straight + added_by(
-                felt, energy[:, :, exit_.region] * weight[:, None], there.count
+                receiver, energy[:, :, exit_.region] * weight[:, None], observed.count
             )
 
         def good_enough(energy: FloatArray) -> FloatArray:
             return np.asarray(
                 np.maximum(
-                    INAUDIBLE, PRECISE * levels(energy)[:, :, heard].min(axis=2, initial=1.0)
+                    INAUDIBLE, PRECISE * received(energy)[:, :, reachable].min(axis=2, initial=1.0)
                 )
             )
 
@@ -368,12 +393,12 @@ class _Assembly:
         outside = self._outside(found)
         if len(self._border) and np.any(outside > good_enough(found.energy)):
             return None
-        doubt = np.maximum(found.doubt, outside)[0]
-        return levels(found.energy), doubt[:, None] * np.where(unknown, 1.0, reached), count
+        bound = np.maximum(found.bound, outside)[0]
+        return received(found.energy), bound[:, None] * np.where(unknown, 1.0, reached), count
 
     def _outside(self, found: Balanced) -> FloatArray:
-        """Bounds (lanes, here) on the error due to subsystems that are not assembled: the flow into
-        them, with dampings of at least 1."""
+        """Bounds (lanes, d) on the errors due to subsystems outside the assembly: the energy that
+        flows to them, as their dampings are at least 1."""
         region, beyond, _, weight = self._border_part
         if len(region) == 0:
             return np.zeros(found.energy.shape[:2])
@@ -381,19 +406,21 @@ class _Assembly:
         flow = added_by(which, found.energy[:, :, region] * weight, len(objects))
         return np.asarray(flow.max(axis=2, initial=0.0))
 
-    def _straight(self) -> FloatArray:
-        """Energies (lanes, here, there) on the direct way between ends in the same object, minus
-        those that the equations assign to it.
+    def _direct_energies(self) -> FloatArray:
+        """Correction (lanes, d, o) to the energies between terminals in the same object: that on
+        the straight way, less what the equations assign to it.
 
-        The fraction of the injected power that has not left the subsystem reaches a listener by the
-        object's function over their distance, instead of being uniform.
+        The equations spread energy uniformly over a subsystem. The fraction of the injected power
+        that has not left it reaches a listener by the object's function over their distance
+        instead.
         """
-        graph, here, there = self._graph, self._here, self._there
-        node_a, node_b = np.array(here.node, dtype=np.int64), np.array(there.node, dtype=np.int64)
-        a, b = np.nonzero(graph.node_object[node_a][:, None] == graph.node_object[node_b])
+        graph, driven, observed = self._graph, self._driven, self._observed
+        a, b = np.nonzero(
+            graph.node_object[driven.node][:, None] == graph.node_object[observed.node]
+        )
         if len(a) == 0:
-            return np.zeros((self._lanes, here.count, there.count))
-        entry, exit_ = self._ends
+            return np.zeros((self._lanes, driven.count, observed.count))
+        entry, exit_ = self._attachments
         size = entry.size[a]
         which = np.arange(len(a)).repeat(size)
         one, other = ranges(entry.first[a], size), ranges(exit_.first[b], size)
@@ -408,12 +435,13 @@ class _Assembly:
             which, entry.energy[:, one] * exit_.energy[:, other] / self._total[:, region], len(a)
         )
         directly = self._squares(
-            graph.node_object[node_a[a]], graph.node_distances(node_a[a], node_b[b])
+            graph.node_object[driven.node[a]],
+            graph.node_distances(driven.node[a], observed.node[b]),
         )
-        terms = (left * directly - spread) * here.part[a] * there.part[b]
-        pair = here.number[a] * there.count + there.number[b]
-        return added_by(pair, terms, here.count * there.count).reshape(
-            self._lanes, here.count, there.count
+        terms = (left * directly - spread) * driven.part[a] * observed.part[b]
+        pair = driven.number[a] * observed.count + observed.number[b]
+        return added_by(pair, terms, driven.count * observed.count).reshape(
+            self._lanes, driven.count, observed.count
         )
 
 

@@ -1,5 +1,5 @@
-"""Listeners that take the mean of the power over their volume: each point of it a listener of its
-own, and their gains put together."""
+"""Listeners that feel the mean power over their volume: gains are computed for each of its sample
+points, as if it were a listener, and averaged."""
 
 from __future__ import annotations
 
@@ -17,12 +17,16 @@ from .result import Propagation
 def over_volumes(
     graph: HapticGraph, propagated: Callable[[HapticGraph, IntArray], Propagation]
 ) -> Propagation:
-    """What ``propagated`` gives for a graph and, of each of its listeners, the number of that of
-    ``graph``.
+    """The gains of a graph whose listeners may have volumes.
 
-    A mean of powers is the root of the mean of the squared gains; the root of the mean of their
-    squared errors bounds its error. Path, delay and taps are those of the middle, or of the first
-    point that has a path.
+    The gain of a volume is the root of the mean of its points' squared gains; the root of the mean
+    of their squared errors bounds its error. Path, delay and taps are those of its middle, or of
+    the first point that has a path.
+
+    Args:
+        graph: the graph.
+        propagated: computes gains of a graph in which each sample point is a listener; its second
+            argument (p,) is the number of the listener that each point belongs to.
     """
     if graph.points is None:
         return propagated(graph, np.arange(len(graph.listeners)))
@@ -34,8 +38,8 @@ def over_volumes(
     weight = np.concatenate([np.ones(1) if count == 1 else WEIGHTS for count in size.tolist()])
 
     def mean(values: FloatArray) -> FloatArray:
-        """Roots of the means of squares (s, points, ...) over the points of each listener; values
-        of one point stay as they are."""
+        """The root mean square (s, l, ...) over the points of each listener of values (s, points,
+        ...); unchanged, not rounded, for a single point."""
         shape = (-1, *[1] * (values.ndim - 2))
         roots = np.sqrt(np.add.reduceat(weight.reshape(shape) * values**2, begin, axis=1))
         return np.where(size.reshape(shape) == 1, values[:, begin], roots)

@@ -164,8 +164,9 @@ class _Relaxation:
         self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
         self.relaxed = 0
 
-    def at(self, row: IntArray, node: IntArray) -> IntArray:
-        """Where the arrays of a row's table hold a node."""
+    def table_index(self, row: IntArray, node: IntArray) -> IntArray:
+        """Index of a node in the arrays that hold one table after the other, for the table by which
+        the ``row`` is searched."""
         return node if self.shift is None else node + self.shift[row]
 
     def distances(self, begin: IntArray, other: IntArray) -> FloatArray:
@@ -226,7 +227,7 @@ def _relax_cheapest(
     work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Relax the cheapest pending entries. Returns the entries pending afterwards."""
-    base = cost + work.node_loss[work.at(row, node)]
+    base = cost + work.node_loss[work.table_index(row, node)]
     useful = work.arrivals[row * work.count + node] > base
     if work.special is not None:
         useful |= work.special[node]
@@ -292,7 +293,7 @@ def _relax(
     work.relaxed += len(other)
     begin = node[which]
     distance = work.distances(begin, other)
-    candidate = base[which] + work.node_decay[work.at(row, node)][which] * distance
+    candidate = base[which] + work.node_decay[work.table_index(row, node)][which] * distance
     if work.spreading is not None:
         candidate += work.spreading.at(begin).cost(distance)
     if work.special is not None:
@@ -327,7 +328,7 @@ def _relax(
             np.maximum.reduceat(arrivals[work.sought], work.first_sought),
             out=work.limits,
         )
-    onwards = candidate + work.crossing[work.at(row, other)]
+    onwards = candidate + work.crossing[work.table_index(row, other)]
     go = (onwards <= work.limits[row]).nonzero()[0]
     return row[go], graph.partner[other[go]], onwards[go]
 
@@ -351,15 +352,20 @@ def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: 
 
 
 def _items(array: FloatArray | IntArray) -> Any:
-    """The array for access element by element: a list where it is small, because that is faster,
-    else its buffer."""
+    """An array for access element by element: as a list where it is small, otherwise its buffer;
+    indexing either is much faster than indexing the array."""
     return array.tolist() if len(array) <= SMALL else array.data
 
 
 class _Elements:
-    """The graph for access element by element. ``points``: positions of the nodes, in a large graph
-    those of the objects visited so far; ``arrays``: the objects whose costs are not of the plain
-    form."""
+    """A graph for access element by element, for Dijkstra's algorithm.
+
+    Attributes:
+        points: positions of the nodes; in a large graph, of the objects visited so far.
+        laws: how waves spread in the objects visited so far; None where no function spreads.
+        by_table: objects whose costs are not the constant loss plus decay times distance, and are
+            computed by the table.
+    """
 
     def __init__(self, work: _Relaxation, view: int) -> None:
         graph, table = work.graph, work.tables[view]
@@ -371,12 +377,11 @@ class _Elements:
         )
         self.crossing = _items(work.crossing[view * work.count : (view + 1) * work.count])
         self.loss, self.decay = _items(np.maximum(0.0, table.loss)), _items(table.decay)
-        # Of the objects visited so far, None where none spreads.
         self.laws: dict[int, Law] | None = None if table.spreading is None else {}
         self.points: dict[int, list[float]] = {}
-        self.arrays = graph.table.special
+        self.by_table = graph.table.special
         if graph.reach is not None:
-            self.arrays |= set(graph.node_object[graph.reach > 0].tolist())
+            self.by_table |= set(graph.node_object[graph.reach > 0].tolist())
         if work.count <= SMALL:
             self.points.update(enumerate(graph.node_position.tolist()))
 
@@ -443,7 +448,7 @@ def _dijkstra(
                 continue
             last = first + 1
         work.relaxed += last - first
-        if index in elements.arrays or last - first >= LARGE:
+        if index in elements.by_table or last - first >= LARGE:
             nodes = np.arange(first, last)
             constant, varying = elements.table.costs(
                 graph.node_object[nodes], graph.node_distances(np.full(last - first, node), nodes)

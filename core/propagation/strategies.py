@@ -58,7 +58,7 @@ def propagate(
         raise ValueError(f"budget: must be 0 or more, got {budget!r}")
     strategies = tuple(strategy_of(source.kind, settings) for source in graph.sources)
     if settings.mode in (Mode.MD, Mode.MN):
-        return over_volumes(graph, lambda apart, _: _direct(apart, settings, strategies))
+        return over_volumes(graph, lambda points, _: _direct(points, settings, strategies))
     wanted = np.ones((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
     if sounding_only:
         wanted[[source.amplitude == 0 for source in graph.sources]] = False
@@ -68,7 +68,9 @@ def propagate(
         wanted &= nearest_listener(graph)
     result = over_volumes(
         graph,
-        lambda apart, number: _Run(apart, settings, strategies, wanted[:, number], budget).result(),
+        lambda points, number: _Run(
+            points, settings, strategies, wanted[:, number], budget
+        ).result(),
     )
     if settings.mode is Mode.HT and 0 < settings.localise < 1:
         return localised(result, nearest_listener(graph), settings.localise)
@@ -87,8 +89,16 @@ class _Sums:
 
 
 class _Run:
-    """One propagation over the graph. ``wanted`` (s, l): the requested pairs. The arrays are those
-    of the `Propagation`, filled strategy by strategy."""
+    """Computes the gains of one graph. Its arrays are those of the `Propagation`, filled strategy
+    by strategy.
+
+    Args:
+        graph: the graph.
+        settings: limits, threshold and tolerance.
+        strategies: of each source.
+        wanted: pairs to be computed (s, l).
+        budget: as of `propagate`.
+    """
 
     def __init__(
         self,

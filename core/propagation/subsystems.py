@@ -126,7 +126,7 @@ def _attached(
     middle = graph.frames.centre[used]
     unknown = np.flatnonzero(np.isnan(middle[:, 0]))
     if len(unknown):
-        middle[unknown] = np.mean(_ends(position, strength, slot, count), axis=0)[unknown]
+        middle[unknown] = np.mean(_trimmed_ends(position, strength, slot, count), axis=0)[unknown]
     relative = np.minimum(np.maximum(position - middle[slot], -HIGHEST), HIGHEST)
     farthest = np.maximum.reduceat(distances(relative, np.zeros(3)), begin)
     spacing = damping_lengths(graph.table, used, np.minimum(2 * farthest, HIGHEST))
@@ -138,8 +138,8 @@ def _attached(
     chosen = np.flatnonzero(inside)
     axes, off = graph.frames.axes[used[slot[chosen]]], relative[chosen]
     local = axes[:, 0] * off[:, :1] + axes[:, 1] * off[:, 1:2] + axes[:, 2] * off[:, 2:]
-    contacts = np.asarray(np.bincount(slot, weights=strength, minlength=count), dtype=np.float64)
-    contact, cell, weight = _lattice(local, strength[chosen], spacing, slot[chosen], contacts)
+    total = np.asarray(np.bincount(slot, weights=strength, minlength=count), dtype=np.float64)
+    contact, cell, weight = _lattice(local, strength[chosen], spacing, slot[chosen], total)
     contact = chosen[contact]
     cells, region = _numbered(np.column_stack([slot[contact], cell]))
     of_slot = np.concatenate([np.flatnonzero(~divided), cells])
@@ -170,10 +170,20 @@ def _centroids(
     return (added_by(slot, weight * position.T, count) / total).T.copy()
 
 
-def _ends(place: FloatArray, strength: FloatArray, slot: IntArray, count: int) -> FloatArray:
-    """Where along each axis the contacts at ``place`` (n, 3) of each object begin and end but for
-    few of them (2, count, 3): means between `TAILS` of their strengths, continuous in places and
-    strengths."""
+def _trimmed_ends(
+    place: FloatArray, strength: FloatArray, slot: IntArray, count: int
+) -> FloatArray:
+    """Ends (2, count, 3) along each axis of the range in which most contacts of each object lie:
+    the mean position of the contacts between the quantiles `TAILS`, and between those quantiles
+    counted from the other end. Unlike the extreme contacts, these change continuously when a weak
+    contact comes or goes.
+
+    Args:
+        place: of the contacts (n, 3) [m].
+        strength: their weights (n,).
+        slot: which object each contact is on (n,), ascending.
+        count: number of objects.
+    """
     weight = np.maximum(strength, np.finfo(np.float64).tiny)
     weight /= np.bincount(slot, weights=weight, minlength=count)[slot]
     begin, size = runs(slot)
@@ -196,18 +206,22 @@ def _lattice(
     strength: FloatArray,
     spacing: FloatArray,
     slot: IntArray,
-    contacts: FloatArray,
+    total: FloatArray,
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """The lattice points around contacts: number of the contact, sorted, point (3,), weight > 0.
+    """Distribute contacts to the points of their objects' lattices, with multilinear weights.
 
     Args:
         local: places of the contacts in the axes of their objects, about the middle (n, 3) [m].
         strength: their weights (n,).
         spacing: of the lattice of each object (m,) [m].
         slot: which object each contact is on (n,), ascending.
-        contacts: sum of the weights on each object (m,).
+        total: sum of the weights of all contacts of each object (m,).
+
+    Returns:
+        Number of the contact (a,), ascending; lattice point (a, 3); weight (a,) > 0, which add up
+        to 1 for each contact.
     """
-    step = _coarsened(local, strength, spacing, slot, contacts)[slot, None]
+    step = _coarsened(local, strength, spacing, slot, total)[slot, None]
     along = np.sign(local) * np.minimum(np.maximum(np.abs(local) / step - 0.5, 0.0), FARTHEST)
     base = np.floor(along)
     x, y, z = np.stack([1.0 - (along - base), along - base], axis=-1).transpose(1, 0, 2)
@@ -222,7 +236,7 @@ def _coarsened(
     strength: FloatArray,
     spacing: FloatArray,
     slot: IntArray,
-    contacts: FloatArray,
+    total: FloatArray,
 ) -> FloatArray:
     """Spacings (m,) of lattices, so large that no object has many more than `REGIONS` regions where
     most of its contacts are, nor than `MOST_REGIONS` in all.
@@ -235,9 +249,9 @@ def _coarsened(
         strength: their weights (n,).
         spacing: of the lattice of each object without that limit (m,) [m], which is changed.
         slot: which object each contact is on (n,), ascending.
-        contacts: sum of the weights on each object (m,).
+        total: sum of the weights of all contacts of each object (m,).
     """
-    around = 8 * contacts
+    around = 8 * total
     many = (around > REGIONS)[slot]
     if not many.any():
         return spacing
@@ -245,7 +259,7 @@ def _coarsened(
     begin, _ = runs(slot)
     whole = np.zeros((len(spacing), 3))
     whole[slot[begin]] = np.maximum.reduceat(local, begin) - np.minimum.reduceat(local, begin)
-    first, last = _ends(local, strength[many], slot, len(spacing))
+    first, last = _trimmed_ends(local, strength[many], slot, len(spacing))
     for extent, regions in (((last - first) / (1 - sum(TAILS)), REGIONS), (whole, MOST_REGIONS)):
         most = np.divide(
             regions * around,
@@ -263,8 +277,8 @@ def _coarsened(
 
 
 def _coarse_enough(extent: FloatArray, spacing: float, most: float) -> float:
-    """The spacing at which a lattice has so many points within an ``extent`` (3,), by bisection
-    from a finer one."""
+    """The spacing [m] at which a lattice has ``most`` points within an ``extent`` (3,) [m], by
+    bisection upwards from a finer ``spacing``."""
     fine, coarse = math.log(max(spacing, 1e-300)), math.log(float(extent.max())) + 1.0
     for _ in range(60):
         middle = (fine + coarse) / 2
@@ -314,8 +328,8 @@ def _extents(
 
 
 def damping_lengths(table: ObjectTable, index: IntArray, extent: FloatArray) -> FloatArray:
-    """Length [m] over which the gain of each object (m,) falls to 1/e of its largest, infinite
-    where it does not within ``extent`` (m,)."""
+    """Length (m,) [m] over which the gain in each object falls to 1/e of its largest, infinite
+    where it does not within ``extent`` (m,) [m]. ``index`` (m,): numbers of the objects."""
     lengths = np.full(len(index), math.inf)
     special = (
         np.isin(index, sorted(table.special))
@@ -339,7 +353,8 @@ def damping_lengths(table: ObjectTable, index: IntArray, extent: FloatArray) -> 
 
 
 def _sampled_length(table: ObjectTable, index: int, extent: float) -> float:
-    """The same for a function without a closed form, where it has a gain within the extent."""
+    """The length of `damping_lengths` for one object, whose function has no closed form: the gain
+    is sampled within ``extent`` [m]."""
     wanted, low, high = math.nan, 0.0, extent
     for _ in range(REFINED):
         along = np.linspace(low, high, SAMPLES)

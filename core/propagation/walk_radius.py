@@ -117,8 +117,8 @@ class WalkOperator:
         return bool(self._cyclic.any())
 
     def _excerpt(self, most: int) -> BoolArray:
-        """The contacts (c,) without those that are not among the ``most`` of an object that are
-        nearest to the middle of them all."""
+        """Which contacts (c,) are, in each of their objects, among the ``most`` that are nearest to
+        the middle of all contacts."""
         graph = self._graph
         object_of = graph.node_object[self._entry]
         kept = np.ones(graph.contact_count, dtype=np.bool_)
@@ -185,8 +185,9 @@ class WalkOperator:
         return np.isin(contact, contact[first[_on_cycles(ends)]]).astype(np.float64)
 
     def _spectral_radius(self) -> WalkRadius:
-        """Collatz-Wielandt bounds by power iteration on the cycles; keeps the vector of the upper
-        bound."""
+        """Collatz-Wielandt bounds by power iteration on the cycles. Stores the vector of the upper
+        bound for `_contracted`. Ends once the bounds agree to `PRECISE`, or, below 1, once the
+        upper one has settled."""
         inside = np.flatnonzero(self._cyclic)
         vector, low, high = self._cyclic, 0.0, math.inf
         for step in range(STEPS if len(inside) else 0):

@@ -243,7 +243,7 @@ class Frontier:
                     factor.append(code + k)
         self.work += self._cost * (len(source) + len(ended))
         table = (first[:, None] * second).reshape(-1, first.shape[1])
-        crossed = self._one_more(self._values)
+        crossed = self._one_crossing_later(self._values)
         if ended:
             self._total = self._total + (crossed[ended].sum(axis=1) * table[ended_factor]).sum(
                 axis=0
@@ -253,17 +253,17 @@ class Frontier:
         if source:
             _add(self._values, target, crossed[source] * table[factor][:, None])
         for slots, most in crossing.most:
-            self._keep(slots, most)
+            self._drop_crowded(slots, most)
 
-    def _one_more(self, values: FloatArray) -> FloatArray:
-        """Values by contacts crossed, one contact later."""
+    def _one_crossing_later(self, values: FloatArray) -> FloatArray:
+        """The ``values``, which are kept by number of contacts crossed, for one more contact."""
         if not self._limited:
             return values
         shifted = np.zeros_like(values)
         shifted[:, 1:] = values[:, :-1]
         return shifted
 
-    def _keep(self, slots: Sequence[int], most: int) -> None:
+    def _drop_crowded(self, slots: Sequence[int], most: int) -> None:
         """Drop the states in which more than ``most`` of the slots hold an end."""
         lowest = sum(1 << SHIFT[slot + FIRST] for slot in slots)
         mask = lowest * FIELD
