@@ -40,8 +40,8 @@ def arriving(sources: Sequence[Source], propagation: Propagation) -> FloatArray:
 def levels_alone(
     sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation
 ) -> FloatArray:
-    """Level (s, l) of the first second of each source if a listener were played it alone, without
-    limits [dB of full scale]; minus infinity for silence."""
+    """Level (s, l) at each listener of the first second of each source by itself [dB of full
+    scale]: without other sources, limiter and ceiling. Minus infinity for silence."""
     own = np.array([_rms(source.emitted) for source in sources]).reshape(-1, 1)
     factor = np.array([listener.gain for listener in listeners])
     with np.errstate(divide="ignore"):
@@ -57,8 +57,8 @@ def _rms(signal: Signal) -> float:
 
 @lru_cache(maxsize=256)
 def _band_power(signal: Signal) -> FloatArray:
-    """Products (bands, bands) of the signal's parts in two bands each, in the mean and relative to
-    its power, both without its steady part; silence counts as a tone in the lowest band."""
+    """Mean products (bands, bands) of the signal's parts in two bands each, relative to its mean
+    power, without its steady part; silence counts as a tone in the lowest band."""
     spectrum = np.abs(np.fft.rfft(signal.sample(0, _RATE, _RATE))) ** 2
     spectrum[0] = 0.0
     spectrum[1:-1] *= 2.0
@@ -72,6 +72,6 @@ def _band_power(signal: Signal) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _products() -> FloatArray:
-    """Products (bands, bands, f) of the gains of two bands each, hertz by hertz."""
+    """Products (bands, bands, f) of the responses of two bands each, at 0, 1, 2, ... hertz."""
     response = bank_spectra(SAMPLE_RATE, round(SAMPLE_RATE))[:, : _RATE // 2 + 1]
     return response[:, None] * response

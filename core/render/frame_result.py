@@ -70,9 +70,9 @@ class FrameResult:
         )
 
     def arrivals(self) -> FloatArray:
-        """Point of arrival in the bounding volume of each listener, (l, 2): coordinates from the
-        wearer's left and from the top, each from 0 to 1, of a body that faces -Y. The mean over the
-        sources by power; the centre if nothing arrives."""
+        """Where on each listener vibration arrives, (l, 2): horizontally from 0 at the wearer's
+        left to 1, vertically from 0 at the top to 1, of the listener's sphere seen from the front,
+        for a wearer who faces -Y. The mean over sources by power; (0.5, 0.5) if nothing arrives."""
         graph, places = self.graph, np.full((len(self.listeners), 2), 0.5)
         for column, (listener, node) in enumerate(
             zip(self.listeners, graph.listener_nodes.tolist(), strict=True)

@@ -55,11 +55,11 @@ class Bend:
 @frozen
 class Gains:
     """Gains of a group of voices during a frame; arrays of shape (n_voices, n_listeners), or
-    (n_voices, n_listeners, 6) by band.
+    (n_voices, n_listeners, 6) by band. A *line* is a gain before smoothing, see the module.
 
-    start, end: the lines at the frame's start and end. slope, last_slope: theirs there [1/s].
-    bends: one in the frame where lines have come to 0, the one at the frame's start and those less
-    than `SMOOTHING` before it, the latest first.
+    start, end: the lines at the frame's start and end. slope, last_slope: their slopes there [1/s].
+    bends: the latest first: that within the frame where lines arrive at 0, that at the frame's
+    start, and those less than `SMOOTHING` before it.
     """
 
     start: FloatArray
@@ -69,7 +69,7 @@ class Gains:
     bends: tuple[Bend, ...] = ()
 
     @classmethod
-    def until(
+    def of_frame(
         cls,
         frame: FrameSamples,
         start: FloatArray,
@@ -77,14 +77,15 @@ class Gains:
         slope: FloatArray,
         bends: tuple[Bend, ...],
     ) -> Gains:
-        """Return the gains of a frame.
+        """Return the gains whose lines go straight from `start` to `end` of a frame, and arrive
+        there `SMOOTHING` earlier where that is 0.
 
         Args:
             frame: the frame.
             start: the lines at its start.
             end: the lines at its end, of the same shape.
-            slope: of the lines in the frame before [1/s].
-            bends: those of the frame before that still matter.
+            slope: of the lines at the end of the frame before [1/s].
+            bends: less than `SMOOTHING` before the frame.
         """
         seconds = frame.end - frame.start
         if seconds < _INSTANT:
@@ -126,13 +127,13 @@ class Gains:
             ]
             curves.append(frame.ramp)
         for bend in self.bends:
-            felt = int(frame.times.searchsorted(bend.time + SMOOTHING))
+            affected = int(frame.times.searchsorted(bend.time + SMOOTHING))
             if bend.time > frame.start:
                 factors.append(bend.amount)
                 curves.append(_bent(frame.times - bend.time))
-            elif felt:
+            elif affected:
                 factors.append(bend.amount)
-                curves.append(corner(frame.times[:felt] - bend.time))
+                curves.append(corner(frame.times[:affected] - bend.time))
         voices, listeners, *bands = self.start.shape
         return np.concatenate(factors).reshape(
             len(factors), voices, listeners, *(bands or (1,))
@@ -143,21 +144,22 @@ class Gains:
         n_listeners)."""
         return any_gain(self.start, self.end, *(bend.amount for bend in self.bends))
 
-    def lasts(self, voice: int, time: float) -> bool:
-        """Return whether a voice that has faded out is still audible after `time` [s]."""
+    def is_fading(self, voice: int, time: float) -> bool:
+        """Return whether a voice whose lines have come to 0 is still heard after `time` [s], as
+        smoothed gains lag behind."""
         return bool(
             self.last_slope[voice].any()
-            or any(bend.amount[voice].any() for bend in self.lasting(time))
+            or any(bend.amount[voice].any() for bend in self.bends_after(time))
         )
 
-    def lasting(self, time: float) -> tuple[Bend, ...]:
-        """Return the bends that matter after `time` [s]."""
+    def bends_after(self, time: float) -> tuple[Bend, ...]:
+        """Return the bends that affect smoothed gains after `time` [s]."""
         return tuple(bend for bend in self.bends if bend.time > time - SMOOTHING)
 
 
 def corner(since: FloatArray) -> FloatArray:
-    """Return the smoothed corner of a line that bends by slope 1, less the line it tends to, at 0
-    to `SMOOTHING` seconds since."""
+    """Return how far a smoothed line is from the straight line that it tends to, `since` 0 to
+    `SMOOTHING` seconds after its slope has changed by 1."""
     left = SMOOTHING - since
     return left * left / (2.0 * SMOOTHING) - (SMOOTHING / (4.0 * np.pi**2)) * (
         1.0 - np.cos(2.0 * np.pi / SMOOTHING * since)
@@ -165,8 +167,8 @@ def corner(since: FloatArray) -> FloatArray:
 
 
 def _bent(since: FloatArray) -> FloatArray:
-    """Return the smoothed corner itself: 0 up to the bend, a line of slope 1 from `SMOOTHING`
-    seconds after it on."""
+    """Return a smoothed line of slope 0 before and 1 after a bend, `since` seconds after it: 0 up
+    to the bend, straight from `SMOOTHING` seconds after it on."""
     return np.where(
         since > 0.0, since - SMOOTHING / 2.0 + corner(np.clip(since, 0.0, SMOOTHING)), 0.0
     )

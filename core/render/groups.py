@@ -92,8 +92,8 @@ class Groups:
         self._last: dict[tuple[bool, int], _Last] = {}
 
     def follow(self, frame: FrameSamples, voices: Sequence[Voice]) -> list[Group]:
-        """Return the groups of a frame. Changes nothing; raises ValueError that names the
-        argument."""
+        """Return the groups of a frame, without a change of the state: `advance` does that. Raises
+        ValueError that names the argument."""
         self._check(voices)
         streams, begins = self._playing(frame, voices)
         playing = set(streams)
@@ -122,14 +122,14 @@ class Groups:
                 if voice is not None:
                     stream.priority = voice.priority
                     self._streams[stream.key] = stream
-                elif group.gains.lasts(row, frame.end):
+                elif group.gains.is_fading(row, frame.end):
                     self._tails.append(stream)
 
     def _playing(
         self, frame: FrameSamples, voices: Sequence[Voice]
     ) -> tuple[list[Stream], list[int]]:
-        """Return the stream of each voice, and the rows of those that begin in the frame with their
-        full gain."""
+        """Return the stream of each voice, and the rows of those that begin within the frame, which
+        have their full gain at once instead of fading in."""
         streams, begins = [], []
         keys = {voice.key for voice in voices}
         if len(keys) < len(voices):
@@ -170,11 +170,11 @@ class Groups:
         voices: list[Voice | None],
         begins: list[int],
     ) -> Group:
-        end = self._end(streams, voices)
-        start, slope, bends = self._lines(frame, streams, end.shape)
+        end = self._final_gains(streams, voices)
+        start, slope, bends = self._entering(frame, streams, end.shape)
         if begins:
             start[begins] = end[begins]
-        gains = Gains.until(frame, start, end, slope, bends)
+        gains = Gains.of_frame(frame, start, end, slope, bends)
         if not streams[0].kind[0]:
             return Group(streams, voices, gains, gains.audible())
         delays_before, delays = self._delays(streams, voices)
@@ -190,8 +190,9 @@ class Groups:
         )
         return Group(streams, voices, gains, gains.audible(), delays_before, delays)
 
-    def _end(self, streams: Sequence[Stream], voices: Sequence[Voice | None]) -> FloatArray:
-        """Return the gains at the frame's end, with amplitudes and weights; 0 without a voice."""
+    def _final_gains(self, streams: Sequence[Stream], voices: Sequence[Voice | None]) -> FloatArray:
+        """Return the gains at the frame's end, with amplitudes and weights; 0 of streams without a
+        voice, which fade out."""
         given = [voice for voice in voices if voice is not None]
         bands = streams[0].kind[1]
         shape = (self._listener_count,) if bands == 1 else (self._listener_count, bands)
@@ -210,7 +211,7 @@ class Groups:
             end[:, listener].T[...] *= _weights(streams, voices)
         return end
 
-    def _lines(
+    def _entering(
         self, frame: FrameSamples, streams: list[Stream], shape: tuple[int, ...]
     ) -> tuple[FloatArray, FloatArray, tuple[Bend, ...]]:
         """Return the values and slopes with which the gains of streams of one kind enter a frame,
@@ -219,7 +220,7 @@ class Groups:
         if last is None:
             return np.zeros(shape), np.zeros(shape), ()
         if last.streams == streams:
-            return last.gains.end, last.gains.last_slope, last.gains.lasting(frame.start)
+            return last.gains.end, last.gains.last_slope, last.gains.bends_after(frame.start)
         row = {stream: number for number, stream in enumerate(last.streams)}
         known = [number for number, stream in enumerate(streams) if stream in row]
         rows = [row[streams[number]] for number in known]
@@ -230,7 +231,7 @@ class Groups:
             return result
 
         bends = tuple(
-            Bend(bend.time, arranged(bend.amount)) for bend in last.gains.lasting(frame.start)
+            Bend(bend.time, arranged(bend.amount)) for bend in last.gains.bends_after(frame.start)
         )
         return arranged(last.gains.end), arranged(last.gains.last_slope), bends
 

@@ -48,16 +48,16 @@ class History:
 
 
 def lasts(result: FrameResult, samples: FloatArray) -> bool:
-    """Whether the level of a frame is that of the ``samples`` (l, n) up to its end: of the last
-    `LEVEL_SECONDS`, before which sources have faded in over a frame. Otherwise it is that of
-    `still_samples`."""
+    """Whether the level of a frame can be taken from the ``samples`` (l, n) up to its end: whether
+    they cover the last `LEVEL_SECONDS`, and a frame before that in which sources have faded in.
+    Otherwise it is that of `still_samples`."""
     fade_in = 0 if result.block is None else result.block.shape[1]
     return bool(samples.shape[1] >= round(LEVEL_SECONDS * result.sample_rate) + fade_in)
 
 
 def still_samples(result: FrameResult, seconds: float = LEVEL_SECONDS) -> FloatArray:
-    """Samples (l, n) of a single frame as if it lasted for ``seconds`` from the beginning of its
-    interval, with its gains."""
+    """Samples (l, n) of a single frame if it lasted for ``seconds``: its signals from the start of
+    its interval on, with its gains throughout."""
     if not result.listeners:
         return np.zeros((0, 0))
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)

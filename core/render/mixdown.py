@@ -25,7 +25,8 @@ scale."""
 class Mixdown:
     """Mixes and renders frame after frame.
 
-    ``before``: the state at the start of the last block, None if that was the first one.
+    ``before``: sources, listeners and gains at the start of the last block, None if it was the
+    first one.
     """
 
     def __init__(self, sample_rate: float = SAMPLE_RATE) -> None:
@@ -42,9 +43,17 @@ class Mixdown:
         self._last, self._skipped = None, False
 
     def render(self, start: float | None, end: Sounding, heard: bool = True) -> FloatArray | None:
-        """The samples (l, n) from ``start`` [s] to the ``end``, whose gains they reach; None
-        without a start or listeners, or if not ``heard``. The next rendered samples continue from
-        the gains of this end."""
+        """The samples (l, n) of a frame.
+
+        Args:
+            start: time of the frame before [s], None without one.
+            end: time, sources and gains of this frame. Gains move to these over the frame, and from
+                these in the next one.
+            heard: whether the samples are wanted.
+
+        Returns:
+            None without a start or listeners, or if not ``heard``.
+        """
         mixes = listener_mixes(end.listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
             self._renderer, self._last, self._skipped = (
@@ -68,7 +77,8 @@ class Mixdown:
 
 
 def block_of(result: FrameResult) -> FloatArray | None:
-    """The samples (l, n) of a frame, rendered now where that was left out."""
+    """The samples (l, n) of a frame; rendered now if the trace left them out, as nothing played
+    them."""
     before = result.before
     if result.block is not None or before is None:
         return result.block
@@ -81,8 +91,8 @@ def block_of(result: FrameResult) -> FloatArray | None:
 def primed(
     mixes: tuple[ListenerMix, ...], sample_rate: float, time: float, voices: Sequence[Voice]
 ) -> Renderer:
-    """A renderer that stands at ``time`` [s] with the gains of ``voices``, and whose limiter has
-    worked for a while."""
+    """A renderer that continues from ``time`` [s] with the gains of ``voices``. A limiter has run
+    for `_LIMITER_SECONDS` before, so that its gain has settled."""
     renderer = Renderer(mixes, sample_rate)
     start = time - _LIMITER_SECONDS if renderer.latency else time
     renderer.render_frame(start, start, voices)
@@ -92,7 +102,8 @@ def primed(
 
 
 def steady(renderer: Renderer, start: float, seconds: float, voices: Sequence[Voice]) -> FloatArray:
-    """The samples (l, n) of a new renderer from ``start`` [s] on, with constant gains."""
+    """``seconds`` of samples (l, n) from ``start`` [s] on with constant gains, of a new
+    renderer."""
     # A frame of no duration, in which gains jump to their values.
     renderer.render_frame(start, start, voices)
     return renderer.render_frame(start, start + seconds, voices)
@@ -114,11 +125,16 @@ def _method(item: Listener) -> MixingMethod:
 def ducked(
     sources: Sequence[Source], listeners: Sequence[Listener], level: FloatArray
 ) -> FloatArray:
-    """Gain factors (s, l) of sources that arrive with ``level`` (s, l), while one of higher
-    priority does.
+    """Factors (s, l) by which sources are attenuated at a listener while a source of higher
+    priority arrives there.
 
-    If that has a level of at least `DUCKS` at the listener, the attenuation is the listener's
-    ``ducking`` [dB]; it decreases over the 6 dB below.
+    If the amplitude of that source is at least `DUCKS`, the attenuation is the listener's
+    ``ducking`` [dB]; below, it decreases to 0 over 6 dB.
+
+    Args:
+        sources: the s sources.
+        listeners: the l listeners.
+        level: amplitude with which each source arrives at each listener (s, l).
     """
     depth = np.clip(2.0 * level / DUCKS - 1.0, 0.0, 1.0)
     priority = np.array([source.priority for source in sources])

@@ -175,8 +175,8 @@ def _sounding(frame: FrameSamples, group: Group) -> Group:
 def _travelled(
     stream: Stream, times: FloatArray, factors: FloatArray, curves: Sequence[FloatArray]
 ) -> FloatArray:
-    """Return a signal at `times`, shape (n_paths, n), times gains given as terms; factors: shape
-    (n_terms, n_paths, 1)."""
+    """Return a signal at `times`, shape (n_paths, n), times the gains of its paths, which are given
+    as by `Gains.terms`; factors: shape (n_terms, n_paths, 1)."""
     gains = _gains_over_time(factors, curves)
     gains *= stream.signal.at(times.ravel() - stream.onset, 1.0 / stream.sample_rate).reshape(
         times.shape
@@ -187,8 +187,8 @@ def _travelled(
 def _travelled_between_samples(
     stream: Stream, times: FloatArray, factors: FloatArray, curves: Sequence[FloatArray]
 ) -> FloatArray:
-    """Return the same from samples, with one gain or with gains by band; factors: shape (n_terms,
-    n_paths, 1 or 6)."""
+    """Return what `_travelled` does, interpolated between samples of the signal, or of its bands
+    where gains are by band; factors: shape (n_terms, n_paths, 1 or 6)."""
     positions = times * stream.sample_rate
     first = math.floor(np.min(positions)) - ZERO_CROSSINGS
     rows = stream.rows(first, math.ceil(np.max(positions)) + ZERO_CROSSINGS + 1)

@@ -86,12 +86,12 @@ class Playback:
             self._renderer, self._time, self._shown = None, result.time, result
             return result.block
         block = self._continued(mixes, result, result.time, frame_seconds)
-        return self._elsewhere(mixes, result, frame_seconds) if block is None else block
+        return self._after_jump(mixes, result, frame_seconds) if block is None else block
 
     def ahead(self, latest: FrameResult, time: float, frame_seconds: float) -> FloatArray | None:
-        """The samples of the frame that ends at ``time`` [s], which is still being traced, with the
-        gains of the ``latest`` traced frame; None if it is not a continuation. Sources that began
-        in a late frame begin with the next block, or the next `correction`."""
+        """The samples of the frame that ends at ``time`` [s], whose trace is late, with the gains
+        of the ``latest`` traced frame; None if it does not continue the last block. Sources that
+        begin in such a frame are heard from the next block or `correction` on."""
         samples = self._continued(listener_mixes(latest.listeners), latest, time, frame_seconds)
         if samples is not None:
             self._correctable = _Correctable(
@@ -100,9 +100,13 @@ class Playback:
         return samples
 
     def correction(self, result: FrameResult, elapsed: float) -> FloatArray | None:
-        """The rest of a block that went `ahead`, from ``elapsed`` seconds after its start on,
-        (listeners, n), from ``result``, which has been traced meanwhile; None if there is nothing
-        to correct."""
+        """The rest (listeners, n) of a block that was played `ahead` of its trace, now with the
+        gains of its ``result``; None if there is nothing to correct.
+
+        Args:
+            result: the traced frame.
+            elapsed: seconds of the block that were played.
+        """
         played = self._correctable
         mixes = listener_mixes(result.listeners)
         if played is None or listener_mixes(played.result.listeners) != mixes:
@@ -117,8 +121,8 @@ class Playback:
         return samples
 
     def following(self, result: FrameResult, seconds: float) -> Callable[[], FloatArray]:
-        """A function that renders the ``seconds`` after the last block, (listeners, n), if the
-        scene stays as in ``result``.
+        """A function that renders the ``seconds`` after the last block, (listeners, n), with the
+        sources and gains of ``result``.
 
         It may be called later, by any thread, and does not affect the next block.
         """
@@ -127,7 +131,7 @@ class Playback:
         time, late = self._time, dict(self._late)
 
         def render() -> FloatArray:
-            voices = _moved(source_voices(result), late)
+            voices = _with_late_onsets(source_voices(result), late)
             return _primed(result, time, late).render_frame(time, time + seconds, voices)
 
         return render
@@ -186,10 +190,11 @@ class Playback:
         self._renderer, self._time, self._shown = renderer, time, result
         return samples[:, samples.shape[1] - sample_index(time, rate) + sample_index(start, rate) :]
 
-    def _elsewhere(
+    def _after_jump(
         self, mixes: tuple[ListenerMix, ...], result: FrameResult, frame_seconds: float
     ) -> FloatArray:
-        """The samples up to ``result`` at another place of the timeline."""
+        """The samples up to ``result`` after a jump on the timeline, during which what was played
+        before fades out."""
         before, begun = self._current(mixes), self._time
         self._late.clear()
         renderer = Renderer(mixes, result.sample_rate)
@@ -212,8 +217,9 @@ class Playback:
         return block
 
     def _voices(self, result: FrameResult, begun: float) -> list[Voice]:
-        """The voices of a result in a block that begins at ``begun``: those that began after the
-        last result, but before this block, begin with it."""
+        """The voices of a result in a block that begins at ``begun`` [s]. Voices whose onset lies
+        before that, but after the last result, were not known in time: they begin with the
+            block."""
         voices = source_voices(result)
         shown = self._shown
         if shown is not None and shown.time < begun:
@@ -229,7 +235,7 @@ class Playback:
             self._late = {
                 voice.key: self._late[voice.key] for voice in voices if voice.key in self._late
             }
-        return _moved(voices, self._late)
+        return _with_late_onsets(voices, self._late)
 
 
 @frozen
@@ -242,8 +248,8 @@ class _Correctable:
     end: float
 
 
-def _moved(voices: list[Voice], late: Mapping[Hashable, float]) -> list[Voice]:
-    """The voices, those that began late from the onset that they are played from."""
+def _with_late_onsets(voices: list[Voice], late: Mapping[Hashable, float]) -> list[Voice]:
+    """The ``voices``, with the onsets of those that began ``late``, by key [s]."""
     return (
         [voice._replace(onset=late[voice.key]) if voice.key in late else voice for voice in voices]
         if late
@@ -265,9 +271,9 @@ def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
 
 
 def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> Renderer:
-    """A renderer that stands at ``time`` with the gains of ``shown``, and whose limiter has worked
-    for a while."""
-    voices = _moved(source_voices(shown), late)
+    """A renderer that continues from ``time`` [s] with the gains of ``shown`` and a settled
+    limiter; ``late``: onsets of voices that began late, by key [s]."""
+    voices = _with_late_onsets(source_voices(shown), late)
     times, earlier = [time], voices
     if shown.block is not None and shown.time <= time:  # its lines of gains may bend here
         before = shown.before
@@ -285,8 +291,8 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
 
 
 def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
-    """A short touch of a frame, (listeners, n), that begins and ends in silence: its interval and a
-    continuation."""
+    """A short touch of a frame while the timeline is scrubbed, (listeners, n): `GRAIN` seconds from
+    the start of its interval, faded in and out."""
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
     return _shaped(
         steady(renderer, result.time - frame_seconds, GRAIN, source_voices(result)),
@@ -295,13 +301,13 @@ def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
 
 
 def recorded_grain(result: FrameResult) -> FloatArray:
-    """A short touch of a frame that was read from a track."""
+    """A `grain` of a frame that was read from a track."""
     block = np.zeros((len(result.listeners), 0)) if result.block is None else result.block
     return _shaped(block[:, : round(GRAIN * result.sample_rate)], result.sample_rate)
 
 
 def _shaped(samples: FloatArray, sample_rate: float) -> FloatArray:
-    """Samples that begin and end in silence."""
+    """``samples`` (l, n) with a fade-in, a fade-out and a silence after it."""
     if not samples.shape[1]:
         return samples
     seconds = (np.arange(samples.shape[1]) + 0.5) / sample_rate

@@ -48,8 +48,10 @@ class Stream:
     only on its own time.
 
     kind: whether it has delays, and its number of bands, 1 or 6. end: when the signal is over [s].
-    settled: from this time on all bands of a steady tone are steady. tone: the signal where it is a
-    steady tone, else None. is_brief: rendered whole, see `sample_brief`.
+    settled: time from which all bands of a steady tone are steady [s], as their filters reach ahead
+    and back. tone: the signal where it is a steady tone, else None. is_brief: short enough to be
+    rendered as a whole, see `sample_brief`. Samples `_first` to `_last` - 1 are in `_samples`,
+    shape (1 or 6, n).
     """
 
     def __init__(self, voice: Voice, sample_rate: float) -> None:
@@ -61,7 +63,7 @@ class Stream:
         self.sample_rate = sample_rate
         self.kind = voice.delays is not None, self.row_count
         self._first = self._last = 0
-        self._known = np.empty((self.row_count, 0))
+        self._samples = np.empty((self.row_count, 0))
         tail = 0.0 if self.row_count == 1 else bank_reach(sample_rate) / sample_rate
         self.end = self.onset + self.signal.duration + tail
         self.settled = self.onset + tail
@@ -95,21 +97,21 @@ class Stream:
             sample_brief([self])
         begin, known = self._first, self._last
         if begin <= first and last <= known:
-            return self._known[:, first - begin : last - begin]
+            return self._samples[:, first - begin : last - begin]
         if self.is_brief:
             rows = np.zeros((self.row_count, last - first))
-            inside = self._known[:, max(first - begin, 0) : max(last - begin, 0)]
+            inside = self._samples[:, max(first - begin, 0) : max(last - begin, 0)]
             rows[:, max(begin - first, 0) :][:, : inside.shape[1]] = inside
             return rows
         if not begin <= first <= known:
             begin = known = self._first = self._last = first // _CHUNK * _CHUNK
-            self._known = np.empty((self.row_count, 0))
+            self._samples = np.empty((self.row_count, 0))
         if last > known:
             kept = max((first - _CHUNK) // _CHUNK * _CHUNK, begin)
             runs = [self._sampled(run, run + _CHUNK) for run in range(known, last, _CHUNK)]
-            self._known = np.concatenate((self._known[:, kept - begin :], *runs), axis=1)
-            self._first, self._last = kept, kept + self._known.shape[1]
-        return self._known[:, first - self._first : last - self._first]
+            self._samples = np.concatenate((self._samples[:, kept - begin :], *runs), axis=1)
+            self._first, self._last = kept, kept + self._samples.shape[1]
+        return self._samples[:, first - self._first : last - self._first]
 
     def _sampled(self, first: int, last: int) -> FloatArray:
         if self.row_count == 1:
@@ -124,7 +126,7 @@ class Stream:
 
 
 def sample_brief(streams: Sequence[Stream]) -> None:
-    """Render those of some streams that are brief and have not been rendered, all that play one
+    """Render the brief ones among `streams` that have no samples yet, up to `_TOGETHER` of the same
     signal at once."""
     alike: dict[int, list[Stream]] = {}
     for stream in streams:
@@ -143,12 +145,12 @@ def sample_brief(streams: Sequence[Stream]) -> None:
         ]
         samples = signal.at(times.reshape(-1), 1.0 / rate).reshape(times.shape)
         for stream, number, row in zip(some, first.tolist(), samples, strict=True):
-            stream._known = row[None, :]
+            stream._samples = row[None, :]
             if stream.row_count > 1:
                 padded = np.zeros(len(row) + 3 * reach)  # the filters still hear it for a while
                 padded[reach : reach + len(row)] = row
-                stream._known = split_bands(padded, rate)
-            stream._first, stream._last = int(number), int(number) + stream._known.shape[1]
+                stream._samples = split_bands(padded, rate)
+            stream._first, stream._last = int(number), int(number) + stream._samples.shape[1]
 
 
 def _is_recorded(signal: Signal) -> bool:

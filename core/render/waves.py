@@ -89,7 +89,7 @@ class Waves:
         return self.origin + len(self.filled)
 
     def find_levels(self, sample_rate: float, listeners: Sequence[Listener] = ()) -> None:
-        """Compute the levels from the samples, and the thresholds window after window."""
+        """Set levels and thresholds from the samples."""
         samples, width = self._low[0], round(LEVEL_SECONDS * sample_rate)
         for frame in range(len(self.filled)):
             end = math.ceil((frame + 1) * self.per_frame)
@@ -180,7 +180,8 @@ class Waves:
         return np.maximum.reduceat(shown, first, axis=1)
 
     def _frames(self, edges: FloatArray) -> tuple[IntArray, IntArray]:
-        """The numbers of the frames that begin before and after ``edges``, of those there are."""
+        """Numbers of the frames that contain each of the ``edges`` (n,), and of the first frames
+        that begin at or after each; clipped to the frames that exist."""
         left, right = (
             np.clip(to(edges - self.origin), 0, len(self.filled)).astype(np.int64)
             for to in (np.floor, np.ceil)
@@ -208,8 +209,9 @@ def row_name(name: str, second_object: str | None, onset: float) -> str:
 def level_and_threshold(
     samples: FloatArray, sample_rate: float, listeners: Sequence[Listener] = ()
 ) -> tuple[FloatArray, FloatArray]:
-    """The level (l,) of ``samples`` (l, n) [dB of full scale], minus infinity for silence, and
-    that of the same vibration at the threshold of feeling of ``listeners``, NaN for silence."""
+    """The level (l,) of ``samples`` (l, n) [dB of full scale], minus infinity for silence; and the
+    level (l,) that the same vibration would have at the threshold of feeling of ``listeners``, NaN
+    for silence."""
     level, margin = level_and_margin(samples, sample_rate, listeners)
     with np.errstate(invalid="ignore"):
         threshold = level - margin
