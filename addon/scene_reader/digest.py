@@ -132,8 +132,10 @@ def digest_of(scene: Scene) -> Digest:
         else:
             rules.append(value)
     shown, regions = _layer_objects(scene), regions_of(scene)
-    moving = _with_movers(obj for obj in shown if _matters(obj) or obj.name in regions)
-    objects = {obj.name_full: {"haptics": _roles(obj, scene), **_motion(obj)} for obj in moving}
+    moving = _with_movers(obj for obj in shown if _is_relevant(obj) or obj.name in regions)
+    objects = {
+        obj.name_full: {"haptics": _haptic_sum(obj, scene), **_motion(obj)} for obj in moving
+    }
     return {
         "settings": settings,
         "rules": _sum(rules),
@@ -152,7 +154,7 @@ def motion_of(scene: Scene) -> str:
     """
     regions = regions_of(scene)
     moving = _with_movers(
-        obj for obj in _layer_objects(scene) if _may_hit(obj) or obj.name in regions
+        obj for obj in _layer_objects(scene) if _may_collide(obj) or obj.name in regions
     )
     motions = [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]
     units = () if metres_per_unit(scene) == 1.0 else (metres_per_unit(scene),)
@@ -189,24 +191,24 @@ def _mapping(value: Any) -> Mapping[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
-def _acts(obj: Object) -> bool:
-    """Whether an object has a rigid body or deforms others."""
+def _moves_others(obj: Object) -> bool:
+    """Whether an object may move or deform others: it has a rigid body or is a deformer."""
     return obj.rigid_body is not None or obj.type in {"ARMATURE", "LATTICE"}
 
 
-def _matters(obj: Object) -> bool:
+def _is_relevant(obj: Object) -> bool:
     """Whether an object has a role, acts or moves: cameras, lights and scenery are ignored."""
     return (
         is_tagged(obj)
-        or _acts(obj)
+        or _moves_others(obj)
         or (obj.type in {"MESH", "EMPTY"} and obj.animation_data is not None)
     )
 
 
-def _may_hit(obj: Object) -> bool:
+def _may_collide(obj: Object) -> bool:
     return (
         obj.haptics.enabled
-        or _acts(obj)
+        or _moves_others(obj)
         or (obj.type in {"MESH", "EMPTY"} and bool(_animation(obj, "haptics.")[1]))
     )
 
@@ -254,8 +256,9 @@ def _targets(item: Any) -> Iterator[Object]:
             yield value
 
 
-def _roles(obj: Object, scene: Scene) -> str:
-    """A checksum of the haptic properties, the markers and files that they refer to."""
+def _haptic_sum(obj: Object, scene: Scene) -> str:
+    """A checksum of an object's haptic properties, and of the markers and files to which these
+    refer; "" if it has no haptic role."""
     if not is_tagged(obj):
         return ""
     source = obj.haptics.source
@@ -338,8 +341,9 @@ def _content_sum(path: Path, changed: int, size: int) -> str:
 
 
 def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
-    """The aspects other than the haptic settings; animation of data paths that begin with
-    ``ignored`` does not count."""
+    """Checksums of an object by aspect, other than its haptic properties: shape, transforms,
+    animation, physics, relations. Animation of data paths that begin with ``ignored`` does not
+    count."""
     paths, animation = _animation(obj, ignored)
     keys = getattr(obj.data, "shape_keys", None)
     if keys is not None:
@@ -358,8 +362,11 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
             obj.parent_bone,
             [[round(v, 5) for v in row] for row in obj.matrix_parent_inverse],
         ],
-        [_effect(item, f'constraints["{item.name}"].', paths) for item in obj.constraints],
-        [_effect(item, f'modifiers["{item.name}"].', paths) for item in obj.modifiers],
+        [
+            _effective_values(item, f'constraints["{item.name}"].', paths)
+            for item in obj.constraints
+        ],
+        [_effective_values(item, f'modifiers["{item.name}"].', paths) for item in obj.modifiers],
     ]
     placed = [
         (obj, "", _TRANSFORM),
@@ -381,7 +388,7 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
     }
 
 
-def _effect(item: Any, prefix: str, animated: Collection[str]) -> list[Any]:
+def _effective_values(item: Any, prefix: str, animated: Collection[str]) -> list[Any]:
     """The properties of a modifier, constraint or strip that have an effect and are not
     ``animated``; of datablocks their names."""
     shown = getattr(item, "show_viewport", True)
@@ -453,7 +460,7 @@ def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozense
             track.mute,
             [
                 (
-                    _effect(strip, "", ()),
+                    _effective_values(strip, "", ()),
                     [_curve(curve) for curve in fcurves_in(strip.action)] if strip.action else "",
                 )
                 for strip in track.strips
@@ -478,7 +485,7 @@ def _curve(curve: Any) -> tuple[Any, ...]:
         zlib.crc32(read_array(curve.keyframe_points, name, width, kind).tobytes())
         for name, width, kind in _OF_KEYS
     ]
-    modifiers = [_effect(item, "", ()) for item in curve.modifiers]
+    modifiers = [_effective_values(item, "", ()) for item in curve.modifiers]
     return curve.data_path, curve.array_index, keys, curve.mute, curve.extrapolation, modifiers
 
 

@@ -67,10 +67,15 @@ def text_of_contacts(
 
 @lru_cache(maxsize=8192)
 def stored_item(text: str, name: str) -> Mapping[str, Any]:
-    """The fields of the item in a text, without its name and its references; ``name``: that of its
-    definition in the schema of scenes.
+    """The stored fields of an item, as values of the core, without its name and the names of other
+    objects, which are those of Blender's objects.
 
-    Raises ValueError if the text is damaged.
+    Args:
+        text: of the property ``imported``, JSON.
+        name: of the item's definition in the schema of scenes, such as "source".
+
+    Raises:
+        ValueError: if the text is damaged.
     """
     if not text:
         return {}
@@ -85,8 +90,8 @@ def stored_item(text: str, name: str) -> Mapping[str, Any]:
 
 
 def _in_terms_of_files(form: Any, name: str) -> Any:
-    """The item ``name`` of a stored document. Version 0.1 stored only what properties could not
-    hold, numbers apart from the rest."""
+    """The item ``name`` of a stored document in the form of today's scene files. Version 0.1 stored
+    only what properties could not hold, and numbers apart from the rest."""
     if not isinstance(form, dict):
         return form
     numbers = form.get("numbers")
@@ -144,7 +149,7 @@ def stored_modalities(text: str) -> tuple[Mapping[str, float], Mapping[str, Vect
     """The numbers of an object for modalities other than vibration, as ``modality.property``, and
     its positions as their source."""
     form = stored(text, "modalities")
-    return plain(form.get("numbers", {})), plain(form.get("emitters", {}))
+    return with_floats(form.get("numbers", {})), with_floats(form.get("emitters", {}))
 
 
 @lru_cache(maxsize=8)
@@ -180,15 +185,15 @@ def _contacts(forms: Any) -> tuple[Contact, ...]:
     ).contacts
 
 
-def plain(value: Any) -> Any:
-    """A JSON value with its numbers as floats and its lists as tuples."""
+def with_floats(value: Any) -> Any:
+    """A JSON value with floats for integers and tuples for lists, at any depth."""
     match value:
         case int():
             return float(value)
         case list():
-            return tuple(map(plain, value))
+            return tuple(map(with_floats, value))
         case dict():
-            return {key: plain(member) for key, member in value.items()}
+            return {key: with_floats(member) for key, member in value.items()}
     return value
 
 

@@ -18,9 +18,15 @@ from .imported import NEAR, FileContacts, file_contacts, stored_item
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Homes:
-    """Poses of bodies in a file: ``transforms`` (n, 4, 4), infinite if it has none, and their
-    tolerance."""
+class FilePoses:
+    """Poses of the bodies in the file that the scene was imported from.
+
+    Attributes:
+        names: of the bodies.
+        poses: by body, None where the file has none.
+        transforms: (n, 4, 4) of these poses, infinite without one.
+        limits: (n, 4, 4) deviations from ``transforms`` up to which a body has not moved.
+    """
 
     names: tuple[str, ...]
     poses: tuple[Pose | None, ...]
@@ -28,7 +34,7 @@ class Homes:
     limits: FloatArray
 
     @classmethod
-    def of(cls, names: tuple[str, ...], poses: tuple[Pose | None, ...]) -> Homes:
+    def of(cls, names: tuple[str, ...], poses: tuple[Pose | None, ...]) -> FilePoses:
         transforms = np.full((len(poses), 4, 4), np.inf)
         for row, pose in enumerate(poses):
             if pose is not None:
@@ -38,14 +44,15 @@ class Homes:
         limits[:, :3, 3] = NEAR * np.where(np.isfinite(far), far, 1.0)[:, None]
         return cls(names, poses, transforms, limits)
 
-    def settle(self, transforms: FloatArray) -> frozenset[str]:
-        """The bodies that are in these poses; their ``transforms`` are replaced by the unrounded
-        ones of the file."""
+    def snap(self, transforms: FloatArray) -> frozenset[str]:
+        """Names of the bodies that have not moved since the import. Their rows of ``transforms``
+        (n, 4, 4) are replaced by the poses of the file, which are not rounded to single
+        precision."""
         if not np.isfinite(self.transforms[:, 3, 3]).any():
             return frozenset()
-        at_home = np.all(np.abs(transforms - self.transforms) <= self.limits, axis=(1, 2))
-        transforms[at_home] = self.transforms[at_home]
-        return frozenset(compress(self.names, at_home.tolist()))
+        unmoved = np.all(np.abs(transforms - self.transforms) <= self.limits, axis=(1, 2))
+        transforms[unmoved] = self.transforms[unmoved]
+        return frozenset(compress(self.names, unmoved.tolist()))
 
 
 class ImportedContacts:
@@ -66,18 +73,21 @@ class ImportedContacts:
             self._kept, self.problems = FileContacts(), (str(error),)
 
     def authored(
-        self, homes: Homes, settled: frozenset[str], settings: ContactSettings
+        self, file_poses: FilePoses, settled: frozenset[str], settings: ContactSettings
     ) -> AuthoredContacts | None:
-        """The authored contacts for the tracer if the bodies ``settled`` are in their poses; the
-        same object while nothing changes."""
+        """The contacts of the file that are still valid, those between bodies that are ``settled``
+        (in their poses of the file), as the tracer takes them; None without any. The same object
+        while nothing changes."""
         kept = self._kept
         settled = settled if kept.tolerance == settings.tolerance and kept.contacts else frozenset()
         if not settled and not kept.transmissions:
             return None
-        return self._authored(kept, homes, settled)
+        return self._authored(kept, file_poses, settled)
 
 
-def _authored(kept: FileContacts, homes: Homes, settled: frozenset[str]) -> AuthoredContacts:
+def _authored(
+    kept: FileContacts, file_poses: FilePoses, settled: frozenset[str]
+) -> AuthoredContacts:
     pairs = (items for pair, items in kept.contacts.items() if settled.issuperset(pair))
     contacts = [item for items in pairs for item in items]
-    return AuthoredContacts.of(homes.names, settled, contacts, kept.transmissions)
+    return AuthoredContacts.of(file_poses.names, settled, contacts, kept.transmissions)

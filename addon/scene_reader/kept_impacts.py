@@ -13,7 +13,7 @@ from ...core.contacts.impact_sources import ActiveImpact, FrameImpacts
 from ...core.contacts.impacts import Impact
 from ...core.contacts.one_shots import Shot
 from ...core.scene.values import TriggerKind
-from .imported import plain, stored
+from .imported import stored, with_floats
 
 _MOST_CHARACTERS = 2**16
 """Largest size of the text; more impacts are not stored."""
@@ -64,7 +64,8 @@ def impacts_from_text(
 def _sounding(item: dict[str, Any], row: dict[str, int]) -> ActiveImpact:
     first, second = item["objects"]
     values = {
-        key: plain(item[key]) for key in ("time", "positions", "normal", "energy", "amplitude")
+        key: with_floats(item[key])
+        for key in ("time", "positions", "normal", "energy", "amplitude")
     }
     on_first, on_second = (np.array(place, dtype=np.float64) for place in item["local"])
     return ActiveImpact.of(

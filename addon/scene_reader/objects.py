@@ -50,9 +50,15 @@ def mass_of(obj: Object, scene: Scene) -> float:
 def read_source(
     obj: Object, carrier: str, curves: Curves = (None, None), is_silenced: bool = False
 ) -> Source:
-    """The source of a Blender object on the haptic object ``carrier``, without its triggers; its
-    position, here that of an imported file, is set per frame. ``curves``: frequency and envelope
-    over the scene's time if they are animated."""
+    """The source of a Blender object, without its triggers. The reader sets its position in every
+    frame; here it has that of the imported file, if any.
+
+    Args:
+        obj: the object.
+        carrier: name of the haptic object that it is on.
+        curves: frequency and envelope over the scene's time, None where they are not animated.
+        is_silenced: whether it is muted, or others are solo.
+    """
     properties = obj.haptics.source
     stored = stored_item(properties.imported, "source")
     values = {**read_values(Source, properties, stored), "triggers": None}
@@ -71,8 +77,8 @@ def read_source(
 
 
 def calibrated(listener: Listener) -> Listener:
-    """A listener with the calibration that the object of its name has now. Tracks keep none: it
-    belongs to the device that plays them."""
+    """A listener of a track with the calibration that the object of its name has now: a track has
+    none, because calibrations belong to the device that plays it."""
     obj = bpy.data.objects.get(listener.name)
     if obj is None or not obj.haptics.listener.full_scale:
         return listener
@@ -85,8 +91,8 @@ def calibrated(listener: Listener) -> Listener:
 
 
 def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Listener:
-    """The listener of a Blender object on the haptic object ``carrier``; its position as for a
-    source."""
+    """The listener of a Blender object on the haptic object of the name ``carrier``, with its
+    position as that of `read_source`."""
     properties = obj.haptics.listener
     stored = stored_item(properties.imported, "listener")
     values = read_values(Listener, properties, stored)

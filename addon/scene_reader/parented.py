@@ -1,4 +1,4 @@
-"""Poses of objects that stand still to their parents, which are rigid to double precision.
+"""Poses of children that do not move relative to their parents, corrected to double precision.
 
 World matrices are of single precision: the pose of one link of a robot to another trembles by a ten
 millionth while the robot moves, and each contact of the two would be computed again.
@@ -16,9 +16,9 @@ _TREMBLES = 1e-6
 """Change of the pose to the parent, per metre from the world's origin, that is rounding."""
 
 
-class Parented:
-    """Holds children among poses to their parents. ``carried``: number of the parent by that of
-    the child."""
+class ParentedPoses:
+    """Keeps the poses of children to their parents free of rounding. ``carried``: number of the
+    parent by number of the child, in the order of the poses."""
 
     def __init__(self, carried: Mapping[int, int]) -> None:
         self.carried = carried
@@ -34,9 +34,10 @@ class Parented:
         self._all = np.union1d(children, parents)
         self._relative: FloatArray | None = None
 
-    def hold(self, poses: FloatArray, exact: bool) -> None:
-        """Correct rigid ``poses`` (m, 4, 4) in place. ``exact``: hold them as they are now,
-        whatever they were before."""
+    def correct(self, poses: FloatArray, exact: bool) -> None:
+        """Correct rigid ``poses`` (m, 4, 4) in place: a child whose pose to its parent differs from
+        that of the last frame by rounding alone gets exactly that pose. ``exact``: forget the poses
+        of the last frame."""
         if len(self._children) == 0:
             return
         turns = poses[self._all, :3, :3]
@@ -57,7 +58,7 @@ class Parented:
 
 
 def _relative(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Poses (n, 4, 4) of the second in the first."""
+    """Poses (n, 4, 4) of ``second`` in the frames of ``first``, both (n, 4, 4)."""
     turns = first[:, :3, :3]
     found = np.zeros_like(first)
     found[:, :3, :3] = np.einsum("nji,njk->nik", turns, second[:, :3, :3])

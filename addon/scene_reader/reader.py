@@ -40,7 +40,7 @@ from .imported import near, stored_item
 from .imported_contacts import ImportedContacts
 from .instances import NONE, Instances, haptic_instances, instanced_in_vain
 from .objects import read_listener, read_object, read_source
-from .parented import Parented
+from .parented import ParentedPoses
 from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
@@ -56,9 +56,10 @@ class SceneReader:
     """Reads one scene at every frame.
 
     A *row* is the number of an object in `bpy.data.objects`, by which Blender returns the matrices
-    of all objects in one call; instances follow in the rows after the last object. Everything that
-    was read is kept by row until it may have changed: `forget` after an edit of properties,
-    `doubt_shapes` and `doubt_instances` after an evaluation.
+    of all objects in one call; instances follow in the rows after the last object. What was read is
+    kept by row, and read again in the next `read` only where it may have changed. The callers say
+    what may have: `forget` after an edit of properties, `recheck_shapes` and `recheck_instances`
+    after an evaluation by Blender.
     """
 
     def __init__(self) -> None:
@@ -72,7 +73,7 @@ class SceneReader:
             int, tuple[Any, BoneParts | None, FloatArray, SurfaceShape | None]
         ] = {}
         self._rebuilt: dict[str, float] = {}
-        self._parented = Parented({})
+        self._parented = ParentedPoses({})
         self._exact, self._frame = False, 0  # see `read`
         self._metres = 1.0  # per unit
         self._instances = NONE
@@ -81,7 +82,7 @@ class SceneReader:
         self._instance_milliseconds = 0.0  # of reading those that moved in the last frame
         self._values: tuple[Any, ...] | None = None  # what the settings were read from
         self._settings, self._contact_settings = Settings(), ContactSettings()
-        self._doubtful: set[int] = set()  # session ids of objects whose geometry may have changed
+        self._unchecked: set[int] = set()  # session ids of objects whose geometry may have changed
         self._curves = AnimatedCurves()
         # By row: what its animated properties were last.
         self._animated: dict[int, tuple[Any, ...]] = {}
@@ -99,28 +100,29 @@ class SceneReader:
         self.solo_roles: frozenset[str] = frozenset()
 
     def forget(self) -> None:
-        """Read everything at the next call, because an authored value has changed."""
+        """Make the next `read` read everything, because an authored value has changed."""
         self._session_ids = None
 
     def forget_shapes(self) -> None:
-        """Read every mesh at the next call."""
+        """Make the next `read` build every shape again."""
         self._shapes.clear()
         self._bone_parts.clear()
         self._session_ids = None
 
-    def doubt_shapes(self, session_ids: Iterable[int] | None = None) -> None:
-        """Compare the geometry of these objects and meshes (None: of all) at the next call, because
-        it may have changed."""
+    def recheck_shapes(self, session_ids: Iterable[int] | None = None) -> None:
+        """Make the next `read` compare the geometry of objects and meshes, by session id (None: of
+        all), with that of their shapes, because it may have changed."""
         if session_ids is None:
             session_ids = (
                 *self._shapes,
                 *self._bone_parts,
                 *(m.session_uid for m in bpy.data.meshes),
             )
-        self._doubtful.update(session_ids)
+        self._unchecked.update(session_ids)
 
-    def doubt_instances(self, depsgraph: Depsgraph) -> None:
-        """Read the instances at the next call if an update has moved or changed an instancer."""
+    def recheck_instances(self, depsgraph: Depsgraph) -> None:
+        """Make the next `read` find the instances again if an update has moved or changed an
+        instancer."""
         known = self._instances
         if known is NONE or self._is_instance_moved:
             return
@@ -139,8 +141,9 @@ class SceneReader:
         return self._session_ids is not None and not self._tagged
 
     def read(self, scene: Scene, depsgraph: Depsgraph, exact: bool = False) -> Reading:
-        """The current scene in ``depsgraph``; ``exact``: including motions below the tolerance of
-        rest, as in a frame that does not follow the last one."""
+        """The scene in its current frame, as ``depsgraph`` has evaluated it. ``exact``: also
+        motions below the tolerance of rest count; so they do in any frame that is not the next
+        one."""
         exact = exact or scene.frame_current - self._frame not in (0, 1)
         self._exact, self._frame = exact, scene.frame_current
         ids = session_ids()
@@ -169,7 +172,9 @@ class SceneReader:
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
         heard = [
-            _with_regions(item, row, scene) if isinstance(item, Source) and item.triggers else item
+            _with_current_regions(item, row, scene)
+            if isinstance(item, Source) and item.triggers
+            else item
             for item, row in zip(self._placed, lists.of_places.tolist(), strict=True)
             if is_audible(item, now, duration)
         ]
@@ -190,12 +195,14 @@ class SceneReader:
             if self._instance_milliseconds
             else None,
             rebuilt=self._rebuilt,
-            authored=self._imported.authored(lists.homes, self._settled, self._contact_settings),
+            authored=self._imported.authored(
+                lists.file_poses, self._settled, self._contact_settings
+            ),
         )
 
     def _read_settings(self, scene: Scene) -> None:
-        """Read the settings if they have changed; otherwise keep the same objects, which collisions
-        recognise by identity."""
+        """Read the settings if they have changed; otherwise keep the same objects, because the
+        tracer takes a setting that is the same object for unchanged."""
         values = setting_values(scene)
         if values == self._values:
             return
@@ -253,17 +260,18 @@ class SceneReader:
             if leader != k:
                 carried[k] = leader
         if carried != self._parented.carried:  # else poses stay what they were to the last bit
-            self._parented = Parented(carried)
+            self._parented = ParentedPoses(carried)
 
     def _move_instances(self, depsgraph: Depsgraph) -> bool:
-        """Read where the instances are if they may have moved; False if all have to be read."""
+        """Update the matrices of the instances if they may have moved. Returns False if there are
+        others than before, so that everything has to be read."""
         self._instance_milliseconds = 0.0
         if not self._is_instance_moved or self._session_ids is None or self._lists is None:
             return True
         self._is_instance_moved = False
         started = perf_counter()
         matrices = self._instances.moved(depsgraph)
-        if matrices is None or not self._doubtful.isdisjoint(self._instances.shown):
+        if matrices is None or not self._unchecked.isdisjoint(self._instances.shown):
             return False
         known = self._lists.scales[-len(matrices) :]
         if _scaled(rigid_transforms(matrices)[1], known).any():
@@ -324,8 +332,14 @@ class SceneReader:
     def _read_changed(
         self, depsgraph: Depsgraph, raw: NDArray[np.float32], exact: bool
     ) -> TaggedLists:
-        """Read again what may have changed since the last frame: objects with animated properties,
-        another scale or an edited mesh, and the transforms of all. ``exact``: see `read`."""
+        """Read what may have changed since the last frame: the transforms of all objects, and all
+        of those with animated properties, another scale or an edited mesh.
+
+        Args:
+            depsgraph: with the evaluated scene.
+            raw: world matrices by row (n, 16).
+            exact: as of `read`.
+        """
         lists = self._lists or TaggedLists.of(self._tagged)
         raw_tagged = raw.take(lists.rows, axis=0)
         animated = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
@@ -347,22 +361,24 @@ class SceneReader:
             self._rigid = self._rigid.copy()  # the old array belongs to the last reading
             self._rigid[moved], scales = rigid_transforms(raw_tagged[moved])
         if len(moved):
-            self._parented.hold(self._rigid, exact)
+            self._parented.correct(self._rigid, exact)
             known = lists.scales[moved]
             rows |= set(lists.rows[moved[_scaled(scales, known)]].tolist())
         if lists is self._lists:
-            doubtful = self._doubtful | self._bone_parts.keys() if exact else self._doubtful
-            if doubtful and self._session_ids is not None:
+            unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
+            if unchecked and self._session_ids is not None:
                 objects = lists.rows[lists.rows < len(self._session_ids)]
                 own = self._session_ids[objects]
-                rows |= set(objects[np.isin(own, list(doubtful))].tolist())
+                rows |= set(objects[np.isin(own, list(unchecked))].tolist())
         changed = False
-        again = sorted(rows)
+        reread = sorted(rows)
         scales = (
-            rigid_transforms(raw[np.array(again, dtype=np.int64)])[1] if again else np.zeros((0, 3))
+            rigid_transforms(raw[np.array(reread, dtype=np.int64)])[1]
+            if reread
+            else np.zeros((0, 3))
         )
         switched = False
-        for row, scale in zip(again, scales, strict=True):
+        for row, scale in zip(reread, scales, strict=True):
             tagged = self._read_object(row, bpy.data.objects[row], depsgraph, scale)
             if tagged != self._tagged[row]:
                 switched |= (tagged.object is None) != (self._tagged[row].object is None)
@@ -379,7 +395,7 @@ class SceneReader:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
         if len(moved) or lists is not self._lists:
             self._transforms = self._rigid[lists.of_bodies]
-            settled = lists.homes.settle(self._transforms)
+            settled = lists.file_poses.snap(self._transforms)
             self._settled = self._settled if settled == self._settled else settled
             places = self._raw[lists.rows.searchsorted(lists.of_places), 12:15].tolist()
             self._placed = [
@@ -387,7 +403,7 @@ class SceneReader:
                 for place, item in zip(places, lists.places, strict=True)
             ]
         self._lists = lists
-        self._doubtful.clear()
+        self._unchecked.clear()
         return lists
 
     def _read_object(
@@ -487,11 +503,11 @@ class SceneReader:
         if (
             known is None
             or known[0] != key
-            or (session_id in self._doubtful and known[1] != mesh_checksum(obj, depsgraph))
+            or (session_id in self._unchecked and known[1] != mesh_checksum(obj, depsgraph))
         ):
             started = perf_counter()
             known = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
-            if session_id in self._doubtful and self._lists is not None:
+            if session_id in self._unchecked and self._lists is not None:
                 milliseconds = 1000 * (perf_counter() - started)
                 self._rebuilt = {**self._rebuilt, obj.name_full: milliseconds}
         self._shapes[session_id] = known
@@ -504,7 +520,7 @@ class SceneReader:
         measured where everything is read, not from frame to frame."""
         key = tuple(scale.tolist()), rest_checksum(obj, armature)
         known = self._bone_parts.get(obj.session_uid)
-        is_edited = obj.data is not None and obj.data.session_uid in self._doubtful
+        is_edited = obj.data is not None and obj.data.session_uid in self._unchecked
         if known is None or known[0] != key or is_edited:
             known = key, parts_at_rest(obj, armature, scale), np.zeros(()), None
         parts, motions, shape = known[1:]
@@ -522,8 +538,9 @@ class SceneReader:
         return shape
 
 
-def _with_regions(item: Source, row: int, scene: Scene) -> Source:
-    """The source of the object in that row of the file, with the current pose of its region."""
+def _with_current_regions(item: Source, row: int, scene: Scene) -> Source:
+    """``item``, the source of the object in ``row``, with the pose that the regions of its
+    *passing* triggers have in this frame."""
     source = bpy.data.objects[row].haptics.source
     kept, place = (
         stored_item(source.imported, "source").get("triggers") or (),
@@ -559,8 +576,8 @@ def edited_geometry(depsgraph: Depsgraph) -> set[int]:
 
 
 def _tagged_above(obj: Object, tagged: Container[int]) -> Object | None:
-    """The nearest ancestor of an object whose session id is among those ``tagged``, else the
-    farthest."""
+    """The nearest ancestor of an object whose session id is in ``tagged``; without one, its topmost
+    ancestor."""
     above = obj.parent
     while above is not None and above.session_uid not in tagged and above.parent is not None:
         above = above.parent
@@ -594,8 +611,8 @@ def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
 
 
 def _without_carrier(obj: Object, role: str) -> Problem:
-    """The problem of a source or listener that is on no haptic object; a single problem for all on
-    one armature."""
+    """The problem of a source or listener without a haptic object that carries it; the same one for
+    all on one armature, so that it is shown once."""
     above: Object | None = obj
     while above is not None and above.type != "ARMATURE":
         above = above.parent

@@ -34,8 +34,8 @@ _ABSENT = {
 def read_tables(
     scene: Scene, objects: Iterable[HapticObject]
 ) -> tuple[dict[str, Any], list[Problem]]:
-    """The tables of a scene of these haptic ``objects``, by the names of `ContactSettings`, and the
-    problems of their rows."""
+    """The tables of rules of a scene, by their names in `ContactSettings`, and the problems of
+    their rows. ``objects``: the haptic objects, which rows may name."""
     known = [(item.name, item.material) for item in objects] + [
         ("", item.name) for item in scene.haptics.materials.items
     ]
@@ -45,12 +45,12 @@ def read_tables(
         rules: list[Rule[Any]] = []
         for index, row in enumerate(islice(getattr(scene.haptics, table).items, MOST_ROWS)):
             between, faults = _between(row, known)
-            does, fault = read(row)
+            value, fault = read(row)
             problems += [
                 Problem("", message, (table, index)) for message in (*faults, fault) if message
             ]
             if between is not None:
-                rules.append(Rule(between, does))
+                rules.append(Rule(between, value))
         tables[table] = RuleTable(tuple(rules))
     return tables, problems
 
@@ -58,8 +58,8 @@ def read_tables(
 def _between(
     row: Any, known: Iterable[tuple[str, str]]
 ) -> tuple[tuple[Side, Side] | None, list[str]]:
-    """The sides that a row is for, None until they are chosen, and its faults where none of the
-    ``known`` names and materials fits."""
+    """The two sides of contacts that a row applies to, None until both are chosen, and the faults
+    of sides that fit none of the ``known`` names and materials."""
     chosen = [
         side
         for side in ((row.first_kind, row.first), (row.second_kind, row.second))

@@ -12,7 +12,7 @@ from ...core.contacts.surface_shape import SurfaceShape
 from ...core.contacts.tracker import STILL
 from ...core.frozen import frozen
 from ...core.scene.values import HapticObject, Listener, Pose, Source
-from .imported_contacts import Homes
+from .imported_contacts import FilePoses
 from .problem import Problem
 
 
@@ -49,7 +49,7 @@ class TaggedLists:
     bodies: tuple[Body, ...]
     hulls: Mapping[str, SurfaceShape]
     places: tuple[Source | Listener, ...]
-    homes: Homes
+    file_poses: FilePoses
     problems: tuple[Problem, ...]
 
     @classmethod
@@ -78,7 +78,10 @@ class TaggedLists:
         if before is not None:
             objects = before.objects if objects == before.objects else objects
             alone = before.bodies if alone == before.bodies else alone
-        homed = before is not None and (names, poses) == (before.homes.names, before.homes.poses)
+        same_poses = before is not None and (names, poses) == (
+            before.file_poses.names,
+            before.file_poses.poses,
+        )
         still = (
             before.still
             if before is not None and alone is before.bodies
@@ -99,7 +102,9 @@ class TaggedLists:
                 if t.object is not None and t.surface is not None and t.surface.deviation > 0
             },
             places=tuple(item for _, item in places),
-            homes=before.homes if before is not None and homed else Homes.of(names, poses),
+            file_poses=before.file_poses
+            if before is not None and same_poses
+            else FilePoses.of(names, poses),
             problems=tuple(dict.fromkeys(problem for t in tagged for problem in t.problems)),
         )
 

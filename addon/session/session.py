@@ -112,10 +112,10 @@ def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
     edited = None if depsgraph is None else edited_geometry(depsgraph)
     if edited is None or edited:
         for session in sessions.every():
-            session.reader.doubt_shapes(edited)
+            session.reader.recheck_shapes(edited)
     if depsgraph is not None:
         for session in sessions.every():
-            session.reader.doubt_instances(depsgraph)
+            session.reader.recheck_instances(depsgraph)
 
 
 def clear() -> None:
