@@ -47,8 +47,9 @@ def _with_all(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
 
 
 def _swept(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
-    """The same, each box that is not large with those alone that are as far along the axis of the
-    widest spread."""
+    """The overlapping pairs (2, p) of `overlapping_pairs`, by a sweep along the axis in which the
+    boxes spread most. Large boxes, which would be compared with nearly all in a sweep, are compared
+    with all."""
     axis = int((high.max(axis=1) - low.min(axis=1)).argmax())
     extent = high[axis] - low[axis]
     large = extent > _LARGE * max(float(np.median(extent)), 0.0)

@@ -86,9 +86,9 @@ def _farthest(offsets: FloatArray, count: int) -> IntArray:
 
 
 def convex_hull(points: FloatArray, tolerance: float = 0.0) -> Hull:
-    """The hull of ``points`` (n, 3), at least one. Points within 1e-9 of the extent of a face count
-    as lying in it. ``tolerance`` [m]: it is the hull of so many of the points that no other is
-    farther outside."""
+    """The convex hull of ``points`` (n, 3), at least one. Points within 1e-9 of the extent of a
+    face count as lying in it. ``tolerance`` [m]: distance up to which points may be outside, which
+    leaves out corners of a smooth surface."""
     points = np.unique(np.asarray(points, dtype=np.float64), axis=0)
     if len(points) > MAX_HULL_POINTS and tolerance == 0:
         points = extreme_points(points, MAX_HULL_POINTS)

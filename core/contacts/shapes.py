@@ -74,7 +74,7 @@ def pose_matrix(pose: Pose) -> FloatArray:
 
 
 def pose_matrices(poses: Sequence[Pose]) -> FloatArray:
-    """The same of several, (n, 4, 4)."""
+    """`pose_matrix` of several poses, (n, 4, 4)."""
     matrices = np.zeros((len(poses), 4, 4))
     matrices[:, :3, :3] = rotation_matrix([pose.rotation for pose in poses])
     matrices[:, :3, 3] = [pose.position for pose in poses]

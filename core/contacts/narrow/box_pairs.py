@@ -68,7 +68,8 @@ class BoxPairs:
         self._outline = table.outline[:, first]
 
     def chosen(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> Boxes | None:
-        """Those of the pairs that are of two single boxes."""
+        """The ``pairs`` (p, 2), placed as in `NarrowPhase`, whose bodies are both single boxes;
+        None without any."""
         first, second = pairs.T
         if self._all:
             rows = np.arange(len(pairs))
@@ -96,8 +97,8 @@ class BoxPairs:
         return Boxes(rows, rotation, offset, size_a[:3], size_b[:3], size_a[3], size_b[3])
 
     def clearances(self, boxes: Boxes) -> FloatArray:
-        """Separations (k,) along the best axes: lower bounds on the distances that are positive
-        only if those are."""
+        """Separations (k,) along the best axes [m]: lower bounds on the distances, positive exactly
+        where the boxes are apart."""
         return (
             best_axes(boxes.rotation, boxes.offset, boxes.half_a, boxes.half_b)[0]
             - boxes.radius_a

@@ -251,7 +251,7 @@ def _along_line(
 
     Args:
         centre: of the other face in units of the rectangle (3, p), as `overlap` takes it.
-        sides: its half edges (2, 3, p), likewise.
+        sides: its half edges (2, 3, p), in these units.
         line: direction of the line over the rectangle (2, p), of any length.
         slope: of the other face over the rectangle (p,).
         face: half edges of the rectangle (2, p) [m].

@@ -188,7 +188,7 @@ def separations(
     normal = (nearest[:, 1] - nearest[:, 0]) / np.where(apart, distance, 1.0)[:, None]
     if depths:
         for k in np.flatnonzero(~apart).tolist():
-            distance[k], normal[k], nearest[k] = _overlapping(
+            distance[k], normal[k], nearest[k] = _overlap(
                 first[k], second[k], rotation[k], offset[k]
             )
     else:
@@ -216,7 +216,7 @@ def separations(
         for k in curved[length - between > _CONFIRMED].tolist():
             # Occasionally FCL's nearest points are millimetres too far apart: the first body is
             # grown until the two overlap.
-            distance[k], normal[k], nearest[k] = _overlapping(
+            distance[k], normal[k], nearest[k] = _overlap(
                 first[k], second[k], rotation[k], offset[k], _GROWTH * distance[k]
             )
     return Separation(distance, normal.T.copy(), nearest[:, 0].T.copy(), nearest[:, 1].T.copy())
@@ -233,18 +233,18 @@ def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:
     return heights
 
 
-def _overlapping(
+def _overlap(
     a: Convex, b: Convex, rotation: FloatArray, offset: FloatArray, growth: float = 0.0
 ) -> tuple[float, FloatArray, FloatArray]:
-    """Signed distance, normal and deepest points (2, 3) of two bodies that overlap, the first grown
-    by ``growth`` metres.
+    """Signed distance (negative) [m], unit normal from first to second, and deepest points (2, 3)
+    of two bodies that overlap.
 
     Args:
         a: the first body, which stays where it is.
         b: the second body.
         rotation: of the second (3, 3).
         offset: of the second (3,) [m].
-        growth: metres by which the first is grown.
+        growth: by which the first is grown [m]; makes bodies overlap that hardly do.
     """
     own = a.placed(_UPRIGHT, np.zeros(3))
     first = (lambda way: own(way) + growth * way) if growth else own

@@ -83,8 +83,8 @@ class CoreDistances:
         return kinds in _CLOSED_FORMS or kinds == (Kind.BOX, Kind.BOX)
 
     def separated(self, rows: CorePairs, depths: bool = True) -> AxisSeparation:
-        """Separations of the cores of one group. Without ``depths``, some that overlap may be said
-        to be 0 apart."""
+        """Separations of the cores of one group. Without ``depths``, the distance of cores that
+        overlap may be 0."""
         if len(rows) == 0:
             empty = np.zeros((3, 0))
             return exact(Separation(np.zeros(0), empty, empty, empty))
@@ -113,6 +113,7 @@ class CoreDistances:
         return exact(_CLOSED_FORMS[first, second](a, b))
 
     def _separated_from_triangles(self, rows: CorePairs, kind: int) -> AxisSeparation:
+        """Separations of cores of one ``kind`` from the triangles they are paired with."""
         assert rows.triangle_b is not None
         if kind not in (Kind.POINT, Kind.SEGMENT, Kind.BOX):
             return exact(self.by_fcl(rows))

@@ -173,8 +173,17 @@ class CorePairing:
         reach: FloatArray,
         facing: Sequence[tuple[BoolArray, BoolArray]] | None,
     ) -> tuple[IntArray, IntArray, IntArray]:
-        """The same of the rows ``numbers`` (m,), all of the same two surfaces: the number of the
-        row and those of the triangles."""
+        """The pairs of triangles of `near_triangles` for rows that share the same two surfaces.
+
+        Args:
+            rows: pairs of surfaces.
+            numbers: which of them (m,).
+            reach: greatest distance for each of these (m,) [m].
+            facing: as of `near_triangles`.
+
+        Returns:
+            Number of the row, of the first and of the second triangle (n,).
+        """
         first, second = (
             self._surfaces[int(rows.first[numbers[0]])],
             self._surfaces[int(rows.second[numbers[0]])],

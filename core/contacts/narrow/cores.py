@@ -44,7 +44,8 @@ class Kind(IntEnum):
 
 
 class Size(IntEnum):
-    """The sizes of a core, which differ for a box with rounded edges."""
+    """The three sizes that a core may have, by what it meets. They differ only for a box with
+    rounded edges, see `Box.rounding`: a smaller box grown by the rounding."""
 
     USUAL = 0
     SHARP = 1  # where two boxes meet

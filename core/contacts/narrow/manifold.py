@@ -22,7 +22,7 @@ crates and the edges of stones are. So the patch of a body of 1 m hardly moves i
 1e-3 rad."""
 
 PATCH_GAP = 0.001
-"""The same for meshes: triangles further apart than this are not searched for."""
+"""Largest gap within a patch of a mesh [m]: triangles further apart are not searched for."""
 
 _LYING, _TIPPED = 0.002, 0.02
 """Slopes between two faces below which they lie on each other, and above which they touch along a
@@ -32,7 +32,7 @@ _EDGE_ON = 3e-9
 """Area of a polygon over the square of its extent up to which it is seen edge-on."""
 
 _LINE_GAP = 0.00005
-"""The same where faces touch along a line or at a point [m]."""
+"""Largest gap within a patch of faces that touch along a line or at a point [m]."""
 
 
 @frozen

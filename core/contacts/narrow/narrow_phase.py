@@ -156,7 +156,8 @@ class NarrowPhase:
     def directed_clearances(
         self, pairs: IntArray, rotation: FloatArray, offset: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """The same, and normals (3, p) from first to second."""
+        """`clearances` (p,), and the unit normals (3, p) from first to second bodies along which
+        they are measured."""
         found = self._boxes.directed_clearances(pairs, rotation, offset)
         if found is not None:
             return found
@@ -179,7 +180,8 @@ class NarrowPhase:
         return distance, normal
 
     def gaps(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> FloatArray:
-        """Distances (p,), 0 where bodies overlap: cheaper than to find out how deep."""
+        """Distances (p,) [m], 0 where bodies overlap. Cheaper than `query`, which finds the
+        depth."""
         distance = np.full(len(pairs), np.inf)
         for rows in self._pairing.groups(pairs, rotation, offset):
             if self._is_on_mesh(rows):

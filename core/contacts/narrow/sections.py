@@ -103,8 +103,8 @@ def reach(
 def _reach(
     normals: FloatArray, offsets: FloatArray, point: FloatArray, ways: FloatArray
 ) -> FloatArray:
-    """The same of one set of faces (f, 3), whose ``offsets`` (f, n) may differ. Directions in the
-    second half are those of the first, turned about."""
+    """`reach` of n bodies with the same normals (f, 3) of faces, at ``offsets`` (f, n), in
+    directions ``ways``; the second half of these is the negative of the first."""
     x, y, z = normals.T[:, :, None]
     room = np.maximum(offsets - (x * point[0] + y * point[1] + z * point[2]), _LEAST)
     half = np.ascontiguousarray(ways[:, : ways.shape[1] // 2].T)
