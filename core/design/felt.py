@@ -61,9 +61,14 @@ class Change:
 
 @frozen
 class Means:
-    """What may be changed: the gains of ``listeners`` up to `MOST_GAIN`, the amplitudes of ``loud``
-    sources, the frequencies of ``tuned`` ones, and ``materials``, of which the objects are given by
-    name."""
+    """What a plan may change.
+
+    Attributes:
+        listeners: names of those whose gain may change, up to `MOST_GAIN`.
+        loud: names of the sources whose amplitude may change.
+        tuned: names of the sources whose frequency may change.
+        materials: names of the objects made of each material that may change, by its name.
+    """
 
     listeners: frozenset[str] = frozenset()
     loud: frozenset[str] = frozenset()
@@ -73,9 +78,16 @@ class Means:
 
 @frozen
 class Plan:
-    """``changes`` that bring the margin of a listener from ``before`` to ``after`` [dB], and the
-    frame ``result`` as it is then. Without changes, ``after`` is what all means together would
-    reach."""
+    """Changes that make a listener feel more or less.
+
+    Attributes:
+        listener: its name.
+        before: its margin now [dB].
+        after: its margin after the changes, or without any, what all means together could reach
+            [dB].
+        changes: in the order in which they were found.
+        result: the frame after the changes.
+    """
 
     listener: str
     before: float
@@ -152,8 +164,9 @@ def _with_amplitude(
 def _with_frequency(
     result: FrameResult, column: int, missing: float, means: Means
 ) -> FrameResult | None:
-    """The frame with the frequency nearest to that of the strongest source at which enough is felt,
-    else with the one at which most is."""
+    """The frame with the strongest tunable source at another frequency: the one nearest to its
+    present frequency that brings the ``missing`` [dB], or else the one that brings most. None
+    without such a source."""
     row = _strongest(result, column, means.tuned)
     here = None if row is None else _frequency(result.sources[row])
     if row is None or here is None:

@@ -91,8 +91,8 @@ class ObjectTable:
         object.__setattr__(self, "_index", {name: i for i, name in enumerate(self.names)})
 
     def in_band(self, band: int) -> ObjectTable:
-        """The table whose plain gains are those of a frequency band; functions of another form keep
-        theirs. Returns itself if nothing differs."""
+        """A table with the gains of a frequency band in place of the plain ones; functions without
+        a closed form keep theirs. Returns itself if nothing differs."""
         if band not in self._in_bands:
             loss, decay = self.loss, self.decay
             with np.errstate(divide="ignore"):
@@ -403,8 +403,8 @@ def build_graph(
         table: the objects.
         contacts: between them, which number objects as the table does.
         sources: each on an object of the table.
-        listeners: likewise.
-        frames: centres and axes of the objects, numbered likewise; None where they are unknown.
+        listeners: each on an object of the table.
+        frames: centres and axes of the objects of the table; None where they are unknown.
         gravity: [m/s^2], from which the forces of resting contacts follow if a function uses them.
 
     Raises:
@@ -486,8 +486,7 @@ def build_graph(
 
 
 def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatArray | None:
-    """``reach`` of the ``count`` nodes of a graph, of which ``nodes`` are those of the
-    listeners."""
+    """`HapticGraph.reach` of ``count`` nodes; ``nodes``: those of the listeners."""
     radii = np.array(
         [listener.radius if listener.extent is Extent.STRONGEST else 0.0 for listener in listeners]
     )
@@ -501,8 +500,7 @@ def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatA
 def _points(
     listeners: Sequence[Listener], nodes: Sequence[int]
 ) -> tuple[tuple[int, ...], ...] | None:
-    """``points`` of a graph from the ``nodes`` of the listeners, their further points at the
-    end."""
+    """`HapticGraph.points`; ``nodes``: one for each listener, then those of all further points."""
     sizes = [len(points_in(listener)) for listener in listeners]
     if not any(sizes):
         return None
@@ -528,8 +526,9 @@ def _source_nodes(
 
 
 def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray]:
-    """Partner and contact of each node (n,), -1 if it has none; ``rank`` (n,): number of each node,
-    those of the contacts first."""
+    """Partner and contact (n,) of each node, -1 if it has none. ``rank`` (n,): the nodes' numbers,
+    first those of the ``count`` contacts' first nodes, then of their second nodes, then the
+    rest."""
     partner, contact = np.full((2, len(rank)), -1, dtype=np.int64)
     first, second = rank[:count], rank[count : 2 * count]
     partner[first], partner[second] = second, first

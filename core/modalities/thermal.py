@@ -26,7 +26,7 @@ between 100 and 10,000."""
 
 
 def joint_gain(values: Mapping[str, float]) -> float:
-    """``h_c / (h_c + k m)`` into an object of these values."""
+    """Gain ``h_c / (h_c + k m)`` of a contact into an object with these ``values``, by property."""
     drawn = math.sqrt(2.0 * values["exchange"] * values["conductivity"] / values["thickness"])
     return JOINT / (JOINT + drawn)
 

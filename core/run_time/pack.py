@@ -45,8 +45,16 @@ _TAIL = 0.05
 
 @dataclass(slots=True)
 class _Event:
-    """A blow or a one-shot: what is known about it, its ``voice`` and the samples since the
-    beginning of its frame, number ``first``."""
+    """A blow or a one-shot while it is recorded.
+
+    Attributes:
+        about: its row in the pack.
+        voice: in the last frame.
+        renderer: of this event alone.
+        first: number of the first sample in ``blocks``, that of the frame in which it begins.
+        blocks: samples (l, n) by frame.
+        is_over: whether it has ended.
+    """
 
     about: Mapping[str, Any]
     voice: Voice
@@ -56,7 +64,7 @@ class _Event:
     is_over: bool = False
 
     def follow(self, start: float, end: float, voice: Voice | None) -> None:
-        """Render the next frame; ``voice``: None once it has ended, from where on it is over."""
+        """Render the frame from ``start`` to ``end`` [s]; ``voice``: None where it has ended."""
         if not self.is_over:
             self.blocks.append(
                 self.renderer.render_frame(start, end, () if voice is None else (voice,))
@@ -186,7 +194,7 @@ class PackRecorder:
         }
 
     def _whole(self, event: _Event) -> FloatArray:
-        """The samples (l, n) of an event; what lasts beyond the frames has their last gains."""
+        """The samples (l, n) of an event. Its part after the last frame has that frame's gains."""
         voice = event.voice
         reached = voice.gains.reshape(len(voice.gains), -1).any(axis=1)
         late = 0.0 if voice.delays is None else voice.delays[reached].max(initial=0.0)

@@ -410,7 +410,7 @@ class Run:
             given: the contacts; None where they are found.
             struck: the impacts since the last step; None where they are found.
             source_positions: world positions by name that replace those on the objects [m].
-            listener_positions: likewise of listeners [m].
+            listener_positions: new positions of listeners by name [m].
         """
         self._step += 1
         transforms = self._poses[self._solid] if given is None else self._poses.copy()

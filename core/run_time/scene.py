@@ -91,8 +91,8 @@ class Scene:
     unknown: tuple[str, ...]
 
     def with_settings(self, **chosen: Any) -> Scene:
-        """The same scene with other settings of propagation, by their names in the file. Raises
-        ValueError.
+        """A copy of this scene with other settings of propagation, by their names in the file.
+        Raises ValueError.
 
         >>> scene.with_settings(mode="MN").gains()  # without attenuation
         {('drill', 'hand'): 1.0}

@@ -201,8 +201,8 @@ class Text(Declaration):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part(Declaration):
-    """A value that is defined, and checked, elsewhere: the definition ``ref`` of the schema; with
-    ``most``, a list of so many at most."""
+    """A value with its own definition ``ref`` in the schema, which also checks it; with ``most``, a
+    list of up to ``most`` of them."""
 
     ref: str
     most: int = 0

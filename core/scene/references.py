@@ -25,7 +25,8 @@ class PlacedError(ValueError):
 
 
 def meant(name: Any, known: Iterable[Any], words: str = ", did you mean {!r}?") -> str:
-    """The ``words`` with what of the ``known`` names is nearly ``name``; "" if none is."""
+    """A suggestion, the ``words`` with the one of the ``known`` names that is spelt most like
+    ``name``; "" if none is similar."""
     if not isinstance(name, str):
         return ""
     by_letters = {one.casefold(): one for one in known if isinstance(one, str)}

@@ -466,8 +466,8 @@ class Source:
     def moved(
         self, position: Iterable[float], second_position: Iterable[float] | None = None
     ) -> Source:
-        """The same source elsewhere; its second position is kept unless it is given. Raises
-        ValueError if a number is not finite."""
+        """A copy of this source at another position; the second one stays unless it is given.
+        Raises ValueError if a number is not finite."""
         second = (
             self.second_position
             if second_position is None
@@ -623,7 +623,8 @@ class Listener:
         return FullScale(self.full_scale, is_force) if self.full_scale else None
 
     def moved(self, position: Iterable[float]) -> Listener:
-        """The same listener elsewhere. Raises ValueError if a number is not finite."""
+        """A copy of this listener at another position. Raises ValueError if a number is not
+        finite."""
         return _with(self, position=_finite_vector("position", position))
 
 

@@ -73,8 +73,10 @@ def onsets(fluxes: FloatArray, hop: float, power: FloatArray) -> FloatArray:
 
 
 def _rises(middles: IntArray, amplitudes: FloatArray) -> IntArray:
-    """The millisecond near each of ``middles`` after which the amplitude stays above `_SHARE` of
-    its rise; only for those with a rise."""
+    """Where the rises near ``middles`` begin: the sample after which the amplitude stays above
+    `_SHARE` of the rise. Middles without a rise have none.
+
+    ``middles`` (m,): numbers of samples; ``amplitudes``: one a millisecond."""
     held = sliding_window_view(np.pad(amplitudes, (_PERIOD - 1, 0)), _PERIOD).max(axis=1)
     padded = np.pad(held, (_BEFORE, _AFTER))
     windows = sliding_window_view(padded, _BEFORE + _AFTER)[np.minimum(middles, len(amplitudes))]

@@ -76,8 +76,8 @@ class Struck(Modified, kind="struck"):
 
 @lru_cache(maxsize=128)
 def _analysed(template: Signal) -> tuple[float, float, NDArray[np.float32]]:
-    """The decay time of a template [s], and so many values a second of what a low-pass of first
-    order leaves of it below the corner: 128 kB for each second of a template, 2 MB at most."""
+    """The decay time of a template [s]; a rate [1/s]; and the template after a low-pass of first
+    order at `CORNER`, sampled at that rate (at most 2 MB, 128 kB per second of the template)."""
     rate = min(_FINE, _MOST / template.duration)
     samples = template.sample(0, max(round(template.duration * rate), 1), rate)
     energy = samples * samples

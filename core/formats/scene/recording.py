@@ -168,8 +168,8 @@ def states(
 def without_rubbing(
     scene: HapticScene, recording: Recording | None
 ) -> tuple[HapticScene, Recording | None]:
-    """The same without the sources of sliding and rolling, which the rules of the scene create
-    again."""
+    """A scene and its recording without the sources of sliding and rolling, because a run creates
+    them from the scene's rules."""
     begun = (
         [item for frame in recording.frames for item in frame.sources]
         if recording is not None

@@ -84,8 +84,8 @@ def read_function(
 
 
 def _placed(make: Callable[[Any], T], form: Mapping[str, Any], place: Place) -> T:
-    """What ``make`` returns for ``form``; its ValueError ``key: reason`` or ``key/key: reason``
-    becomes an error at that key of it."""
+    """Call ``make`` with a form. Its ValueError "key: reason" or "key/key: reason" becomes a
+    `PlacedError` at that key of the form, which is at ``place`` in the document."""
     try:
         return make(form)
     except PlacedError:

@@ -43,9 +43,9 @@ MOST_NAMED = 12
 LOST_LIMIT = 0.25
 """Share of the power that may be lost before replacing a file needs consent."""
 LEVEL_LIMIT = 3.0
-"""Change of level (dB) likewise."""
+"""Change of level [dB] above which replacing a file needs consent."""
 ONSET_LIMIT = 20.0
-"""Shift of onsets (milliseconds) likewise."""
+"""Shift of onsets [ms] above which replacing a file needs consent."""
 
 _BEFORE, _AFTER = 30, 120
 _RISE = 4.0

@@ -96,8 +96,8 @@ class WaveletBand:
     def summed(
         bands: Sequence[WaveletBand], take: Callable[[float], None]
     ) -> tuple[FloatArray, float]:
-        """The sum of bands and its sample rate, the highest of theirs. take: is told the bytes of
-        it before it is there."""
+        """The sum of bands, and its sample rate, the highest of the bands'. take: is called with
+        the number of bytes that the sum needs before they are allocated."""
         rate = max(band.rate for band in bands)
         for band in bands:
             take(16 * band.end * rate)

@@ -24,14 +24,14 @@ FUNCTIONS: dict[str, type[ModulationFunction]] = {
     cls.name: cls
     for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Expression, Physical)
 }
-"""Those of objects."""
+"""Propagation functions, of objects, by their names in files."""
 TRANSMISSIONS: dict[str, type[ModulationFunction]] = {
     **FUNCTIONS,
     **{cls.name: cls for cls in (Impedance, Resilient, NormalForce)},
 }
-"""Those of contacts."""
+"""Transmission functions, of contacts, by their names in files."""
 ALL_FUNCTIONS: dict[str, type[ModulationFunction]] = {**TRANSMISSIONS, Conduction.name: Conduction}
-"""Those of all modalities."""
+"""Functions of all modalities, by their names in files."""
 _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 
 

@@ -48,14 +48,14 @@ class Spreading:
 
     @classmethod
     def of(cls, laws: Sequence[Law]) -> Spreading | None:
-        """Those of objects; None if none of them has any."""
+        """The laws as arrays; None if waves spread in none of the objects."""
         if not any(law.exponent for law in laws):
             return None
         near, far = np.split(np.array(laws).T, [3])
         return cls(near, np.stack([near[2], *far]) if (far[1] > near[2]).any() else None)
 
     def at(self, index: IntArray | int) -> Spreading:
-        """Those of some of the objects or nodes."""
+        """The laws of some objects or nodes, by number."""
         return Spreading(self._near[:, index], None if self._far is None else self._far[:, index])
 
     def cost(self, distance: FloatArray) -> FloatArray:
