@@ -335,8 +335,16 @@ def _solved(
 def _doubts(
     name: str, values: FloatArray, errors: FloatArray, most: float, alone: bool, with_contact: bool
 ) -> tuple[Message, ...]:
-    """Parameters that the recordings do not determine; ``most``: damping of the object by its
-    material at the highest frequency."""
+    """Warnings of parameters that the recordings do not determine.
+
+    Args:
+        name: of the object.
+        values: as of `_solved`.
+        errors: their standard deviations.
+        most: loss of the path in the object at the highest frequency, for a damping of 1 [Np].
+        alone: whether the recordings can't tell damping and gain apart.
+        with_contact: whether the gain is that of a contact.
+    """
     doubts, loss = [], DECIBELS * float(values[0]) * most
     if alone:
         doubts.append(Message.of(Cause.FIT_ALIKE, object=name))

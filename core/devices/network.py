@@ -166,6 +166,15 @@ def _intiface_device(player: Player, device: Mapping[str, Any]) -> tuple[Profile
 def _encode_intiface(
     index: int, motors: Sequence[int], drive: Tones, transport: Transport, sequence: int
 ) -> Report:
+    """The message that drives the motors of a device of Intiface.
+
+    Args:
+        index: of the device.
+        motors: their indices.
+        drive: an amplitude for each motor.
+        transport: without an effect.
+        sequence: number of the report; gives the message its id.
+    """
     scalars = [
         {"Index": motor, "Scalar": round(amplitude, 3), "ActuatorType": "Vibrate"}
         for motor, amplitude in zip(motors, drive.amplitudes, strict=True)
@@ -200,6 +209,17 @@ def _family(
     interval: float = _INTERVAL,
     refresh: float = RESEND,
 ) -> RumbleFamily:
+    """A family of devices that a program in the network drives.
+
+    Args:
+        name: for users and files.
+        title: for menus.
+        channels: names of its motors.
+        encode: makes the report for a drive.
+        release: makes the reports that stop the device.
+        interval: least seconds between two reports.
+        refresh: seconds after which an unchanged drive is sent again.
+    """
     return RumbleFamily(
         name=name,
         title=title,

@@ -127,8 +127,17 @@ class Pacing(ABC):
         sequence: int,
         command_seconds: float,
     ) -> None:
-        """sequence: number of the first report. command_seconds: time for which a report drives the
-        device."""
+        """Begin with the reports that start the device.
+
+        Args:
+            profile: of the device.
+            family: of the device.
+            transport: by which it is connected.
+            actuation: turns samples into the drive of the motors.
+            adjustment: the user's settings.
+            sequence: number of the first report.
+            command_seconds: time for which a report drives the device [s].
+        """
         self.interval, self.lead = profile.interval(transport), 0.0
         self._family, self._actuation = family, actuation
         self._transport, self._sequence = transport, sequence
@@ -467,8 +476,16 @@ def pacing_of(
     adjustment: Adjustment,
     sequence: int = 0,
 ) -> Pacing:
-    """The pacing for the family. rate: samples per second of the blocks. sequence: number of the
-    first report."""
+    """The pacing for a family of devices.
+
+    Args:
+        profile: of the device.
+        family: of the device.
+        transport: by which it is connected.
+        rate: samples per second of the blocks.
+        adjustment: the user's settings.
+        sequence: number of the first report.
+    """
     if isinstance(family, RumbleFamily):
         return RumblePacing(profile, family, transport, rate, adjustment, sequence)
     return StreamPacing(profile, family, transport, rate, adjustment, sequence)

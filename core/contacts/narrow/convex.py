@@ -165,8 +165,15 @@ def separations(
     offset: FloatArray,
     depths: bool = True,
 ) -> Separation:
-    """Separations of pairs of bodies in the frame of the first, the second placed by ``rotation``
-    (3, 3, n) and ``offset`` (3, n). Without ``depths``, bodies that overlap have distance 0."""
+    """Separations of pairs of bodies, in the frames of the first ones.
+
+    Args:
+        first: first bodies (n,), which stay where they are.
+        second: second bodies (n,).
+        rotation: of the second bodies (3, 3, n).
+        offset: of the second bodies (3, n) [m].
+        depths: False: bodies that overlap have distance 0, which takes less time.
+    """
     import fcl
 
     request = fcl.DistanceRequest(enable_nearest_points=True)

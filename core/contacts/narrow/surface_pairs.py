@@ -137,8 +137,16 @@ class SurfacePairs:
         found: list[CoreContacts],
         corners: bool,
     ) -> None:
-        """Add the contacts of pairs of surfaces within ``limit`` (p,) of the pairs of bodies to
-        ``found``, and lower bounds on the others to ``distance`` (p,)."""
+        """Add the contacts of pairs of surfaces.
+
+        Args:
+            rows: pairs of cores, both of them surfaces.
+            limit: largest distance of a contact, of each pair of bodies (p,) [m].
+            distance: of each pair of bodies (p,) [m]: gets lower bounds where they are farther
+                apart.
+            found: contacts so far, which is added to.
+            corners: whether the outlines of the patches are wanted.
+        """
         # By number of the pair: how far its triangles may be from each other, and where one is in
         # the other, how much less their distance is than that of the surfaces.
         apart: dict[int, tuple[float, float]] = {}

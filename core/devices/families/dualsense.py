@@ -38,6 +38,16 @@ _SECOND_GENERATION = 0x0224
 def _report(
     transport: Transport, sequence: int, flag0: int, flag2: int, left: int, right: int
 ) -> Report:
+    """An output report of the controller.
+
+    Args:
+        transport: by which it is connected.
+        sequence: number of the report; four bits count.
+        flag0: first byte of flags, which say what of the report is valid.
+        flag2: third byte of flags.
+        left: amplitude of the left motor, 0 to 255.
+        right: amplitude of the right motor, 0 to 255.
+    """
     block = bytearray(47)
     block[0], block[2], block[3], block[38] = flag0, right, left, flag2
     if transport == "usb":

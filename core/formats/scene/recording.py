@@ -352,8 +352,17 @@ class SceneRecorder:
         names: Sequence[str],
         shots: Collection[Shot] = (),
     ) -> None:
-        """Add a frame; ``names`` of objects by the indices in ``contacts``, ``shots`` of sources
-        with triggers. Raises ValueError unless ``number`` ascends."""
+        """Add a frame. Raises ValueError unless ``number`` ascends.
+
+        Args:
+            number: of the frame.
+            objects: of the scene, with their poses in it.
+            sources: of the scene, without impacts.
+            listeners: of the scene.
+            contacts: of the frame.
+            names: of the objects by their numbers in ``contacts``.
+            shots: of sources with triggers.
+        """
         self._shots.update(shots)
         if self._frames and number <= self._frames[-1].number:
             raise ValueError(

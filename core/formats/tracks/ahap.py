@@ -121,7 +121,15 @@ def _write(
 def _continuous(
     amplitude: FloatArray, frequency: FloatArray, step: float, duration: float, error: float
 ) -> Iterator[dict[str, Any]]:
-    """Events of full intensity wherever there is vibration, each with its curves."""
+    """Events of full intensity wherever there is vibration, each with its curves.
+
+    Args:
+        amplitude: of the vibration (n,).
+        frequency: of the vibration (n,) [Hz].
+        step: seconds between two values.
+        duration: of the pattern [s].
+        error: tolerance within which keys of curves are redundant.
+    """
     largest = float(np.max(amplitude))
     sounding = np.append(amplitude > SILENCE * largest, False)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], sounding])))
@@ -150,6 +158,15 @@ def _continuous(
 def _event(
     kind: str, time: float, amplitude: float, frequency: float, duration: float | None = None
 ) -> dict[str, Any]:
+    """An event of a pattern.
+
+    Args:
+        kind: its type in the file.
+        time: at which it begins [s].
+        amplitude: 0 to 1.
+        frequency: [Hz].
+        duration: [s], None for a transient.
+    """
     parameters = [
         {
             "ParameterID": "HapticIntensity",

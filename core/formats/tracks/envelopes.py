@@ -91,11 +91,17 @@ def single_carrier(row: Row, fit: Fit) -> Carrier:
 def thinned_carrier(
     row: Row, low: float, high: float, most: float, bursts: Sequence[Burst] = ()
 ) -> Carrier:
-    """The samples as amplitude and frequency between ``low`` and ``high`` hertz, with at most
-    ``most`` keys of either a second.
+    """The vibration of a listener as a tone of changing amplitude and frequency.
 
-    The power is that which ``bursts`` leave of the samples'; the tolerance within which keys are
-    redundant is as small as that allows.
+    Its power is that of the samples less that of the bursts. Keys are as many as ``most`` allows:
+    the tolerance within which they are redundant is the least possible.
+
+    Args:
+        row: the samples.
+        low: lowest frequency [Hz].
+        high: highest frequency [Hz].
+        most: keys per second, each of amplitude and frequency.
+        bursts: that are written beside it.
     """
     step = max(SHORTEST_STEP, 1 / most)
     amplitude, frequency = vibration_envelope(row, step, bursts)
@@ -180,8 +186,16 @@ def joined(carriers: Iterable[Carrier], duration: float, fit: Fit) -> Carrier:
 
 
 def _between(before: float, after: float, gap: float, cycles: float, fit: Fit) -> float:
-    """The frequency in the middle of a gap of ``gap`` seconds that makes it last ``cycles``, up to
-    whole cycles."""
+    """The frequency [Hz] in the middle of a gap between two carriers, at which the signal in it
+    makes the cycles wanted, up to a whole number of them. Frequencies are linear between the three.
+
+    Args:
+        before: frequency at its beginning [Hz].
+        after: frequency at its end [Hz].
+        gap: [s].
+        cycles: wanted.
+        fit: with the limits of frequencies.
+    """
     if gap <= 0:
         return after
     near = gap / 2 * (before + after)
@@ -247,7 +261,15 @@ def _smoothed(
 def compare_steps(
     row: Row, listener: int, amplitudes: FloatArray, step: float, measured: Comparison
 ) -> None:
-    """Measure a listener's samples against ``amplitudes`` that hold for ``step`` seconds each."""
+    """Measure how faithful amplitudes are to a listener's samples.
+
+    Args:
+        row: the samples.
+        listener: its number.
+        amplitudes: as written, each of which holds for one step (n,).
+        step: [s].
+        measured: takes over the result.
+    """
     for first, samples in row.chunks(CHUNK // measured.thinning * measured.thinning):
         times = np.arange(first, first + len(samples), measured.thinning) / row.sample_rate
         measured.add(

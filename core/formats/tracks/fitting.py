@@ -173,7 +173,17 @@ def _fit_band(
     duration: float,
     fit: Fit,
 ) -> list[Carrier]:
-    """The carriers of one band between the grid points ``span``; z begins at ``origin`` seconds."""
+    """The carriers of one frequency band.
+
+    Args:
+        z: its analytic signal on the grid of the band (n,).
+        band: the band.
+        allowed: power at each point of the grid below which there is no carrier (n,).
+        origin: time at which ``z`` begins [s].
+        span: first and last point of the grid that belong to this part.
+        duration: of the track [s].
+        fit: limits and steps of the format.
+    """
     rate, centre = band.grid_rate, band.centre
     strength = _moving_mean(np.abs(z) ** 2, rate, np.arange(len(z)) / rate)
     # One more point on either side, so that the amplitude begins and ends near 0.

@@ -91,6 +91,16 @@ def _document(
     high: float,
     bursts: Sequence[Burst],
 ) -> dict[str, Any]:
+    """The document of a listener's file.
+
+    Args:
+        export: what is exported.
+        listener: the listener.
+        carrier: its vibration as a tone of changing amplitude and frequency.
+        low: frequency of the value 0 [Hz].
+        high: frequency of the value 1 [Hz].
+        bursts: its impacts.
+    """
     shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
     envelopes = {
         "amplitude": _amplitude_points(carrier, bursts),

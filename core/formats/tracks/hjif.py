@@ -126,6 +126,16 @@ def _channel(
     options: Mapping[str, Any],
     measured: Comparison,
 ) -> Iterator[str]:
+    """The lines of a listener's channel.
+
+    Args:
+        number: of the listener.
+        listener: the listener.
+        tracks: of all listeners.
+        devices: reference devices in the file.
+        options: of the export.
+        measured: takes over the decoded signal.
+    """
     part = body_part_of(listener)
     channel: dict[str, Any] = {
         "id": number,

@@ -186,6 +186,15 @@ def _feedback(
 def _document(
     export: TrackExport, tracks: Tracks, device: str, name: str, modes: dict[str, Any]
 ) -> dict[str, Any]:
+    """The document of a file for one device.
+
+    Args:
+        export: what is exported.
+        tracks: of all listeners.
+        device: its name in the format.
+        name: of the pattern.
+        modes: its modes of feedback, by the device's sides.
+    """
     length = math.ceil(tracks.duration * 1000 / INTERVAL) * INTERVAL
     layouts = {
         position: [

@@ -158,6 +158,16 @@ def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16", comment: str 
 
 
 def _header(channels: int, rate: int, width: int, code: int, count: int, info: bytes) -> bytes:
+    """The header of a WAV file in the extensible form.
+
+    Args:
+        channels: their number.
+        rate: samples per second.
+        width: bytes of a sample.
+        code: of the format of samples: 1 integer, 3 float.
+        count: number of samples in a channel.
+        info: further chunks before the samples.
+    """
     size = channels * count * width
     form = struct.pack(
         "<HHIIHHHHIH",

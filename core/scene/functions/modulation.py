@@ -142,10 +142,17 @@ class ModulationFunction(Declared):
         epsilon: float,
         contact: OnContact = None,
     ) -> FloatArray:
-        """Gains over ``distance`` (metres, >= 0, any shape). ``contact`` gives area (m^2), depth
-        (m), angle (rad) and, if it is used, force (N, NaN: unknown) of a contact, and match, the
-        gain due to the impedances of its two bodies. ``kappa``, ``rho`` and these values are
-        numbers or arrays of the shape of ``distance``."""
+        """Gains over distances.
+
+        Args:
+            distance: [m], 0 or more, of any shape.
+            kappa: of the object, a number or an array of the shape of ``distance``, as ``rho`` and
+                the values of ``contact``.
+            rho: of the object.
+            epsilon: the paper's least attenuation [1/m].
+            contact: None in an object. Of a contact: area [m^2], depth [m], angle [rad], if used
+                force [N] (NaN if unknown), and match, the gain by the impedances of the two bodies.
+        """
         pair = self.log_linear(0.0, 0.0, epsilon)
         assert pair is not None
         factor, decay = pair
