@@ -53,6 +53,16 @@ class Job:
         finish: Callable[[Job], list[Report]],
         undo: str = "",
     ) -> None:
+        """Prepare a job; nothing is run.
+
+        Args:
+            label: for the user.
+            total: number of steps of ``work``, for the progress.
+            work: the steps in Blender's thread.
+            finish: writes the files in another thread, and returns reports.
+            undo: name of the undo step of what the work changes in Blender's data, "" where it
+                changes nothing.
+        """
         self.label, self.total, self.done = label, max(total, 1), 0
         self.undo = undo
         """Name of the undo step of what the work changed in Blender's data, "" where it changed

@@ -123,8 +123,15 @@ def write_points(mapping: Any, places: FloatArray, kinds: Sequence[str] = ()) ->
 def shape_envelope(
     tree: NodeTree, attack: float, decay: float, sustain: float, release: float
 ) -> None:
-    """Draw an envelope of straight lines over the whole signal, which is extended if it is too
-    short; times in seconds, ``sustain`` from 0 to 1."""
+    """Draw an envelope of straight lines over a whole signal, which is extended if it is too short.
+
+    Args:
+        tree: the drawn signal.
+        attack: time from 0 to 1 [s].
+        decay: time from 1 to ``sustain`` [s].
+        sustain: 0 to 1.
+        release: time from ``sustain`` to 0 [s].
+    """
     tree.haptics.duration = max(tree.haptics.duration, attack + decay + release)
     hold = max(tree.haptics.duration - attack - decay - release, 0.0)
     corners = np.column_stack(

@@ -106,7 +106,8 @@ class EngineExport:
 
 
 def _authored(scene: HapticScene) -> HapticScene:
-    """A written frame without what the run time makes again: blows, sliding and rolling."""
+    """A written frame without the sources of blows, sliding and rolling, which a run makes by
+    itself."""
     return replace(
         scene,
         sources=tuple(

@@ -204,7 +204,15 @@ def _decoded(sound: Any) -> DecodedSound:
 
 
 def _volume(owner: Any, path: str, value: float, scene: Scene, end: float) -> float | Automation:
-    """A volume, over the scene's time until ``end`` [s] if it is animated."""
+    """A volume, over the scene's time if it is animated.
+
+    Args:
+        owner: datablock that has it.
+        path: its data path.
+        value: its current value.
+        scene: gives the frames.
+        end: up to which it is needed [s].
+    """
     curve = next(
         (
             curve

@@ -200,8 +200,16 @@ def _means(
     frequencies: bool,
     materials: bool,
 ) -> felt.Means:
-    """What may be changed of the listeners ``names`` and of all sources and materials: what is
-    editable and not animated."""
+    """What may be changed: all of the following that is editable and not animated.
+
+    Args:
+        scene: with the library of materials.
+        traced: the current frame.
+        names: of the listeners whose gains may change.
+        amplitudes: whether those of sources may change.
+        frequencies: whether those of sources may change.
+        materials: whether materials may change.
+    """
     result, library = traced.result, scene.haptics.materials.items
     known = {item.name for item in result.listeners}
     free: dict[str, tuple[str, ...]] = {}

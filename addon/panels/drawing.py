@@ -102,8 +102,8 @@ def draw_properties(layout: UILayout, owner: Any, *names: str) -> None:
 def draw_held(
     layout: UILayout, owner: Any, cls: type, **own: Callable[[UILayout], None] | None
 ) -> None:
-    """Draw the properties that ``owner`` has of the fields of ``cls``, in the order of the fields:
-    some by functions of their ``own``, and not those with None, which stand elsewhere."""
+    """Draw those properties of ``owner`` that hold fields of ``cls``, in the order of the fields.
+    ``own``: functions that draw some of them in another way, or None for those drawn elsewhere."""
     for key, name in owner.held.get(cls, {}).items():
         draw = own.get(key)
         if draw is not None:

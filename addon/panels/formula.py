@@ -27,7 +27,16 @@ def draw_parameters(
     layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float, on_contact: bool = False
 ) -> None:
     """Draw the parameters of the chosen function; a formula takes the whole width and shows its
-    fault."""
+    fault.
+
+    Args:
+        layout: to draw into.
+        group: properties of the function.
+        kappa: for which a formula is checked.
+        rho: for which a formula is checked.
+        epsilon: for which a formula is checked.
+        on_contact: whether it is a function of contacts.
+    """
     if group.function == "expression":
         row = layout.row()
         row.use_property_split = False

@@ -26,8 +26,8 @@ class Hint:
 
 
 def next_step(scene: Scene) -> Hint | None:
-    """The next step towards a listener, whose summary says the rest; None if there is one, or if
-    the first frame is being traced."""
+    """What to do next, until there is a listener, of which the summary says everything else; None
+    then, or while the first frame is traced."""
     if not scene.haptics.tracing:
         return Hint(iface_("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
     traced = sessions.shown(scene)
@@ -52,8 +52,8 @@ def next_step(scene: Scene) -> Hint | None:
 
 
 def of_units(scene: Scene) -> Hint | None:
-    """What to decide about the unit scale; None if it is used, and bodies fall about as on
-    Earth."""
+    """What the user should decide about the unit scale; None if it is used and gravity is about
+    that of Earth."""
     haptics, units = scene.haptics, scene.unit_settings
     if not roles.is_any_tagged(scene):
         return None

@@ -31,7 +31,7 @@ def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
 
 
 def draw_lines(layout: UILayout, text: str, icon: str = "NONE", most: int = 99) -> int:
-    """Draw a sentence in at most so many lines. Returns how many they are."""
+    """Draw a sentence in at most ``most`` lines. Returns their number."""
     found = lines(text[:1].upper() + text[1:], content_width() - (ICON if icon != "NONE" else 0.0))
     if len(found) > most:
         found = (*found[: most - 1], found[most - 1] + ELLIPSIS)

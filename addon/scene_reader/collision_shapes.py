@@ -177,7 +177,7 @@ def _surface_shape(
         triangles: (t, 3) as bytes.
         surface: what of the mesh touches others.
         tolerance: as of `surface_shape` [m].
-        sunk_in: likewise [m].
+        sunk_in: as of `surface_shape` [m].
     """
     points, corners = (
         np.frombuffer(vertices).reshape(-1, 3),

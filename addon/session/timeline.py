@@ -61,7 +61,8 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
 def steps(
     scene: Scene, start: int, end: int, listeners_may_change: bool = False, looks_back: bool = True
 ) -> Generator[Step, None, None]:
-    """The same, with the next frame as the scene's current one.
+    """Trace the frames ``start`` to ``end`` in order. As each is yielded, the next one is already
+    the scene's current frame; the scene's frame is not restored.
 
     Args:
         scene: to trace.

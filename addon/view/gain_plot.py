@@ -43,9 +43,15 @@ class Curve:
 def gain_curve(
     function: ModulationFunction, kappa: float, rho: float, epsilon: float, count: int = 128
 ) -> Curve:
-    """The curve up to a round distance at which the gain reaches `_FAINT`, at most 100 metres.
+    """The gain of a function over distance, up to a round distance at which it falls to `_FAINT`,
+    at most 100 metres. Raises ValueError if an expression gives no valid gain.
 
-    Raises ValueError if an expression gives no valid gain.
+    Args:
+        function: of an object.
+        kappa: of the object.
+        rho: of the object.
+        epsilon: the paper's least attenuation [1/m].
+        count: number of points.
     """
     probe = np.array([0.0, *_LENGTHS])
     gains = function.gain(probe, kappa, rho, epsilon)

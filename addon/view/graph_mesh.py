@@ -149,7 +149,16 @@ def _add_annotations(
     projection: FloatArray,
     size: tuple[int, int],
 ) -> None:
-    """Labels and legend on a plane in front of the camera, parented to it."""
+    """Add labels and legend on a plane in front of the camera, parented to it.
+
+    Args:
+        collection: to which it is added.
+        items: labels and legend [pixels].
+        scale: pixels per point.
+        camera: the scene's.
+        projection: matrix of the camera (4, 4).
+        size: of the picture [pixels].
+    """
     clip_start = camera.data.clip_start
     distance = _FRONT * clip_start * 0.5
     orthographic = projection[3, 3] == 1

@@ -43,7 +43,7 @@ class Hud:
     bounds: tuple[Rectangle, ...] = ()
 
     def moved(self, right: float, up: float) -> Hud:
-        """The same, moved to the right and up by some pixels."""
+        """A copy, moved to the ``right`` and ``up`` by so many pixels."""
         by = np.array([right, up, 0], dtype=np.float32)
         return Hud(
             replace(self.lines, position=self.lines.position + by),
@@ -102,8 +102,15 @@ class HudBuilder:
         radius: float,
         right: Sequence[float] | None = None,
     ) -> None:
-        """A rectangle; ``radius`` of its corners in points; ``right``: the colour at the right end
-        if it differs."""
+        """Add a rectangle with rounded corners.
+
+        Args:
+            low: lower left corner [pixels].
+            high: upper right corner [pixels].
+            colour: RGBA.
+            radius: of its corners [points].
+            right: colour at its right end if that differs.
+        """
         self._strokes.append(
             (
                 *low,

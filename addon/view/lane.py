@@ -53,10 +53,20 @@ class _Range:
 
 
 class _View(NamedTuple):
-    """What the lane of a region is made from beside the waves: the number of the last stored frame,
-    the identities of the waves, the region's size [pixels], pixels per point, the frames at its
-    edges, names that always have a row, colours, whether waves are drawn in place of levels, the
-    one-shots, and the language."""
+    """All that the lane of a region depends on: it is drawn anew when one of these differs.
+
+    Attributes:
+        kept: number of the last frame whose samples are stored.
+        waves: identities of the waves.
+        size: of the region [pixels].
+        scale: pixels per point.
+        frames: at the left and right edge.
+        first: names that always have a row.
+        colours: of the theme.
+        wave: whether waves are drawn in place of levels.
+        marks: one-shots.
+        locale: language of the interface.
+    """
 
     kept: int | None
     waves: tuple[int, ...]
@@ -268,7 +278,15 @@ def _lane(sources: tuple[Waves, ...], view: _View) -> _Shown:
 
 
 def _bands(waves: Waves, rows: tuple[Row, ...], parts: Any, edges: FloatArray, wave: bool) -> Any:
-    """Kind, rows, and low and high ends (r, c) of everything that is drawn of some waves."""
+    """What is drawn of some waves: kind of band, rows, and lower and upper ends (r, c) in them.
+
+    Args:
+        waves: of listeners and sources.
+        rows: of the lane.
+        parts: the columns of the waves.
+        edges: of the columns (c + 1,), in frames.
+        wave: whether waves are drawn in place of levels.
+    """
     own = [row for row in rows if row.name in waves.sources and row.is_source]
     if own:
         levels = np.array([waves.sources[row.name] for row in own])

@@ -37,7 +37,7 @@ class Row(NamedTuple):
 
 
 class Colours(NamedTuple):
-    """Those of the theme: the ground of a row, texts, sources and listeners."""
+    """Colours of the theme, RGBA: of the ground of a row, texts, sources and listeners."""
 
     ground: tuple[float, ...]
     ink: tuple[float, ...]

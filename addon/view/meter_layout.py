@@ -173,8 +173,15 @@ def _layout(
     names: float,
     body: bool,
 ) -> _Layout | None:
-    """The elements that fit into ``room`` [points] if the longest name takes ``names``; None if not
-    even two listeners fit."""
+    """The elements of the meters that fit into the room; None if not even two listeners do.
+
+    Args:
+        levels: of the listeners.
+        scope: of the watched listener, None without one.
+        room: width and height [points].
+        names: width of the longest name [points].
+        body: whether the figures are wanted.
+    """
     columns = _Columns.within(room[0] - 2 * PADDING, names)
     rows = min(int((room[1] - 2 * PADDING) / ROW) - 1, MOST_ROWS)
     if columns is None or not levels or rows < min(len(levels), 2):
@@ -326,8 +333,16 @@ def add_body(
     parts: Mapping[str, Level],
     spots: Sequence[Spot],
 ) -> None:
-    """Two figures of ``height`` points, from the front and from behind; parts with a listener and
-    actuators light up by their level."""
+    """Draw a figure from the front and one from behind; parts with a listener and actuators light
+    up by their level.
+
+    Args:
+        builder: collects the elements.
+        corner: lower left corner of both [pixels].
+        height: of the figures [points].
+        parts: levels by body part.
+        spots: actuators.
+    """
     scale = builder.scale
     unit = height / HEIGHT * scale
     x, y = corner

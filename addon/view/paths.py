@@ -80,9 +80,9 @@ def path_of(scene: Scene) -> Latest[ListenerPath | None] | None:
 
 
 def rows(path: ListenerPath, by_loss: bool = False) -> list[Row]:
-    """The table of a path: what is added from the source's amplitude to the level and the margin,
-    rounded to tenths such that the rounded rows add up to the rounded sums, too. ``by_loss``:
-    objects by their losses, the largest first. What adds nothing after the objects is left out."""
+    """The table of a path: decibels that add up from the source's amplitude to the level and the
+    margin, in tenths that add up exactly. Rows of 0 dB after the objects are left out. ``by_loss``:
+    objects are sorted by their losses, the largest first."""
     fall = path.fall
     hops = sorted(fall.hops, key=lambda hop: -hop.loss) if by_loss else fall.hops
     way = [

@@ -339,7 +339,15 @@ def _points(
     pairs: BoolArray,
 ) -> Points:
     """Points of contacts, listeners and sources, in this order. Contacts off the best paths of
-    selected listeners are dimmed."""
+    selected listeners are dimmed.
+
+    Args:
+        result: the frame.
+        spreading: strongest arrival at each node, which colours contacts.
+        scale: of the colours.
+        options: what is shown and selected.
+        pairs: whose paths are drawn (s, l).
+    """
     shown = np.ones(result.graph.node_count, dtype=np.bool_)
     if options.listeners:
         shown[:] = False

@@ -61,7 +61,15 @@ def grips() -> dict[str, tuple[Any, Any]]:
 
 
 def vibrate(action_set: str, hand: str, amplitude: float, frequency: float, seconds: float) -> bool:
-    """Let a controller vibrate from now on. Returns whether the session accepted that."""
+    """Let a controller vibrate from now on. Returns whether the session accepted that.
+
+    Args:
+        action_set: that has the action.
+        hand: left or right.
+        amplitude: 0 to 1.
+        frequency: [Hz].
+        seconds: how long.
+    """
     duration = seconds * _UNITS_PER_SECOND.get(bpy.app.version[:2], 1.0)
     return bool(
         session_state().haptic_action_apply(

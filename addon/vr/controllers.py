@@ -68,8 +68,8 @@ def hands() -> Hands | None:
 
 
 def use_hands(wanted: bool) -> None:
-    """Let the controllers play what two hands at their places feel, or again what the listeners of
-    the scene do."""
+    """Let the controllers play what two hands that touch the scene feel, or if not ``wanted`` what
+    the scene's listeners feel."""
     before, _state.hands = _state.hands, Hands() if wanted else None
     _state.take = None
     if before is not None:

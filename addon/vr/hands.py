@@ -110,9 +110,17 @@ def frame_of(
     number: int,
     continuous: bool = True,
 ) -> Frame:
-    """The frame of the session with this number at ``time`` [s]: the scene as it was read last,
-    with its bodies at ``transforms``, and the hands, who alone feel. One-shots belong to the
-    timeline and are left out."""
+    """The frame of a session: the scene as it was read last, and the hands, which alone feel.
+    One-shots belong to the timeline and are left out.
+
+    Args:
+        reading: of the scene.
+        transforms: of its bodies now (n, 4, 4).
+        grips: poses of the hands that are held.
+        time: of the frame [s].
+        number: of the frame.
+        continuous: whether it follows the last one.
+    """
     hands = [
         (hand, name, body, Pose(*grips[hand]))
         for (hand, name), body in zip(NAMES.items(), BODIES, strict=True)
@@ -138,8 +146,9 @@ def frame_of(
 
 @dataclass(slots=True)
 class Glide:
-    """The bodies of a scene between two frames of the timeline, of which there are fewer than of
-    the session: a frame of the timeline late, so that their speeds are right."""
+    """Interpolates the bodies of a scene between two frames of the timeline, because a session has
+    more frames than the timeline. They are one frame of the timeline late, so that both ends are
+    known and their speeds are right."""
 
     before: FloatArray = field(default_factory=lambda: np.zeros((0, 4, 4)))
     after: FloatArray = field(default_factory=lambda: np.zeros((0, 4, 4)))
@@ -148,8 +157,8 @@ class Glide:
     seconds: float = 0.0
 
     def at(self, transforms: FloatArray, frame: int | None, time: float) -> tuple[FloatArray, bool]:
-        """The transforms at ``time`` [s], and whether they continue those before. transforms: those
-        read last. frame: of the timeline; None while it stands."""
+        """The transforms at ``time`` [s], and whether they continue the last ones. transforms: as
+        read last. frame: of the timeline, None while it does not play."""
         continues = True
         if transforms is not self.after:
             continues = (
