@@ -72,6 +72,15 @@ def _is_there(path: Path, origin: Origin, number: int) -> bool:
 
 
 def _baked(scene: Scene, origin: Origin, number: int, start: int, progress: str = "bar") -> Part:
+    """Trace the frames of a part of a bake.
+
+    Args:
+        scene: to trace.
+        origin: what the part belongs to.
+        number: of the part, from 1.
+        start: first frame that is traced, before the part itself.
+        progress: how progress is shown.
+    """
     first, last = origin.range_of(number)
     before, heard, rate = "", [], 0.0
     provenance: Mapping[str, Any] | None = None

@@ -33,7 +33,16 @@ def check_matplotlib() -> None:
 def write_picture(
     name: str, tracks: Tracks, written: registry.Written, folder: Path, stem: str
 ) -> Path | None:
-    """Write ``<stem>.<name>.png``; None for a format that cannot be decoded, or not by listener."""
+    """Write a picture of what a format keeps of each listener; None for a format that cannot be
+    decoded, or not by listener.
+
+    Args:
+        name: of the format.
+        tracks: that were exported.
+        written: its files.
+        folder: of the picture.
+        stem: of its name, ``<stem>.<name>.png``.
+    """
     readable = [
         path
         for path in written.files

@@ -105,11 +105,18 @@ def bake_ride(
     progress: Callable[[int], None] = lambda frame: None,
     variations: Sequence[Variation] = (),
 ) -> tuple[Ride, tuple[tuple[Variation, Ride], ...]]:
-    """Trace the frames ``first`` to ``last`` of the mine ride and render each in `MODES`, and under
-    each variation.
+    """Trace frames of the mine ride and render each in `MODES`, and under each variation. Raises
+    ValueError if a frame cannot be traced.
 
-    ``progress`` is called with the number of every frame. Raises ValueError if a frame cannot be
-    traced.
+    Args:
+        scene: the ride.
+        first: first frame.
+        last: last frame.
+        progress: is called with the number of every frame.
+        variations: of the ride.
+
+    Returns:
+        The ride, and the ride under each variation.
     """
     scene.haptics.mode = "HT"
     if scene.rigidbody_world is not None:

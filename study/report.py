@@ -108,9 +108,18 @@ def write_report(
     varied: Sequence[tuple[Variation, Ride]] = (),
     rides: Mapping[str, Ride] = NONE,
 ) -> None:
-    """Write the report. ``figures``: title, caption and PNG; ``pictures``: PNG by frame; ``notes``:
-    missing parts and the reasons; ``varied``: the ride under variations; ``rides``: with other
-    materials, by way."""
+    """Write the report as a page.
+
+    Args:
+        path: of the page.
+        ride: what it is about.
+        checks: what was checked, and the results.
+        figures: title, caption and PNG.
+        pictures: PNG by frame.
+        notes: missing parts, and why.
+        varied: the ride under variations.
+        rides: the ride with other ways to choose materials, by way.
+    """
     body = [
         "<h1>The study's ride, rendered in four ways</h1>",
         f"<p>Frames {ride.frames[0]} to {ride.frames[-1]} of the mine ride "

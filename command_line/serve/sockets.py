@@ -79,6 +79,16 @@ class Door:
         origins: Sequence[str],
         heard: Callable[[Conversation], None],
     ) -> None:
+        """Prepare; `listen` makes the server.
+
+        Args:
+            scene: that is played, None if clients bring theirs.
+            stage: the devices, None without any.
+            host: address at which it listens.
+            token: as of the class.
+            origins: of web pages that may connect.
+            heard: is called with each conversation.
+        """
         self._scene, self._stage, self._token, self._heard = scene, stage, token, heard
         self._origins = origins
         self.host = host
