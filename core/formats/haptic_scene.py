@@ -46,8 +46,8 @@ def loss(export: Export, options: Mapping[str, Any]) -> Iterator[str]:
         yield f"{wav.ROUNDING} in the tracks"
 
 
-def keeps(options: Mapping[str, Any]) -> Measures | None:
-    """What the file keeps of the rendered tracks."""
+def measures(options: Mapping[str, Any]) -> Measures | None:
+    """How the tracks in the file can be compared with the rendered ones; None without any."""
     return None if options["tracks"] == "none" else Measures(Kind.SAMPLES)
 
 

@@ -1,7 +1,7 @@
 """Writes and reads all formats by name.
 
 A format is an entry of `io.catalogue` and a module with ``write(export, folder, options,
-measured)``, ``loss(export, options)`` and ``keeps(options)``; one that can be imported also has
+measured)``, ``loss(export, options)`` and ``measures(options)``; one that can be imported also has
 ``read(path)``.
 """
 
@@ -80,7 +80,7 @@ def write(
     module, values = _module(form), complete(form.options, chosen)
     lost = tuple(module.loss(export, values))
     with staging(Path(folder)) as place:
-        measures = module.keeps(values)
+        measures = module.measures(values)
         has_tracks = export.tracks is not None and len(export.tracks.listeners) > 0
         measured = (
             Comparison(export.need_tracks(), measures, progress)

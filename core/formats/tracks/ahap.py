@@ -69,8 +69,8 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     )
 
 
-def keeps(options: Mapping[str, Any]) -> Measures:
-    """What the files keep."""
+def measures(options: Mapping[str, Any]) -> Measures:
+    """How the files can be compared with the tracks."""
     return Measures(Kind.SPECTRUM, LOWEST, HIGHEST)
 
 

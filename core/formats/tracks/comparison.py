@@ -54,7 +54,7 @@ _SILENT = 1e-12
 
 
 class Kind(enum.Enum):
-    """The aspect of a vibration that a format keeps."""
+    """The aspect of a vibration that a format keeps, by which its files are compared."""
 
     SAMPLES = "samples"  # every sample, rounded: only the error and the level are measured
     WAVE = "wave"  # the samples themselves: their difference is an error
@@ -64,7 +64,8 @@ class Kind(enum.Enum):
 
 @frozen
 class Measures:
-    """The kind of data that a format keeps, and its range of frequencies (hertz)."""
+    """How files of a format are compared with the tracks: by what aspect of the vibration, and from
+    ``low`` to ``high`` hertz."""
 
     kind: Kind
     low: float = 0.0

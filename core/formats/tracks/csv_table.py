@@ -31,7 +31,7 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     yield "impacts as such"
 
 
-keeps = wav.keeps
+measures = wav.measures
 
 
 def write(

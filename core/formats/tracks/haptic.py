@@ -47,8 +47,8 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     yield "the strength of players: amplitude and frequency are shares of what an actuator can do"
 
 
-def keeps(options: Mapping[str, Any]) -> Measures:
-    """What the files keep."""
+def measures(options: Mapping[str, Any]) -> Measures:
+    """How the files can be compared with the tracks."""
     return Measures(Kind.SPECTRUM if options["points"] else Kind.WAVE, *_range(options))
 
 

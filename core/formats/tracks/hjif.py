@@ -56,8 +56,8 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def keeps(options: Mapping[str, Any]) -> Measures:
-    """What the file keeps."""
+def measures(options: Mapping[str, Any]) -> Measures:
+    """How the file can be compared with the tracks."""
     return Measures(Kind.WAVE, EDGES[0], EDGES[-1])
 
 

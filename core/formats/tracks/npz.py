@@ -23,7 +23,7 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     yield from wav.loss(export, {"encoding": "float32", "sample_rate": 0})
 
 
-keeps = wav.keeps
+measures = wav.measures
 
 
 def write(

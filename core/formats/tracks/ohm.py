@@ -29,7 +29,7 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
         yield f"names beyond 32 bytes: {', '.join(long)}"
 
 
-keeps = wav.keeps
+measures = wav.measures
 
 
 def write(

@@ -106,8 +106,8 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
         yield f"listeners where no device is worn: {', '.join(absent)}"
 
 
-def keeps(options: Mapping[str, Any]) -> Measures:
-    """What the files keep."""
+def measures(options: Mapping[str, Any]) -> Measures:
+    """How the files can be compared with the tracks."""
     return Measures(Kind.LEVEL)
 
 

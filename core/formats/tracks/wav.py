@@ -53,8 +53,8 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
         yield f"what lies above {options['sample_rate'] / 2:g} Hz"
 
 
-def keeps(options: Mapping[str, Any]) -> Measures:
-    """What the files keep."""
+def measures(options: Mapping[str, Any]) -> Measures:
+    """How the files can be compared with the tracks."""
     return Measures(Kind.SAMPLES)
 
 

@@ -41,8 +41,8 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     )
 
 
-def keeps(options: Mapping[str, Any]) -> Measures:
-    """What the page keeps."""
+def measures(options: Mapping[str, Any]) -> Measures:
+    """How the page can be compared with the tracks."""
     return Measures(Kind.WAVE, 0.0, HIGHEST)
 
 

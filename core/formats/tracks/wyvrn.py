@@ -61,8 +61,8 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
             yield f"that {', '.join(names)} are different places: {target}, {side} is one target"
 
 
-def keeps(options: Mapping[str, Any]) -> Measures:
-    """What the clips keep."""
+def measures(options: Mapping[str, Any]) -> Measures:
+    """How the clips can be compared with the tracks."""
     return Measures(Kind.WAVE, BANDS[0].low, BANDS[-1].high)
 
 
