@@ -84,9 +84,18 @@ class Frame:
 
 @frozen
 class Collisions:
-    """Collisions of one frame. ``sources``: temporary sources of triggers (``shots``), of active
-    impacts, and of sliding and rolling. ``frames``: the frames of reference of the objects, None if
-    propagation does not need them. ``start`` [s]: that of the frame if its impacts are restored."""
+    """Collisions of one frame.
+
+    Attributes:
+        contacts: between objects, by their numbers in the table.
+        frames: frames of reference of the objects, None if propagation does not need them.
+        impacts: that began in this frame.
+        sources: temporary sources of triggers, active impacts, and of sliding and rolling.
+        statistics, milliseconds: work and time by stage.
+        warnings: about objects.
+        start: time at which the frame begins [s], known if its impacts are restored.
+        shots: the active one-shots, which are among the sources.
+    """
 
     contacts: ContactSet
     frames: ObjectFrames | None = None
@@ -222,7 +231,7 @@ class CollisionDetector:
         tracker = self._follow(frame.bodies, frame.anew)
         numbering = self._numbering(frame.bodies, table)
         self._sources.renumber(numbering.row)
-        kept = None
+        kept = None  # the stored impacts of this frame, where they are restored
         if retrace:
             tracker = copy.copy(tracker)
             tracker.reset()

@@ -15,7 +15,7 @@ _stepped: list[int] = []
 
 
 def is_suspended() -> bool:
-    """True inside `suspended`."""
+    """Whether handlers are to do nothing, inside `suspended`."""
     return bool(_suspended)
 
 
@@ -25,7 +25,8 @@ def suspended() -> AbstractContextManager[None]:
 
 
 def is_stepped(scene: Scene) -> bool:
-    """True inside `stepped`."""
+    """Whether the add-on steps through the frames of this scene, as a bake does: inside
+    `stepped`."""
     return scene.session_uid in _stepped
 
 

@@ -45,7 +45,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     if is_suspended() or depsgraph.mode == "RENDER" or not _is_concerned(scene):
         return
     sessions.evaluation_ends()
-    if is_stepped(scene):
+    if is_stepped(scene):  # by a bake, an export or a script: every frame, whatever the settings
         session.begin(scene, depsgraph)
         return
     try:
@@ -120,7 +120,7 @@ def trace_opened() -> None:
 
 @persistent
 def animation_playback_post(*_: Any) -> None:
-    """The timeline stands again: trace the frame that a baked track was played to."""
+    """Playback has stopped: trace the frame at which a baked track was played last."""
     _trace_soon()
 
 
@@ -174,14 +174,14 @@ def _is_ready(scene: Scene) -> bool:
 
 
 def _make_way(seconds: float) -> None:
-    """If a script has called the handler that calls this, end the worker's jobs where they endanger
-    what the script does next."""
+    """End the worker's jobs before a script goes on, see `session.make_way`. Called by a handler,
+    which was itself called by a script if it is not the outermost function."""
     if sys._getframe(1).f_back is not None and is_loaded(session):
         session.make_way(seconds)
 
 
 def _edited(depsgraph: Depsgraph) -> bool:
-    """True where more than the transforms of objects changed."""
+    """Whether an update changed more than transforms of objects."""
     return any(
         not isinstance(u.id, bpy.types.Object)
         or not u.is_updated_transform
@@ -191,8 +191,8 @@ def _edited(depsgraph: Depsgraph) -> bool:
 
 
 def _note_geometry(depsgraph: Depsgraph) -> None:
-    """Note which meshes an evaluation may have changed, whatever becomes of the frame: no later one
-    names them."""
+    """Note which meshes an evaluation may have changed, also if this frame is not traced: Blender
+    does not name them again in a later one."""
     if depsgraph.mode != "RENDER" and is_loaded(session):
         session.geometry_changed(depsgraph)
 

@@ -91,7 +91,7 @@ class SceneReader:
         self._raw = np.zeros((0, 16), dtype=np.float32)
         self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
         self._transforms = np.zeros((0, 4, 4))  # of the bodies
-        self._placed: list[Source | Listener] = []
+        self._placed: list[Source | Listener] = []  # with their positions in this frame
         self._settled: frozenset[str] = frozenset()
         self._imported = ImportedContacts()
         self._tables: dict[str, Any] = {}  # of rules
@@ -171,7 +171,7 @@ class SceneReader:
             raw = np.concatenate([raw, self._instances.matrices])
         lists = self._read_changed(depsgraph, raw, exact)
         now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
-        heard = [
+        audible = [
             _with_current_regions(item, row, scene)
             if isinstance(item, Source) and item.triggers
             else item
@@ -184,8 +184,8 @@ class SceneReader:
             objects=lists.objects,
             bodies=lists.bodies,
             transforms=self._transforms,
-            sources=tuple(item for item in heard if isinstance(item, Source)),
-            listeners=tuple(item for item in heard if isinstance(item, Listener)),
+            sources=tuple(item for item in audible if isinstance(item, Source)),
+            listeners=tuple(item for item in audible if isinstance(item, Listener)),
             settings=self._settings,
             contact_settings=self._contact_settings,
             problems=(*self._problems, *lists.problems),

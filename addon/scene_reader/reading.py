@@ -18,12 +18,21 @@ from .problem import Problem
 
 @frozen
 class Reading:
-    """One frame of a scene. ``transforms`` (n, 4, 4) of ``objects`` are rigid: the scale is in the
-    bodies' shapes. ``settled``: the names of those that have not moved since their import;
-    ``authored``: the imported contacts, None without any; ``hulls``: the shapes of those objects,
-    by name, from whose surface the convex hull deviates. ``moving_instances``: how many instances
-    were read again in this frame, and the milliseconds that took. ``rebuilt``: the milliseconds of
-    reading a changed surface the last time, by the name of its object."""
+    """One frame of a scene of Blender, in values of the core.
+
+    Attributes:
+        objects, bodies: the n haptic objects, and these as the tracker's bodies.
+        transforms: (n, 4, 4) of these in the world, rigid: the scale is in the bodies' shapes.
+        sources, listeners: at their positions in this frame; temporary sources only while they
+            sound.
+        settings, contact_settings: of propagation, and of contacts and impacts.
+        problems: for the designer to fix.
+        settled: names of the objects that have not moved since their import.
+        authored: the imported contacts, None without any.
+        hulls: shapes of the objects, by name, whose convex hull deviates from their surface.
+        moving_instances: number of instances read again in this frame, and how long that took [ms].
+        rebuilt: how long reading a changed surface took the last time [ms], by name of the object.
+    """
 
     objects: tuple[HapticObject, ...]
     bodies: tuple[Body, ...]

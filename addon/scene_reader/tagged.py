@@ -18,7 +18,7 @@ from .problem import Problem
 
 @frozen
 class Tagged:
-    """One tagged object of the scene, as authored."""
+    """An object of Blender with a haptic role (*tagged*), as values of the core."""
 
     row: int  # in bpy.data.objects
     animated: tuple[str, ...] | None  # data paths, see `compatibility.animated_paths`
@@ -34,10 +34,22 @@ class Tagged:
 
 @frozen
 class TaggedLists:
-    """Lists of the tagged objects in the order of the rows: ``rows`` (m,) in the file and
-    ``scales`` (m, 3) as authored; which of them are bodies, and the rows in the file where sources
-    and listeners are. ``still`` (m, 16): changes of world matrices that move no corner by more than
-    about `STILL`."""
+    """The tagged objects of a scene as lists, in the order of their rows.
+
+    Attributes:
+        rows: (m,) of the tagged objects in ``bpy.data.objects``.
+        scales: (m, 3) of these in the world.
+        still: (m, 16) changes of their world matrices that move no corner by more than about
+            `STILL`, and count as rest.
+        animated: rows and data paths of those with animated properties.
+        of_bodies: (n,) which of the tagged objects are haptic objects.
+        of_places: (k,) rows of the sources and listeners.
+        objects, bodies: the n haptic objects, and these for the tracker.
+        hulls: shapes of the objects, by name, whose convex hull deviates from their surface.
+        places: the k sources and listeners, without their positions in a frame.
+        file_poses: of the bodies in the file that they were imported from.
+        problems: of all tagged objects.
+    """
 
     rows: IntArray
     scales: FloatArray

@@ -40,8 +40,16 @@ from .sessions import Session, Traced, known, problems_in
 
 @frozen
 class _Begun:
-    """A frame that is being traced: its reading, the time of reading [ms], and the times of
-    Blender's evaluation and of waiting for the frame before [ms] as ``statistics``."""
+    """A frame that is being traced.
+
+    Attributes:
+        serial: differs between any two frames.
+        reading: the scene in that frame.
+        modalities: its values for the other modalities.
+        errors: of reading these.
+        read_milliseconds: time of reading.
+        statistics: times of Blender's evaluation and of waiting for the frame before [ms].
+    """
 
     serial: int
     reading: Reading
@@ -244,26 +252,27 @@ def begin(
     plays: bool = False,
     baked_impacts: str = "",
 ) -> None:
-    """Read the current state of the scene and begin to trace it. The result is None without tagged
-    objects, or if a problem prevents it.
+    """Wait for the trace of the last frame, read the current state of the scene, and begin to trace
+    it on the worker. The result is None without tagged objects, or if a problem prevents it.
 
-    While the timeline stands, a frame keeps the impacts that stepping or playing to it made: modes,
-    gains, materials and strategies are compared on the same impact, also after jumps. They are
-    dropped when their causes change: objects added, removed, moved, scaled, deformed or animated
-    differently, masses and physics, and the rules of contacts and impacts (`CollisionDetector`,
-    `motion_of`). Bakes and exports start without them.
+    While the timeline is paused, a frame keeps the impacts that it had when it was stepped or
+    played to: modes, gains, materials and strategies are compared on the same impact, also after
+    jumps. Impacts are dropped when their causes change: objects added, removed, moved, scaled,
+    deformed or animated differently, masses and physics, and the rules of contacts and impacts
+    (`CollisionDetector`, `motion_of`). Bakes and exports start without them.
 
     Args:
         scene: to trace.
         depsgraph: its evaluation.
-        live: the result is only displayed: contacts that no signal reaches are skipped, and while
-            frames follow each other, samples are rendered only if something shows or asks for them.
-        plays: something plays the samples.
-        baked_impacts: those of the frame in a bake, a text of `text_of_impacts`.
+        live: the result is only displayed: contacts that no signal reaches are skipped, and samples
+            of consecutive frames are rendered only if something shows or asks for them.
+        plays: a device plays the samples.
+        baked_impacts: the impacts of the frame in a bake, as a text of `text_of_impacts`.
     """
     session = of(scene)
     session.interrupted = None
     _finish(scene, session)
+    # A result holds much memory, which is freed on the worker, as that takes long.
     released, session.previous = session.previous, session.result
     if session.version != revisions.authored():
         session.reader.forget()
@@ -271,6 +280,7 @@ def begin(
         if not session.tracer.collisions.has_stored_impacts or session.motion != motion_of(scene):
             session.tracer.collisions.forget_impacts()
             session.motion = None
+    # From an exact frame on, tracing gives the same bits as from any earlier one.
     exact = scene.frame_current % EXACT_FRAMES == 0 or (is_stepped(scene) and session.frame is None)
     started = time.perf_counter()
     reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph, exact)
@@ -295,7 +305,7 @@ def begin(
     if continuous and session.motion is None:
         session.motion = motion_of(scene)
     _restore_impacts(scene, session, reading, baked_impacts)
-    restore = whole and not is_stepped(scene) and not is_playing()
+    restore = whole and not is_stepped(scene) and not is_playing()  # the timeline is paused
     session.frame, session.frame_seconds = scene.frame_current if whole else None, step
     session.serial = next(_serials)
     read_milliseconds = 1000 * (time.perf_counter() - started)
@@ -374,8 +384,8 @@ def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult |
 
 
 def _felt(begun: _Begun, result: FrameResult) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
-    """The values of the modalities other than vibration at the listeners of a frame, through the
-    same contacts, and all errors."""
+    """The values of the other modalities at the listeners, through the contacts of the traced
+    frame; and all errors."""
     felt, errors = [], [*begun.errors]
     for own in begun.modalities:
         try:
@@ -428,7 +438,8 @@ def frame_of(
         scene: in its current frame.
         reading: of that frame.
         continuous: it follows the frame traced last.
-        restore: otherwise it has the impacts of its last continuous trace.
+        restore: if it does not follow, it has the impacts stored when it was last traced as one
+            that does.
         exact: motions below the tolerance of rest count.
         heard: its samples are rendered.
     """

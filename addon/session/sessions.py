@@ -56,9 +56,13 @@ class Traced:
 
 @dataclass(slots=True)
 class Session:
-    """One scene being traced. ``begun`` is the frame whose trace has not been awaited; afterwards
-    ``result`` is its result. ``previous``: the result before. ``shown``: the last complete frame,
-    for draw callbacks; the worker sets it."""
+    """One scene that is traced, frame by frame.
+
+    A frame is begun in Blender's thread, traced by the worker, and finished in Blender's thread by
+    whoever needs its result. Until then it is ``begun``; afterwards ``result`` is its result, and
+    ``previous`` the one before. ``shown``, the last complete frame, is set by the worker for draw
+    callbacks.
+    """
 
     reader: SceneReader
     tracer: Tracer
@@ -68,15 +72,15 @@ class Session:
     previous: FrameResult | None = None
     problems: tuple[Problem, ...] = ()
     waited_milliseconds: float = 0.0  # for the trace of the last frame that was waited for
-    frame: int | None = None
-    frame_seconds: float = 0.0
-    version: int = -1
+    frame: int | None = None  # number of the frame that was begun last, None between two frames
+    frame_seconds: float = 0.0  # duration of a frame then
+    version: int = -1  # revision of the authored values that were read last
     motion: str | None = None  # checksum of the causes of the impacts that the tracer stores
-    is_restored: bool = False  # the impacts kept in the file have been asked for
+    is_restored: bool = False  # impacts stored in the file were looked for
     begun: Future[Traced] | None = None
-    job: Any = None  # what the frame was traced from that was begun last
-    interrupted: Any = None  # the same of a frame whose tracing was cancelled, to be resumed
-    asked: bool = False  # for the result of the frame that was begun last, or that follows no other
+    job: Any = None  # input of the trace that was begun last
+    interrupted: Any = None  # input of a trace that was cancelled and is to be repeated
+    asked: bool = False  # a script wanted the last result, or it followed no other: render samples
     serial: int = 0  # of the frame that was begun last
     begun_at: float = 0.0  # time.monotonic() of that
     shown: Traced | None = None
