@@ -85,9 +85,11 @@ def write_keyframes(
 
 
 def _changes(frames: Sequence[RecordedFrame]) -> Mapping[str, Mapping[str, Keys]]:
-    """The values over time by what changes, and by owner: ``object <name>``, ``source <name>`` or
-    ``listener <name>``. What appears later is absent in the first frame; a source is silent there
-    unless it is temporary."""
+    """Keys, values by frame, of all that changes: by property, then by owner, which is ``object
+    <name>``, ``source <name>`` or ``listener <name>``.
+
+    An owner that appears in a later frame gets a key in the first frame in which it is off: objects
+    and listeners are not haptic, persistent sources have amplitude 0."""
     temporary = {
         f"source {item.name}"
         for frame in frames

@@ -81,8 +81,8 @@ def _between(
 
 
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
-    """The impact rule of a row; with the signal by material and the reason if its own signal cannot
-    be played."""
+    """The impact rule of a row, and why its signal cannot be played, "" if it can. A rule whose
+    signal cannot be played has the one by material."""
     stored, fault = _stored(row, "impact_rule")
     values = read_values(ImpactRule, row, stored)
     limits = (

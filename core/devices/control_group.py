@@ -51,8 +51,8 @@ def current_group() -> Path | None:
 
 
 def _moved(group: Path) -> Path | None:
-    """The new group of this process, in the outermost of the groups around ``group`` that permits
-    it."""
+    """Move this process into a new control group, within the outermost of the groups that contain
+    ``group`` and permit it. Returns the new group, None where none permits it."""
     around = [parent for parent in group.parents if (parent / "cgroup.procs").exists()]
     for parent in reversed(around):
         for left_behind in parent.glob(f"{_NAME}*"):

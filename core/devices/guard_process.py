@@ -97,8 +97,8 @@ class Service:
             self._quieting += started_threads(quieten=partial(self._quieten, number, output))
 
     def _quieten(self, number: int, output: Output) -> None:
-        """Open a device, which writes zero, and close it again; it failed if the device can't be
-        opened."""
+        """Silence device ``number`` by opening it, which writes zero, and closing it again. If it
+        can't be opened within `_QUIETEN_SECONDS`, its status becomes "failed"."""
         deadline = time.perf_counter() + _QUIETEN_SECONDS
         while output.status.state == "searching" and time.perf_counter() < deadline:
             time.sleep(_LOOK)

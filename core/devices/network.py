@@ -239,6 +239,7 @@ def _profile(
     parts: Mapping[str, tuple[str, ...]],
     positions: Iterable[tuple[float, float] | None] = itertools.repeat(None),
 ) -> Profile:
+    """The profile of a device of unmeasured motors; ``parts``: body parts by name of the motor."""
     actuators = tuple(
         Actuator(
             name,

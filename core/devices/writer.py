@@ -300,7 +300,8 @@ class DeviceWriter(ThreadedOutput):
         return not self._may_vibrate
 
     def _insist(self, opened: Opened, report: Report, interval: float) -> bool:
-        """Write a report, and again if that fails."""
+        """Write a report, up to `_FAILURES_TO_CLOSE` times if that fails. Returns whether it was
+        written."""
         for _ in range(_FAILURES_TO_CLOSE):
             time.sleep(max(self._wrote + interval - time.perf_counter(), 0.0))
             if _exiting.is_set():

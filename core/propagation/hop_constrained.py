@@ -81,14 +81,14 @@ def hop_constrained_paths(
     Args:
         graph: the scene.
         roots: nodes at which walks begin.
-        limit: most that a walk costs anywhere.
+        limit: largest cost of a walk and of each of its beginnings.
         crossings: most contacts that a walk crosses.
         complete: as in `shortest_paths`.
     """
     count = graph.node_count
     arrival = np.full(count, math.inf)
     crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
-    # False for functions of another form, whose loss is not a number.
+    # False for functions without a closed form, whose loss is NaN.
     metric = graph.table.loss >= 0
     node, cost = np.array(roots, dtype=np.int64), np.zeros(len(roots))
     changes: list[tuple[IntArray, FloatArray, IntArray]] = []
@@ -147,7 +147,7 @@ def _relax(
         graph: the scene.
         node: through which objects are entered (k,).
         cost: of getting there (k,).
-        limit: most that a walk costs.
+        limit: largest cost of a walk.
         which: of the entries (m,), each for a connection.
         other: node at the other end of the connection (m,).
         best: cost of each node (n,), which is changed.

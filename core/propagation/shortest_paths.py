@@ -226,7 +226,8 @@ def shortest_paths(
 def _relax_cheapest(
     work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Relax the cheapest pending entries. Returns the entries pending afterwards."""
+    """Relax the cheapest of the pending entries, given by their row, node and cost (k,). Returns
+    the entries pending afterwards."""
     base = cost + work.node_loss[work.table_index(row, node)]
     useful = work.arrivals[row * work.count + node] > base
     if work.special is not None:

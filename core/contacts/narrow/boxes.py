@@ -148,7 +148,9 @@ def _rows(rows: IntArray, boxes: _Boxes) -> _Boxes:
 
 
 def _near_contacts(distance: FloatArray, axis: IntArray, boxes: _Boxes) -> BoxContacts:
-    """Contacts of boxes with their ``distance`` along their best ``axis``, which is overwritten."""
+    """Contacts of boxes from their separation ``distance`` (p,) along their best ``axis`` (p,).
+    Where that is across two edges, ``axis`` is replaced by the axis of the face that is nearest to
+    it."""
     edges = (axis >= FIRST_EDGE_AXIS).nonzero()[0]
     if len(edges):
         crossing = _rows(edges, boxes)
@@ -163,14 +165,16 @@ def _near_contacts(distance: FloatArray, axis: IntArray, boxes: _Boxes) -> BoxCo
     share, lying = thin * found.exact, found.centre
     if len(edges):
         patched = aligned & (found.area[edges] > 0)
-        # 0 where the faces overlap elsewhere than at the edges.
-        there = patched * _nearness(np.abs(lifted[edges]))
+        # How much the patch of the faces counts: 0 where they overlap elsewhere than at the edges.
+        share_of_faces = patched * _nearness(np.abs(lifted[edges]))
         found.exact[edges] = points.within | (found.distance[edges] <= 0)
         share[edges] = np.where(patched, thin[edges], 1.0)
-        found.area[edges] *= there
+        found.area[edges] *= share_of_faces
         found.normal[:, edges] = points.normal
         middle = (points.first + points.second) / 2
-        lying[:, edges] = np.where(there > 0, middle + there * (lying[:, edges] - middle), middle)
+        lying[:, edges] = np.where(
+            share_of_faces > 0, middle + share_of_faces * (lying[:, edges] - middle), middle
+        )
     return replace(found, centre=_with_nearest_corners(found, lying, share, boxes))
 
 

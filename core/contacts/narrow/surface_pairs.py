@@ -258,7 +258,7 @@ class SurfacePairs:
         return np.maximum(gap, deepest), normal, replace(patch, centre=centre, area=area)
 
     def _nearest_to_middle(self, row: CorePairs) -> FloatArray:
-        """The point of a mesh (3,) that is nearest to the middle of the core of the only one of
+        """The point of a mesh (3,) that is nearest to the middle of the core of the single pair
         ``row``."""
         turn, place = row.rotation_b[..., 0], row.centre_b[:, 0]
         corners = self._surfaces[int(row.second[0])].index.corners.transpose(2, 1, 0)
@@ -485,7 +485,7 @@ class SurfacePairs:
         return tuple(taken(value, over) for value in values)
 
     def _crossing(self, row: CorePairs) -> _CrossingCurve | None:
-        """The curve along which the surfaces of the only one of ``row`` cross."""
+        """The curve along which the surfaces of the single pair ``row`` cross."""
         near = self._pairing.near_triangles(row, np.full(1, _TOUCHING))
         if len(near) == 0:
             return None
@@ -516,7 +516,7 @@ class SurfacePairs:
         crossing: _CrossingCurve,
         facing: CoreContacts,
     ) -> CoreContacts:
-        """The contact of the only one of ``row``, whose solids have sunk deep into each other: from
+        """The contact of the single pair ``row``, whose solids have sunk deep into each other: from
         that of the triangles which face each other, at half the depth ``most`` [m], to that around
         the curve where the surfaces cross, from ``most`` on.
 
@@ -561,7 +561,7 @@ class SurfacePairs:
     def _each_in_other(
         self, row: CorePairs
     ) -> Iterator[tuple[CoreSurface, CoreSurface, FloatArray, FloatArray]]:
-        """Of the only one of ``row``, the second surface and the first one, then the first and the
+        """Of the single pair ``row``, the second surface and the first one, then the first and the
         second: one, the other, and how points (n, 3) of the other are placed in the frame of the
         one, ``points @ turn + place``."""
         a, b = self._both(row)

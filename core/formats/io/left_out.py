@@ -43,7 +43,8 @@ def without_damaged(
 
 
 def _removed(document: Any, keys: Sequence[str], parts: Sequence[Part]) -> list[str] | None:
-    """Remove the innermost part at or above a place that can be; its place, or None."""
+    """Remove from a document what is at the place ``keys``, or the innermost of the removable
+    ``parts`` that contain it. Returns the place of what was removed, None if nothing can be."""
     for part in sorted(parts, key=len, reverse=True):
         place = list(keys[: len(part)])
         if len(place) < len(part) or any(

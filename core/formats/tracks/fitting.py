@@ -68,9 +68,9 @@ def fit_bands(
 ) -> Iterator[tuple[float, list[list[Carrier]]]]:
     """Fit the bands of a signal window by window.
 
-    Yields, in the order of time, a time (seconds) and for each band the carriers that end up to
-    then, or a little later, in the order of time. A carrier that lasts longer than a window is
-    divided where its wave crosses zero, so that both parts may be played there.
+    Yields, after each window, a time [s] up to which all carriers are known, and for each band the
+    new carriers, sorted by time, the last of which may end a little later. A carrier longer than a
+    window is divided at a zero crossing of its wave, where one player may follow another.
     """
     done = [0] * len(bands)
     for window in analytic_windows(row, bands):
