@@ -188,7 +188,7 @@ def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, 
             np.diag(damping[system] + leak[system] + factor * matrix.sum(axis=1)) - factor * matrix
         )
         exact = np.linalg.solve(full, power[system])
-        doubt = found.doubt[system]
+        doubt = found.bound[system]
         assert np.all(np.abs(found.energy[system] - exact) <= doubt[:, None] + 1e-14)
         assert doubt.max() <= wanted + 1e-11
         assert np.allclose(
@@ -228,7 +228,7 @@ def test_columns_do_not_depend_on_each_other():
     for number, goal in enumerate(goals):
         alone = solve(balance, power[:, [number]], lambda energy, goal=goal: np.array([[goal]]))
         assert alone.energy[0, 0].tobytes() == together.energy[0, number].tobytes()
-        assert alone.doubt[0, 0] == together.doubt[0, number]
+        assert alone.bound[0, 0] == together.bound[0, number]
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
