@@ -81,8 +81,16 @@ class _View(NamedTuple):
 
 
 class _Shown(NamedTuple):
-    """The lane of a region on the GPU, its view, and what the mouse can reach: one-shots with their
-    places, and the frames of impacts."""
+    """The lane of a region as it is drawn.
+
+    Attributes:
+        view: what it was made from.
+        under: grounds of the rows, on the GPU.
+        shapes: the bands with their colours, on the GPU.
+        over: names and symbols above the bands, on the GPU.
+        marks: one-shots and their places [pixels], for the mouse.
+        impacts: their frames (m,), for the mouse.
+    """
 
     view: _View
     under: Uploaded

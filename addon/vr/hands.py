@@ -148,7 +148,15 @@ def frame_of(
 class Glide:
     """Interpolates the bodies of a scene between two frames of the timeline, because a session has
     more frames than the timeline. They are one frame of the timeline late, so that both ends are
-    known and their speeds are right."""
+    known and their speeds are right.
+
+    Attributes:
+        before: transforms at the earlier of both (n, 4, 4).
+        after: transforms at the later one (n, 4, 4).
+        frame: number of the later one, None while the timeline does not play.
+        arrived: time of the session at which it was read [s].
+        seconds: how long the way from one to the other takes.
+    """
 
     before: FloatArray = field(default_factory=lambda: np.zeros((0, 4, 4)))
     after: FloatArray = field(default_factory=lambda: np.zeros((0, 4, 4)))
@@ -185,8 +193,18 @@ class Glide:
 
 @dataclass(slots=True)
 class Hands:
-    """The tracing of a session's frames. felt: the last one that is traced. failure: why it can't
-    be traced, until it can."""
+    """The tracing of a session's frames.
+
+    Attributes:
+        tracer: of the scene with the hands.
+        thread: on which it traces.
+        running: the trace that runs.
+        felt: the result of the last trace.
+        failure: why the scene can't be traced, until it can.
+        objects: haptic objects of the reading traced last.
+        glide: places the bodies between two frames of the timeline.
+        number: of the last frame of the session.
+    """
 
     tracer: Tracer = field(default_factory=lambda: Tracer(lazy=True))
     thread: ThreadPoolExecutor = field(
@@ -200,8 +218,15 @@ class Hands:
     number: int = 0
 
     def step(self, reading: Reading, frame: int | None, grips: Grips, time: float) -> list[Felt]:
-        """Trace the frame of the session at ``time`` [s]. frame: that of the timeline, None while
-        it stands. Returns what was traced since the last call: with this frame if that is quick."""
+        """Trace the frame of the session at ``time`` [s]. Returns what was traced since the last
+        call, with this frame if that is quick.
+
+        Args:
+            reading: of the scene.
+            frame: of the timeline, None while it does not play.
+            grips: poses of the hands.
+            time: of the session [s].
+        """
         felt = self._collect(0.0)
         if self.running is None:
             transforms, continues = self.glide.at(reading.transforms, frame, time)

@@ -184,6 +184,16 @@ _NONE = np.zeros(0, dtype=np.int64)
 
 @dataclass(slots=True)
 class _HullFace:
+    """A triangle of a growing hull.
+
+    Attributes:
+        corners: numbers of its points, counter-clockwise seen from outside.
+        normal, offset: its plane is where ``normal @ x == offset``; the normal is outward.
+        outside: numbers of the points that are outside this face and assigned to it.
+        neighbours: the faces beyond its edges.
+        alive: whether it still is a face of the hull.
+    """
+
     corners: tuple[int, int, int]
     normal: FloatArray
     offset: float
@@ -194,8 +204,14 @@ class _HullFace:
 
 class _Quickhull:
     """Quickhull (Barber, Dobkin, Huhdanpaa 1996): the farthest point outside a face replaces all
-    the faces it sees. ``level`` [m]: heights above a face up to which points lie in it;
-    ``tolerance`` [m]: up to which they need not become corners."""
+    the faces it sees.
+
+    Args:
+        points: (n, 3) [m].
+        simplex: numbers of four points that span the space.
+        level: height above a face up to which points lie in it [m].
+        tolerance: height above a face up to which points need not become corners [m].
+    """
 
     def __init__(
         self, points: FloatArray, simplex: list[int], level: float, tolerance: float

@@ -45,11 +45,18 @@ class FoundPath:
 
 @dataclass(slots=True)
 class _Partial:
-    """A partial path that has just entered an object through ``node``, and its continuations, the
-    most promising first."""
+    """A partial path that has just entered an object, and its continuations.
+
+    Attributes:
+        node: through which the object is entered.
+        before: the partial path that it continues, and by which of its continuations.
+        contacts: crossed so far.
+        ends: nodes at which the continuations leave the object, the most promising first.
+        bounds: lower bounds on the cost of all paths by each of these.
+        costs: of the path up to the next object, or to the target.
+    """
 
     node: int
-    # The partial path that it continues, and the number of the continuation.
     before: tuple[_Partial, int] | None
     contacts: int
     ends: IntArray

@@ -18,8 +18,14 @@ from .supporting_feature import box_face
 
 @frozen
 class Boxes:
-    """Pairs ``rows`` (k,) of single boxes, the second placed relative to the first, and the radii
-    (k,) by which each is grown."""
+    """Pairs of bodies that are single boxes.
+
+    Attributes:
+        rows: (k,) which of the pairs of a query they are.
+        rotation, offset: (3, 3, k), (3, k) of the second box in the frame of the first [m].
+        half_a, half_b: (3, k) half extents of the first and of the second [m].
+        radius_a, radius_b: (k,) by which they are grown [m].
+    """
 
     rows: IntArray
     rotation: FloatArray

@@ -27,9 +27,13 @@ _OPPOSITE = -1e-3
 class CorePairs:
     """Pairs of convex cores in world space.
 
-    ``owner`` (n,): the pair of bodies; ``flipped`` (n,): whether its first body is the second here;
-    numbers of the cores, their poses, and the radii by which they are grown. ``triangle_a`` and
-    ``triangle_b`` (n,): the triangle that stands for a core that is a mesh.
+    Attributes:
+        owner: (n,) number of the pair of bodies.
+        flipped: (n,) whether the first core is one of the second body of that pair.
+        first, second: (n,) numbers of the cores.
+        rotation_a, centre_a, rotation_b, centre_b: (3, 3, n), (3, n) poses of the cores [m].
+        radius_a, radius_b: (n,) by which the cores are grown [m].
+        triangle_a, triangle_b: (n,) number of a triangle, in place of a core that is a mesh.
     """
 
     owner: IntArray

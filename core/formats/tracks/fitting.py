@@ -178,7 +178,8 @@ def _fit_band(
     Args:
         z: its analytic signal on the grid of the band (n,).
         band: the band.
-        allowed: power at each point of the grid below which there is no carrier (n,).
+        allowed: squared error allowed at each point of the grid (n,); what is weaker gets no
+            carrier.
         origin: time at which ``z`` begins [s].
         span: first and last point of the grid that belong to this part.
         duration: of the track [s].
@@ -225,8 +226,18 @@ def _stepped(values: FloatArray, step: float) -> FloatArray:
 
 @frozen
 class _Grid:
-    """A band on its grid from ``origin`` seconds; ``phase`` and frequency ``offset`` are relative
-    to ``centre``."""
+    """A frequency band on its grid.
+
+    Attributes:
+        rate: points of the grid per second.
+        phase: relative to a tone at ``centre`` [rad].
+        amplitude: at each point.
+        offset: frequency at each point, relative to ``centre`` [Hz].
+        allowed: squared error allowed at each point.
+        fit: limits and steps of the format.
+        centre: frequency of the band [Hz].
+        origin: time at which the grid begins [s].
+    """
 
     rate: float
     phase: FloatArray
