@@ -12,7 +12,7 @@ def run(args: argparse.Namespace) -> int:
     """Print ``{"contacts": [...]}`` in the format of the scene file, each contact with its signed
     ``distance`` in metres."""
     scene = load(args.scene)
-    warn_of_unknown(args.scene, scene.unknown)
+    warn_of_unknown(args.scene, scene.export.unknown)
     contacts = scene.contacts_found(args.tolerance)
     names = [item.name for item in scene.content.objects]
     forms = [

@@ -5,31 +5,23 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, TextIO
 
-from ..core.contacts.scene_contacts import contacts_of_scene
 from ..core.diagnosis.doubts import doubts
 from ..core.formats import registry
 from ..core.formats.export import Export
-from ..core.formats.haptic_scene import read_export
 from ..core.formats.io.catalogue import Value, named
 from ..core.formats.io.file_names import file_stem
-from ..core.formats.scene.recording import frame_of, traced
-from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.formats.tracks.track_recorder import TrackRecorder
-from ..core.render.frame_result import FrameResult
-from ..core.scene.values import HapticScene
-from ..core.tracer import Tracer
+from ..core.run_time import Scene, load
 from . import print_json, say, warn_of_unknown
 from .picture import check_matplotlib, write_picture
 from .silence import silent_listeners
 from .standard_streams import DASH, folder, put_out
 
-STILL_RATE = 30
-"""Frame rate at which a scene without frames is traced."""
 LONGEST = 3600.0
 """Seconds."""
 
@@ -44,17 +36,18 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(
             f"--seconds: must be above 0 and at most {LONGEST:g}, not {args.seconds:g}"
         )
-    export = read_export(args.scene)
+    scene = load(args.scene)
+    export = scene.export
     warn_of_unknown(args.scene, export.unknown)
-    say(f"{args.scene}: {words}" for words in doubts(export.need_scene()))
+    say(f"{args.scene}: {words}" for words in doubts(scene.content))
     if args.methods:
         if args.json:
             print_json({"methods": export.methods()}, args.stdout)
         else:
             print(export.methods(), file=args.stdout)
         return 0
-    if export.tracks is None and export.need_scene().listeners and names != ["scene"]:
-        export = replace(export, tracks=rendered(export, args.seconds, args.sample_rate))
+    if names != ["scene"]:
+        export = rendered(scene, args.seconds, args.sample_rate)
     if args.losses:
         losses = {name: registry.losses(name, export, chosen[name]) for name in names}
         print_json({"losses": losses}, args.stdout)
@@ -187,28 +180,17 @@ def in_json(written: Mapping[str, registry.Written]) -> dict[str, Any]:
     return {"files": files, "losses": losses, "listeners": listeners}
 
 
-def rendered(export: Export, seconds: float, sample_rate: int) -> Tracks:
-    """The rendered tracks. Prints why a listener feels nothing."""
-    scene, recorder, last = export.need_scene(), TrackRecorder(), None
-    recording = export.recording
-    for last in (
-        still(scene, seconds, sample_rate)
-        if recording is None
-        else traced(scene, recording, sample_rate)
-    ):
+def rendered(scene: Scene, seconds: float, sample_rate: int) -> Export:
+    """What a scene's file holds, with its tracks, which are rendered if it has none. Prints why a
+    listener feels nothing."""
+    export = scene.export
+    if export.tracks is not None or not scene.content.listeners:
+        return export
+    recorder, last = TrackRecorder(), None
+    for last in scene.frames(seconds, sample_rate):
         recorder.add(last)
     tracks = recorder.tracks()
     if last is not None:
-        say(f"{export.name}: {words}" for words in silent_listeners(tracks, last, scene.settings))
-    return tracks
-
-
-def still(scene: HapticScene, seconds: float, sample_rate: int) -> Iterator[FrameResult]:
-    """The frames of a scene in which nothing moves."""
-    if not scene.contacts:
-        names = [item.name for item in scene.objects]
-        scene = replace(scene, contacts=contacts_of_scene(scene).to_contacts(names))
-    tracer = Tracer(scene.rules, sample_rate=sample_rate)
-    count = max(round(seconds * STILL_RATE), 1)
-    for number in range(count + 1):
-        yield tracer.step(frame_of(scene, number, number * seconds / count, detect=False))
+        settings = scene.content.settings
+        say(f"{export.name}: {words}" for words in silent_listeners(tracks, last, settings))
+    return replace(export, tracks=tracks)

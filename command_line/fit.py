@@ -7,12 +7,10 @@ import argparse
 from dataclasses import replace
 from typing import Any
 
-from ..core.contacts.scene_contacts import contacts_of_scene
 from ..core.design.recordings import Question, fit, read_recordings
-from ..core.formats.io.strict_json import read_json
-from ..core.formats.scene.scene_json import current_document, scene_of, write_scene
-from ..core.graph.haptic_graph import graph_of_scene
+from ..core.formats.scene.scene_json import write_scene
 from ..core.message import sentence
+from ..core.run_time import load
 from ..core.scene.coefficients import coefficients_of
 from ..core.scene.functions import Constant
 from . import print_json, say, warn_of_unknown
@@ -21,14 +19,9 @@ from .standard_streams import DASH, for_output, put_out
 
 def run(args: argparse.Namespace) -> int:
     """Read scene and recordings, fit, print, and write the scene with the fitted values."""
-    document, unknown = current_document(read_json(args.scene), args.scene)
-    warn_of_unknown(args.scene, unknown)
-    scene = scene_of(document, args.scene)
-    if not scene.contacts and sum(item.shape is not None for item in scene.objects) > 1:
-        scene = replace(
-            scene,
-            contacts=contacts_of_scene(scene).to_contacts([item.name for item in scene.objects]),
-        )
+    read = load(args.scene)
+    warn_of_unknown(args.scene, read.export.unknown)
+    scene = read.with_contacts()
     recordings = read_recordings(args.recorded_source, args.recorded_listener)
     for _ in recordings.steps():
         pass
@@ -36,7 +29,7 @@ def run(args: argparse.Namespace) -> int:
     asked = Question(
         args.source, args.listener, (args.object,), tuple(args.contact or ()), not args.uncalibrated
     )
-    found = fit(graph_of_scene(scene), measured, asked)
+    found = fit(read.graph(), measured, asked)
     kappa, rho = coefficients_of(
         found.k, next(item.rho for item in scene.objects if item.name == args.object)
     )

@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
 
@@ -15,10 +14,10 @@ from tqdm import tqdm
 
 from ..core.arrays import FloatArray
 from ..core.formats import registry
-from ..core.formats.haptic_scene import read_export
 from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.formats.tracks.wav import at_rate
 from ..core.message import sentence
+from ..core.run_time import load
 from . import answer, say, warn_of_unknown
 from .convert import given, is_scene, tracks_of
 from .export import rendered
@@ -61,11 +60,9 @@ def _tracks(path: Path, seconds: float) -> Tracks:
             return tracks_of(reading)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-    export = read_export(path)
-    warn_of_unknown(path, export.unknown)
-    if export.tracks is None and export.need_scene().listeners:
-        export = replace(export, tracks=rendered(export, seconds, RATE))
-    return export.need_tracks()
+    scene = load(path)
+    warn_of_unknown(path, scene.export.unknown)
+    return rendered(scene, seconds, RATE).need_tracks()
 
 
 def _at_body_parts(tracks: Tracks) -> tuple[FloatArray, dict[str, str]]:

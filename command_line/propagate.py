@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ..core.diagnosis.doubts import doubts
-from ..core.formats.scene.modalities_json import modalities_from_dict
 from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
 from ..core.modalities.propagation import Felt
@@ -21,16 +20,14 @@ from ..core.render.masking import felt_sources
 from ..core.run_time import Scene, load
 from ..core.scene.values import HapticScene
 from . import print_json, say, warn_of_unknown
-from .export import still
 from .silence import silence_of
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
     scene = load(args.scene)
-    warn_of_unknown(args.scene, scene.unknown)
+    warn_of_unknown(args.scene, scene.export.unknown)
     say(f"{args.scene}: {words}" for words in doubts(scene.content))
-    modalities = modalities_from_dict(scene.document, scene.content, args.scene)
     chosen = {
         key: value
         for key in ("strategy", "mode", "threshold", "tolerance")
@@ -45,7 +42,9 @@ def run(args: argparse.Namespace) -> int:
     result = scene.propagate(graph)
     finished = time.perf_counter()
     try:
-        felt = [part.felt_in(scene.with_contacts()) for part in modalities if part.enabled]
+        felt = [
+            part.felt_in(scene.with_contacts()) for part in scene.export.modalities if part.enabled
+        ]
     except ValueError as error:
         raise ValueError(f"{args.scene}: {error}") from None
     seconds = {"graph_seconds": built - started, "propagate_seconds": finished - built}
@@ -70,7 +69,7 @@ def _unreached(scene: Scene, result: Propagation) -> list[str]:
     reached = (amplitudes[:, None] * result.gain > 0).any(axis=0)
     if reached.all():
         return []
-    first = next(still(scene.content, 1.0, 8000))
+    first = next(scene.frames())
     return [
         silence_of(first, scene.content.settings, row) for row in np.flatnonzero(~reached).tolist()
     ]

@@ -15,10 +15,9 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from ..core.arrays import FloatArray
-from ..core.graph.haptic_graph import graph_of_scene
 from ..core.perception import FullScale, threshold_level
-from ..core.propagation import propagate
 from ..core.propagation.conjugate_gradients import PowerBalance, solve
+from ..core.run_time import Scene
 from ..core.scene.bands import BAND_CENTRES
 from ..core.scene.functions import Constant, HapticTracing, Impedance, Physical, Wave
 from ..core.scene.materials import MATERIALS
@@ -371,8 +370,8 @@ def _through_contact(first: str, second: str) -> float:
         (Source("s", "1"),),
         (Listener("before", "1"), Listener("behind", "2")),
     )
-    gain = propagate(graph_of_scene(scene), Settings()).gain[0]
-    return NEPER * math.log(float(gain[1] / gain[0]))
+    gain = Scene.of_values(scene).gains()
+    return NEPER * math.log(gain["s", "behind"] / gain["s", "before"])
 
 
 def into_buildings() -> Iterator[Series]:
@@ -648,9 +647,10 @@ def _own_ratio() -> float:
         (Contact(("a", "b"), ((0, 0, 0), (0, 0, 0))),),
         (Source("s", "a"),),
         (Listener("1", "a"), Listener("2", "b")),
+        Settings(strategy=Strategy.ENERGY_BALANCE),
     )
-    gain = propagate(graph_of_scene(scene), Settings(strategy=Strategy.ENERGY_BALANCE)).gain[0]
-    return 20 * math.log10(float(gain[1]) / float(gain[0]))
+    gain = Scene.of_values(scene).gains()
+    return 20 * math.log10(gain["s", "2"] / gain["s", "1"])
 
 
 def materials() -> Iterator[Series]:
@@ -695,8 +695,9 @@ def _through_bars(name: str) -> FloatArray:
         ),
         (Source("s", "1"),),
         (Listener("l", "3", (3.0, 0.0, 0.0)),),
+        Settings(threshold=0.0),
     )
-    result = propagate(graph_of_scene(scene), Settings(threshold=0.0))
+    result = Scene.of_values(scene).propagate()
     if result.band_gain is None:
         return np.full(len(BAND_CENTRES), float(result.gain[0, 0]))
     return np.asarray(result.band_gain[0, 0])

@@ -11,9 +11,11 @@ from typing import Any
 
 from ..contacts.contact_set import ContactSet
 from ..contacts.scene_contacts import contacts_of_scene
+from ..formats.export import Export
 from ..formats.haptic_scene import export_of
 from ..formats.io.error import FormatError, json_pointer
 from ..formats.io.strict_json import parse_json, read_json
+from ..formats.scene.recording import Recording, traced
 from ..formats.scene.scene_json import (
     FORMAT,
     VERSION,
@@ -23,6 +25,8 @@ from ..formats.scene.scene_json import (
 )
 from ..graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
 from ..propagation import Propagation, propagate
+from ..render.frame_result import FrameResult
+from ..render.renderer import SAMPLE_RATE
 from ..scene.references import require_known
 from ..scene.values import Contact, HapticScene
 
@@ -53,9 +57,9 @@ def loads(text: str | bytes) -> Scene:
 class Scene:
     """A haptic scene: objects, contacts, sources, listeners and settings.
 
-    ``content`` has its values, ``file`` names it in errors, ``unknown`` lists the keys of a newer
-    version that were not read. Args of the constructor: the lists and settings of a scene file, as
-    dictionaries. The examples of the methods go on with this ``scene``:
+    ``content`` has its values, ``export`` all that its file holds, ``file`` names it in errors.
+    Args of the constructor: the lists and settings of a scene file, as dictionaries. The examples
+    of the methods go on with this ``scene``:
 
     >>> scene = Scene(
     ...     objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8,
@@ -66,29 +70,29 @@ class Scene:
     """
 
     def __init__(self, **parts: Any) -> None:
-        made = self.of_document(
-            {"format": FORMAT, "version": VERSION, "objects": [], **parts}, "scene"
-        )
-        self.content, self.document, self.file, self.unknown = (
-            made.content,
-            made.document,
-            made.file,
-            made.unknown,
-        )
+        self._read({"format": FORMAT, "version": VERSION, "objects": [], **parts}, "scene")
 
     @classmethod
     def of_document(cls, document: Any, file: str | Path) -> Scene:
         """The scene of a parsed file. Raises FormatError."""
         scene = cls.__new__(cls)
-        scene.document, scene.unknown = current_document(document, file)
-        export = export_of(scene.document, scene.unknown, Path(file))
-        scene.content, scene.file = export.need_scene(), file
+        scene._read(document, file)
         return scene
 
+    def _read(self, document: Any, file: str | Path) -> None:
+        self.document, unknown = current_document(document, file)
+        self.export = export_of(self.document, unknown, Path(file))
+        self.content, self.file = self.export.need_scene(), file
+
+    @classmethod
+    def of_values(cls, content: HapticScene) -> Scene:
+        """The scene of values of the core."""
+        return cls.of_document(scene_to_dict(content), "scene")
+
     content: HapticScene
+    export: Export
     document: Mapping[str, Any]
     file: str | Path
-    unknown: tuple[str, ...]
 
     def with_settings(self, **chosen: Any) -> Scene:
         """A copy of this scene with other settings of propagation, by their names in the file.
@@ -174,6 +178,24 @@ class Scene:
             for column, listener in enumerate(self.content.listeners)
         }
 
+    def frames(
+        self, seconds: float = 1.0, sample_rate: float = SAMPLE_RATE
+    ) -> Iterator[FrameResult]:
+        """Trace the recorded frames, with samples at ``sample_rate`` [Hz]; of a scene without any,
+        frames of ``seconds`` [s] in which nothing moves. Raises ValueError.
+
+        >>> *_, last = scene.frames(seconds=0.5)
+        >>> last.time, last.gains.tolist()
+        (0.5, [[0.75]])
+        """
+        recording = self.export.recording
+        with self._errors():
+            yield from (
+                traced(self.with_contacts(), Recording.still(seconds), sample_rate)
+                if recording is None
+                else traced(self.content, recording, sample_rate)
+            )
+
     def save(self, path: str | Path) -> None:
         """Write the scene as ``.json`` or ``.json.gz``. Raises OSError.
 
@@ -196,12 +218,13 @@ class Scene:
             raise ValueError(f"{self.file}: {error}") from None
 
     def _place_of(self, error: NoGain) -> tuple[str | int, ...]:
-        """Keys and indices of the function that gives no valid gain."""
-        if len(error.objects) == 1:
-            return (
-                "objects",
-                [item.name for item in self.content.objects].index(error.objects[0]),
-                "propagation",
-            )
-        pairs = [frozenset(contact.objects) for contact in self.content.contacts]
-        return "contacts", pairs.index(frozenset(error.objects)), "transmission"
+        """Keys and indices of the function that gives no valid gain, () for one of a rule."""
+        bodies = [{item.name} for item in self.content.objects]
+        contacts = [set(contact.objects) for contact in self.content.contacts]
+        for kind, known, key in (
+            ("objects", bodies, "propagation"),
+            ("contacts", contacts, "transmission"),
+        ):
+            if set(error.objects) in known:
+                return kind, known.index(set(error.objects)), key
+        return ()

@@ -74,6 +74,12 @@ def test_the_core_knows_neither_blender_nor_the_add_on(found):
     ] == []
 
 
+def test_scene_files_become_results_through_the_front_door_alone(found):
+    inner = {"core.tracer", "core.contacts.scene_contacts"}
+    users = {layer(one.importer) for one in found if one.own and one.imported in inner}
+    assert users.isdisjoint({"study", "command_line"})
+
+
 def test_imports_stand_at_the_head_of_a_module(found):
     inside = [one for one in found if one.inside]
     assert [str(one) for one in inside if one.own and one.importer not in GATEWAYS] == []

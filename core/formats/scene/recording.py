@@ -43,6 +43,9 @@ digits, also where waves spread from a radius of millimetres on."""
 
 PoseRow = tuple[float, float, float, float, float, float, float]
 
+STILL_RATE = 30
+"""Frame rate at which a scene without frames is traced."""
+
 POSE_DIGITS = 5
 """Decimals of recorded poses. Gains do not depend on them, since contacts are recorded as well."""
 PER_UNIT = 10**POSE_DIGITS
@@ -122,6 +125,12 @@ class Recording:
     frame_rate: float
     frame_start: int
     frames: tuple[RecordedFrame, ...]
+
+    @classmethod
+    def still(cls, seconds: float) -> Recording:
+        """Frames, about `STILL_RATE` a second, in which nothing changes."""
+        count = max(round(seconds * STILL_RATE), 1)
+        return cls(count / seconds, 0, (RecordedFrame(0), RecordedFrame(count)))
 
     def with_all(self, scene: HapticScene) -> HapticScene:
         """The scene with every object and listener that appears, in its first state."""

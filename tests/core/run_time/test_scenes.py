@@ -134,3 +134,38 @@ def test_the_package_is_imported_without_what_is_not_needed():
         ).stdout
         == "[]\n"
     )
+
+
+def test_frames_of_a_scene_in_which_nothing_moves_are_those_of_its_run():
+    """Samples of both; boxes that stand on each other, without contacts in the file."""
+    box = {"kappa": 0.1, "rho": 0.8, "shape": {"type": "box", "size": [1, 1, 1]}}
+    scene = ht.Scene(
+        objects=[
+            {**box, "name": "under"},
+            {**box, "name": "over", "pose": {"position": [0, 0, 1]}},
+        ],
+        sources=[{"name": "drill", "object": "under", "position": [0, 0, 0]}],
+        listeners=[{"name": "hand", "object": "over", "position": [0, 0, 1]}],
+    )
+    run = ht.open(scene)
+    run.step(0.0)
+    first, *rest = scene.frames(seconds=0.2)
+    assert first.block is None and rest[-1].time == pytest.approx(0.2)
+    for frame in rest:
+        assert run.step(frame.time).block == pytest.approx(frame.block, abs=1e-12)
+    assert abs(rest[-1].block).max() > 0.1
+
+
+def test_a_function_of_a_rule_that_gives_no_gain_is_named_by_its_objects():
+    box = {"kappa": 0.1, "rho": 0.8, "shape": {"type": "box", "size": [1, 1, 1]}}
+    between = {"function": "expression", "expression": "log(d - 1)"}
+    scene = ht.Scene(
+        objects=[
+            {**box, "name": "under"},
+            {**box, "name": "over", "pose": {"position": [0, 0, 1]}},
+        ],
+        rules={"transmission_table": [{"between": [{}, {}], "transmission": between}]},
+    )
+    for ask in (scene.gains, lambda: list(scene.frames())):
+        with pytest.raises(ValueError, match=r"'over' and 'under'.*log"):
+            ask()
