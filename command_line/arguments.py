@@ -162,7 +162,7 @@ def _serve(parser: Parser) -> None:
     )
     _add_devices(parser)
     parser.add_argument(
-        "--osc-devices", action="store_true", help="steps by OSC are played on the devices, too"
+        "--osc-devices", action="store_true", help="the devices play for OSC, in place of clients"
     )
     parser.add_argument(
         "--token", metavar="TEXT", help="what clients say to play on devices (drawn and printed)"

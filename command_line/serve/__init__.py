@@ -32,10 +32,13 @@ def run(args: argparse.Namespace) -> int:
         )
     if args.osc is not None and scene is None:
         raise ValueError("--osc: needs a scene")
+    if args.osc_devices and args.osc is None:
+        raise ValueError("--osc-devices: needs --osc")
     token = args.token or secrets.token_urlsafe(12)
     stage = DeviceStage.of(args.device) if args.device else None
     view = LiveView(sys.stdout)
-    door = Door(scene, stage, host, token, args.allow_origin, view.show)
+    holder = "OSC" if args.osc_devices else None
+    door = Door(scene, stage, host, token, args.allow_origin, view.show, holder)
     osc = None
     try:
         with door.listen(port) as server:
@@ -70,7 +73,8 @@ def _greeting(
         lines.append(f"listening for OSC on udp://127.0.0.1:{args.osc}")
     if stage is not None:
         titles = [output.profile.title for output in stage.outputs.values()]
-        lines.append(f"devices: {_first_few(titles)}, for clients with the token")
+        users = "OSC" if args.osc_devices else "clients with the token"
+        lines.append(f"devices: {_first_few(titles)}, for {users}")
     return lines
 
 

@@ -42,12 +42,16 @@ class Stage(Protocol):
 class Conversation:
     """The messages of one client about one run. ``scene``: the run's until the client brings one.
     ``admit``: takes the first message, and returns the devices that play for this client, None for
-    none; it raises PlacedError to answer with an error and be asked again. Without it, none do."""
+    none, or why they do not; it raises PlacedError to answer with an error and be asked again.
+    Without it, none do."""
 
-    def __init__(self, scene: Scene | None, admit: Callable[[Any], Stage | None] | None) -> None:
+    def __init__(
+        self, scene: Scene | None, admit: Callable[[Any], Stage | str | None] | None
+    ) -> None:
         self._scene, self._admit = scene, admit
         self._is_admitted = False
         self._stage: Stage | None = None
+        self._warnings: list[str] = []
         self._convention = Convention()
         self.run: Run | None = None
         self.last: Step | None = None
@@ -62,7 +66,11 @@ class Conversation:
             )
             name = message.get("id") if isinstance(message, dict) else None
             if not self._is_admitted:
-                self._stage = None if self._admit is None else self._admit(message)
+                admitted = None if self._admit is None else self._admit(message)
+                if isinstance(admitted, str):
+                    self._warnings = [admitted]
+                else:
+                    self._stage = admitted
                 self._is_admitted = True
                 self.run = None if self._scene is None else open_run(self._scene, RATE)
             return self._answered(message)
@@ -135,6 +143,7 @@ class Conversation:
             "sample_rate": self.run.sample_rate,
             "latency": 0.0 if self._stage is None else self._stage.latency,
             "calibrated": self.run.is_calibrated,
+            **({"warnings": self._warnings} if self._warnings else {}),
         }
 
     def _step(self, run: Run, message: Mapping[str, Any]) -> list[Answer]:

@@ -68,7 +68,8 @@ class Outbox:
 
 class Door:
     """Accepts connections. ``token``: what a client says for its steps to be played on the devices,
-    and, where others than this machine can connect, to be answered at all."""
+    and, where others than this machine can connect, to be answered at all. ``holder``: who has the
+    devices from the beginning on."""
 
     def __init__(
         self,
@@ -78,6 +79,7 @@ class Door:
         token: str,
         origins: Sequence[str],
         heard: Callable[[Conversation], None],
+        holder: str | None = None,
     ) -> None:
         """Prepare; `listen` makes the server.
 
@@ -95,7 +97,7 @@ class Door:
         self.is_local = host in LOCAL
         self._names: set[str] = set()  # that a client may call the server
         self._open: set[ServerConnection] = set()
-        self._holder: ServerConnection | None = None  # who has the devices
+        self._holder: ServerConnection | str | None = holder
         self._lock = threading.Lock()
 
     def listen(self, port: int) -> Server:
@@ -173,9 +175,9 @@ class Door:
                     if self._stage is not None:
                         self._stage.stop()
 
-    def _stage_for(self, connection: ServerConnection, message: Any) -> Stage | None:
+    def _stage_for(self, connection: ServerConnection, message: Any) -> Stage | str | None:
         """The devices for a client with this first message: the first one that has the token gets
-        them. Raises PlacedError where only clients with the token are answered."""
+        them, others are told. Raises PlacedError where only clients with the token are answered."""
         token = message.get("token") if isinstance(message, dict) else None
         if not isinstance(token, str) or not hmac.compare_digest(
             token.encode(), self._token.encode()
@@ -183,9 +185,12 @@ class Door:
             if self.is_local:
                 return None
             raise PlacedError(("token",), "the first message is hello with the server's token")
+        if self._stage is None:
+            return None
         with self._lock:
             if self._holder is not None:
-                return None
+                other = self._holder if isinstance(self._holder, str) else "another client"
+                return f"the devices play for {other}"
             self._holder = connection
             return self._stage
 

@@ -9,6 +9,7 @@ import shutil
 import socket
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
 from contextlib import ExitStack
@@ -19,6 +20,9 @@ import pytest
 from bounded_program import bounded
 from bounded_program import run as run_bounded
 from crate_on_ground import SCENE
+from haptic_tracing.command_line.serve import Door, LiveView
+from haptic_tracing.command_line.serve.stage import DeviceStage
+from haptic_tracing.core.run_time import load
 from pythonosc.dispatcher import Dispatcher
 from pythonosc.osc_server import BlockingOSCUDPServer
 from pythonosc.udp_client import SimpleUDPClient
@@ -235,6 +239,35 @@ def test_osc_is_answered_where_it_came_from(scene_file):
         "/poses/moon",
     )
     assert level > -60 > silence
+
+
+@pytest.mark.parametrize(
+    ("holder", "told"), [(None, [None, "another client"]), ("OSC", ["OSC", "OSC"])]
+)
+def test_who_does_not_get_the_devices_is_told_who_has_them(scene_file, holder, told):
+    stage = DeviceStage({})
+    door = Door(
+        load(scene_file), stage, "127.0.0.1", "secret", (), LiveView(sys.stderr).show, holder
+    )
+    with door.listen(0) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        url = f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
+        with connect(url) as one, connect(url) as two, connect(url) as stranger:
+            answers = [
+                ask(client, type="hello", version=1, token="secret") for client in (one, two)
+            ]
+            silent = ask(stranger, type="hello", version=1, token="guessed")
+        server.shutdown()
+    stage.close()
+    assert [answer.get("warnings") for answer in answers] == [
+        who and [f"the devices play for {who}"] for who in told
+    ]
+    assert "warnings" not in silent
+
+
+def test_osc_gets_devices_only_where_it_is_answered(scene_file):
+    with pytest.raises(AssertionError, match="--osc-devices: needs --osc"):
+        Served(scene_file, "--osc-devices")
 
 
 @pytest.mark.skipif(
