@@ -34,6 +34,9 @@ from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Listener, Settings, Source, TriggerKind
 from .unchanged import Unchanged
 
+_ON_PATHS = (Strategy.AUTO, Strategy.BEST_PATH)
+"""Strategies whose gains depend on nothing beside the paths from sources to listeners."""
+
 EXACT_FRAMES = 32
 """Frames whose number is a multiple of this are `Frame.exact`: later frames can be traced from
 there with bit-identical results."""
@@ -111,8 +114,8 @@ class Collisions:
 class CollisionDetector:
     """Detects the collisions of consecutive frames.
 
-    ``lazy``: contacts are detected only in heaps of bodies that hold a listener and a sound; gains
-    and impacts are unaffected.
+    ``lazy``: contacts are detected only in heaps of bodies that hold a listener and a sound, and
+    with ``paths`` only where a path between these may lead; gains and impacts are unaffected.
 
     Impacts need two consecutive frames. They are stored for at most `MOST_FRAMES` frames, and
     restored in a frame with ``restore``, which was reached by a jump on the timeline or is traced a
@@ -122,9 +125,9 @@ class CollisionDetector:
     `forget_impacts`, which is called after edits of animation and physics.
     """
 
-    def __init__(self, settings: ContactSettings, lazy: bool) -> None:
+    def __init__(self, settings: ContactSettings, lazy: bool, paths: bool = False) -> None:
         self.settings = settings
-        self.lazy = lazy
+        self.lazy, self.paths = lazy, paths
         self._sources = ImpactSources()
         self._rubbing = SlidingAndRolling(EXACT_FRAMES)
         self._shots = OneShots()
@@ -451,7 +454,7 @@ class CollisionDetector:
             sounding[[row[name] for name in names if name in row]] = True
             sounding[self._sources.bodies] = True
             sounding[[body for impact in frame.struck or () for body in impact.objects]] = True
-        return Endpoints(heard, sounding)
+        return Endpoints(heard, sounding, self.paths and frame.settings.strategy in _ON_PATHS)
 
 
 def _tracked(settings: ContactSettings) -> ContactSettings:

@@ -34,9 +34,10 @@ class Tracer:
         contact_settings: ContactSettings | None = None,
         sample_rate: float = SAMPLE_RATE,
         lazy: bool = False,
+        paths: bool = False,
     ) -> None:
         self.sample_rate = sample_rate
-        self.collisions = CollisionDetector(contact_settings or ContactSettings(), lazy)
+        self.collisions = CollisionDetector(contact_settings or ContactSettings(), lazy, paths)
         self._table = Unchanged(ObjectTable.of)
         self._propagated: Propagated | None = None
         self._mixdown = Mixdown(sample_rate)

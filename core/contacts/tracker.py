@@ -62,6 +62,9 @@ _FRAMES_AHEAD = 3
 """Frames in which gravity may accelerate a body to an impact: its contacts are watched that long
 before, requested or not."""
 
+_DEAD_ENDS = 8
+"""Bodies on a dead end that are left out, counted from its tip."""
+
 _WIDENING = 0.05
 """Metres by which the bounds of the broad phase are widened, so that they hold for several
 frames."""
@@ -85,10 +88,12 @@ class ContactStatistics:
 @dataclass(frozen=True, slots=True, eq=False)
 class Endpoints:
     """Where signals begin and end: bodies (n,) with a source that sounds (``sounding``), and with a
-    listener (``heard``)."""
+    listener (``heard``). ``paths``: contacts on dead ends, which no path between these bodies
+    crosses, are not wanted either."""
 
     heard: BoolArray
     sounding: BoolArray
+    paths: bool = False
 
 
 @frozen
@@ -765,8 +770,18 @@ class ContactTracker:
         if endpoints is None:
             return np.ones(len(pairs.key), dtype=np.bool_)
         sounding = endpoints.sounding | striking
-        sounding[self._near_larger[able]] = True
-        return (self._in_heaps_of(endpoints.heard) & self._in_heaps_of(sounding))[pairs.larger]
+        sounding[self._near_larger[able]] = sounding[self._near_smaller[able]] = True
+        wanted = (self._in_heaps_of(endpoints.heard) & self._in_heaps_of(sounding))[pairs.larger]
+        if endpoints.paths:
+            silent = ~(endpoints.heard | sounding)
+            for _ in range(_DEAD_ENDS):
+                bodies = np.concatenate([pairs.larger[wanted], pairs.smaller[wanted]])
+                tip = silent & (np.bincount(bodies, minlength=len(silent)) == 1)
+                dead = wanted & (tip[pairs.larger] | tip[pairs.smaller])
+                if not dead.any():
+                    break
+                wanted &= ~dead
+        return wanted
 
     def _examine(self, rows: IntArray, before: BoolArray, meetings: Meetings | None = None) -> Hits:
         """Bring the values of the pairs ``rows`` up to date, by a query for those whose bodies have

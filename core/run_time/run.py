@@ -78,7 +78,7 @@ class Run:
             self._place("source", source)
         for listener in scene.listeners:
             self._place("listener", listener)
-        self._tracer = Tracer(self.rules, sample_rate)
+        self._tracer = Tracer(self.rules, sample_rate, lazy=True, paths=True)
         self._history = History()
         self._time: float | None = None
         self._step = 0

@@ -97,9 +97,9 @@ CASES = [
 ]
 
 
-def compared(sequence):
+def compared(sequence, paths=False):
     """Trace both ways; how many impacts there were, and how many contacts fewer were found."""
-    lazy, eager = Tracer(lazy=True), Tracer()
+    lazy, eager = Tracer(lazy=True, paths=paths), Tracer()
     impacts, fewer = 0, 0
     for frame in sequence:
         some, every = lazy.step(frame), eager.step(frame)
@@ -119,13 +119,42 @@ def compared(sequence):
 
 @pytest.mark.parametrize(("settings", "special"), CASES)
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_lazy_tracing_gives_the_same(settings, special, seed):
-    impacts, fewer = compared(frames(seed, 30, settings, special))
+@pytest.mark.parametrize("paths", [False, True])
+def test_lazy_tracing_gives_the_same(settings, special, seed, paths):
+    impacts, fewer = compared(frames(seed, 30, settings, special), paths)
     assert impacts > 3 and fewer > 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 200, 25))
 def test_lazy_tracing_gives_the_same_in_200_scenes(first):
-    found = [compared(frames(seed, 24, Settings(), rows=4)) for seed in range(first, first + 25)]
+    found = [
+        compared(frames(seed, 24, Settings(), rows=4), paths=seed % 2 == 1)
+        for seed in range(first, first + 25)
+    ]
     assert all(np.sum(found, axis=0) > 0)
+
+
+def test_contacts_on_dead_ends_are_left_out_where_only_paths_count():
+    """The hammer on a floor with other things on it: a path needs no contact but its own."""
+    names = ["floor", "drill", "table", "cup", "crate"]
+    sizes = [(9, 9, 1), (1, 1, 1), (1, 1, 1), (1, 1, 1), (1, 1, 1)]
+    places = [(0, 0, -0.5), (-3, 0, 0.5), (0, 0, 0.5), (0, 0, 1.5), (3, 0, 0.5)]
+    transforms = np.tile(np.eye(4), (5, 1, 1))
+    transforms[:, :3, 3] = places
+    frame = Frame(
+        1,
+        0.0,
+        tuple(HapticObject(name, 0.3, 0.7) for name in names),
+        (Source("hammer", "drill", places[1]),),
+        (Listener("hand", "cup", places[3]),),
+        bodies=tuple(
+            Body(name, Box(size), motion="static") for name, size in zip(names, sizes, strict=True)
+        ),
+        transforms=transforms,
+    )
+    lean, heaps = Tracer(lazy=True, paths=True).step(frame), Tracer(lazy=True).step(frame)
+    assert (len(lean.contacts), len(heaps.contacts)) == (3, 4)  # not that of the crate
+    assert lean.gains.tolist() == heaps.gains.tolist()
+    balanced = replace(frame, settings=Settings(strategy="energy_balance"))
+    assert len(Tracer(lazy=True, paths=True).step(balanced).contacts) == 4
