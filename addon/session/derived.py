@@ -140,7 +140,7 @@ class Derived(Generic[Choice, Value]):
         background = own.derived.setdefault(self, Background())
         background.choice = choice
         key, compute = (traced.serial, choice), partial(self.compute, traced, choice)
-        may_start = self.every_frame or background.is_brief or _rests(own)
+        may_start = self.every_frame or background.is_brief or _no_frame_follows(own)
         return background.latest(key, compute, may_start=may_start)
 
     def follow(self, own: sessions.Session) -> None:
@@ -167,7 +167,7 @@ def shows_samples(own: sessions.Session) -> bool:
     )
 
 
-def _rests(own: sessions.Session) -> bool:
+def _no_frame_follows(own: sessions.Session) -> bool:
     """True if no further frames follow: the timeline does not play, and there was no recent
     edit."""
     if is_playing():

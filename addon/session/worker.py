@@ -177,15 +177,17 @@ def redraw_after(seconds: float) -> None:
 
 
 def _start_timer() -> None:
-    if is_interactive() and not bpy.app.timers.is_registered(_look):  # else Blender calls no timers
-        bpy.app.timers.register(_look, first_interval=_INTERVAL, persistent=True)
+    if is_interactive() and not bpy.app.timers.is_registered(
+        _redraw_after_jobs
+    ):  # else Blender calls no timers
+        bpy.app.timers.register(_redraw_after_jobs, first_interval=_INTERVAL, persistent=True)
 
 
 def shut_down() -> None:
     """Cancel all jobs and end thread and timer."""
     cancel()
-    if bpy.app.timers.is_registered(_look):
-        bpy.app.timers.unregister(_look)
+    if bpy.app.timers.is_registered(_redraw_after_jobs):
+        bpy.app.timers.unregister(_redraw_after_jobs)
     _state.owes_redraw, _state.redraw_at, _state.after_render = False, math.inf, None
 
 
@@ -195,7 +197,7 @@ def _ended(future: Future[Any]) -> None:
         _state.pending -= 1
 
 
-def _look() -> float | None:
+def _redraw_after_jobs() -> float | None:
     """Redraw if a job has ended. During playback Blender redraws by itself, so redraw only after
     its end."""
     if time.monotonic() >= _state.redraw_at:

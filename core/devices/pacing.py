@@ -247,10 +247,10 @@ class RumblePacing(Pacing):
         self._ahead = Ahead()
         self._rest = self._current = self._family.silence()
         self._silent = self._family.encode(self._rest, self._transport, 0).data
-        self._tell_anew()
-        self._looked = -np.inf
+        self._assume_unknown_state()
+        self._last_step = -np.inf
 
-    def _tell_anew(self) -> None:
+    def _assume_unknown_state(self) -> None:
         """Discard the known state of the device: a program that was killed may have changed it."""
         self._known = b""
         self._zeros_left = self._family.zero_repeats
@@ -282,8 +282,8 @@ class RumblePacing(Pacing):
         if now - self._fresh > WATCHDOG + self._delay:
             self.silence()
         wanted = self._due(now)
-        elapsed = min(now - self._looked, 1e6)
-        self._looked = now
+        elapsed = min(now - self._last_step, 1e6)
+        self._last_step = now
         amplitudes = self._limits.limited(np.array(wanted.amplitudes), elapsed)
         drive = (
             Tones(tuple(amplitudes.tolist()), wanted.frequencies)
@@ -294,7 +294,7 @@ class RumblePacing(Pacing):
 
     def failed(self) -> None:
         super().failed()
-        self._tell_anew()
+        self._assume_unknown_state()
 
     def wake(self, now: float) -> float | None:
         if (
@@ -304,7 +304,7 @@ class RumblePacing(Pacing):
             or self._zeros_left
             or self._current.amplitudes != self._rest.amplitudes
         ):
-            look = max(self._wrote, self._looked) + self.interval
+            look = max(self._wrote, self._last_step) + self.interval
             if self._known != self._silent:
                 return max(
                     min(look, self._wrote + self._family.refresh_interval),
@@ -315,7 +315,7 @@ class RumblePacing(Pacing):
 
     def restart(self) -> None:
         super().restart()
-        self._tell_anew()
+        self._assume_unknown_state()
 
     def _zero(self) -> Report:
         return self._family.encode(self._rest, self._transport, self._sequence)

@@ -294,12 +294,13 @@ class DeviceWriter(ThreadedOutput):
         """Write zero and release at the device's pace, the second even if the first fails. Returns
         whether both arrived."""
         taken = [
-            self._insist(opened, report, pacing.interval) for report in pacing.ending(farewell)
+            self._write_repeatedly(opened, report, pacing.interval)
+            for report in pacing.ending(farewell)
         ]
         self._may_vibrate = not all(taken)
         return not self._may_vibrate
 
-    def _insist(self, opened: Opened, report: Report, interval: float) -> bool:
+    def _write_repeatedly(self, opened: Opened, report: Report, interval: float) -> bool:
         """Write a report, up to `_FAILURES_TO_CLOSE` times if that fails. Returns whether it was
         written."""
         for _ in range(_FAILURES_TO_CLOSE):

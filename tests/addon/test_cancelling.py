@@ -101,7 +101,7 @@ def test_a_trace_that_a_render_cancelled_is_made_up_for(monkeypatch, rattle):
     assert session.result_of(rattle).number == 2
     endless(monkeypatch, rattle)
     handlers.render_pre()
-    worker._look()  # Blender calls it by a timer, in its window
+    worker._redraw_after_jobs()  # Blender calls it by a timer, in its window
     session.of(rattle).begun.result()
     assert sessions.shown(rattle).result.number == 2
 

@@ -69,7 +69,7 @@ def test_a_long_trace_is_put_off_until_the_script_has_ended(humming, scene, monk
     assert _workers() == []
     assert sessions.shown(scene) is before
     script_ends.set()
-    worker._look()  # what the timer calls
+    worker._redraw_after_jobs()  # what the timer calls
     assert worker.end_within(60.0)
     assert sessions.shown(scene) is not before
     assert session.result_of(scene).amplitudes[0, 0] == pytest.approx((1 - 0.2) * 0.25, rel=1e-6)
