@@ -91,17 +91,29 @@ _ARRAYS = (
 
 @dataclass(frozen=True, eq=False)
 class HapticTrack:
-    """Frames ``frame_start`` to ``frame_start + f - 1``, ``frame_duration`` seconds each, the first
-    at ``start`` seconds.
+    """What the listeners of a scene feel in f consecutive frames, and what made it.
 
-    ``samples`` (l, n) int16 at ``sample_rate``, the first is sample number ``first_sample`` of the
-    scene; frame k has ``offsets[k] : offsets[k + 1]`` of them. ``places`` (f, l, 3): positions of
-    the listeners [m]. ``rows[k] : rows[k + 1]`` are the sources active in frame k: ``row_source``
-    (r,) their number, ``row_amplitude`` (r,), ``row_place`` (r, 3), ``row_gain`` (r, l) including
-    the amplitude. ``line_rows[k] : line_rows[k + 1]`` of ``lines`` (p, 10) are the connections of
-    its best paths as `Connections.rows` has them, none in a track of version 1. ``digest``:
-    checksums of the baked scene, see `scene_reader.digest`. ``impacts``: those of each frame that
-    has any, see `scene_reader.kept_impacts`.
+    Attributes:
+        frame_start: number of the first frame.
+        frame_duration: of each frame [s].
+        start: time of the first frame [s].
+        sample_rate: samples per second.
+        listeners: the l listeners.
+        sources: all sources that reach a listener in any frame.
+        samples: (l, n) int16 of the listeners.
+        first_sample: number of the first sample, counted from the start of the scene.
+        offsets: (f + 1,) frame k has the samples ``offsets[k] : offsets[k + 1]``.
+        places: (f, l, 3) positions of the listeners [m].
+        rows: (f + 1,) the sources that sound in frame k are in ``rows[k] : rows[k + 1]`` of the
+            following arrays.
+        row_source: (r,) number of the source.
+        row_amplitude: (r,) its amplitude.
+        row_place: (r, 3) its position [m].
+        row_gain: (r, l) amplitude with which it arrives at each listener.
+        lines: (p, 10) connections of best paths, see `Connections.rows`; none in version 1.
+        line_rows: (f + 1,) those of frame k are ``line_rows[k] : line_rows[k + 1]``.
+        digest: checksums of the baked scene, see `scene_reader.digest`.
+        impacts: by frame that has any, see `scene_reader.kept_impacts`.
     """
 
     frame_start: int

@@ -28,10 +28,16 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class _State:
-    """``started``: the scene (its session id) and the time [s] at which playback began, None while
-    it does not play. ``restored``: the scene and the frame to which Blender returns after a render,
-    until the next frame. ``hears``: whether the preview is to begin with the next frame in which
-    something is felt, and whether it has begun so."""
+    """State of live output.
+
+    Attributes:
+        started: session id of the scene that plays, and the time at which playback began [s]; None
+            while nothing plays.
+        restored: session id of a scene, and the frame to which Blender returns after a render;
+            until the next frame.
+        hears: whether the preview is to begin with the next frame in which something is felt, and
+            whether it has begun in this way.
+    """
 
     started: tuple[int, float] | None = None
     restored: tuple[int, int] | None = None

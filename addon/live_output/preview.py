@@ -177,8 +177,8 @@ def play(listeners: Sequence[Listener], samples: FloatArray, sample_rate: float)
 
 
 def _carrier(first: int, count: int, sample_rate: float) -> FloatArray:
-    """The samples from number ``first`` on by which what is heard is multiplied: its frequencies
-    become their sums and differences with `SHIFT`, as loud as they were."""
+    """The carrier, from sample ``first`` on, that shifts the preview in pitch: multiplied by it,
+    frequencies become their sums and differences with `SHIFT`, as loud as before."""
     return np.sqrt(2) * np.sin(2 * np.pi * SHIFT / sample_rate * np.arange(first, first + count))
 
 

@@ -11,7 +11,7 @@ from ..session.sessions import Traced
 
 
 def _count(traced: Traced, *_: object) -> int:
-    """Computed on the worker."""
+    """Number of contacts of hulls whose surfaces are apart. Computed on the worker."""
     reading = traced.reading
     seen = (
         {}

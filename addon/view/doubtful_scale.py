@@ -26,8 +26,11 @@ touch."""
 
 
 def _doubt(traced: Traced, *_: object) -> Doubt | None:
-    """Computed on the worker. A word counts for an object, and for all objects together if half of
-    them are called so."""
+    """Why the unit scale is doubtful: a word of an object's name, and its size [m], which is too
+    large for that; or "" and the number of objects, none of which touch. None if nothing is.
+    Computed on the worker.
+
+    A word that half of the objects have in their names counts for all of them together."""
     reading = traced.reading
     if reading is None or not reading.bodies:
         return None
@@ -51,6 +54,6 @@ _DOUBT: Derived[None, Doubt | None] = Derived(_doubt)
 
 
 def doubt(scene: Scene) -> Doubt | None:
-    """The last doubt, without waiting."""
+    """Why the unit scale is doubtful, as computed last, without waiting."""
     latest = _DOUBT.latest(scene, None)
     return None if latest is None else latest.value

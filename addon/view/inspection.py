@@ -31,9 +31,15 @@ hovered = Recent()
 
 
 class Link(NamedTuple):
-    """A connection of a best path: the objects of its two nodes, the ends of the path, metres, and
-    decibels from end to end and from the source. A source or listener is one of no length, with the
-    metres and decibels from the source."""
+    """A connection of a best path. A source or listener counts as one without length.
+
+    Attributes:
+        first, second: objects of its two nodes.
+        source, listener: ends of the path.
+        distance: its length, or of a source or listener that of the path up to it [m].
+        loss: in it, or of a source or listener on the path up to it [dB].
+        gain: from the source to its end [dB].
+    """
 
     first: str
     second: str
