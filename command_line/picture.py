@@ -75,6 +75,15 @@ def _draw(
     title: str,
     path: Path,
 ) -> None:
+    """Draw wave and spectra of each listener, before and after.
+
+    Args:
+        pairs: name, samples as exported, and samples as decoded.
+        losses: what was measured, by name of the listener.
+        rate: samples per second.
+        title: of the picture.
+        path: of the file.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -126,6 +135,15 @@ def _mark(axis: Any, found: ListenerFidelity) -> None:
 
 
 def _wave(axis: Any, samples: FloatArray, rate: int, label: str, colour: str) -> None:
+    """Draw the range of the samples in each column.
+
+    Args:
+        axis: to draw into.
+        samples: (n,).
+        rate: samples per second.
+        label: of the wave.
+        colour: of the wave.
+    """
     step = max(-(-len(samples) // COLUMNS), 1)
     parts = np.pad(samples, (0, -len(samples) % step), mode="edge").reshape(-1, step)
     times = np.arange(len(parts)) * step / rate

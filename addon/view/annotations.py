@@ -47,11 +47,15 @@ def placed_annotations(
     frame: Rectangle | None = None,
     cues: Sequence[Cue] = (),
 ) -> Hud:
-    """Labels, cues and legend for a viewport of ``size`` pixels, seen with ``perspective`` (4, 4).
+    """Labels, cues and legend for a viewport.
 
     Args:
+        data: the drawn frame.
+        perspective: from the world to clip space (4, 4).
+        size: of the viewport [pixels].
         scale: pixels per point.
         free: the part of the viewport that the user interface does not cover.
+        measure: the width of texts.
         occupied: rectangles within it where something else is drawn.
         legend: the side of the legend, in the lower corner.
         frame: the camera's frame, which the legend does not cover.

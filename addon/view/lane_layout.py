@@ -60,8 +60,16 @@ def rows_of(
     height: float,
     scale: float,
 ) -> tuple[Row, ...]:
-    """The rows, from the top down, of a region of ``height`` pixels. If not all fit, those that are
-    named ``first``, then listeners and sources in turn."""
+    """The rows of a lane, from the top down. If not all fit, those that are named ``first``, then
+    listeners and sources in turn.
+
+    Args:
+        sources: their names.
+        listeners: their names.
+        first: names that always have a row.
+        height: of the region [pixels].
+        scale: pixels per point.
+    """
     bottom = _BOTTOM * scale if height > SMALL * scale else scale
     room = height - bottom - _RULER * scale
     if height > _TALL * scale:
@@ -97,7 +105,16 @@ def names(
     scale: float,
     measure: Measure,
 ) -> Hud:
-    """The names at the left, the number of hidden rows, and ``marks`` of one-shots [pixels]."""
+    """The names at the left, the number of hidden rows, and the one-shots.
+
+    Args:
+        rows: of the lane.
+        marks: places of the one-shots [pixels].
+        hidden: number of rows without room.
+        colours: of the theme.
+        scale: pixels per point.
+        measure: the width of texts.
+    """
     builder = HudBuilder(scale, measure)
     for place in marks:
         builder.symbol(place, Shape.IMPACT, _MARK, colours.source[:3])
@@ -116,8 +133,15 @@ def names(
 def strip(
     rows: Sequence[Row], x: FloatArray, low: FloatArray, high: FloatArray, known: BoolArray
 ) -> Drawn:
-    """A band of heights (r, c) in the rows as one strip of triangles (v, 2) [pixels] through the
-    columns at ``x`` (c,): without area where they aren't ``known`` (c,), else at least a line."""
+    """A band in the rows as one strip of triangles (v, 2) [pixels], at least a line.
+
+    Args:
+        rows: of the lane.
+        x: of the columns (c,) [pixels].
+        low: lower edge in each row, 0 to 1 (r, c).
+        high: upper edge in each row, 0 to 1 (r, c).
+        known: columns with samples; the others have no area (c,).
+    """
     base, tall = (
         np.array([getattr(row, name) for row in rows])[:, None] for name in Row._fields[2:]
     )

@@ -61,8 +61,16 @@ class GraphShapes:
         before: GraphShapes | None = None,
         paths: FloatArray | None = None,
     ) -> GraphShapes:
-        """The shapes of ``result``, or ``before`` if nothing visible has changed: the tracer reuses
-        an unchanged graph and its gains."""
+        """The shapes of a frame, or those ``before`` if nothing visible has changed: the tracer
+        reuses an unchanged graph and its gains.
+
+        Args:
+            result: the frame.
+            settings: that it was traced with.
+            options: what is shown and selected.
+            before: shapes of the frame before.
+            paths: connections kept in a track, None for a traced frame.
+        """
         if (
             before is not None
             and (before.settings, before.options) == (settings, options)

@@ -157,10 +157,15 @@ def landings(
     one interval count as one.
 
     Args:
-        nodes: (2, 3, p) world positions of the contact on either body at the end of the interval.
-        away: (p,) metres from the nodes to the nearest material of the former contact, on the body
-            where they are less.
-        normal: (3, p) from first to second; distance: (p,) [m].
+        paths: of all bodies.
+        pairs: numbers of the bodies (p, 2).
+        nodes: positions of the contact on either body at the end of the interval (2, 3, p) [m,
+            world].
+        away: distance from the nodes to the nearest material of the former contact, on the body
+            where that is less (p,) [m].
+        normal: from first to second (3, p).
+        distance: of the bodies (p,) [m].
+        apart: least distance from which material counts as having swung down [m].
     """
     count = len(pairs)
     ends = paths.chosen(pairs.T.reshape(-1)).through_ends()

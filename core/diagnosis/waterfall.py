@@ -68,10 +68,13 @@ class Waterfall:
 def waterfall(
     result: FrameResult, mode: Mode, row: int, column: int, level: float, seconds: float
 ) -> Waterfall:
-    """The waterfall from source ``row``, which reaches the listener, to listener ``column``.
+    """The waterfall from a source, which reaches the listener, to a listener.
 
     Args:
+        result: the traced frame.
         mode: the mode of the frame.
+        row: number of the source.
+        column: number of the listener.
         level: of the listener [dB of full scale].
         seconds: the time over which the level is measured.
     """

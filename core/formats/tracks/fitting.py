@@ -332,8 +332,16 @@ class _Grid:
         before: FloatArray,
         after: FloatArray,
     ) -> FloatArray:
-        """The frequency in the middle with which ``phase`` at the start becomes the signal's phase
-        at the end."""
+        """Frequencies (m,) in the middle of segments, relative to the band's centre [Hz], with
+        which the signal of each has the right phase at its end.
+
+        Args:
+            start: points of the grid at which the segments begin (m,).
+            end: points at which they end (m,).
+            phase: of the signal at their starts (m,) [rad].
+            before: seconds from start to middle (m,).
+            after: seconds from middle to end (m,).
+        """
         cycles = (self.phase[end] - phase) / (2 * math.pi)
         middle = (2 * cycles - self.offset[start] * before - self.offset[end] * after) / (
             before + after

@@ -72,10 +72,15 @@ class WaveletBand:
         gain: float,
         take: Callable[[float], None],
     ) -> WaveletBand:
-        """Decode a band of blocks (time in seconds, bits in base64) of ``seconds`` each at ``rate``
-        hertz. Raises ValueError.
+        """Decode a band. Raises ValueError.
 
-        take: is told the bytes of the samples before they are there.
+        Args:
+            blocks: time [s], and bits in base64.
+            seconds: duration of each block.
+            rate: samples per second.
+            gain: of the band.
+            take: is called with the number of bytes that the samples need before they are
+                allocated.
         """
         size = round(seconds * rate)
         if not SMALLEST <= size <= LARGEST or size & (size - 1):
