@@ -28,6 +28,8 @@ _TOUCHING = 1e-7
 _GROWTH = 1.5
 """A body is grown by this multiple of an uncertain distance, so that it overlaps the other one."""
 
+_SOME_PLANES = 64
+
 _MOST_TRIANGLES = 100_000
 
 _UPRIGHT = np.eye(3)
@@ -39,7 +41,8 @@ BOX_CORNERS = np.array([[x, y, z] for x in (1.0, -1.0) for y in (1.0, -1.0) for 
 @frozen
 class Convex:
     """A convex body for queries, around its own origin: the hull of ``points`` (n, 3), or of discs
-    across the z axis around them with ``radii`` (n,), if it is no polytope. ``first`` and
+    across the z axis around them with ``radii`` (n,), if it is no polytope; ``hull``: that of
+    points if it is known. ``first`` and
     ``second``: FCL's objects for the first body of a pair, which stays where it is, and for the
     second."""
 
@@ -47,6 +50,7 @@ class Convex:
     second: Any
     points: FloatArray
     radii: FloatArray | None = None
+    hull: Hull | None = None
 
     @property
     def curved(self) -> bool:
@@ -68,6 +72,14 @@ class Convex:
     def support(self, directions: FloatArray) -> FloatArray:
         """Greatest heights (m,) of the body along unit ``directions`` (m, 3)."""
         return row_dots(directions, self.farthest(directions))
+
+    def some_planes(self) -> tuple[FloatArray, FloatArray]:
+        """Unit normals (f, 3) and offsets (f,) of some half-spaces that contain the body."""
+        normals = np.concatenate([_UPRIGHT, -_UPRIGHT])
+        if self.hull is not None:
+            faces = self.hull.planes()[0]
+            normals = np.concatenate([normals, faces[:: -(-len(faces) // _SOME_PLANES) or 1]])
+        return normals, self.support(normals)
 
     def corners(self, direction: FloatArray) -> FloatArray:
         """The points (n, 3), of each disc those that are farthest along a direction (3,) and
@@ -155,6 +167,7 @@ def _polytope(hull: Hull) -> Convex:
         fcl.CollisionObject(geometry),
         fcl.CollisionObject(geometry),
         hull.points,
+        hull=hull,
     )
 
 

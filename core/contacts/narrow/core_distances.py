@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, chosen_of, replace_rows
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, joined, replace_rows, taken
 from .box_axes import best_axes
 from .closed_forms import (
     Separation,
@@ -24,6 +24,7 @@ from .closed_forms import (
 from .convex import ConvexDistances, separations
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind, Size
+from .deepest import examine_deepest
 from .frames import relative, turned, turned_back
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 
@@ -89,8 +90,6 @@ class CoreDistances:
             empty = np.zeros((3, 0))
             return exact(Separation(np.zeros(0), empty, empty, empty))
         half, (first, second) = self._table.half[Size.USUAL], self._kinds(rows)
-        if second == Kind.MESH:
-            return self._separated_from_triangles(rows, first)
         if first == second == Kind.BOX:
             sharp = self._sharp(rows)
             size = np.where(sharp, Size.SHARP, Size.USUAL)
@@ -112,24 +111,53 @@ class CoreDistances:
         b = _Placed(rows.rotation_b, rows.centre_b, half[:, rows.second])
         return exact(_CLOSED_FORMS[first, second](a, b))
 
-    def _separated_from_triangles(self, rows: CorePairs, kind: int) -> AxisSeparation:
-        """Separations of cores of one ``kind`` from the triangles they are paired with."""
+    def from_triangles(self, rows: CorePairs, least: FloatArray) -> tuple[IntArray, AxisSeparation]:
+        """Separations of convex cores of one kind from triangles, and the numbers of the rows that
+        they belong to: those that may make the patch. ``least`` (n,): the distance of the bodies at
+        which these have sunk in as far as they may [m]."""
         assert rows.triangle_b is not None
-        if kind not in (Kind.POINT, Kind.SEGMENT, Kind.BOX):
-            return exact(self.by_fcl(rows))
+        kind = self._table.kind[rows.first[0]]
         corners = self._pairing.corners(
             rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b
         )
+        half = self._table.half[:, :, rows.first]
         if kind == Kind.POINT:
-            return exact(point_to_triangle(rows.centre_a, corners))
-        if kind == Kind.SEGMENT:
-            ends = _ends(
-                rows.rotation_a, rows.centre_a, self._table.half[Size.USUAL][:, rows.first]
+            found = exact(point_to_triangle(rows.centre_a, corners))
+        elif kind == Kind.SEGMENT:
+            ends = _ends(rows.rotation_a, rows.centre_a, half[Size.USUAL])
+            found = exact(segment_to_triangle(*ends, corners))
+        elif kind == Kind.BOX:
+            found = box_to_triangle(rows.rotation_a, rows.centre_a, half[Size.THICK], corners)
+        else:
+            return self._deepest_by_fcl(rows, corners, least)
+        return np.arange(len(rows)), found
+
+    def _deepest_by_fcl(
+        self, rows: CorePairs, corners: FloatArray, least: FloatArray
+    ) -> tuple[IntArray, AxisSeparation]:
+        """The same where FCL has to answer for each triangle, with these ``corners`` (3, 3, n)."""
+        radius = rows.radius_a + rows.radius_b
+        bound = np.empty(len(rows))
+        for core in np.unique(rows.first).tolist():
+            mine = np.flatnonzero(rows.first == core)
+            local = turned_back(
+                taken(rows.rotation_a, mine),
+                taken(corners, mine) - rows.centre_a[:, None, mine],
             )
-            return exact(segment_to_triangle(*ends, corners))
-        return box_to_triangle(
-            rows.rotation_a, rows.centre_a, self._table.half[Size.THICK][:, rows.first], corners
-        )
+            normals, offsets = self._convex.core(core, Size.USUAL).some_planes()
+            heights = np.einsum("fi,ikn->fkn", normals, local).min(axis=1) - offsets[:, None]
+            bound[mine] = heights.max(axis=0, initial=-np.inf)
+        numbers, found = [], []
+
+        def examine(part: IntArray) -> tuple[IntArray, FloatArray]:
+            numbers.append(part)
+            found.append(self.by_fcl(chosen_of(rows, part)))
+            return part, found[-1].distance - radius[part]
+
+        examine_deepest(rows.owner, bound - radius, least, examine)
+        chosen = np.concatenate(numbers)
+        order = chosen.argsort()
+        return chosen[order], exact(chosen_of(joined(found), order))
 
     def near_by_fcl(self, rows: CorePairs, limit: FloatArray) -> Separation:
         """`by_fcl` of the rows whose bounding boxes are within ``limit`` of each other; lower

@@ -3,8 +3,10 @@ their triangles nearby."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, ranges, taken
 from .cores import CoreTable, Kind, Size
 from .frames import chunks, dot, product, relative, turned, turned_back
 from .mesh_index import MeshIndex
-from .surfaces import Surfaces
+from .surfaces import CoreSurface, Surfaces
 from .triangles import apart_by, beside
 
 BEYOND = 1e-9
@@ -51,6 +53,34 @@ class CorePairs:
 
     def __len__(self) -> int:
         return len(self.owner)
+
+
+class _Placing(NamedTuple):
+    """Poses of first surfaces in the frames of the second ones: rotations (3, 3, m) and origins (3,
+    m)."""
+
+    turn: FloatArray
+    shift: FloatArray
+
+    def of(self, pair: IntArray, points: FloatArray) -> FloatArray:
+        """Points (3, n) or (3, k, n) of the first surfaces of pairs (n,)."""
+        shift = self.shift[:, pair]
+        return turned(self.turn[..., pair], points) + (
+            shift if points.ndim == 2 else shift[:, None]
+        )
+
+    def back_to_first(self, second: CoreSurface, reach: FloatArray) -> FloatArray:
+        """Boxes (m, 2, 3) around the second surface, grown by ``reach`` (m,), in the first one's
+        frames."""
+        back = _Placing(self.turn.transpose(1, 0, 2), -turned_back(self.turn, self.shift))
+        return back.onto_second(second, reach)
+
+    def onto_second(self, first: CoreSurface, reach: FloatArray) -> FloatArray:
+        """The same around the first surface, in the second one's frames."""
+        middle, half = (first.low + first.high) / 2, (first.high - first.low) / 2
+        centre = turned(self.turn, middle[:, None]) + self.shift
+        extent = turned(np.abs(self.turn), half[:, None] + reach)
+        return np.stack([centre - extent, centre + extent]).transpose(2, 0, 1)
 
 
 class CorePairing:
@@ -144,81 +174,105 @@ class CorePairing:
         expanded.triangle_b = np.concatenate(triangle)
         return expanded
 
-    def near_triangles(
+    def near_triangles(self, rows: CorePairs, reach: FloatArray) -> CorePairs:
+        """The pairs of triangles of pairs of surfaces that may be within ``reach`` (n,) metres of
+        each other, in order of the rows."""
+        return self.with_triangles(rows, *self._triangles(rows, reach, self._near_of_alike))
+
+    def facing_triangles(
+        self, rows: CorePairs, reach: FloatArray, margin: float
+    ) -> tuple[IntArray, IntArray, IntArray]:
+        """Those of them that look at each other and may lie over each other, seen along the normal
+        of either: the number of the row, and of both triangles. Of what meets a solid, only those
+        within ``margin`` metres of its bounds."""
+        return self._triangles(rows, reach, partial(self._facing_of_alike, margin=margin))
+
+    def with_triangles(
+        self, rows: CorePairs, number: IntArray, first: IntArray, second: IntArray
+    ) -> CorePairs:
+        """Pairs of triangles (m,) of the ``rows`` of these numbers (m,)."""
+        expanded = chosen_of(rows, number)
+        expanded.triangle_a, expanded.triangle_b = first, second
+        return expanded
+
+    def _triangles(
         self,
         rows: CorePairs,
         reach: FloatArray,
-        facing: Sequence[tuple[BoolArray, BoolArray]] | None = None,
-    ) -> CorePairs:
-        """The pairs of triangles of pairs of surfaces that may be within ``reach`` (n,) metres of
-        each other, in order of the rows. ``facing``: which triangles of both surfaces count; of
-        these only those that look at each other and may lie over each other, seen along the normal
-        of either."""
+        of_alike: Callable[
+            [CoreSurface, CoreSurface, _Placing, FloatArray], tuple[IntArray, IntArray, IntArray]
+        ],
+    ) -> tuple[IntArray, IntArray, IntArray]:
+        """What ``of_alike`` finds of rows with the same two surfaces, of all rows."""
         alike: dict[tuple[int, int], list[int]] = {}
         for k, pair in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
             one, other = (id(self._surfaces[core]) for core in pair)
             alike.setdefault((one, other), []).append(k)
-        found = [(np.zeros(0, dtype=np.intp),) * 3] + [
-            self._near_of_alike(
-                rows, np.array(numbers), reach[numbers], facing and [facing[k] for k in numbers]
+        none = np.zeros(0, dtype=np.int64)
+        found: list[tuple[IntArray, IntArray, IntArray]] = [(none, none, none)]
+        for numbers in map(np.array, alike.values()):
+            turn = relative(rows.rotation_b[..., numbers], rows.rotation_a[..., numbers])
+            way = rows.centre_a[:, numbers] - rows.centre_b[:, numbers]
+            placing = _Placing(turn, turned_back(rows.rotation_b[..., numbers], way))
+            first, second = (
+                self._surfaces[int(core[numbers[0]])] for core in (rows.first, rows.second)
             )
-            for numbers in alike.values()
-        ]
-        number, first, second = (np.concatenate(parts) for parts in zip(*found, strict=True))
+            row, mine, theirs = of_alike(first, second, placing, reach[numbers])
+            found.append((numbers[row], mine, theirs))
+        number, of_first, of_second = (np.concatenate(parts) for parts in zip(*found, strict=True))
         order = np.argsort(number, kind="stable")
-        expanded = chosen_of(rows, number[order])
-        expanded.triangle_a, expanded.triangle_b = first[order], second[order]
-        return expanded
+        return number[order], of_first[order], of_second[order]
 
     def _near_of_alike(
-        self,
-        rows: CorePairs,
-        numbers: IntArray,
-        reach: FloatArray,
-        facing: Sequence[tuple[BoolArray, BoolArray]] | None,
+        self, first: CoreSurface, second: CoreSurface, placing: _Placing, reach: FloatArray
     ) -> tuple[IntArray, IntArray, IntArray]:
-        """The pairs of triangles of `near_triangles` for rows that share the same two surfaces.
+        """The number of the pair and those of the triangles of pairs (m,) of two surfaces within
+        ``reach`` (m,) of each other."""
+        pair, near = first.index.near(placing.back_to_first(second, reach))
+        corners = placing.of(pair, taken(first.corners, near))
+        bounds = np.stack([corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]])
+        mine, theirs = second.index.near(bounds.transpose(2, 0, 1))
+        pair = pair[mine]
+        apart = [
+            apart_by(taken(corners, mine[part]), taken(second.corners, theirs[part]))
+            for part in chunks(len(mine))
+        ]
+        possible = (np.concatenate(apart) <= reach[pair]).nonzero()[0]
+        return pair[possible], near[mine[possible]], theirs[possible]
 
-        Args:
-            rows: pairs of surfaces.
-            numbers: which of them (m,).
-            reach: greatest distance for each of these (m,) [m].
-            facing: as of `near_triangles`.
-
-        Returns:
-            Number of the row, of the first and of the second triangle (n,).
-        """
-        first, second = (
-            self._surfaces[int(rows.first[numbers[0]])],
-            self._surfaces[int(rows.second[numbers[0]])],
+    def _facing_of_alike(
+        self,
+        first: CoreSurface,
+        second: CoreSurface,
+        placing: _Placing,
+        reach: FloatArray,
+        margin: float,
+    ) -> tuple[IntArray, IntArray, IntArray]:
+        """The same of triangles that face each other, as of `facing_triangles`."""
+        within = np.full_like(reach, margin)
+        pair, near = first.index.near(
+            placing.back_to_first(second, within if second.depth > 0 else reach)
         )
-        turn = relative(rows.rotation_b[..., numbers], rows.rotation_a[..., numbers])
-        shift = turned_back(
-            rows.rotation_b[..., numbers], rows.centre_a[:, numbers] - rows.centre_b[:, numbers]
+        (middle_a, radius_a), (middle_b, radius_b) = (
+            first.spheres.spheres(),
+            second.spheres.spheres(),
         )
-        middle, half = (second.low + second.high) / 2, (second.high - second.low) / 2
-        back = turned_back(turn, middle[:, None] - shift)
-        extent = turned(np.abs(turn.transpose(1, 0, 2)), half[:, None] + reach)
-        pair, near = first.index.near(np.stack([back - extent, back + extent]).transpose(2, 0, 1))
-        if facing:
-            counts_a, counts_b = (np.stack(counts) for counts in zip(*facing, strict=True))
-            counted = counts_a[pair, near].nonzero()[0]
-            pair, near = pair[counted], near[counted]
-        corners = (
-            turned(turn[..., pair], first.index.corners[near].transpose(2, 1, 0))
-            + shift[:, None, pair]
-        )
-        if facing:
-            (middle_a, radius_a), (middle_b, radius_b) = (
-                first.spheres.spheres(),
-                second.spheres.spheres(),
-            )
-            middle_a = turned(turn[..., pair], middle_a[:, near]) + shift[:, pair]
-            normal = turned(turn[..., pair], first.normals[:, near])
-            half = np.abs(normal) * reach[pair] + radius_a[near]
-            bounds = np.stack([middle_a - half, middle_a + half])
-            mine, theirs = second.spheres.near(bounds.transpose(2, 0, 1))
-            counted = counts_b[pair[mine], theirs].nonzero()[0]
+        middle_a = placing.of(pair, middle_a[:, near])
+        normal = turned(placing.turn[..., pair], first.normals[:, near])
+        half = np.abs(normal) * reach[pair] + radius_a[near]
+        bounds = np.stack([middle_a - half, middle_a + half])
+        counts = np.ones((len(reach), len(radius_b)), dtype=np.bool_)
+        if first.depth > 0:
+            around = placing.onto_second(first, within)
+            low, high = around[pair].transpose(1, 2, 0)
+            bounds = np.stack([np.maximum(bounds[0], low), np.minimum(bounds[1], high)])
+            counts[:] = False
+            counts[second.index.near(around)] = True
+        every = second.spheres.near(bounds.transpose(2, 0, 1))
+        kept: list[tuple[IntArray, IntArray]] = []
+        for part in chunks(len(every[0])):
+            mine, theirs = (numbers[part] for numbers in every)
+            counted = counts[pair[mine], theirs].nonzero()[0]
             mine, theirs = mine[counted], theirs[counted]
             against = dot(taken(normal, mine), taken(second.normals, theirs))
             if first.depth == 0 or second.depth == 0:  # either side of a shell can face others
@@ -228,19 +282,9 @@ class CorePairing:
             both = radius_a[near[mine]] + radius_b[theirs]
             over = ~beside(way, both, taken(normal, mine))
             over &= ~beside(way, both, taken(second.normals, theirs))
-            mine, theirs = mine[over], theirs[over]
-        else:
-            bounds = np.stack(
-                [corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]]
-            )
-            mine, theirs = second.index.near(bounds.transpose(2, 0, 1))
-        pair, others = pair[mine], second.index.corners.transpose(2, 1, 0)
-        apart = [
-            apart_by(taken(corners, mine[part]), taken(others, theirs[part]))
-            for part in chunks(len(mine))
-        ]
-        possible = (np.concatenate(apart) <= reach[pair]).nonzero()[0]
-        return numbers[pair[possible]], near[mine[possible]], theirs[possible]
+            kept.append((mine[over], theirs[over]))
+        mine, theirs = (np.concatenate(parts) for parts in zip(*kept, strict=True))
+        return pair[mine], near[mine], theirs
 
     def corners(
         self, mesh: IntArray, triangle: IntArray, rotation: FloatArray, centre: FloatArray
@@ -249,7 +293,7 @@ class CorePairing:
         local = np.empty((3, 3, len(mesh)))
         for core in np.unique(mesh).tolist():
             mine = mesh == core
-            local[..., mine] = self.mesh(core).corners[triangle[mine]].transpose(2, 1, 0)
+            local[..., mine] = taken(self._surfaces[core].corners, triangle[mine])
         return turned(rotation, local) + centre[:, None]
 
 

@@ -224,9 +224,10 @@ class NarrowPhase:
                 rows = chosen_of(rows, ~self._surfaces.inside(rows, limit, distance, found))
                 rows = self._surfaces.near(rows, limit) if len(rows) else rows
                 if len(rows):
-                    self._finish(
-                        rows, self._distances.separated(rows), limit, distance, found, corners
-                    )
+                    least = self._surfaces.least_distances(rows)
+                    chosen, separated = self._distances.from_triangles(rows, least)
+                    rows = chosen_of(rows, chosen)
+                    self._finish(rows, separated, limit, distance, found, corners)
             elif self._distances.in_closed_form(rows):
                 closed.append((rows, self._distances.separated(rows)))
             else:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, taken
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, joined
 from ...frozen import frozen
 from .body_patches import CoreContacts, core_contacts, reduced
 from .closed_forms import nearest_on_triangle
@@ -23,10 +23,12 @@ from .convex import ConvexDistances
 from .core_pairs import CorePairing, CorePairs
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
+from .deepest import WITHIN, examine_deepest
 from .frames import chunks, cross, dot, smooth_step, turned_back
 from .manifold import PATCH_GAP, Patches, patches
 from .surfaces import CoreSurface, Surfaces
 from .triangles import (
+    both_ways_apart,
     crossing_lines,
     facing_axes,
     over_each_other,
@@ -66,6 +68,55 @@ class _CrossingCurve:
     extent: float
 
 
+@frozen
+class _Faces:
+    """Triangles (n,) that look at each other: the number of the ``pair`` of surfaces and of both
+    triangles, their corners (3, 3, n) and outward normals (3, n); ``turned``: only the other side
+    of a shell does. Signed separations along both normals: at least ``bound``, ``behind`` if the
+    first were on the other side of the second [m]."""
+
+    pair: IntArray
+    triangle_a: IntArray
+    triangle_b: IntArray
+    first: FloatArray
+    second: FloatArray
+    normal_a: FloatArray
+    normal_b: FloatArray
+    turned: BoolArray
+    bound: FloatArray
+    behind: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        numbers: tuple[IntArray, IntArray, IntArray],
+        first: FloatArray,
+        second: FloatArray,
+        shell_a: BoolArray,
+    ) -> _Faces:
+        """Of triangles by their corners; ``shell_a`` (n,): the first belongs to a shell, of which
+        either side can face the other surface."""
+        normal_a, normal_b = unit_normals(first), unit_normals(second)
+        turned = dot(normal_a, normal_b) > 0
+        normal_a = np.where(turned & shell_a, -normal_a, normal_a)
+        normal_b = np.where(turned & ~shell_a, -normal_b, normal_b)
+        bound, behind = np.maximum(
+            both_ways_apart(first, second, normal_a), both_ways_apart(first, second, -normal_b)
+        )
+        return cls(*numbers, first, second, normal_a, normal_b, turned, bound, behind)
+
+
+@frozen
+class _Lying:
+    """Faces that lie on each other: the number ``face`` (n,) of the two, their signed distance
+    ``depth`` (n,) [m] along the ``axis`` (3, n), and which have passed ``under`` each other."""
+
+    face: IntArray
+    depth: FloatArray
+    axis: FloatArray
+    under: BoolArray
+
+
 class SurfacePairs:
     """Pairs of cores of a table of which the second is a mesh."""
 
@@ -99,28 +150,38 @@ class SurfacePairs:
         first, and never those of spheres."""
         import fcl
 
-        first, second = int(rows.first[k]), int(rows.second[k])
-        turn, place = rows.rotation_b[..., k], rows.centre_b[:, k]
-        other: Any = (
-            self._convex(first) if solid or not self._is_surface(first) else self._surfaces[first]
-        )
-        other.second.setRotation(np.ascontiguousarray(turn.T @ rows.rotation_a[..., k]))
-        other.second.setTranslation(turn.T @ (rows.centre_a[:, k] - place))
+        mesh, other = self._placed_for_fcl(rows, k, solid)
         result = fcl.DistanceResult()
-        distance = float(
-            fcl.distance(
-                self._surfaces[second].first,
-                other.second,
-                fcl.DistanceRequest(enable_nearest_points=True),
-                result,
-            )
-        )
+        request = fcl.DistanceRequest(enable_nearest_points=True)
+        distance = float(fcl.distance(mesh, other, request, result))
+        turn, place = rows.rotation_b[..., k], rows.centre_b[:, k]
         on_mesh, on_other = (turn @ np.asarray(point) + place for point in result.nearest_points)
         return _Gap(
             max(distance, 0.0),
-            rows.centre_a[:, k] if self._table.kind[first] == Kind.POINT else on_other,
+            rows.centre_a[:, k] if self._table.kind[rows.first[k]] == Kind.POINT else on_other,
             on_mesh,
         )
+
+    def _distance(self, rows: CorePairs, k: int) -> float:
+        """The distance of the surfaces of pair ``k``. To find that they cross is faster than to
+        find that they are 0 apart."""
+        import fcl
+
+        crosses = fcl.collide(
+            *self._placed_for_fcl(rows, k), fcl.CollisionRequest(), fcl.CollisionResult()
+        )
+        return 0.0 if crosses else self._gap(rows, k).distance
+
+    def _placed_for_fcl(self, rows: CorePairs, k: int, solid: bool = False) -> tuple[Any, Any]:
+        """The mesh of pair ``k``, at the origin, and the other body; ``solid`` as in `gaps`."""
+        first = int(rows.first[k])
+        other: Any = (
+            self._convex(first) if solid or not self._is_surface(first) else self._surfaces[first]
+        ).second
+        turn, place = rows.rotation_b[..., k], rows.centre_b[:, k]
+        other.setRotation(np.ascontiguousarray(turn.T @ rows.rotation_a[..., k]))
+        other.setTranslation(turn.T @ (rows.centre_a[:, k] - place))
+        return self._surfaces[int(rows.second[k])].first, other
 
     def _convex(self, core: int) -> Any:
         if self._table.kind[core] == Kind.MESH:
@@ -154,7 +215,7 @@ class SurfacePairs:
         for k in range(len(rows)):
             a, b = self._surfaces[int(rows.first[k])], self._surfaces[int(rows.second[k])]
             owner, radius = int(rows.owner[k]), float(rows.radius_a[k] + rows.radius_b[k])
-            gap, most = self._gap(rows, k).distance, _most(a, b)
+            gap, most = self._distance(rows, k), _most(a, b)
             if gap <= _TOUCHING and most > 0:
                 deep[k] = most
                 continue
@@ -207,7 +268,7 @@ class SurfacePairs:
         """Which convex cores (n,) have their middle inside the solid they are paired with. Adds
         their contacts as `contacts` does."""
         chosen = np.zeros(len(rows), dtype=np.bool_)
-        for k in np.flatnonzero(np.isfinite(self._deepest(rows))).tolist():
+        for k in np.flatnonzero(np.isfinite(self.least_distances(rows))).tolist():
             row = chosen_of(rows, np.array([k]))
             mesh = self._surfaces[int(row.second[0])]
             turn, place = row.rotation_b[..., 0], row.centre_b[:, 0]
@@ -220,7 +281,9 @@ class SurfacePairs:
                 continue
             chosen[k] = True
             owner, radius = int(row.owner[0]), float(row.radius_a[0] + row.radius_b[0])
-            least = max(self._gap(row, 0).distance - radius, 0.0) + float(self._deepest(row)[0])
+            least = max(self._gap(row, 0).distance - radius, 0.0) + float(
+                self.least_distances(row)[0]
+            )
             distance[owner] = min(distance[owner], max(least, limit[owner]))
             if least <= limit[owner]:
                 nearest = self._nearest_to_middle(row)
@@ -235,7 +298,7 @@ class SurfacePairs:
         outside the meshes of the triangles they are paired with. Distances end where a core has
         sunk in as far as it may; patches become the point of the mesh that is nearest to its
         middle, from half that depth on."""
-        deepest = self._deepest(rows)
+        deepest = self.least_distances(rows)
         share = smooth_step(2 * gap / deepest - 1)
         sunk = share.nonzero()[0]
         if len(sunk) == 0:
@@ -267,7 +330,7 @@ class SurfacePairs:
         way = nearest - middle
         return turn @ nearest[:, int(dot(way, way).argmin())] + place
 
-    def _deepest(self, rows: CorePairs) -> FloatArray:
+    def least_distances(self, rows: CorePairs) -> FloatArray:
         """The least distance (n,) of convex cores from their meshes: how far they may sink in,
         -infinity from a shell."""
         table = self._table
@@ -331,8 +394,11 @@ class SurfacePairs:
             separation, normal=np.where(turns, -separation.normal, separation.normal)
         )
         gap = separation.distance - rows.radius_a - rows.radius_b - sunk
-        near = (gap <= limit[rows.owner]).nonzero()[0]
+        deepest = np.full(len(limit), np.inf)
+        np.minimum.at(deepest, rows.owner, gap)
         np.minimum.at(distance, rows.owner, np.maximum(gap, limit[rows.owner]))
+        most = np.minimum(limit, deepest + WITHIN)
+        near = (gap <= most[rows.owner]).nonzero()[0]
         if len(near):
             rows, separation = chosen_of(rows, near), chosen_of(separation, near)
             patch = self._patches.patches(rows, separation)
@@ -390,99 +456,82 @@ class SurfacePairs:
             corners: Whether the contacts have corners.
         """
         several = chosen_of(pairs, chosen)
-        rows = self._pairing.near_triangles(
-            replace(several, owner=np.arange(len(chosen))),
-            _REACH + 2 * most[chosen],
-            self._taking_part(several),
+        faces = self._faces(several, _REACH + 2 * most[chosen])
+        # A shell inside a wall may leave it by either of its sides.
+        way = 2 * faces.pair + faces.turned
+        found = [self._lying_on_each_other(several, faces, np.zeros(0, dtype=np.int64))]
+
+        def examine(part: IntArray) -> tuple[IntArray, FloatArray]:
+            found.append(self._lying_on_each_other(several, faces, part))
+            return found[-1][0].face, found[-1][0].depth
+
+        examine_deepest(way, faces.bound, -most[chosen][faces.pair], examine)
+        lying, patch = joined([faces for faces, _ in found]), joined([patch for _, patch in found])
+        order = lying.face.argsort()
+        lying, patch = chosen_of(lying, order), chosen_of(patch, order)
+        under = lying.under.nonzero()[0]
+        through = way[lying.face[under]]
+        dropped = np.zeros(len(lying.face), dtype=np.bool_)
+        for k in np.intersect1d(through[through % 2 == 0], through[through % 2 == 1] - 1).tolist():
+            ways = [under[through == side] for side in (k, k + 1)]
+            dropped[max(ways, key=lambda side: float(-lying.depth[side].min()))] = True
+        lying, patch = chosen_of(lying, ~dropped), chosen_of(patch, ~dropped)
+        rows = self._placed(several, chosen_of(faces, lying.face))
+        number = chosen[faces.pair[lying.face]]
+        gap = np.maximum(lying.depth, -most[number]) - rows.radius_a - rows.radius_b
+        facing = core_contacts(rows, lying.axis, gap, patch, corners)
+        return number, -lying.depth, facing
+
+    def _faces(self, pairs: CorePairs, reach: FloatArray) -> _Faces:
+        """The triangles of ``pairs`` (p,) of surfaces that face each other within ``reach`` (p,)
+        metres."""
+        shell = np.array(
+            [self._surfaces[core].depth == 0 for core in pairs.first.tolist()], dtype=np.bool_
         )
-        number, rows = chosen[rows.owner], replace(rows, owner=several.owner[rows.owner])
-        shell_a = np.array([self._surfaces[core].depth == 0 for core in pairs.first.tolist()])
-        parts = [
-            self._over_each_other(chosen_of(rows, part), shell_a[number[part]], part)
-            for part in chunks(len(rows))
-        ]
-        over, first, second, normal_a, normal_b, turned, separation, axis = (
-            np.concatenate(values, axis=-1) for values in zip(*parts, strict=True)
+        triangles = self._pairing.facing_triangles(pairs, reach, _REACH)
+        found = []
+        for part in chunks(len(triangles[0])):
+            number, one, other = (numbers[part] for numbers in triangles)
+            first, second = self._corners(self._pairing.with_triangles(pairs, number, one, other))
+            faces = _Faces.of((number, one, other), first, second, shell[number])
+            possible = (faces.bound < _REACH) & (faces.behind <= reach[number])
+            found.append(chosen_of(faces, possible))
+        return joined(found)
+
+    def _placed(self, pairs: CorePairs, faces: _Faces) -> CorePairs:
+        """Rows of ``faces`` of ``pairs``."""
+        return self._pairing.with_triangles(pairs, faces.pair, faces.triangle_a, faces.triangle_b)
+
+    def _lying_on_each_other(
+        self, pairs: CorePairs, faces: _Faces, chosen: IntArray
+    ) -> tuple[_Lying, Patches]:
+        """Which of the ``chosen`` ones of the ``faces`` lie on each other, and their patches."""
+        faces = chosen_of(faces, chosen)
+        separation, axis = facing_axes(faces.first, faces.second, faces.normal_a, faces.normal_b)
+        over = over_each_other(faces.first, faces.second, axis)
+        faces, axis, separation = chosen_of(faces, over), axis[:, over], separation[over]
+        middle = (faces.first.sum(axis=1) + faces.second.sum(axis=1)) / 6
+        patch = patches(
+            faces.first - middle[:, None], faces.second - middle[:, None], axis, PATCH_GAP
         )
-        number, rows = number[over], chosen_of(rows, over)
-        middle = (first.sum(axis=1) + second.sum(axis=1)) / 6
-        patch = patches(first - middle[:, None], second - middle[:, None], axis, PATCH_GAP)
-        patch = replace(
-            patch, centre=middle + patch.centre, corners=middle[:, None] + patch.corners
-        )
+        centre = middle + patch.centre
         depth = separation + np.where(patch.found, patch.gap, 0.0)
         ends = [
-            patch.centre + axis * (dot(corners[:, 0] - patch.centre, normal) / dot(axis, normal))
-            for corners, normal in ((first, normal_a), (second, normal_b))
+            centre + axis * (dot(corners[:, 0] - centre, normal) / dot(axis, normal))
+            for corners, normal in ((faces.first, faces.normal_a), (faces.second, faces.normal_b))
         ]
-        beyond = dot(axis, ends[1] - ends[0])  # at the middle of the patch
-        patch = replace(patch, centre=(ends[0] + ends[1]) / 2)
-        valid = patch.found & (depth < _REACH)
-        under = (valid & (beyond < -_TOUCHING)).nonzero()[0]
-        valid[under] = self._overlap(chosen_of(rows, under), ends[0][:, under], ends[1][:, under])
-        under = under[valid[under]]
-        for k in np.unique(number[under[turned[under]]]).tolist():
-            mine = under[number[under] == k]
-            through = [mine[turned[mine] == side] for side in (False, True)]
-            if len(through[0]):  # a shell inside a wall: the shorter way out
-                valid[max(through, key=lambda way: float(-depth[way].min()))] = False
-        kept = valid.nonzero()[0]
-        rows, number, depth = chosen_of(rows, kept), number[kept], depth[kept]
-        gap = np.maximum(depth, -most[number]) - rows.radius_a - rows.radius_b
-        facing = core_contacts(rows, axis[:, kept], gap, chosen_of(patch, kept), corners)
-        return number, -depth, facing
-
-    def _taking_part(self, pairs: CorePairs) -> list[tuple[BoolArray, BoolArray]]:
-        """Which triangles of the first and of the second surface of each of ``pairs`` may belong
-        to its patch: all but those that are outside the other one, a solid, and farther than
-        `_REACH` from it."""
-        near = self._pairing.near_triangles(
-            replace(pairs, owner=np.arange(len(pairs))), np.full(len(pairs), _REACH)
+        patch = replace(
+            patch, centre=(ends[0] + ends[1]) / 2, corners=middle[:, None] + patch.corners
         )
-        masks: list[tuple[BoolArray, IntArray]] = []
-        cores, points = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))]
-        for k in range(len(pairs)):
-            mine = (near.owner == k).nonzero()[0]
-            row = chosen_of(pairs, np.array([k]))
-            for (solid, other, turn, place), core, close in zip(
-                self._each_in_other(row),
-                (row.second, row.first),
-                (near.triangle_a, near.triangle_b),
-                strict=True,
-            ):
-                assert close is not None
-                corner = other.index.corners[:, 0] @ turn + place
-                counts = np.full(len(corner), solid.depth == 0)
-                counts[close[mine]] = True
-                doubtful = ~counts & ((corner > solid.low) & (corner < solid.high)).all(axis=1)
-                masks.append((counts, doubtful.nonzero()[0]))
-                cores.append(core.repeat(len(masks[-1][1])))
-                points.append(corner[doubtful])
-        inside = self._contained(np.concatenate(cores), np.concatenate(points).T)
-        begin = 0
-        for counts, asked in masks:
-            counts[asked] = inside[begin : begin + len(asked)]
-            begin += len(asked)
-        counted = [counts for counts, _ in masks]
-        return list(zip(counted[::2], counted[1::2], strict=True))
-
-    def _over_each_other(
-        self, rows: CorePairs, shell_a: BoolArray, numbers: IntArray
-    ) -> tuple[BoolArray | FloatArray | IntArray, ...]:
-        """The faces of pairs of triangles (n,) that may lie over each other (m,): their
-        ``numbers``, corners (3, 3, m) and outward normals (3, m) of both, which of them look the
-        same way, which only sides of a shell do, and `facing_axes` of them. ``shell_a``: which of
-        the first ones are of a shell."""
-        first, second = self._corners(rows)
-        normal_a, normal_b = unit_normals(first), unit_normals(second)
-        # A shell has no outside: either of its sides can face the other surface.
-        turned = dot(normal_a, normal_b) > 0
-        normal_a = np.where(turned & shell_a, -normal_a, normal_a)
-        normal_b = np.where(turned & ~shell_a, -normal_b, normal_b)
-        separation, axis = facing_axes(first, second, normal_a, normal_b)
-        values = numbers, first, second, normal_a, normal_b, turned, separation, axis
-        over = over_each_other(first, second, axis)
-        return tuple(taken(value, over) for value in values)
+        valid = patch.found & (depth < _REACH)
+        # Seen at the middle of the patch.
+        under = valid & (dot(axis, ends[1] - ends[0]) < -_TOUCHING)
+        asked = under.nonzero()[0]
+        valid[asked] = self._overlap(
+            chosen_of(pairs, faces.pair[asked]), ends[0][:, asked], ends[1][:, asked]
+        )
+        lying = _Lying(chosen[over], depth, axis, under)
+        return chosen_of(lying, valid), chosen_of(patch, valid)
 
     def _crossing(self, row: CorePairs) -> _CrossingCurve | None:
         """The curve along which the surfaces of the single pair ``row`` cross."""
@@ -575,9 +624,12 @@ class SurfacePairs:
 
     def _overlap(self, rows: CorePairs, on_a: FloatArray, on_b: FloatArray) -> BoolArray:
         """Which points (3, n) of either surface are inside the other one, if that is a solid."""
-        in_a = turned_back(rows.rotation_a, on_b - rows.centre_a)
-        in_b = turned_back(rows.rotation_b, on_a - rows.centre_b)
-        return self._contained(rows.first, in_a) & self._contained(rows.second, in_b)
+        inside = self._contained(rows.first, turned_back(rows.rotation_a, on_b - rows.centre_a))
+        rows, on_a = chosen_of(rows, inside), on_a[:, inside]
+        inside[inside] = self._contained(
+            rows.second, turned_back(rows.rotation_b, on_a - rows.centre_b)
+        )
+        return inside
 
     def _contained(self, cores: IntArray, points: FloatArray) -> BoolArray:
         """Which points (3, n) are inside the solids ``cores`` (n,), each in the frame of its own;

@@ -17,13 +17,14 @@ from .triangles import unit_normals
 @frozen
 class CoreSurface:
     """The triangles of a core in its own frame, by their bounds and by ``spheres`` around their
-    middles, and their unit ``normals`` (3, t). ``depth`` [m]: how far beneath the surface a body
-    touches it; 0 of a shell, infinite of a hull. ``size`` [m]: the smallest extent of a solid,
-    infinite of a shell. ``first`` and ``second``: FCL's objects for the first and the second of a
-    pair."""
+    middles, their ``corners`` (3, 3, t) by coordinate and corner, and unit ``normals`` (3, t).
+    ``depth`` [m]: how far beneath the surface a body touches it; 0 of a shell, infinite of a hull.
+    ``size`` [m]: the smallest extent of a solid, infinite of a shell. ``first`` and ``second``:
+    FCL's objects for the first and the second of a pair."""
 
     index: MeshIndex
     spheres: MeshIndex
+    corners: FloatArray
     normals: FloatArray
     low: FloatArray
     high: FloatArray
@@ -54,10 +55,12 @@ class CoreSurface:
         low, high = core.bounds()
         size = float(np.min(high - low)) + 2 * core.radius[0] if depth > 0 else np.inf
         index = MeshIndex.of(points[triangles])
+        corners = np.ascontiguousarray(index.corners.transpose(2, 1, 0))
         return cls(
             index,
             MeshIndex.of(points[triangles], spheres=True),
-            unit_normals(index.corners.transpose(2, 1, 0)),
+            corners,
+            unit_normals(corners),
             low,
             high,
             depth,

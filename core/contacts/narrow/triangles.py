@@ -129,10 +129,17 @@ def apart_by(first: FloatArray, second: FloatArray) -> FloatArray:
     axes = unit_normals(first), unit_normals(second), middles / np.where(length > 0, length, 1.0)
     apart = np.full(first.shape[2], -np.inf)
     for axis in axes:
-        a, b = dot(axis[:, None], first), dot(axis[:, None], second)
-        apart = np.maximum(apart, b.min(axis=0) - a.max(axis=0))
-        apart = np.maximum(apart, a.min(axis=0) - b.max(axis=0))
+        apart = np.maximum(apart, np.maximum(*both_ways_apart(first, second, axis)))
     return apart
+
+
+def both_ways_apart(
+    first: FloatArray, second: FloatArray, axis: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """How far apart triangles are along unit vectors (3, n), signed (n,), the second ahead of the
+    first, and behind it."""
+    a, b = dot(axis[:, None], first), dot(axis[:, None], second)
+    return b.min(axis=0) - a.max(axis=0), a.min(axis=0) - b.max(axis=0)
 
 
 def beside(way: FloatArray, reach: FloatArray, normal: FloatArray) -> BoolArray:
