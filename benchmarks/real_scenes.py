@@ -1,5 +1,5 @@
 """Six scenes of concave, skinned and many objects, made by formulas, as content that is imported
-has them."""
+has them; bowls, arms of robots and the walk are those of the samples."""
 
 from __future__ import annotations
 
@@ -8,18 +8,13 @@ from collections.abc import Callable, Sequence
 import bpy
 import numpy as np
 from bpy.types import Mesh, Object, Scene
-from haptic_tracing.sample_scenes.avatar import Hand, standing
-from haptic_tracing.sample_scenes.real_content import add_character
-from mathutils import Vector
+from haptic_tracing.sample_scenes.avatar import HANGING, standing
+from haptic_tracing.sample_scenes.gait import walk
+from haptic_tracing.sample_scenes.geometry import Geometry, Point, box, lathe, to_mesh
+from haptic_tracing.sample_scenes.real_content import BOWL, BOWL_STEP, add_arm, add_character
 
 FRAMES = 60
 
-Profile = Sequence[tuple[float, float]]
-"""Radii and heights of the outline of a body of revolution, upwards outside, downwards inside."""
-
-_BOWL = (0.05, 0.0), (0.11, 0.06), (0.1, 0.06), (0.04, 0.01)
-_LINK = (0.09, 0.0), (0.09, 0.03), (0.05, 0.05), (0.05, 0.25), (0.09, 0.27), (0.09, 0.3)
-_HANGING = Hand(Vector((0.3, -0.06, 0.86)), Vector((0.1, -0.25, -1.0)), Vector((1.0, 0.0, 0.0)))
 _RING = (0.3, 0.0), (0.36, 0.05), (0.3, 0.1), (0.24, 0.05)
 
 
@@ -30,36 +25,19 @@ def _object(name: str, mesh: Mesh, place: Sequence[float] = (0, 0, 0)) -> Object
     return obj
 
 
-def _box(name: str, size: Sequence[float]) -> Mesh:
-    x, y, z = np.array(size) / 2
-    corners = [(a * x, b * y, c * z) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]
-    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(corners, [], faces)
-    return mesh
+def _box(name: str, size: Point) -> Mesh:
+    return to_mesh(name, box(size), ())
 
 
-def _turned(name: str, profile: Profile, sides: int = 24, rings: bool = False) -> Mesh:
-    """A body of revolution; ``rings``: around a hole, otherwise closed at both ends."""
-    angles = 2 * np.pi * np.arange(sides) / sides
-    points = [(r * np.cos(a), r * np.sin(a), z) for r, z in profile for a in angles]
-    count = len(profile)
-    faces: list[tuple[int, ...]] = [
-        (
-            k * sides + a,
-            k * sides + (a + 1) % sides,
-            (k + 1) % count * sides + (a + 1) % sides,
-            (k + 1) % count * sides + a,
-        )
-        for k in range(count if rings else count - 1)
-        for a in range(sides)
+def _around_hole(name: str, profile: Sequence[tuple[float, float]], sides: int) -> Mesh:
+    """What a profile of (radius, z), anticlockwise, sweeps about the z axis around a hole."""
+    turned, count = lathe(profile, sides), len(profile)
+    last = [
+        ((count - 1) * sides + k, (count - 1) * sides + (k + 1) % sides, (k + 1) % sides, k)
+        for k in range(sides)
     ]
-    if not rings:
-        last = (count - 1) * sides
-        faces += [tuple(range(sides - 1, -1, -1)), tuple(range(last, last + sides))]
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(points, [], faces)
-    return mesh
+    faces = (*turned.faces[:-2], *last)
+    return to_mesh(name, Geometry(turned.vertices, faces, (0,) * len(faces)), ())
 
 
 def _moved(obj: Object, way: Sequence[float], frames: int = FRAMES) -> Object:
@@ -73,30 +51,25 @@ def _moved(obj: Object, way: Sequence[float], frames: int = FRAMES) -> Object:
 def kitchen() -> None:
     """240 objects: a worktop with bowls in each other, shelves, a pan that is pushed along."""
     _object("Floor", _box("floor", (6, 4, 0.2)), (0, 0, -0.1))
-    bowl, shelf = _turned("bowl", _BOWL), _box("shelf", (3.9, 0.5, 0.02))
+    bowl, shelf = to_mesh("bowl", lathe(BOWL), ()), _box("shelf", (3.9, 0.5, 0.02))
     for k in range(8):
         _object(f"Shelf.{k:03d}", shelf, (0, 1.0, 0.3 * k + 0.01))
         _object(f"Side.{k:03d}", _box("side", (0.05, 0.5, 0.27)), (1.9, 1.0, 0.3 * k + 0.155))
     for k in range(222):
         level, number = divmod(k, 28)
         column, layer = divmod(number, 2)
-        place = 0.26 * column - 1.82, 1.0, 0.3 * level + 0.02 + 0.02 * layer
+        place = 0.26 * column - 1.82, 1.0, 0.3 * level + 0.02 + BOWL_STEP * layer
         _object(f"Bowl.{k:03d}", bowl, place)
-    _moved(_object("Pan", _turned("pan", _BOWL, 48), (-1, 0, 0)), (1, 0, 0))
+    _moved(_object("Pan", to_mesh("pan", lathe(BOWL, 48), ()), (-1, 0, 0)), (1, 0, 0))
 
 
 def robots() -> None:
     """65 links: two arms and six legs on a table, all of whose joints turn."""
     _object("Table", _box("table", (3, 2, 0.1)), (0, 0, -0.05))
-    link = _turned("link", _LINK, 32)
+    scene = bpy.context.scene
     for chain in range(8):
-        before: Object | None = None
-        for k in range(8):
-            name = f"arm{chain}_link{k}"
-            obj = _object(name, link, (0.33 * chain - 1.15, 0, 0) if k == 0 else (0, 0, 0.3))
-            obj.parent, before = before, obj
-            if k == 0:
-                continue
+        place = (0.33 * chain - 1.15, 0.0, 0.0)
+        for k, obj in enumerate(add_arm(scene, f"arm{chain}", (0.3,) * 8, place, ())[1:], 1):
             for frame in (1, FRAMES // 2, FRAMES):
                 turn = 0.15 * np.sin(chain + k + frame)
                 obj.rotation_euler = turn, turn / 2, 0
@@ -104,20 +77,14 @@ def robots() -> None:
 
 
 def walker() -> None:
-    """A skinned character of 20,000 vertices that swings its legs on a floor."""
+    """A skinned character of 20,000 vertices that walks along a floor."""
     _object("Floor", _box("floor", (6, 6, 0.2)), (0, 0, -0.1))
     scene = bpy.context.scene
-    armature, body = add_character(scene, "Walker", standing(_HANGING))
+    armature, body = add_character(scene, "Walker", standing(HANGING))
     while len(body.data.vertices) < 15_000:
         _subdivide(body)
-    for side, sign in (("Left", 1.0), ("Right", -1.0)):
-        bone = armature.pose.bones[f"mixamorig:{side}UpLeg"]
-        bone.rotation_mode = "XYZ"
-        for frame in (1, 16, 31, 46, FRAMES):
-            bone.rotation_euler.x = sign * 0.4 * np.cos(2 * np.pi * (frame - 1) / 30)
-            bone.keyframe_insert("rotation_euler", frame=frame)
-    low = min((body.matrix_world @ vertex.co).z for vertex in body.data.vertices)
-    armature.location.z -= low
+    armature.location.y = 1.2
+    walk(armature, range(1, FRAMES + 1), 30.0)
 
 
 def _subdivide(obj: Object) -> None:
@@ -138,7 +105,7 @@ def pile() -> None:
     world.collection = bpy.data.collections.new("bodies")
     world.point_cache.frame_end = FRAMES
     ground = _object("Ground", _box("ground", (8, 8, 0.4)), (0, 0, -0.2))
-    ring, random = _turned("ring", _RING, 28, True), np.random.default_rng(40)
+    ring, random = _around_hole("ring", _RING, 28), np.random.default_rng(40)
     rings = []
     for k in range(40):
         layer, number = divmod(k, 4)
@@ -154,7 +121,7 @@ def pile() -> None:
 def city() -> None:
     """2,000 buildings of concave outlines on a ground, and a tram."""
     _object("Ground", _box("ground", (1000, 1000, 2)), (0, 0, -1))
-    court = _turned("court", ((6, 0), (6, 20), (4, 20), (4, 0)), 8, True)
+    court = _around_hole("court", ((6, 0), (6, 20), (4, 20), (4, 0)), 8)
     for k in range(1998):
         _object(f"Building.{k:04d}", court, (20 * (k % 45) - 440, 20 * (k // 45) - 440, 0))
     _moved(_object("Tram", _box("tram", (2, 12, 3)), (10, -400, 1.5)), (0, 200, 0))
@@ -162,8 +129,8 @@ def city() -> None:
 
 def house() -> None:
     """134 objects: rooms with walls around air, slabs, and a lamp in each, and one who walks."""
-    room = _turned("room", ((2.1, 0), (2.1, 2.6), (2, 2.6), (2, 0)), 4, True)
-    slab, lamp = _box("slab", (13, 13, 0.2)), _turned("lamp", _BOWL)
+    room = _around_hole("room", ((2.1, 0), (2.1, 2.6), (2, 2.6), (2, 0)), 4)
+    slab, lamp = _box("slab", (13, 13, 0.2)), to_mesh("lamp", lathe(BOWL), ())
     for floor in range(4):
         _object(f"Slab.{floor:03d}", slab, (0, 0, 2.8 * floor - 0.1))
         for k in range(16):

@@ -21,8 +21,8 @@ class Sample:
 
     ``objects``: approximate number of objects. ``count``: default number of repeated items if that
     can be chosen, else None. ``variation``: relative variation of its impacts. ``about``: the body
-    parts that should feel it. ``body``: how its people feel, as in *Bodies*; "" in a scene with the
-    paper's function.
+    parts that should feel it, of both sides unless one is named. ``body``: how its people feel, as
+    in *Bodies*; "" in a scene with the paper's function.
     """
 
     name: str
@@ -136,6 +136,27 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
                 80,
                 "A driver feels engine, kerb and setts through seat and steering wheel",
                 about=("hand", "middle_back", "upper_leg"),
+            ),
+            Sample(
+                "kitchen",
+                "Cook at a Worktop",
+                91,
+                "A hand on the worktop feels the mixer, and the fridge through floor and cupboards",
+                about=("hand.L",),
+            ),
+            Sample(
+                "boardwalk",
+                "Walk along a Boardwalk",
+                79,
+                "Steps are felt in the feet that make them, and less by one who sits nearby",
+                about=("foot",),
+            ),
+            Sample(
+                "robot_cell",
+                "Robot at a Table",
+                37,
+                "The hand of one who works there feels a robot set castings down",
+                about=("hand.R",),
             ),
             Sample(
                 "mine_ride",

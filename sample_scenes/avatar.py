@@ -65,6 +65,10 @@ class Hand:
         return Hand(*(_sided(vector, -1.0) for vector in (self.palm, self.fingers, self.back)))
 
 
+HANGING = Hand(Vector((0.29, -0.06, 0.86)), Vector((0.1, -0.2, -1.0)), Vector((1.0, 0.0, 0.0)))
+"""The left hand of one who stands, beside the thigh."""
+
+
 @dataclass(frozen=True, slots=True)
 class Posture:
     """Where the limbs bend and end: those of the left, mirrored for the right unless ``right_hand``

@@ -1,13 +1,14 @@
-"""What samples of imported content share: skinned characters, instances of collections, and the
-roles that *Make Haptic*, *Match Materials* and *Add Body Listeners* give."""
+"""What samples and benchmarks of imported content share: skinned characters, arms of robots, bowls,
+instances of collections, and the roles that *Make Haptic*, *Match Materials* and *Add Body
+Listeners* give."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import bpy
-from bpy.types import Armature, Collection, Object, Scene
+from bpy.types import Armature, Collection, Material, Object, Scene
 from mathutils import Vector
 
 from ..addon.authoring import body_kit, signals
@@ -15,11 +16,11 @@ from ..addon.authoring import materials as library
 from ..core.scene.body import BODY_PART, DEFAULT_LISTENERS
 from ..core.scene.materials import MATERIALS
 from .avatar import SIDES, Mannequin, Posture, trunk_frame
-from .geometry import Point, joined, to_mesh
+from .gait import PREFIX
+from .geometry import Point, joined, lathe, to_mesh
 from .materials import surface
 from .staging import make_source, place_mesh
 
-PREFIX = "mixamorig:"
 _TRUNK = {"Hips": 0.0, "Spine": 0.09, "Spine1": 0.186, "Spine2": 0.28, "Neck": 0.57, "Head": 0.63}
 """Where the bones of the trunk begin [m], upwards from the centre of the hips."""
 _CROWN = 0.86
@@ -34,6 +35,11 @@ _LIMBS = {
 }
 """Parts of the mannequin: their bone, the bone before it, the joint where it begins."""
 
+BOWL = (0.05, 0.0), (0.11, 0.06), (0.1, 0.06), (0.04, 0.01)
+"""The profile of a bowl: radii and heights of its outside upwards and its inside downwards [m]."""
+BOWL_STEP = 0.02
+"""How much higher a bowl stands in another [m]."""
+
 Bones = dict[str, tuple[str, Vector, Vector]]
 """By name: the bone before it, head and tail."""
 
@@ -44,14 +50,16 @@ def add_character(
     posture: Posture,
     location: Point = (0.0, 0.0, 0.0),
     parent: Object | None = None,
+    heading: float = 0.0,
 ) -> tuple[Object, Object]:
     """A mannequin as rigs have it: one mesh, skinned to an armature with Mixamo's names of bones,
-    at rest in ``posture``. Returns the armature and the mesh."""
+    at rest in ``posture``, turned by ``heading`` about z. Returns the armature and the mesh."""
     mannequin = Mannequin.of(posture)
     data: Armature = bpy.data.armatures.new(f"{name} Rig")
     armature = bpy.data.objects.new(data.name, data)
     scene.collection.objects.link(armature)
     armature.location, armature.parent = location, parent
+    armature.rotation_euler = (0.0, 0.0, heading)
     _add_bones(scene, armature, _bones(mannequin, posture))
     skins = (surface(f"{name} Skin", "#e9e2d6", 0.45), surface(f"{name} Joints", "#2f5d73", 0.4))
     shape = joined(mannequin.shapes.values())
@@ -119,6 +127,29 @@ def _weights(mannequin: Mannequin) -> Iterator[tuple[str, list[int]]]:
         else:
             bone = {"Chest": "Spine2"}.get(part, part)
             yield PREFIX + (_WORDS[letter] + _LIMBS[limb][0] if letter else bone), list(numbers)
+
+
+def add_arm(
+    scene: Scene,
+    name: str,
+    lengths: Sequence[float],
+    location: Point,
+    materials: Sequence[Material],
+) -> list[Object]:
+    """The links of a robot's arm, one on the other, upright at rest: concave meshes with their
+    origins at the joints, as files for simulators have them."""
+    links: list[Object] = []
+    for number, length in enumerate(lengths):
+        thin, thick = (length - 0.05, length - 0.03)
+        shape = lathe(
+            ((0.09, 0.0), (0.09, 0.03), (0.05, 0.05), (0.05, thin), (0.09, thick), (0.09, length)),
+            32,
+        )
+        mesh = to_mesh(f"{name}_link{number}", shape, materials)
+        place_at = (0.0, 0.0, lengths[number - 1]) if links else location
+        parent = links[-1] if links else None
+        links.append(place_mesh(scene, mesh.name, mesh, place_at, parent=parent))
+    return links
 
 
 def add_instance(

@@ -147,7 +147,10 @@ def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
         case "COMPOUND":
             return object()
         case "CONVEX_HULL" | "MESH":
-            return tuple(zlib.crc32(part.tobytes()) for part in _triangles(obj, depsgraph, source))
+            with _surface(obj, depsgraph, source) as mesh:
+                sizes = read_array(mesh.polygons, "loop_total", 1, np.int32)
+                places = read_array(mesh.vertices, "co", 3)
+                return tuple(zlib.crc32(part.tobytes()) for part in (places, _corners(mesh), sizes))
         case _:
             return zlib.crc32(_bounding_box(obj, depsgraph).tobytes())
 
@@ -239,11 +242,20 @@ def _triangles(obj: Object, depsgraph: Depsgraph, source: str) -> tuple[FloatArr
 def _arrays_of(mesh: Mesh) -> tuple[FloatArray, IntArray]:
     """Its vertices (n, 3) and triangles (t, 3). Raises ValueError where it has no extent."""
     mesh.calc_loop_triangles()
-    triangles = read_array(mesh.loop_triangles, "vertices", 3, np.int32)
+    triangles = _corners(mesh)[read_array(mesh.loop_triangles, "loops", 3, np.int32)]
     vertices = read_array(mesh.vertices, "co", 3).astype(np.float64)
     if not np.ptp(vertices, axis=0).any():
         raise ValueError(iface_("its vertices are all in one place: move them apart"))
     return vertices, triangles.astype(np.int64)
+
+
+def _corners(mesh: Mesh) -> IntArray:
+    """The vertices (c,) of all faces, one face after the other; Blender's attribute is read in a
+    hundredth of the time that its loops or the vertices of its triangles take."""
+    attribute: Any = mesh.attributes.get(".corner_vert")
+    if attribute is None:
+        return np.zeros(0, dtype=np.int32)
+    return read_array(attribute.data, "value", 1, np.int32).reshape(-1)
 
 
 def _check_number(triangles: IntArray) -> None:

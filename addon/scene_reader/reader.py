@@ -500,14 +500,12 @@ class SceneReader:
         )
         # None is left of a mesh that has no shape any more.
         known = self._shapes.pop(session_id, None)
-        if (
-            known is None
-            or known[0] != key
-            or (session_id in self._unchecked and known[1] != mesh_checksum(obj, depsgraph))
-        ):
-            started = perf_counter()
-            known = key, mesh_checksum(obj, depsgraph), collision_shape(obj, depsgraph, scale)
-            if session_id in self._unchecked and self._lists is not None:
+        is_unchecked = session_id in self._unchecked
+        is_known, started = known is not None and known[0] == key, perf_counter()
+        content = mesh_checksum(obj, depsgraph) if is_unchecked or not is_known else None
+        if known is None or not is_known or (is_unchecked and known[1] != content):
+            known = key, content, collision_shape(obj, depsgraph, scale)
+            if is_unchecked and self._lists is not None:
                 milliseconds = 1000 * (perf_counter() - started)
                 self._rebuilt = {**self._rebuilt, obj.name_full: milliseconds}
         self._shapes[session_id] = known

@@ -314,8 +314,10 @@ class Mesh(_PointShape):
             object.__setattr__(self, "sphere_margin", _length("sphere_margin", self.sphere_margin))
 
     def core_bounds(self) -> FloatArray:
-        used = self.points[self.triangles.reshape(-1)]
-        return np.array([used.min(axis=0), used.max(axis=0)])
+        used = np.zeros(len(self.points), dtype=np.bool_)
+        used[self.triangles] = True
+        corners = self.points[used]
+        return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
 @frozen

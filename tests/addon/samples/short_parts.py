@@ -33,6 +33,9 @@ PARTS: dict[str, tuple[int, int, int | None]] = {
     "air_blast": (28, 31, None),
     "sliding_and_rolling": (1, 14, None),
     "kart": (1, 18, None),
+    "kitchen": (40, 46, None),
+    "boardwalk": (1, 15, None),
+    "robot_cell": (30, 42, None),
     "mine_ride": (62, 72, None),
 }
 """First and last frame, and how many things where that can be chosen. Simulations end before one

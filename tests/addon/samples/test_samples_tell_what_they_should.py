@@ -4,15 +4,30 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from haptic_tracing.addon.session import session
 from haptic_tracing.core.perception import dominant_frequency, sensation_level
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.body import PAPER_LISTENERS
-from haptic_tracing.sample_scenes import domino_wall, hammer_nail, mine_ride, sliding_and_rolling
+from haptic_tracing.sample_scenes import (
+    boardwalk,
+    domino_wall,
+    hammer_nail,
+    kitchen,
+    mine_ride,
+    robot_cell,
+    sliding_and_rolling,
+)
 
 RELATIVE = 1e-5  # Blender keeps positions and properties in single precision
 
 BANDS_LEFT_OUT = 0.25
 """Decibels of materials whose bands differ by less than half a decibel over 10 m."""
+
+
+def struck(scene, impact):
+    """The names of the two bodies of an impact."""
+    bodies = session.of(scene).reading.bodies
+    return sorted(bodies[k].name for k in impact.objects)
 
 
 def listener(result, body_part):
@@ -302,3 +317,73 @@ def test_what_slides_and_rolls_is_felt_by_whom_it_is_about_and_silent_at_rest(bu
     speed = (high - low) / 0.9 / ((last - first) / scene.render.fps)
     middle = np.concatenate(waves["Wheel"][15:45], axis=1)[listener(result, "upper_leg.R")]
     assert dominant_frequency(middle, result.sample_rate) == pytest.approx(speed / 0.025, rel=0.1)
+
+
+@pytest.mark.slow
+def test_hand_on_the_worktop_feels_the_mixer_there_and_the_fridge_through_floor_and_cupboard(
+    build, results
+):
+    *_, result = results(build("kitchen"), kitchen.START, kitchen.START)
+    left, right = (listener(result, f"hand.{side}") for side in "LR")
+    fridge, mixer = range(2)
+    assert [source.name for source in result.sources] == ["Compressor", "Mixer_Motor"]
+    assert " ".join(result.path_objects(mixer, left)) == "Mixer_Motor Mixer_Stand Worktop.001 Cook"
+    way = result.path_objects(fridge, left)
+    assert way[:3] == ("Compressor", "Fridge_Body", "Floor")
+    assert way[3].startswith("Cupboard_") and way[4:] == ("Worktop.001", "Cook")
+    # The other hand hangs above the pan.
+    assert (result.amplitudes[:, left] > 1.5 * result.amplitudes[:, right]).all()
+
+
+@pytest.mark.slow
+def test_every_step_is_felt_in_the_feet_of_who_walks_and_less_by_who_sits(build, results):
+    """A step strikes the plank that it comes down on with the heel, then, at half the speed, the
+    next ones with the ball."""
+    scene = build("boardwalk")
+    steps = []
+    for result in results(scene, 1, scene.frame_end):
+        heels = [k for k, item in enumerate(result.impacts) if item.energy > 1.0]
+        for k in heels:
+            boot, plank = struck(scene, result.impacts[k])
+            assert plank.startswith("Plank_")
+            steps.append((result.number, boot))
+            feet = {
+                item.name: result.amplitudes[-1, n]
+                for n, item in enumerate(result.listeners)
+                if item.body_part.startswith("foot")
+            }
+            walks, sits = (
+                [gain for name, gain in feet.items() if name.startswith(who)]
+                for who in ("Walker", "Sitter")
+            )
+            assert min(walks) > 1.5 * max(sits) > 0.0
+    half = boardwalk.STRIDE_FRAMES / 2
+    assert len(steps) == int((scene.frame_end - 1) / half)
+    assert [boot for _, boot in steps] == (["Boot_R", "Boot_L"] * len(steps))[: len(steps)]
+    assert [number for number, _ in steps] == pytest.approx(
+        [1 + half * k for k in range(1, len(steps) + 1)], abs=1
+    )
+
+
+@pytest.mark.slow
+def test_castings_are_set_down_once_each_and_felt_by_the_hand_on_the_table(build, results):
+    """Their energy is that of their mass at the speed at which they come down."""
+    scene = build("robot_cell")
+    found = []
+    for result in results(scene, 1, scene.frame_end):
+        for impact in result.impacts:
+            found.append((result.number, *struck(scene, impact)))
+            hand = listener(result, "hand.R")
+            source = len(result.sources) - 1
+            assert result.path_objects(source, hand)[-2:] == ("Table_Top", "Operator")
+            others = np.delete(result.amplitudes[source], hand)
+            assert result.amplitudes[source, hand] > 1.5 * others.max()
+            frames = robot_cell.SET - robot_cell.ABOVE
+            speed = robot_cell.LIFT / frames * scene.render.fps
+            assert impact.energy == pytest.approx(robot_cell.MASS * speed**2 / 2, rel=0.01)
+    downs = [1 + robot_cell.SET + robot_cell.CYCLE * k for k in (0, 1)]
+    assert [number for number, *_ in found] == pytest.approx(downs, abs=1)
+    assert [pair for _, *pair in found] == [
+        ["Casting.001", "Table_Top"],
+        ["Casting.002", "Table_Top"],
+    ]
