@@ -76,7 +76,7 @@ def _draw_level(layout: UILayout, level: levels.Level) -> None:
     row = layout.row(align=True)
     split = _draw_name(row, level.listener, "OUTLINER_OB_LIGHTPROBE")
     split.active = level.is_felt
-    split.progress(factor=level.place, text=levels.decibels(level.rms))
+    split.progress(factor=level.place, text=level.level_text())
     _draw_switches(row, level.listener, "listener")
 
 

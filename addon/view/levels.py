@@ -25,6 +25,8 @@ FLOOR = -60.0
 """Lower end of a meter [dB of full scale]."""
 PEAK_SECONDS = 0.1
 """Durations over which peak and level are computed [s]."""
+_LEAST_NAMED = -120.0
+"""Decibels of full scale, some 70 below what can be felt, under which a list says "silent"."""
 
 
 @frozen
@@ -58,6 +60,10 @@ class Level:
     def place(self) -> float:
         """Position of the level on a meter, 0 to 1."""
         return place_of(self.rms)
+
+    def level_text(self) -> str:
+        """The level in a list: "−12 dB", or "silent" also for what is next to nothing."""
+        return decibels(self.rms if self.rms >= _LEAST_NAMED else -math.inf)
 
     def margin_text(self) -> str:
         """The margin with its sign: "+23 dB", "−5 dB", "" for silence."""

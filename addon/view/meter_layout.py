@@ -16,7 +16,7 @@ from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
 from ..blender.text import Measure
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
-from .levels import FLOOR, Level, decibels, place_of
+from .levels import FLOOR, Level, place_of
 from .render_data import SOURCE_COLOUR
 
 Colour = tuple[float, ...]
@@ -76,21 +76,16 @@ class _Columns:
     @classmethod
     def within(cls, across: float, names: float) -> _Columns | None:
         """Columns in ``across`` points if the longest name takes ``names``; None if there is not
-        enough room. Margins are left out first, then names are shortened, then bars become narrow.
+        enough room. Bars become narrow first, then names are shortened, then margins left out.
         """
-        name = min(names + 8.0, NAME_WIDTH)
-        if across >= name + 2 * LEAST_BAR_WIDTH + LEVEL_WIDTH + MARGIN_WIDTH:
-            return cls(
-                name,
-                min(across - name - LEVEL_WIDTH - MARGIN_WIDTH, BAR_WIDTH),
-                LEVEL_WIDTH,
-                MARGIN_WIDTH,
-            )
-        bar = min(max(across - name - LEVEL_WIDTH, LEAST_BAR_WIDTH), BAR_WIDTH)
-        name = min(name, across - bar - LEVEL_WIDTH)
-        return (
-            cls(name, bar, LEVEL_WIDTH, 0.0) if name >= min(LEAST_NAME_WIDTH, names + 8.0) else None
-        )
+        for margin in (MARGIN_WIDTH, 0.0):
+            values = LEVEL_WIDTH + margin
+            wanted = min(names + 8.0, NAME_WIDTH)
+            bar = min(max(across - wanted - values, LEAST_BAR_WIDTH), BAR_WIDTH)
+            name = min(wanted, across - bar - values)
+            if name >= min(LEAST_NAME_WIDTH, names + 8.0):
+                return cls(name, bar, LEVEL_WIDTH, margin)
+        return None
 
 
 @frozen
@@ -127,7 +122,7 @@ def meter_hud(
     spots: Sequence[Spot] = (),
 ) -> Hud:
     """The meters, their lower left corner at the origin. If there is not enough room, these are
-    left out in order: margins, body, scope, listeners, everything.
+    left out in order: body, scope, margins, listeners, everything.
 
     Args:
         levels: Of all listeners.
@@ -257,7 +252,7 @@ def _add_row(
         place = left + place_of(level.peak) * width
         builder.plate((place - 1.0 * scale, low), (place + 1.0 * scale, high), _WHITE, 0.0)
     values = left + columns.bar * scale
-    builder.text(builder.fitted(decibels(level.rms), LEVEL_WIDTH * scale), (values, base), INK)
+    builder.text(builder.fitted(level.level_text(), LEVEL_WIDTH * scale), (values, base), INK)
     if columns.margin:
         builder.text(
             level.margin_text(),

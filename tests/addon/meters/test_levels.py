@@ -10,6 +10,7 @@ from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.comparison import mode_amplitudes
 from haptic_tracing.addon.view.levels import (
     FLOOR,
+    Level,
     decibels,
     levels,
     margin_words,
@@ -201,6 +202,13 @@ def test_places_and_texts():
         "0 dB",
         "3 dB",
     ]
+
+
+def test_next_to_nothing_reads_as_silent_in_lists():
+    def text(rms):
+        return Level("hand", "", rms + 3, rms, rms + 45, -45.0).level_text()
+
+    assert [text(rms) for rms in (-math.inf, -176.4, -119.0)] == ["silent", "silent", "−119 dB"]
 
 
 def test_every_body_part_is_on_a_figure_and_mirrored():
