@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 import pytest
 from haptic_tracing.addon.registration import handlers
-from haptic_tracing.addon.scene_reader import reader
+from haptic_tracing.addon.scene_reader import collision_shapes, reader
 from haptic_tracing.addon.session import session
 
 
@@ -191,3 +191,38 @@ def test_shapes_are_built_once_where_only_settings_change(boxes, scene, monkeypa
     assert built == []
     lift(boxes[1].data)
     assert built == ["box"]
+
+
+@pytest.mark.parametrize("kind", ["monkey", "text", "wire"])
+def test_triangles_are_those_of_blender(kind, scene):
+    """Of a mesh, of a surface that is not stored as one, and of a mesh without faces."""
+    match kind:
+        case "monkey":
+            bpy.ops.mesh.primitive_monkey_add()
+        case "text":
+            bpy.ops.object.text_add()
+        case _:
+            mesh = bpy.data.meshes.new("wire")
+            mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (1, 2)], [])
+            scene.collection.objects.link(bpy.data.objects.new("wire", mesh))
+            bpy.context.view_layer.objects.active = scene.objects["wire"]
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    obj = bpy.context.object.evaluated_get(depsgraph)
+    vertices, triangles = collision_shapes._arrays_of(obj.to_mesh())
+    mesh = obj.to_mesh()
+    mesh.calc_loop_triangles()
+    assert triangles.tolist() == [list(item.vertices) for item in mesh.loop_triangles]
+    assert vertices.tolist() == [list(item.co) for item in mesh.vertices]
+
+
+def test_another_split_of_a_face_is_another_content(boxes):
+    """The same vertices, in the same order at the corners: one face of six, or two triangles."""
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1)]
+    sums = []
+    for faces in ([(0, 1, 2, 3, 4, 5)], [(0, 1, 2), (3, 4, 5)]):
+        mesh = bpy.data.meshes.new("faces")
+        mesh.from_pydata(corners, [], faces)
+        boxes[1].data = mesh
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        sums.append(collision_shapes.mesh_checksum(boxes[1], depsgraph))
+    assert sums[0] != sums[1]
