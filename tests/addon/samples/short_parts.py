@@ -33,7 +33,7 @@ PARTS: dict[str, tuple[int, int, int | None]] = {
     "air_blast": (28, 31, None),
     "sliding_and_rolling": (1, 14, None),
     "kart": (1, 18, None),
-    "kitchen": (40, 46, None),
+    "kitchen": (1, 6, None),
     "boardwalk": (1, 15, None),
     "robot_cell": (30, 42, None),
     "mine_ride": (62, 72, None),
