@@ -158,7 +158,8 @@ def _way() -> tuple[dict[int, Tool], list[dict[int, Tool]]]:
             part = (frame - first) / (last - first)
             # Castings come down at an even speed; everything else begins and ends at rest.
             even = part if (first - 1) % CYCLE == ABOVE else part * part * (3 - 2 * part)
-            ways[frame] = tuple(a + (b - a) * even for a, b in zip(begin, end, strict=True))
+            turn, reach, height = (a + (b - a) * even for a, b in zip(begin, end, strict=True))
+            ways[frame] = turn, reach, height
     held = [
         {frame: ways[frame] for frame in range(at + CLOSE, at + SET + 1)} for at in (1, 1 + CYCLE)
     ]
