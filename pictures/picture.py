@@ -102,7 +102,7 @@ def viewport_picture(
 ) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first: the 3D viewport from the scene's camera with the
     graph over it."""
-    drawing = overlay.Drawing.of(
+    drawing = overlay.GraphDrawing.of(
         overlay.GraphShapes.of(result, read_settings(scene), options or shown_options(scene))
     )
     width, height = (SMOOTHING * side for side in size)

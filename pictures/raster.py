@@ -14,7 +14,7 @@ from bpy.types import VectorFont
 
 from ..addon.blender.text import text_width as screen_width
 from ..addon.view.hud import Hud, Text
-from ..addon.view.render_data import Shape
+from ..addon.view.render_data import Symbol
 from ..addon.view.solids import layers
 from ..core.arrays import BoolArray, FloatArray
 
@@ -32,7 +32,7 @@ def paint(canvas: Canvas, items: Hud, scale: float) -> None:
     for (start, end), colour, width, shape in zip(
         lines.position, lines.colour, lines.width, lines.shape, strict=True
     ):
-        if shape == Shape.PLATE:
+        if shape == Symbol.PLATE:
             _paint_plate(canvas, start[:2], end[:2], colour, width * scale / 2)
         else:
             _paint_line(canvas, start[:2], end[:2], colour[0], width * scale / 2)
@@ -40,7 +40,7 @@ def paint(canvas: Canvas, items: Hud, scale: float) -> None:
     for position, colour, size, shape in zip(
         points.position, points.colour, points.size, points.shape, strict=True
     ):
-        _paint_symbol(canvas, position[:2], colour[:3], size * scale / 2, Shape(int(shape)), scale)
+        _paint_symbol(canvas, position[:2], colour[:3], size * scale / 2, Symbol(int(shape)), scale)
     for text in items.texts:
         _paint_text(canvas, text)
 
@@ -90,7 +90,7 @@ def _paint_symbol(
     centre: FloatArray,
     colour: FloatArray,
     radius: float,
-    shape: Shape,
+    shape: Symbol,
     scale: float,
 ) -> None:
     for inset, layer, opacity in layers(shape, colour):
@@ -121,11 +121,11 @@ def _burst(x: FloatArray, y: FloatArray, radius: float) -> FloatArray:
     return (np.hypot(x, y) - radius * (0.55 + 0.45 * ray)) * 0.8
 
 
-_DISTANCES: dict[Shape, Callable[[FloatArray, FloatArray, float], FloatArray]] = {
-    Shape.CONTACT: _disc,
-    Shape.SOURCE: _disc,
-    Shape.IMPACT: _burst,
-    Shape.LISTENER: _diamond,
+_DISTANCES: dict[Symbol, Callable[[FloatArray, FloatArray, float], FloatArray]] = {
+    Symbol.CONTACT: _disc,
+    Symbol.SOURCE: _disc,
+    Symbol.IMPACT: _burst,
+    Symbol.LISTENER: _diamond,
 }
 
 

@@ -18,7 +18,7 @@ from ..scene_reader.kept_impacts import text_of_impacts
 from ..session import session, timeline
 from . import curves, sound, storage
 from .playback import wanted_range
-from .track import TrackRecorder, check_size
+from .track import BakeRecorder, check_size
 
 
 def bake_job(scene: Scene) -> Job:
@@ -44,7 +44,7 @@ def bake_job(scene: Scene) -> Job:
 
 def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generator[None, None, None]:
     """Bake; ``warnings`` collects what could not be done."""
-    recorder = TrackRecorder()
+    recorder = BakeRecorder()
     digest, motion, own = digest_of(scene), motion_of(scene), session.of(scene)
     frame_duration = scene.render.fps_base / scene.render.fps
     with closing(timeline.results(scene, first, last)) as results:

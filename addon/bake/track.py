@@ -411,7 +411,7 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
     )
 
 
-class TrackRecorder:
+class BakeRecorder:
     """Collects traced frames into a track: of each frame its samples as integers and a row per
     source."""
 

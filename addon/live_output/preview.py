@@ -46,7 +46,7 @@ class AudioUnavailable(OSError):
     """No audio output is available; the text gives the reason in one line."""
 
 
-class _Stream:
+class _AudioStream:
     """A sequence that plays, and grows while it does."""
 
     def __init__(self, sample_rate: float) -> None:
@@ -109,7 +109,7 @@ class _State:
     volume: float = 0.5
     listener: str = ""
     sharper: bool = False
-    stream: _Stream | None = None
+    stream: _AudioStream | None = None
     heard: Any = None
 
 
@@ -169,7 +169,7 @@ def play(listeners: Sequence[Listener], samples: FloatArray, sample_rate: float)
     if not _state.on:
         return
     if _state.stream is None or _state.stream.sample_rate != sample_rate:
-        _state.stream = _Stream(sample_rate)
+        _state.stream = _AudioStream(sample_rate)
         _state.stream.handle.volume = _state.volume
     heard = [k for k, item in enumerate(listeners) if _state.listener in ("", item.name)]
     mix = stereo_mix([listeners[k].body_part for k in heard], samples[heard])

@@ -218,7 +218,7 @@ def _draw_path(layout: UILayout, context: Context, path: paths.ListenerPath) -> 
     if surplus > 0:
         cut = rows[last - surplus : last + 1]
         more = iface_("and {} more").format(len(cut))
-        rows[last - surplus : last + 1] = [paths.Row(more, sum(row.decibels for row in cut))]
+        rows[last - surplus : last + 1] = [paths.PathRow(more, sum(row.decibels for row in cut))]
     active = context.object.name_full if context.object is not None else ""
     for item in rows:
         words = levels.change_words(item.decibels)

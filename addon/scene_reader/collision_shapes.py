@@ -27,7 +27,7 @@ from ...core.scene.values import Pose
 from ..blender.arrays import read_array
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
-from .instances import Found
+from .instances import HapticInstance
 
 _MOST_KEPT = 20_000
 """Triangles up to which the shape of a mesh is kept."""
@@ -65,7 +65,9 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sur
     return _shape_of_body(obj, depsgraph, bounds, scale)
 
 
-def shape_of_instance(found: Found, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
+def shape_of_instance(
+    found: HapticInstance, depsgraph: Depsgraph, scale: FloatArray
+) -> SurfaceShape:
     """The shape of an instance: that of the object which it shows, or of a mesh without an object.
     Raises ValueError as `collision_shape` does."""
     shown, owner = found.shown, found.owner

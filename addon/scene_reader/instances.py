@@ -51,7 +51,7 @@ NONE = Instances(
 )
 
 
-class Found(NamedTuple):
+class HapticInstance(NamedTuple):
     """A haptic instance: its ``place`` among all, its name, the object ``owner`` whose properties
     it has, its instancer, the evaluated object that it shows, which is valid until the next one is
     found, and its world matrix (16,), column by column."""
@@ -64,7 +64,7 @@ class Found(NamedTuple):
     matrix: NDArray[np.float32]
 
 
-def haptic_instances(depsgraph: Depsgraph) -> Iterator[Found]:
+def haptic_instances(depsgraph: Depsgraph) -> Iterator[HapticInstance]:
     """The haptic instances, one after the other."""
     metres = metres_per_unit(depsgraph.scene)
     for place, instance in enumerate(depsgraph.object_instances):
@@ -78,7 +78,7 @@ def haptic_instances(depsgraph: Depsgraph) -> Iterator[Found]:
             name = f"{instancer.name_full}: {shown.name_full} {number}"
             matrix = np.array(instance.matrix_world, dtype=np.float32).T.reshape(1, 16)
             placed = in_metres(matrix, metres)[0]
-            yield Found(place, name, owner, instancer, instance.object, placed)
+            yield HapticInstance(place, name, owner, instancer, instance.object, placed)
 
 
 def counts(obj: Object) -> bool:

@@ -30,7 +30,7 @@ _MOTION_FRAMES = 5
 
 
 @frozen
-class Step:
+class TracedFrame:
     """A traced frame, and how long Blender's evaluation and the tracing took."""
 
     result: FrameResult
@@ -60,7 +60,7 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
 
 def steps(
     scene: Scene, start: int, end: int, listeners_may_change: bool = False, looks_back: bool = True
-) -> Generator[Step, None, None]:
+) -> Generator[TracedFrame, None, None]:
     """Trace the frames ``start`` to ``end`` in order. As each is yielded, the next one is already
     the scene's current frame; the scene's frame is not restored.
 
@@ -78,7 +78,7 @@ def steps(
             before = None if listeners_may_change else result
             result = _checked(frame, session.result_of(scene), session.problems_of(scene), before)
             total, traced = 1000 * (time.perf_counter() - began), sum(result.milliseconds.values())
-            yield Step(_from(start, result), total - traced, traced)
+            yield TracedFrame(_from(start, result), total - traced, traced)
             began = time.perf_counter()
 
 

@@ -17,7 +17,7 @@ from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
 from .cues import Cue
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
-from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, RenderData, Shape
+from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, RenderData, Symbol
 
 _PADDING = (6.0, 4.0)
 _GAP = 5.0  # points between a place's symbol and its label
@@ -28,10 +28,10 @@ _SMALL_WIDTH, _SMALL_HEIGHT = 120.0, 58.0  # points, of a legend without symbols
 _MOST_STEPS, _MOST_LABELS = 150, 32  # all body parts, and some sources
 LegendSide = Literal["LEFT", "RIGHT", "NONE"]
 NAMES = {
-    Shape.SOURCE: "Source",
-    Shape.IMPACT: "Impact",
-    Shape.LISTENER: "Listener",
-    Shape.CONTACT: "Contact",
+    Symbol.SOURCE: "Source",
+    Symbol.IMPACT: "Impact",
+    Symbol.LISTENER: "Listener",
+    Symbol.CONTACT: "Contact",
 }
 
 
@@ -146,7 +146,7 @@ def _add_labels(
         _PADDING
     )
     clearance = scale * (np.array([label.clearance for label in labels]) + _GAP)
-    symbols = data.points.shape != Shape.CONTACT
+    symbols = data.points.shape != Symbol.CONTACT
     places = project(data.points.position[symbols].astype(np.float64), perspective, size)
     occupied = np.concatenate(
         [occupied, squares_around(places, scale * data.points.size[symbols] / 2)]
@@ -226,7 +226,7 @@ def _legend_width(builder: HudBuilder, names: Sequence[str]) -> float:
 def _legend(
     amplitudes: AmplitudeScale,
     title: str,
-    shapes: tuple[Shape, ...],
+    shapes: tuple[Symbol, ...],
     names: tuple[str, ...],
     scale: float,
     measure: Measure,
@@ -249,13 +249,13 @@ def _legend(
     for shape, name in zip(NAMES, names, strict=True):
         if shape not in shapes:
             continue
-        colour = {Shape.SOURCE: SOURCE_COLOUR, Shape.IMPACT: IMPACT_COLOUR}.get(
+        colour = {Symbol.SOURCE: SOURCE_COLOUR, Symbol.IMPACT: IMPACT_COLOUR}.get(
             shape, colour_table()[STEPS * 3 // 5]
         )
         builder.symbol(
             (x + (_SYMBOL_WIDTH / 2 - 2) * scale, base + 4 * scale),
             shape,
-            8.0 if shape == Shape.CONTACT else 17.0,
+            8.0 if shape == Symbol.CONTACT else 17.0,
             colour,
         )
         builder.text(name, (x + _SYMBOL_WIDTH * scale, base), INK)

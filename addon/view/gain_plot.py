@@ -26,7 +26,7 @@ _LENGTHS = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class GainCurve:
     """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (3, n): those at
     30, 100 and 300 Hz, or None if the function does not depend on frequency."""
 
@@ -42,7 +42,7 @@ class Curve:
 
 def gain_curve(
     function: ModulationFunction, kappa: float, rho: float, epsilon: float, count: int = 128
-) -> Curve:
+) -> GainCurve:
     """The gain of a function over distance, up to a round distance at which it falls to `_FAINT`,
     at most 100 metres. Raises ValueError if an expression gives no valid gain.
 
@@ -70,14 +70,14 @@ def gain_curve(
             for values, default in ((factors, 1.0), (decays, 0.0))
         )
         bands = plain * factor[:, None] * np.exp(-decay[:, None] * distances)
-    return Curve(length, distances, plain, bands)
+    return GainCurve(length, distances, plain, bands)
 
 
-_curve: Background[Curve | None] = Background()
+_curve: Background[GainCurve | None] = Background()
 _picture = Picture()
 
 
-def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
+def picture(curve: GainCurve, colour: Colour, ink: Colour) -> Pixels:
     """The curve as pixels (SIZE, SIZE, 4), colours times opacity, the first row at the bottom: from
     `FLOOR` to 0 dB upwards, the curve's length across.
 
@@ -106,11 +106,11 @@ def picture(curve: Curve, colour: Colour, ink: Colour) -> Pixels:
 
 def latest_curve(
     key: tuple[ModulationFunction, float, float, float],
-) -> Latest[Curve | None] | None:
+) -> Latest[GainCurve | None] | None:
     """The curve of (function, κ, ρ, ε), without waiting; its value is None if the function gives no
     valid gain."""
 
-    def compute(before: Curve | None) -> Curve | None:
+    def compute(before: GainCurve | None) -> GainCurve | None:
         try:
             return gain_curve(*key)
         except ValueError:
@@ -119,6 +119,6 @@ def latest_curve(
     return _curve.latest(key, compute)
 
 
-def icon(curve: Curve, colour: Colour, ink: Colour) -> int:
+def icon(curve: GainCurve, colour: Colour, ink: Colour) -> int:
     """The identifier of the icon with the curve."""
     return _picture.icon((curve, colour, ink), lambda: picture(curve, colour, ink))

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.frozen import frozen
 from ..blender.text import Measure, shortened
-from .render_data import Lines, Points, Shape, joined, lines_of, points_of
+from .render_data import Lines, Points, Symbol, joined, lines_of, points_of
 
 TEXT_SIZE = 11.0
 SMALL_TEXT = 0.86 * TEXT_SIZE
@@ -120,7 +120,7 @@ class HudBuilder:
                 *colour,
                 *(colour if right is None else right),
                 2 * radius,
-                Shape.PLATE,
+                Symbol.PLATE,
             )
         )
 
@@ -128,10 +128,10 @@ class HudBuilder:
         self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float
     ) -> None:
         """A line of ``width`` points."""
-        self._strokes.append((*start, 0, *end, 0, *colour, *colour, width, Shape.LINE))
+        self._strokes.append((*start, 0, *end, 0, *colour, *colour, width, Symbol.LINE))
 
     def symbol(
-        self, centre: Sequence[float], shape: Shape, size: float, colour: Sequence[float]
+        self, centre: Sequence[float], shape: Symbol, size: float, colour: Sequence[float]
     ) -> None:
         """A symbol of ``size`` points."""
         self._symbols.append((*centre, 0, *colour, size, shape))

@@ -27,7 +27,18 @@ from ..changes.events import file_changed
 from ..scene_reader.triggers import PATH
 from ..session import sessions
 from ..session.derived import Derived
-from .lane_layout import SMALL, Colours, Mark, Row, grounds, names, rows_of, snapped, stems, strip
+from .lane_layout import (
+    SMALL,
+    Colours,
+    LaneRow,
+    Mark,
+    grounds,
+    names,
+    rows_of,
+    snapped,
+    stems,
+    strip,
+)
 from .layout import pixels_per_point
 from .levels import LEVEL_SECONDS
 from .screen import Recent, Uploaded, draw_flat, uploaded
@@ -285,7 +296,9 @@ def _lane(sources: tuple[Waves, ...], view: _View) -> _Shown:
     )
 
 
-def _bands(waves: Waves, rows: tuple[Row, ...], parts: Any, edges: FloatArray, wave: bool) -> Any:
+def _bands(
+    waves: Waves, rows: tuple[LaneRow, ...], parts: Any, edges: FloatArray, wave: bool
+) -> Any:
     """What is drawn of some waves: kind of band, rows, and lower and upper ends (r, c) in them.
 
     Args:

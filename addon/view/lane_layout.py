@@ -14,7 +14,7 @@ from ...core.arrays import BoolArray, FloatArray
 from ...core.render.lane import height_of
 from ..blender.text import Measure
 from .hud import SMALL_TEXT, Hud, HudBuilder
-from .render_data import Drawn, Shape
+from .render_data import Drawn, Symbol
 
 # Points at a user interface scale of 1.
 _ROW, _LEAST_ROW, _GAP = 36.0, 11.0, 1.0
@@ -27,7 +27,7 @@ _MARK = 9.0
 _LINE = 0.75  # half the thickness of a line [pixels]
 
 
-class Row(NamedTuple):
+class LaneRow(NamedTuple):
     """The row of a source or listener: its lower edge and its height [pixels]."""
 
     name: str
@@ -59,7 +59,7 @@ def rows_of(
     first: Sequence[str],
     height: float,
     scale: float,
-) -> tuple[Row, ...]:
+) -> tuple[LaneRow, ...]:
     """The rows of a lane, from the top down. If not all fit, those that are named ``first``, then
     listeners and sources in turn.
 
@@ -84,12 +84,12 @@ def rows_of(
     tall = min(room / max(len(shown), 1), _ROW * scale)
     kept = [item for item in every if item in shown]
     return tuple(
-        Row(*item, bottom + (len(kept) - k - 1) * tall, tall - _GAP * scale)
+        LaneRow(*item, bottom + (len(kept) - k - 1) * tall, tall - _GAP * scale)
         for k, item in enumerate(kept)
     )
 
 
-def grounds(rows: Sequence[Row], width: float, colours: Colours, scale: float) -> Hud:
+def grounds(rows: Sequence[LaneRow], width: float, colours: Colours, scale: float) -> Hud:
     """The background of the rows."""
     builder = HudBuilder(scale)
     for row in rows:
@@ -98,7 +98,7 @@ def grounds(rows: Sequence[Row], width: float, colours: Colours, scale: float) -
 
 
 def names(
-    rows: Sequence[Row],
+    rows: Sequence[LaneRow],
     marks: Sequence[tuple[float, float]],
     hidden: int,
     colours: Colours,
@@ -117,7 +117,7 @@ def names(
     """
     builder = HudBuilder(scale, measure)
     for place in marks:
-        builder.symbol(place, Shape.IMPACT, _MARK, colours.source[:3])
+        builder.symbol(place, Symbol.IMPACT, _MARK, colours.source[:3])
     for number, row in enumerate(rows):
         text = builder.fitted(row.name, _NAME_WIDTH * scale, SMALL_TEXT)
         if number == len(rows) - 1 and hidden:
@@ -131,7 +131,7 @@ def names(
 
 
 def strip(
-    rows: Sequence[Row], x: FloatArray, low: FloatArray, high: FloatArray, known: BoolArray
+    rows: Sequence[LaneRow], x: FloatArray, low: FloatArray, high: FloatArray, known: BoolArray
 ) -> Drawn:
     """A band in the rows as one strip of triangles (v, 2) [pixels], at least a line.
 
@@ -143,7 +143,7 @@ def strip(
         known: columns with samples; the others have no area (c,).
     """
     base, tall = (
-        np.array([getattr(row, name) for row in rows])[:, None] for name in Row._fields[2:]
+        np.array([getattr(row, name) for row in rows])[:, None] for name in LaneRow._fields[2:]
     )
     corners = np.empty((*low.shape, 2, 2), dtype=np.float32)
     corners[..., 0] = x[:, None]
@@ -154,11 +154,13 @@ def strip(
     return np.concatenate([strips[:, :1], strips, strips[:, -1:]], axis=1).reshape(-1, 2)
 
 
-def stems(rows: Sequence[Row], x: FloatArray, gains: FloatArray) -> Drawn:
+def stems(rows: Sequence[LaneRow], x: FloatArray, gains: FloatArray) -> Drawn:
     """Impacts at ``x`` (m,) that arrive with ``gains`` (m, r) as the ends (v, 2) of lines, as high
     as levels."""
     place, who = np.nonzero(gains > 0)
-    base, tall = (np.array([getattr(row, name) for row in rows])[who] for name in Row._fields[2:])
+    base, tall = (
+        np.array([getattr(row, name) for row in rows])[who] for name in LaneRow._fields[2:]
+    )
     ends = np.empty((len(place), 2, 2), dtype=np.float32)
     ends[..., 0] = x[place][:, None]
     ends[:, 0, 1] = base

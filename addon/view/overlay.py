@@ -39,7 +39,7 @@ HIDDEN = 0.15  # opacity of parts hidden by objects, where the graph is not draw
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
 PULSE_SPEED = 1.6  # metres per second of the timeline
 
-_drawings: dict[int, Drawing] = {}  # by session id of the scene
+_drawings: dict[int, GraphDrawing] = {}  # by session id of the scene
 
 
 @frozen
@@ -86,7 +86,7 @@ def _look_alike(one: FrameResult, other: FrameResult) -> bool:
 
 
 @dataclass(slots=True)
-class Drawing:
+class GraphDrawing:
     """Shapes and their batch on the GPU; labels and legend per view."""
 
     shapes: GraphShapes
@@ -94,7 +94,7 @@ class Drawing:
     views: Recent = field(default_factory=lambda: Recent(8))
 
     @classmethod
-    def of(cls, shapes: GraphShapes) -> Drawing:
+    def of(cls, shapes: GraphShapes) -> GraphDrawing:
         """Upload the shapes."""
         return cls(shapes, shader.upload(shapes.quads))
 
@@ -105,7 +105,7 @@ _SHAPES: Derived[Options, GraphShapes] = Derived(
 )
 
 
-def drawing_of(scene: Scene) -> Drawing | None:
+def drawing_of(scene: Scene) -> GraphDrawing | None:
     """The last complete graph, without waiting; None if there is none."""
     traced = sessions.shown(scene)
     latest = None if traced is None else _SHAPES.latest(scene, options_of(scene, traced.result))
@@ -116,12 +116,12 @@ def drawing_of(scene: Scene) -> Drawing | None:
     if known is None or known.shapes is not latest.value:
         for gone in _drawings.keys() - {other.session_uid for other in bpy.data.scenes}:
             del _drawings[gone]
-        known = _drawings[scene.session_uid] = Drawing.of(latest.value)
+        known = _drawings[scene.session_uid] = GraphDrawing.of(latest.value)
     return known
 
 
 def draw_graph(
-    drawing: Drawing,
+    drawing: GraphDrawing,
     projection: Any,
     view: Any,
     size: tuple[float, float],
@@ -173,7 +173,7 @@ def depth_bias(projection: Any, units: float) -> tuple[float, float]:
 
 
 def draw_annotations(
-    drawing: Drawing,
+    drawing: GraphDrawing,
     perspective: FloatArray,
     size: tuple[float, float],
     scale: float,

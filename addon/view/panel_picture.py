@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..changes.events import disabled
 from ..session.derived import Background
 from .hud import Hud
-from .render_data import Drawn, Shape
+from .render_data import Drawn, Symbol
 
 Pixels = NDArray[np.float32]
 Colour = tuple[float, float, float]
@@ -77,7 +77,7 @@ def painted(items: Hud) -> Pixels:
             for corner in (low - width, np.ceil(high + width) + 1)
         )
         y, x = np.mgrid[bottom:top, left:right] + 0.5
-        if shape == Shape.PLATE:
+        if shape == Symbol.PLATE:
             away = np.maximum(
                 np.abs(x - (low[0] + high[0]) / 2) - (high[0] - low[0]) / 2,
                 np.abs(y - (low[1] + high[1]) / 2) - (high[1] - low[1]) / 2,

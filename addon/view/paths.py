@@ -27,7 +27,7 @@ class ListenerPath(NamedTuple):
     is_assumed: bool
 
 
-class Row(NamedTuple):
+class PathRow(NamedTuple):
     """A row of the table: a name, which is an object's if ``is_object``, the distance as text, and
     the decibels of a sum (``is_sum``), else those that are added to the rows above."""
 
@@ -79,25 +79,26 @@ def path_of(scene: Scene) -> Latest[ListenerPath | None] | None:
     return _PATH.latest(scene, (listener, active_name(), is_playing())) if listener else None
 
 
-def rows(path: ListenerPath, by_loss: bool = False) -> list[Row]:
+def rows(path: ListenerPath, by_loss: bool = False) -> list[PathRow]:
     """The table of a path: decibels that add up from the source's amplitude to the level and the
     margin, in tenths that add up exactly. Rows of 0 dB after the objects are left out. ``by_loss``:
     objects are sorted by their losses, the largest first."""
     fall = path.fall
     hops = sorted(fall.hops, key=lambda hop: -hop.loss) if by_loss else fall.hops
     way = [
-        Row(hop.object, -hop.loss, written(Metres(hop.distance)), is_object=True) for hop in hops
+        PathRow(hop.object, -hop.loss, written(Metres(hop.distance)), is_object=True)
+        for hop in hops
     ]
     always = [
-        Row(iface_("Source amplitude"), fall.amplitude),
-        *(way or [Row(iface_("Gain"), fall.gain)]),
+        PathRow(iface_("Source amplitude"), fall.amplitude),
+        *(way or [PathRow(iface_("Gain"), fall.gain)]),
     ]
     steps = [
         *always,
-        Row(iface_("Other paths"), fall.others if way else 0.0),
-        Row(iface_("Listener gain"), fall.listener_gain),
-        Row(iface_("RMS of the signal"), fall.signal),
-        Row(iface_("Other sources, limiter"), fall.mix),
+        PathRow(iface_("Other paths"), fall.others if way else 0.0),
+        PathRow(iface_("Listener gain"), fall.listener_gain),
+        PathRow(iface_("RMS of the signal"), fall.signal),
+        PathRow(iface_("Other sources, limiter"), fall.mix),
     ]
     sums = [0.0]
     for step in steps:
@@ -112,12 +113,12 @@ def rows(path: ListenerPath, by_loss: bool = False) -> list[Row]:
     ]
     # Of other sources if this one is silent.
     level = tenths[-1] if math.isfinite(tenths[-1]) else round(fall.level, 1)
-    shown.append(Row(iface_("Level", "Haptics"), level, is_sum=True))
+    shown.append(PathRow(iface_("Level", "Haptics"), level, is_sum=True))
     if math.isfinite(path.margin):
         margin = round(path.margin, 1)
         shown += [
-            Row(basis_words(iface_("Threshold of feeling"), path.is_assumed), level - margin),
-            Row(iface_("Margin", "Haptics"), margin, is_sum=True),
+            PathRow(basis_words(iface_("Threshold of feeling"), path.is_assumed), level - margin),
+            PathRow(iface_("Margin", "Haptics"), margin, is_sum=True),
         ]
     return shown
 

@@ -26,7 +26,7 @@ from .colour_map import AmplitudeScale, hex_colour
 Drawn = NDArray[np.float32]
 
 
-class Shape(IntEnum):
+class Symbol(IntEnum):
     """The form of a point or line, see `shader`."""
 
     LINE = 0
@@ -44,19 +44,19 @@ HALO_COLOUR = hex_colour("#101012")
 HIGHLIGHT_COLOUR = hex_colour("#f4f4f4")
 LIGHT_COLOUR = hex_colour("#f7f7f7")
 
-POINT_SIZE = {Shape.CONTACT: 9.0, Shape.SOURCE: 26.0, Shape.LISTENER: 21.0, Shape.IMPACT: 22.0}
+POINT_SIZE = {Symbol.CONTACT: 9.0, Symbol.SOURCE: 26.0, Symbol.LISTENER: 21.0, Symbol.IMPACT: 22.0}
 """Diameters in pixels at a user interface scale of 1."""
-LAYERS: dict[Shape, tuple[tuple[float, FloatArray | None, float], ...]] = {
-    Shape.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, None, 1.0)),
-    Shape.LISTENER: ((0.0, HALO_COLOUR, 0.92), (1.9, LIGHT_COLOUR, 1.0), (4.7, None, 1.0)),
-    Shape.SOURCE: (
+LAYERS: dict[Symbol, tuple[tuple[float, FloatArray | None, float], ...]] = {
+    Symbol.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, None, 1.0)),
+    Symbol.LISTENER: ((0.0, HALO_COLOUR, 0.92), (1.9, LIGHT_COLOUR, 1.0), (4.7, None, 1.0)),
+    Symbol.SOURCE: (
         (0.0, HALO_COLOUR, 0.92),
         (1.5, None, 1.0),
         (3.7, HALO_COLOUR, 1.0),
         (5.4, LIGHT_COLOUR, 1.0),
         (7.0, None, 1.0),
     ),
-    Shape.IMPACT: ((0.0, HALO_COLOUR, 0.92), (1.8, LIGHT_COLOUR, 1.0), (4.0, None, 1.0)),
+    Symbol.IMPACT: ((0.0, HALO_COLOUR, 0.92), (1.8, LIGHT_COLOUR, 1.0), (4.0, None, 1.0)),
 }
 """The layers of each symbol from the outside in: inset [points], colour (None: that of the point)
 and opacity. Shader, meshes and painter draw these."""
@@ -129,7 +129,7 @@ def points_of(
     colour: FloatArray | Drawn,
     opacity: FloatArray | float,
     size: FloatArray | Drawn | float,
-    shape: IntArray | Drawn | Shape,
+    shape: IntArray | Drawn | Symbol,
 ) -> Points:
     """Points; each value but the position is one for all points or one for each.
 
@@ -155,7 +155,7 @@ def lines_of(
     opacity: FloatArray | Drawn | float,
     width: FloatArray | Drawn | float,
     arc_length: FloatArray | float = -1.0,
-    shape: Drawn | Shape = Shape.LINE,
+    shape: Drawn | Symbol = Symbol.LINE,
 ) -> Lines:
     """Lines; each value but the position is one for all lines or one for each.
 
@@ -378,12 +378,12 @@ def _contact_points(
     reached = amplitude > 0
     opacity = np.where(reached, np.where(shown[first] & shown[second], 1.0, UNSELECTED), DIMMED)
     size = (
-        POINT_SIZE[Shape.CONTACT]
+        POINT_SIZE[Symbol.CONTACT]
         * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25))
         * np.where(reached, 1.0, 0.7)
     )
     position = (graph.node_position[first] + graph.node_position[second]) / 2
-    return points_of(position, _amplitude_colour(scale, amplitude), opacity, size, Shape.CONTACT)
+    return points_of(position, _amplitude_colour(scale, amplitude), opacity, size, Symbol.CONTACT)
 
 
 def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Options) -> Points:
@@ -398,8 +398,8 @@ def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Option
         position,
         _amplitude_colour(scale, amplitude),
         opacity,
-        POINT_SIZE[Shape.LISTENER],
-        Shape.LISTENER,
+        POINT_SIZE[Symbol.LISTENER],
+        Symbol.LISTENER,
     )
 
 
@@ -423,8 +423,8 @@ def _source_points(result: FrameResult, options: Options) -> Points:
             silent[:, None], SILENT_COLOUR, np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)
         ),
         np.where(unselected, UNSELECTED, np.where(silent, SILENT, 1.0)),
-        np.where(impact, POINT_SIZE[Shape.IMPACT], POINT_SIZE[Shape.SOURCE]),
-        np.where(impact, Shape.IMPACT, Shape.SOURCE),
+        np.where(impact, POINT_SIZE[Symbol.IMPACT], POINT_SIZE[Symbol.SOURCE]),
+        np.where(impact, Symbol.IMPACT, Symbol.SOURCE),
     )
 
 
@@ -449,7 +449,9 @@ def _labels(result: FrameResult, scale: AmplitudeScale, options: Options) -> tup
         chosen = source.name in options.sources
         if chosen or source.kind is not SourceKind.TEMPORARY:
             colour = SOURCE_COLOUR if source.amplitude > 0 else SILENT_COLOUR
-            labels.append(_label(source, source.amplitude, Shape.SOURCE, colour, 20.0 + 4 * chosen))
+            labels.append(
+                _label(source, source.amplitude, Symbol.SOURCE, colour, 20.0 + 4 * chosen)
+            )
     received = listener_amplitudes(result, options)
     for listener, amplitude, colour in zip(
         result.listeners, received, _amplitude_colour(scale, received), strict=True
@@ -460,7 +462,7 @@ def _labels(result: FrameResult, scale: AmplitudeScale, options: Options) -> tup
                 _label(
                     listener,
                     float(amplitude),
-                    Shape.LISTENER,
+                    Symbol.LISTENER,
                     colour,
                     10.0 * chosen + float(scale.place(amplitude)),
                 )
@@ -469,13 +471,13 @@ def _labels(result: FrameResult, scale: AmplitudeScale, options: Options) -> tup
 
 
 def _label(
-    item: Source | Listener, amplitude: float, shape: Shape, colour: FloatArray, priority: float
+    item: Source | Listener, amplitude: float, shape: Symbol, colour: FloatArray, priority: float
 ) -> Label:
     red, green, blue = colour.tolist()
     return Label(
         item.name,
         amplitude,
-        shape is Shape.LISTENER,
+        shape is Symbol.LISTENER,
         item.position,
         (red, green, blue),
         POINT_SIZE[shape] / 2,

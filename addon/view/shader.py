@@ -12,13 +12,13 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .quads import ATTRIBUTES, Quads
-from .render_data import LAYERS, Shape
+from .render_data import LAYERS, Symbol
 
 _DISTANCES = {
-    Shape.CONTACT: "disc",
-    Shape.LISTENER: "diamond",
-    Shape.SOURCE: "disc",
-    Shape.IMPACT: "burst",
+    Symbol.CONTACT: "disc",
+    Symbol.LISTENER: "diamond",
+    Symbol.SOURCE: "disc",
+    Symbol.IMPACT: "burst",
 }
 """The function in ``quads.frag.glsl`` that is the distance to a symbol's outline."""
 
@@ -38,7 +38,7 @@ def shader() -> GPUShader:
     for name in ("length_pixels", "half_width", "kind"):
         stage.flat("FLOAT", name)
     info = GPUShaderCreateInfo()
-    for shape in Shape:
+    for shape in Symbol:
         info.define(f"SHAPE_{shape.name}", f"{float(shape)}")
     info.define("DRAW_SYMBOL", _symbols())
     info.push_constant("MAT4", "matrix")

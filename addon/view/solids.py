@@ -11,7 +11,7 @@ import numpy as np
 from ...core.arrays import FloatArray, IntArray
 from ...core.frozen import frozen
 from .hud import Hud
-from .render_data import HALO_COLOUR, LAYERS, Drawn, Lines, Points, RenderData, Shape
+from .render_data import HALO_COLOUR, LAYERS, Drawn, Lines, Points, RenderData, Symbol
 
 RIM = 2.2
 """Width of the dark rim around lines [points]."""
@@ -120,7 +120,7 @@ def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
     return across, np.cross(along, across)
 
 
-def _symbols(points: Points, shape: Shape, unit: float, facing: FloatArray) -> Solid:
+def _symbols(points: Points, shape: Symbol, unit: float, facing: FloatArray) -> Solid:
     """The symbols of a ``shape``, each layer a little nearer to the viewer."""
     chosen = points.shape == shape
     position, size = points.position[chosen].astype(np.float64), points.size[chosen] * unit
@@ -158,7 +158,7 @@ def flat(items: Hud, scale: float) -> Solid:
         lines.position[:, :, :2], lines.colour, lines.width * scale, lines.shape, strict=True
     ):
         outline = (
-            _rounded(start, end, width / 2) if shape == Shape.PLATE else _bar(start, end, width)
+            _rounded(start, end, width / 2) if shape == Symbol.PLATE else _bar(start, end, width)
         )
         part = np.clip((outline[:, :1] - start[0]) / max(end[0] - start[0], 1e-9), 0, 1)
         shapes.append((outline, colour[0] + part * (colour[1] - colour[0])))
@@ -166,8 +166,8 @@ def flat(items: Hud, scale: float) -> Solid:
     for centre, colour, size, shape in zip(
         points.position[:, :2], points.colour, points.size, points.shape, strict=True
     ):
-        for inset, layer, opacity in layers(Shape(int(shape)), colour[:3]):
-            outline = centre + (size / 2 - inset) * scale * _OUTLINES[Shape(int(shape))]
+        for inset, layer, opacity in layers(Symbol(int(shape)), colour[:3]):
+            outline = centre + (size / 2 - inset) * scale * _OUTLINES[Symbol(int(shape))]
             shapes.append((outline, np.broadcast_to([*layer, opacity], (len(outline), 4))))
     parts = []
     for number, (outline, colour) in enumerate(shapes):
@@ -177,7 +177,7 @@ def flat(items: Hud, scale: float) -> Solid:
     return joined(parts)
 
 
-def layers(shape: Shape, colour: FloatArray) -> list[tuple[float, FloatArray, float]]:
+def layers(shape: Symbol, colour: FloatArray) -> list[tuple[float, FloatArray, float]]:
     """The layers of a symbol of a ``colour``: inset [points], colour, opacity; see `LAYERS`."""
     return [
         (inset, colour if own is None else own, opacity) for inset, own, opacity in LAYERS[shape]
@@ -193,10 +193,10 @@ def _ring(count: int, *radii: float) -> FloatArray:
 
 
 _OUTLINES = {
-    Shape.CONTACT: _ring(16, 1.0),
-    Shape.LISTENER: _ring(4, 1.0),
-    Shape.SOURCE: _ring(48, 1.0),
-    Shape.IMPACT: _ring(16, 0.55, 1.0),
+    Symbol.CONTACT: _ring(16, 1.0),
+    Symbol.LISTENER: _ring(4, 1.0),
+    Symbol.SOURCE: _ring(48, 1.0),
+    Symbol.IMPACT: _ring(16, 0.55, 1.0),
 }
 """From those that lie lowest on."""
 

@@ -11,7 +11,7 @@ from ..session import sessions
 from . import levels, watched
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """A source at a listener: its gain [dB], and the listener's level and margin [dB]."""
 
     listener: str
@@ -21,7 +21,7 @@ class Row(NamedTuple):
     margin: float
 
 
-def rows(scene: Scene) -> list[Row]:
+def rows(scene: Scene) -> list[TableRow]:
     """The rows of the frame shown, names in their order and numbers from the highest on, by the
     column that the scene sorts by."""
     traced = sessions.shown(scene)
@@ -34,7 +34,7 @@ def rows(scene: Scene) -> list[Row]:
         level = shown.get(listener.name)
         ends = (-math.inf, -math.inf) if level is None else (level.rms, level.margin)
         reaching = [
-            Row(listener.name, source.name, 20 * math.log10(gain), *ends)
+            TableRow(listener.name, source.name, 20 * math.log10(gain), *ends)
             for source, gain, amplitude in zip(
                 result.sources,
                 result.gains[:, column].tolist(),
@@ -43,7 +43,7 @@ def rows(scene: Scene) -> list[Row]:
             )
             if gain > 0 and amplitude > 0
         ]
-        found += reaching or [Row(listener.name, "", -math.inf, *ends)]
+        found += reaching or [TableRow(listener.name, "", -math.inf, *ends)]
     name = scene.haptics.meters.sort_table
     found.sort(key=lambda row: (row.listener, row.source))
     if name in ("gain", "level", "margin"):
@@ -53,7 +53,7 @@ def rows(scene: Scene) -> list[Row]:
     return found
 
 
-def cells(row: Row) -> tuple[str, ...]:
+def cells(row: TableRow) -> tuple[str, ...]:
     """A row as texts, empty where there is no number."""
     numbers = (levels.change_words(value) if math.isfinite(value) else "" for value in row[2:])
     return row.listener, row.source, *numbers

@@ -167,7 +167,7 @@ class SlidingAndRolling:
         start, step = span[0], span[1] - span[0]
         if (number - 1) % self._block == 0:
             self._paths = {key: (0.0, path) for key, (path, _) in self._paths.items() if path}
-        poses = _Poses(
+        poses = _BodyPoses(
             before, transforms, _placed(before, middles), _placed(transforms, middles), step
         )
         moving = _moving_contacts(bodies, contacts, poses, settings)
@@ -235,7 +235,7 @@ class SlidingAndRolling:
 
 
 @frozen
-class _Poses:
+class _BodyPoses:
     """Transforms (n, 4, 4) of bodies and the places (n, 3) of their middles, ``before`` and
     ``now``, ``step`` seconds later."""
 
@@ -247,7 +247,7 @@ class _Poses:
 
 
 def _moving_contacts(
-    bodies: Sequence[Body], contacts: ContactSet, poses: _Poses, settings: ContactSettings
+    bodies: Sequence[Body], contacts: ContactSet, poses: _BodyPoses, settings: ContactSettings
 ) -> tuple[_Moving, ...]:
     """The touching pairs with a texture that move along each other."""
     moved = (poses.before != poses.now).any(axis=(1, 2))
@@ -278,7 +278,7 @@ def _moving_contacts(
 
 
 def _surface_speeds(
-    contacts: ContactSet, rows: IntArray, poses: _Poses
+    contacts: ContactSet, rows: IntArray, poses: _BodyPoses
 ) -> tuple[FloatArray, FloatArray]:
     """Speeds (k,) of sliding and of rolling at contacts ``rows`` [m/s], seen from the bodies that
     turn less."""

@@ -68,7 +68,7 @@ def propagate(
         wanted &= nearest_listener(graph)
     result = over_volumes(
         graph,
-        lambda points, number: _Run(
+        lambda points, number: _Propagator(
             points, settings, strategies, wanted[:, number], budget
         ).result(),
     )
@@ -88,7 +88,7 @@ class _Sums:
     work: int = 0
 
 
-class _Run:
+class _Propagator:
     """Computes the gains of one graph. Its arrays are those of the `Propagation`, filled strategy
     by strategy.
 

@@ -9,7 +9,7 @@ from haptic_tracing.addon.blender.text import shortened, text_width
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.hud import TEXT_SIZE
 from haptic_tracing.addon.view.label_placement import place_labels, project
-from haptic_tracing.addon.view.render_data import Options, Shape, render_data
+from haptic_tracing.addon.view.render_data import Options, Symbol, render_data
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Settings
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -125,14 +125,14 @@ def test_annotations_name_what_is_there_and_keeps_within_what_is_free(scene, cam
         "−40",
     } <= set(words)
     assert "Impact" not in words
-    assert set(items.points.shape.astype(int)) == {Shape.SOURCE, Shape.LISTENER, Shape.CONTACT}
+    assert set(items.points.shape.astype(int)) == {Symbol.SOURCE, Symbol.LISTENER, Symbol.CONTACT}
     legend = items.lines.position[0]
     assert legend[1, 0] <= free[2]
     assert legend[0, 1] >= free[1]
     for text in items.texts:
         assert free[0] <= text.position[0] <= free[2] - text_width(text.words, text.size)
         assert free[1] <= text.position[1] <= free[3]
-    plates = items.lines.position[items.lines.shape == Shape.PLATE]
+    plates = items.lines.position[items.lines.shape == Symbol.PLATE]
     for low, high in plates[:, :, :2].tolist():
         assert not _overlap(np.array([*low, *high]), np.array(meters))
 

@@ -13,7 +13,7 @@ from haptic_tracing.addon.view.render_data import (
     SILENT_COLOUR,
     SOURCE_COLOUR,
     Options,
-    Shape,
+    Symbol,
     render_data,
 )
 from haptic_tracing.core.diagnosis.connections import path_steps
@@ -117,15 +117,15 @@ def test_bridge_points(bridge):
         tuple(np.round(p.astype(float), 3).tolist()): k for k, p in enumerate(data.points.position)
     }
     truck = by_place[(-1.5, 0.0, 1.0)]
-    assert data.points.shape[truck] == Shape.SOURCE
+    assert data.points.shape[truck] == Symbol.SOURCE
     assert data.points.colour[truck] == pytest.approx([*SOURCE_COLOUR, 1])
     driver = by_place[(0.2, 0.0, 1.0)]
     expected = math.exp(-0.4 * 1.7)
-    assert data.points.shape[driver] == Shape.LISTENER
+    assert data.points.shape[driver] == Symbol.LISTENER
     assert data.points.colour[driver, :3] == pytest.approx(
         scale.colour(np.array(expected)), abs=1e-6
     )
-    for place, shape in (((-1.2, 0.0, -1.6), Shape.LISTENER), ((0.0, 0.0, -1.6), Shape.CONTACT)):
+    for place, shape in (((-1.2, 0.0, -1.6), Symbol.LISTENER), ((0.0, 0.0, -1.6), Symbol.CONTACT)):
         unreached = by_place[place]
         assert data.points.shape[unreached] == shape
         assert data.points.colour[unreached, :3] == pytest.approx(SILENT_COLOUR)
@@ -161,7 +161,7 @@ def test_selected_listener_shows_its_paths_alone(bridge):
 def test_selected_source_spreads_alone(bridge):
     silent = render_data(bridge, BRIDGE.settings, Options(sources=frozenset({"siren"})))
     assert len(silent.tree.width) == len(silent.paths.width) == 0
-    contacts = silent.points.shape == Shape.CONTACT
+    contacts = silent.points.shape == Symbol.CONTACT
     assert silent.points.colour[contacts, :3] == pytest.approx(np.tile(SILENT_COLOUR, (3, 1)))
 
 
@@ -176,7 +176,7 @@ def test_impact_is_drawn_on_both_objects_once_they_part():
         )
         result = traced(replace(BRIDGE, sources=(impact,)))
         data = render_data(result, BRIDGE.settings, Options())
-        impacts = data.points.shape == Shape.IMPACT
+        impacts = data.points.shape == Symbol.IMPACT
         assert impacts.sum() == count
         assert data.points.colour[impacts, :3] == pytest.approx(np.tile(IMPACT_COLOUR, (count, 1)))
 
@@ -202,7 +202,7 @@ def test_single_nearest_draws_the_distance_only_graph():
     assert data.paths.colour[0, 1, :3] == pytest.approx(
         data.scale.colour(np.array(math.exp(-0.2 * 1.7))), abs=1e-6
     )
-    reached = data.points.shape == Shape.LISTENER
+    reached = data.points.shape == Symbol.LISTENER
     assert (data.points.colour[reached, :3] == np.float32(SILENT_COLOUR)).all(axis=1).sum() == 2
 
 
@@ -216,7 +216,7 @@ def test_nothing_traced_is_nothing_drawn():
 def test_contacts_off_the_paths_of_the_selected_listener_are_dimmed(bridge):
     for chosen, opaque in (("driver", 0), ("walker", 2)):
         data = render_data(bridge, BRIDGE.settings, Options(listeners=frozenset({chosen})))
-        opacity = data.points.colour[data.points.shape == Shape.CONTACT, 3]
+        opacity = data.points.colour[data.points.shape == Symbol.CONTACT, 3]
         assert (opacity == 1).sum() == opaque
     everything = render_data(bridge, BRIDGE.settings, Options())
-    assert (everything.points.colour[everything.points.shape == Shape.CONTACT, 3] == 1).sum() == 2
+    assert (everything.points.colour[everything.points.shape == Symbol.CONTACT, 3] == 1).sum() == 2

@@ -17,7 +17,7 @@ from haptic_tracing.addon.view.render_data import (
     NO_LINES,
     POINT_SIZE,
     Options,
-    Shape,
+    Symbol,
     render_data,
 )
 from haptic_tracing.addon.view.solids import UPRIGHT, flat, solid_graph, tubes
@@ -205,7 +205,7 @@ def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, cam
 
 def test_every_symbol_has_its_layers_its_outline_and_its_distance():
     """What the shader, the meshes and the painter need of each symbol."""
-    symbols = set(Shape) - {Shape.LINE, Shape.PLATE}
+    symbols = set(Symbol) - {Symbol.LINE, Symbol.PLATE}
     for table in (LAYERS, POINT_SIZE, solids._OUTLINES, shader._DISTANCES, raster._DISTANCES):
         assert table.keys() == symbols
     for rows in LAYERS.values():
