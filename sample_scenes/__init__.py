@@ -147,14 +147,14 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
             Sample(
                 "boardwalk",
                 "Walk along a Boardwalk",
-                79,
+                80,
                 "Steps are felt in the feet that make them, and less by one who sits nearby",
                 about=("foot",),
             ),
             Sample(
                 "robot_cell",
                 "Robot at a Table",
-                37,
+                61,
                 "The hand of one who works there feels a robot set castings down",
                 about=("hand.R",),
             ),

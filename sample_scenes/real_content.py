@@ -19,7 +19,7 @@ from .avatar import SIDES, Mannequin, Posture, trunk_frame
 from .gait import PREFIX
 from .geometry import Point, joined, lathe, to_mesh
 from .materials import surface
-from .staging import make_source, place_mesh
+from .staging import make_source, place_empty, place_mesh
 
 _TRUNK = {"Hips": 0.0, "Spine": 0.09, "Spine1": 0.186, "Spine2": 0.28, "Neck": 0.57, "Head": 0.63}
 """Where the bones of the trunk begin [m], upwards from the centre of the hips."""
@@ -156,11 +156,8 @@ def add_instance(
     scene: Scene, collection: Collection, name: str, location: Point, heading: float = 0.0
 ) -> Object:
     """An instance of a collection, as assets and blocks are imported."""
-    obj = bpy.data.objects.new(name, None)
-    scene.collection.objects.link(obj)
+    obj = place_empty(scene, name, location, heading=heading)
     obj.instance_type, obj.instance_collection = "COLLECTION", collection
-    obj.location, obj.rotation_euler = location, (0.0, 0.0, heading)
-    obj.empty_display_size = 0.1
     return obj
 
 

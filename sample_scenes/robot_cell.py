@@ -11,7 +11,7 @@ from mathutils import Vector
 
 from .animation import animate
 from .avatar import HANGING, Hand, standing
-from .geometry import SUNK, box, cylinder, joined, lathe, to_mesh
+from .geometry import SUNK, box, cylinder, joined, lathe, rod, to_mesh
 from .lighting import add_backdrop, add_camera, add_three_point_light, add_world, set_picture
 from .materials import surface
 from .real_content import add_arm, add_character, add_listeners, add_source, make_haptic
@@ -64,32 +64,36 @@ def _add_table(scene: Scene) -> list[Object]:
     """A steel table on a concrete floor, with a pallet on it."""
     x, y = TABLE[0] / 2 - 0.08, TABLE[1] / 2 - 0.08
     leg, block = HEIGHT - THICK + 2 * SUNK, PALLET - 0.018 + 2 * SUNK
-    frame = [
-        box((0.07, 0.07, leg), 0.006).moved(a, b, leg / 2 - SUNK) for a in (-x, x) for b in (-y, y)
-    ]
-    frame += [box((2 * x, 0.04, 0.06)).moved(0.0, b, HEIGHT - 0.1) for b in (-y, y)]
-    pallet = [
-        box((0.1, 0.7, 0.018), 0.003).moved(-0.13 * k, 0.0, PALLET - 0.009) for k in (-1, 0, 1)
-    ]
-    pallet += [box((0.36, 0.1, block)).moved(0.0, b, block / 2 - SUNK) for b in (-0.28, 0.0, 0.28)]
+    paint, wood = (
+        surface("Steel_Frame", "#34566b", 0.5),
+        surface("Wood_Pallet", "#b98d5a", 0.8, mottle=0.25),
+    )
     concrete = surface("Concrete_Floor", "#8f8d88", 0.85, mottle=0.2, mottle_scale=3.0)
-    return [
-        place(
-            scene,
-            "Table_Top",
+    rails = [box((2 * x, 0.04, 0.06)).moved(0.0, b, HEIGHT - 0.1) for b in (-y, y)]
+    shapes = {
+        "Table_Top": (
             box((*TABLE, THICK), 0.006).moved(z=HEIGHT - THICK / 2),
-            (surface("Steel_Plate", "#a4abb0", 0.4, 0.6),),
+            surface("Steel_Plate", "#a4abb0", 0.4, 0.6),
         ),
-        place(scene, "Table_Frame.001", joined(frame), (surface("Steel_Frame", "#34566b", 0.5),)),
-        place(scene, "Floor", box((4.4, 3.4, 0.2)).moved(0.0, 0.2, -0.1), (concrete,)),
-        place(
-            scene,
-            "Pallet_low",
-            joined(pallet),
-            (surface("Wood_Pallet", "#b98d5a", 0.8, mottle=0.25),),
-            (-0.78, 0.0, HEIGHT),
-        ),
-    ]
+        "Table_Rails": (joined(rails), paint),
+        "Floor": (box((4.4, 3.4, 0.2)).moved(0.0, 0.2, -0.1), concrete),
+    }
+    for number, (a, b) in enumerate(((-x, -y), (-x, y), (x, -y), (x, y)), 1):
+        foot = box((0.07, 0.07, leg), 0.006).moved(a, b, leg / 2 - SUNK)
+        shapes[f"Table_Leg.{number:03}"] = foot, paint
+    middle = PICKS[0].x
+    for k in (-1, 0, 1):
+        slat = box((0.1, 0.7, 0.018), 0.003)
+        beam = box((0.36, 0.1, block))
+        shapes[f"Pallet_Slat.{k + 2:03}"] = (
+            slat.moved(middle - 0.13 * k, 0.0, HEIGHT + PALLET - 0.009),
+            wood,
+        )
+        shapes[f"Pallet_Beam.{k + 2:03}"] = (
+            beam.moved(middle, 0.28 * k, HEIGHT + block / 2 - SUNK),
+            wood,
+        )
+    return [place(scene, name, shape, (look,)) for name, (shape, look) in shapes.items()]
 
 
 def _add_robot(scene: Scene) -> tuple[list[Object], list[Object], list[Object]]:
@@ -217,9 +221,19 @@ def _joints(tool: Tool) -> tuple[float, float, float, float]:
 
 
 def _add_surroundings(scene: Scene) -> None:
-    """A hall with a stripe on its floor and a lamp at the table: nothing haptic."""
-    stripe = box((3.6, 0.06, 0.004)).moved(0.0, -0.85, 0.002)
-    place(scene, "Stripe", stripe, (surface("Stripe_Yellow", "#e2b51f", 0.7),))
+    """A hall with a fence, a stripe on its floor and a lamp: nothing haptic."""
+    yellow = surface("Stripe_Yellow", "#e2b51f", 0.7)
+    place(scene, "Stripe", box((3.6, 0.06, 0.004)).moved(0.0, -0.85, 0.002), (yellow,))
+    wire = surface("Fence_Wire", "#30363b", 0.5)
+    wide, rise = 0.62, 1.3
+    post = box((0.05, 0.05, rise), 0.006).moved(z=rise / 2)
+    wires = [rod((0.0, 0.0, z), (wide, 0.0, z), 0.005, 6) for z in (0.15, 0.45, 0.75, 1.05, 1.25)]
+    wires += [rod((wide * k / 6, 0.0, 0.15), (wide * k / 6, 0.0, 1.25), 0.004, 6) for k in range(6)]
+    for number in range(8):
+        at = (wide * (number - 3.5), 1.5, 0.0)
+        place(scene, f"Fence_Post_{number + 1}", post, (yellow,), at)
+        if number < 7:
+            place(scene, f"Fence_{number + 1}", joined(wires), (wire,), at)
     lamp = joined((cylinder(0.02, 1.2).moved(z=0.6), cylinder(0.03, 0.16).moved(z=1.28).painted(1)))
     place(
         scene,
