@@ -121,7 +121,7 @@ def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:
 
 
 class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
-    """Give the other side of the body what the selected listeners have: their settings, and a listener where there is none"""
+    """Copy the selected listeners to the other side of the body: their settings, and a new listener where there is none"""
 
     bl_label = "Mirror Listeners"
 

@@ -149,7 +149,7 @@ def _calibrated_actuators(self: Operator, context: Context, typed: str) -> list[
 
 
 class HAPTIC_OT_calibrate_listener(OnActive, Operator):
-    """Take what the device of this listener does at full scale from the device's profile"""
+    """Copy what this listener's device does at full scale from the device's profile"""
 
     bl_label = "Calibrate by Profile"
     bl_options = UNDO
@@ -180,7 +180,7 @@ class HAPTIC_OT_calibrate_listener(OnActive, Operator):
 
 
 class HAPTIC_OT_toggle_preview(Action, Operator):
-    """Hear what the listeners feel through Blender's own sound output while the timeline plays, as happens by itself without a device; or stay silent"""
+    """Play what the listeners feel as sound while the timeline plays, which Blender does by itself if no device is connected; or stay silent"""
 
     bl_label = "Hear It"
 
