@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(slots=True)
-class _State:
+class _PlaybackState:
     """State of live output.
 
     Attributes:
@@ -44,7 +44,7 @@ class _State:
     hears: tuple[bool, bool] = (False, False)
 
 
-_state = _State()
+_state = _PlaybackState()
 
 
 def _is_used() -> bool:

@@ -19,7 +19,7 @@ from ..properties.live_output import HapticDeviceProperties
 
 
 @dataclass(slots=True)
-class _State:
+class _DevicesState:
     """offered: a device that is there without a search. driven: the running devices, as found.
     version: changes with the set of running devices.
     renderer: the thread that renders the continuation of the last blocks, and its job."""
@@ -35,7 +35,7 @@ class _State:
     rested: float = 0.0  # when the renderer may work again, by time.monotonic
 
 
-_state = _State()
+_state = _DevicesState()
 
 
 def version() -> int:

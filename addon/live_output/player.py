@@ -31,7 +31,7 @@ _SLOW_FRAMES = 2
 
 
 @frozen
-class _Ahead:
+class _PlayedAhead:
     """A frame that was played before it was traced: its scene (session id), the time at which its
     block was sent, and the listeners' choices."""
 
@@ -42,7 +42,7 @@ class _Ahead:
 
 
 @dataclass(slots=True)
-class _State:
+class _PlayerState:
     """lock: for what the worker uses when it corrects a block."""
 
     lock: threading.RLock = field(default_factory=threading.RLock)
@@ -54,12 +54,12 @@ class _State:
     mappings: dict[bool, tuple[tuple[Any, ...], ListenerMapping]] = field(default_factory=dict)
     timed: float | None = None  # the time [s] of the last frame whose tracing time was looked at
     slow: int = 0  # frames in a row that took long
-    ahead: _Ahead | None = None
+    ahead: _PlayedAhead | None = None
     # The frame of the last block, and where it arrives at its listeners.
     arrived: tuple[FrameResult, FloatArray] | None = None
 
 
-_state = _State()
+_state = _PlayerState()
 
 
 def is_playing() -> bool:
@@ -161,7 +161,7 @@ def play_ahead(
         samples = _state.playback.ahead(latest, time, frame_seconds)
         if samples is None:
             return
-        _state.ahead = _Ahead(scene, frame, sent, choices)
+        _state.ahead = _PlayedAhead(scene, frame, sent, choices)
         _send(latest, samples, choices, sent=sent)
     preview.play(latest.listeners, samples, latest.sample_rate)
 

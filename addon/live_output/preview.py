@@ -101,7 +101,7 @@ class _AudioStream:
 
 
 @dataclass(slots=True)
-class _State:
+class _PreviewState:
     """Switch, settings and audio objects of the preview; ``listener``: the only one that is heard,
     "" for all; ``heard``: the signal that is played by `hear`."""
 
@@ -113,7 +113,7 @@ class _State:
     heard: Any = None
 
 
-_state = _State()
+_state = _PreviewState()
 
 
 def is_on() -> bool:

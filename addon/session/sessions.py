@@ -93,7 +93,7 @@ class Session:
 
 
 @dataclass(slots=True)
-class _State:
+class _SessionsState:
     """The sessions by scene, and when Blender began to evaluate the current frame and how long that
     took [s]."""
 
@@ -102,7 +102,7 @@ class _State:
     evaluation_seconds: float = 0.0
 
 
-_state = _State()
+_state = _SessionsState()
 
 
 def known(scene: Scene) -> Session | None:

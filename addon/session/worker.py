@@ -48,7 +48,7 @@ class Cancelled(BaseException):
 
 
 @dataclass(slots=True)
-class _State:
+class _WorkerState:
     """lock: for ``running`` and ``pending``. running: identifier of the worker thread while it is
     inside a job that may be cancelled."""
 
@@ -62,7 +62,7 @@ class _State:
     after_render: Callable[[], None] | None = None
 
 
-_state = _State()
+_state = _WorkerState()
 
 
 def submit(job: Callable[..., Value], *arguments: object) -> Future[Value]:

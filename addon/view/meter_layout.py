@@ -60,7 +60,7 @@ def colour_of(level: Level) -> Colour:
 
 
 @frozen
-class _Columns:
+class _ColumnWidths:
     """Widths in points of names, bars, levels and margins; ``margin`` is 0 if there is no room for
     it."""
 
@@ -74,7 +74,7 @@ class _Columns:
         return self.name + self.bar + self.level + self.margin
 
     @classmethod
-    def within(cls, across: float, names: float) -> _Columns | None:
+    def within(cls, across: float, names: float) -> _ColumnWidths | None:
         """Columns in ``across`` points if the longest name takes ``names``; None if there is not
         enough room. Bars become narrow first, then names are shortened, then margins left out.
         """
@@ -94,7 +94,7 @@ class _Layout:
 
     shown: tuple[Level, ...]
     hidden: int  # listeners that are not shown
-    columns: _Columns
+    columns: _ColumnWidths
     scope: Scope | None
     body: bool
 
@@ -177,7 +177,7 @@ def _layout(
         names: width of the longest name [points].
         body: whether the figures are wanted.
     """
-    columns = _Columns.within(room[0] - 2 * PADDING, names)
+    columns = _ColumnWidths.within(room[0] - 2 * PADDING, names)
     rows = min(int((room[1] - 2 * PADDING) / ROW) - 1, MOST_ROWS)
     if columns is None or not levels or rows < min(len(levels), 2):
         return None
@@ -202,7 +202,7 @@ def _strongest(levels: Sequence[Level], most: int) -> tuple[Level, ...]:
 
 
 def _add_heads(
-    builder: HudBuilder, corner: tuple[float, float], title: str, columns: _Columns
+    builder: HudBuilder, corner: tuple[float, float], title: str, columns: _ColumnWidths
 ) -> None:
     """Add the title, the scale of the bars, and the column headings."""
     scale = builder.scale
@@ -227,7 +227,7 @@ def _add_heads(
 
 
 def _add_row(
-    builder: HudBuilder, corner: tuple[float, float], level: Level, columns: _Columns
+    builder: HudBuilder, corner: tuple[float, float], level: Level, columns: _ColumnWidths
 ) -> None:
     """Add name, bar and values of a listener. The bar is the level, the white mark the peak, the
     orange one the threshold of feeling."""

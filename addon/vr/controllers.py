@@ -23,7 +23,7 @@ _START_SECONDS, _POLL = 30.0, 0.1  # within which a session begins to run, and b
 
 
 @dataclass(slots=True)
-class _State:
+class _ControllersState:
     """action_set: that of our action. deadline: by time.monotonic, until when the session has to
     run; None since it does. output: the connected controllers, or those connected last. take: the
     grips by frame of the timeline, while hands are recorded."""
@@ -35,7 +35,7 @@ class _State:
     take: dict[int, Grips] | None = None
 
 
-_state = _State()
+_state = _ControllersState()
 
 
 def begin(action_set: str) -> None:

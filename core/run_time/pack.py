@@ -44,7 +44,7 @@ _TAIL = 0.05
 
 
 @dataclass(slots=True)
-class _Event:
+class _RecordedEvent:
     """A blow or a one-shot while it is recorded.
 
     Attributes:
@@ -80,7 +80,7 @@ class PackRecorder:
         self._renderer: Renderer | None = None
         self._mixes: tuple[ListenerMix, ...] = ()
         self._first: FrameResult | None = None
-        self._events: dict[str, _Event] = {}
+        self._events: dict[str, _RecordedEvent] = {}
         self._tracks: list[FloatArray] = []
         self._felt: list[FloatArray] = []
         self._time = 0.0
@@ -145,7 +145,9 @@ class PackRecorder:
         }
         for name in about.keys() - self._events.keys():
             renderer = Renderer(self._mixes, result.sample_rate)
-            self._events[name] = _Event(about[name], voices[name], renderer, result.first_sample)
+            self._events[name] = _RecordedEvent(
+                about[name], voices[name], renderer, result.first_sample
+            )
 
     def document(self, scene: HapticScene) -> dict[str, Any]:
         """The pack of the recorded frames of ``scene``, which has the materials and the rules of
@@ -193,7 +195,7 @@ class PackRecorder:
             "one_shots": rows["one_shots"],
         }
 
-    def _whole(self, event: _Event) -> FloatArray:
+    def _whole(self, event: _RecordedEvent) -> FloatArray:
         """The samples (l, n) of an event. Its part after the last frame has that frame's gains."""
         voice = event.voice
         reached = voice.gains.reshape(len(voice.gains), -1).any(axis=1)
