@@ -141,8 +141,8 @@ def _shape_of_body(
 
 
 def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
-    """Checksum of the geometry that the shape of ``obj`` is built from; never equal to another for
-    compounds."""
+    """Checksum of the geometry that the shape of ``obj`` is built from. That of a compound differs
+    at each call, so that its shape is always built again."""
     body = obj.rigid_body
     kind, source = ("MESH", "FINAL") if body is None else (body.collision_shape, body.mesh_source)
     match kind:

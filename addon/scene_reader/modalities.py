@@ -93,11 +93,11 @@ def _emitter(
         obj: The object.
         home: Its place in a file, None without one.
         numbers: Values of a file by property.
-        names: The objects that it may be on.
-        metres: Those of a unit.
+        names: Haptic objects that it may be on.
+        metres: Per unit of Blender.
 
     Returns:
-        The source, None if the object is none on any of those objects.
+        The source; None if the object is not a source of this modality, or is on no such object.
     """
     group = getattr(obj.haptics.modalities, modality.name)
     carrier = haptic_carrier(obj) if group.is_source else None

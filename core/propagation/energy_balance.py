@@ -177,6 +177,10 @@ class _Assembly:
         hops: number of contacts.
     """
 
+    # Contacts, by their nodes, between two assembled objects are *inner*, those to any other object
+    # are at the *border*. A subsystem *passes* energy in a lane if its object's gain over its
+    # typical distance is not 0; *decay* is its damping.
+
     def __init__(
         self, graph: HapticGraph, driven: _Terminals, observed: _Terminals, hops: int
     ) -> None:
@@ -277,10 +281,12 @@ class _Assembly:
     def _region_couplings(
         self,
     ) -> tuple[IntArray, IntArray, FloatArray, list[tuple[int, FloatArray]]]:
-        """Couplings between the regions of an object, both directions; of objects with many regions
-        as blocks of `PowerBalance`.
+        """Couplings between regions of the same object. A region of gain 0 has none.
 
-        A region of gain 0 is not coupled to other regions of its object.
+        Returns:
+            Both subsystems (c,) and the value (lanes, c) of each coupling, in both directions, in
+            objects with few regions; and those in objects with at least `DENSE` regions, as the
+            ``blocks`` of `PowerBalance`.
         """
         parts = self._parts
         loss = parts.mass * np.where(self._passes, self._decay, 0.0)

@@ -284,8 +284,20 @@ class WalkOperator:
         listeners: int,
         contracted: tuple[FloatArray, float],
     ) -> tuple[FloatArray, FloatArray] | None:
-        """Neumann series from ``term`` (e,) to the listeners: the terms summed (l,), and a bound
-        (l,) on the others; None without one."""
+        """Sum the Neumann series that begins with ``term`` (e,), the gains of walks up to each
+        entry.
+
+        Args:
+            term: the first term.
+            ends: number of the listener, entry, and gain of each connection from an entry to a
+                listener.
+            listeners: their number.
+            contracted: a vector and a ratio that bound the rest, see `_contracted`.
+
+        Returns:
+            The terms summed at each listener (l,), and a bound (l,) on all others; None if nothing
+            bounds them.
+        """
         node, entry, gain = ends
         vector, ratio = contracted
 

@@ -249,9 +249,9 @@ def _along_line(
     face: FloatArray,
     place: FloatArray,
 ) -> FloatArray:
-    """How far the centre of a sliver at ``place`` (2, p) is from that of a broader overlap of the
-    faces, along the line on which they touch: the sliver itself would move by half its length as
-    the line tilts by 1e-3 rad.
+    """The way (2, p) along which the centre of a sliver of contact is moved to that of a broader
+    overlap of the two faces, along the line on which they touch. The centre of the sliver itself is
+    unstable: it moves by half the sliver's length as the line tilts by 1e-3 rad.
 
     Args:
         centre: of the other face in units of the rectangle (3, p), as `overlap` takes it.
@@ -259,7 +259,7 @@ def _along_line(
         line: direction of the line over the rectangle (2, p), of any length.
         slope: of the other face over the rectangle (p,).
         face: half edges of the rectangle (2, p) [m].
-        place: in units of the rectangle (2, p), as is the result.
+        place: centre of the sliver, in units of the rectangle (2, p), as is the result.
     """
     within = np.maximum(np.minimum(_BESIDE * slope, ROUGHNESS), patch_gap(slope))
     broader = overlap(centre, sides, within)[1]

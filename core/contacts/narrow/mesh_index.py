@@ -25,8 +25,8 @@ class MeshIndex:
 
     @classmethod
     def of(cls, corners: FloatArray, spheres: bool = False) -> MeshIndex:
-        """Order triangles (t, 3, 3) along a Z-order curve. ``spheres``: their bounds are those of
-        the spheres around their middles."""
+        """Index triangles (t, 3, 3), ordered along a Z-order curve so that neighbours share blocks.
+        ``spheres``: bounds are those of spheres around the triangles' middles."""
         centre = corners.mean(axis=1)
         extent = np.maximum(np.ptp(centre, axis=0), 1e-300)
         cell = np.minimum((centre - centre.min(axis=0)) / extent * 1024, 1023).astype(np.int64)
