@@ -24,8 +24,6 @@ class HAPTIC_PT_export(ScenePanel, Panel):
         layout = self.layout
         if job.draw_running(layout):
             return
-        layout.operator("import_scene.haptic_scene", text="Haptic Scene", icon="IMPORT")
-        layout.operator("haptic.import_signal", icon="IMPORT")
         row = layout.row(align=True)
         row.operator("export_scene.haptic_engine", icon="EXPORT")
         row.operator("haptic.copy_methods", icon="COPYDOWN")

@@ -35,6 +35,8 @@ class HAPTIC_PT_output(SidebarPanel, Panel):
         row = layout.row(align=True)
         words = "Bake" if haptics.bake.track is None else "Bake Again"
         row.operator("haptic.bake", text=words, icon="REC")
+        if haptics.bake.track is not None:
+            row.operator("haptic.keep_take", text="", icon="ADD")
         row.popover("HAPTIC_PT_bake", text="", icon="PREFERENCES")
         row = layout.row(align=True)
         row.operator("export_scene.haptic_tracks", text="Export Tracks", icon="EXPORT")
