@@ -76,7 +76,7 @@ def steps(window):
     print("seconds of edits", [round(seconds, 2) for seconds in waited])
     window.save_picture("tracing")
     yield from while_traced(
-        window.click_button("haptic.cancel_tracing", columns=(0.9, 0.945, 0.82))
+        window.click_button("haptic.cancel_tracing", columns=(0.82,))
     )
     yield from window.wait_until(is_cancelled)
     window.seen["cancelled"] = is_cancelled() and not sessions.is_behind(scene)
