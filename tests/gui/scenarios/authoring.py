@@ -98,7 +98,6 @@ def steps(window):
         words = {
             "Level": "Pegel",
             "Margin": "Abstand",
-            "Distance": "Entfernung",
             "Volume": "Lautstärke",
             "Floor": "Untergrenze",
         }
