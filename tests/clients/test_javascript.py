@@ -8,6 +8,7 @@ import json
 import math
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import threading
@@ -101,6 +102,20 @@ def test_rapiers_crate_is_felt_when_it_lands_and_where_it_rests(page):
     before = page.run("document.title")
     page.run("document.getElementById('view').click()")
     wait_for(page, f"document.title !== {json.dumps(before)}", "True")
+
+
+def test_a_page_without_its_server_says_how_to_start_one(site, tmp_path):
+    blank = tmp_path / "blank.html"
+    blank.write_text("<title>blank</title>")
+    with socket.socket() as taken:  # bound, but nothing listens
+        taken.bind(("127.0.0.1", 0))
+        address = f"ws://127.0.0.1:{taken.getsockname()[1]}"
+        with Page(blank, tmp_path / "profile", more=("--enable-unsafe-swiftshader",)) as opened:
+            opened.ask("Page.navigate", opened._session, url=f"{site}/index.html?server={address}")
+            said = wait_for(
+                opened, "document.getElementById('text')?.textContent", "does not answer"
+            )
+    assert f"haptic-tracing serve --allow-origin {site}" in said
 
 
 def test_levels_shake_pads_and_controllers(page):
