@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import BoolArray, FloatArray, IntArray
+from .arrays import FloatArray, IntArray
 
 BEST_FREQUENCY = 250.0
 """Frequency of the lowest threshold [Hz]."""
@@ -149,11 +149,13 @@ def _felt_energy(
 
 
 @lru_cache(maxsize=16)
-def _hearing(count: int, sample_rate: float) -> tuple[FloatArray, BoolArray, FloatArray]:
+def _hearing(count: int, sample_rate: float) -> tuple[FloatArray, slice, FloatArray]:
     """The Hann window of ``count`` samples, which of the frequencies of its spectrum are tactile,
     and these [Hz]."""
     frequency = np.fft.rfftfreq(count, 1 / sample_rate)
-    felt = (frequency >= _LOWEST) & (frequency <= _HIGHEST)
+    felt = slice(
+        int(frequency.searchsorted(_LOWEST)), int(frequency.searchsorted(_HIGHEST, side="right"))
+    )
     return np.hanning(count + 2)[1:-1], felt, np.asarray(frequency[felt], dtype=np.float64)
 
 

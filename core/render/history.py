@@ -20,7 +20,7 @@ class History:
     def __init__(self) -> None:
         self.sample_rate = 0.0
         self.listeners: tuple[str, ...] = ()
-        self._samples = np.zeros((0, 0))
+        self._blocks = [np.zeros((0, 0))]
         self._end: int | None = None
 
     def feed(self, result: FrameResult) -> None:
@@ -29,10 +29,9 @@ class History:
         block = still_samples(result) if result.block is None else result.block
         alike = names == self.listeners and self.sample_rate == result.sample_rate
         follows = alike and result.block is not None and self._end == result.first_sample
-        keep = round(SECONDS * result.sample_rate)
-        self._samples = (np.concatenate((self._samples, block), axis=1) if follows else block)[
-            :, -keep:
-        ]
+        self._blocks = [*self._blocks, block] if follows else [block]
+        while sum(one.shape[1] for one in self._blocks[1:]) >= SECONDS * result.sample_rate:
+            del self._blocks[0]
         self.listeners, self.sample_rate = names, result.sample_rate
         self._end = None if result.block is None else result.first_sample + block.shape[1]
 
@@ -40,11 +39,17 @@ class History:
         """Append a frame with the samples before it: ``samples`` (l, n) up to its end, from a
         track."""
         self.feed(result)
-        self._samples = samples[:, -round(SECONDS * result.sample_rate) :]
+        self._blocks = [samples]
 
-    def all(self) -> FloatArray:
-        """The last second of every listener, (l, n); or all samples if there are fewer."""
-        return self._samples
+    def all(self, seconds: float = SECONDS) -> FloatArray:
+        """The last ``seconds``, at most one, of every listener, (l, n); or all samples if there are
+        fewer."""
+        count = max(round(seconds * self.sample_rate), 1)
+        first, held = len(self._blocks) - 1, self._blocks[-1].shape[1]
+        while first > 0 and held < count:
+            first -= 1
+            held += self._blocks[first].shape[1]
+        return np.concatenate(self._blocks[first:], axis=1)[:, -count:]
 
 
 def lasts(result: FrameResult, samples: FloatArray) -> bool:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from ..contacts.shapes import pose_matrix, rotation_matrix
 from ..formats.io.schema import validate
 from ..formats.scene.values_json import read_listener, read_object, read_source
 from ..render.history import History
+from ..render.levels import LEVEL_SECONDS
 from ..scene.references import PlacedError, require_known, require_new
 from ..scene.values import HapticObject, HapticScene, Listener, Pose, Source, Trigger, TriggerKind
 from ..tracer import Tracer
@@ -34,6 +35,8 @@ _FASTEST = 100.0
 
 _SHORTEST, _FARTHEST = 1e-12, 1e9
 """Length above which a quaternion is a rotation."""
+
+Item = TypeVar("Item", Source, Listener)
 
 Position = Sequence[float]
 """Three numbers [m], in the world."""
@@ -162,7 +165,7 @@ class Run:
         self._history.feed(result)
         return answer(
             result,
-            self._history.all(),
+            self._history.all(LEVEL_SECONDS + LONGEST_STEP),
             [body.name for body in self._bodies] if contacts is None else self.objects,
         )
 
@@ -322,20 +325,20 @@ class Run:
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
 
     def _checked_poses(self, poses: Mapping[str, Sequence[float]]) -> FloatArray:
-        """Poses of objects as an array (n, 7)."""
+        """Poses of objects as an array (n, 7), with unit quaternions."""
         for name in poses:
             require_known(name, self._row, "object", ("poses", name))
         try:
             moved = np.array([*poses.values()], dtype=np.float64).reshape(len(poses), 7)
-            if not (np.abs(moved) <= _FARTHEST).all():
-                raise ValueError
-            if not (np.linalg.norm(moved[:, 3:], axis=1) > _SHORTEST).all():
+            length = np.linalg.norm(moved[:, 3:], axis=1)
+            if not ((np.abs(moved) <= _FARTHEST).all() and (length > _SHORTEST).all()):
                 raise ValueError
         except (TypeError, ValueError):
             raise PlacedError(
                 ("poses", _faulty(poses)),
                 f"expected x, y, z, qw, qx, qy, qz: up to {_FARTHEST:g}, and a rotation",
             ) from None
+        moved[:, 3:] /= length[:, None]
         return moved
 
     def _move(self, names: Sequence[str], moved: FloatArray, duration: float) -> None:
@@ -348,8 +351,7 @@ class Run:
             {names[k] for k in np.flatnonzero(travel > far / 2).tolist()},
         )
         self._anew |= {names[k] for k in np.flatnonzero(travel > far).tolist()} - before
-        length = np.linalg.norm(moved[:, 3:], axis=1)
-        self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:] / length[:, None])
+        self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:])
         self._poses[rows, :3, 3] = moved[:, :3]
         self._moved.update(names)
 
@@ -415,15 +417,14 @@ class Run:
         self._step += 1
         transforms = self._poses[self._solid] if given is None else self._poses.copy()
         sources = []
-        for source in self._sources.values():
+        for source in self._placed("source", self._sources, source_positions):
             amplitude = (
                 0.0
                 if source.name in self._silent
                 else self._amplitudes.get(source.name, source.amplitude)
             )
-            placed = source.moved(self._position("source", source, source_positions))
             sources.append(
-                placed if amplitude == source.amplitude else replace(placed, amplitude=amplitude)
+                source if amplitude == source.amplitude else replace(source, amplitude=amplitude)
             )
         return Frame(
             number=self._step,
@@ -431,10 +432,7 @@ class Run:
             time=time,
             objects=self._frame_objects,
             sources=tuple(sources),
-            listeners=tuple(
-                item.moved(self._position("listener", item, listener_positions))
-                for item in self._listeners.values()
-            ),
+            listeners=tuple(self._placed("listener", self._listeners, listener_positions)),
             settings=self.settings,
             bodies=self._bodies if given is None else (),
             transforms=transforms,
@@ -444,15 +442,17 @@ class Run:
             struck=struck,
         )
 
-    def _position(
-        self, kind: str, item: Source | Listener, given: Mapping[str, Position]
-    ) -> Position:
-        """World position of a source or listener."""
-        if item.name in given:
-            return given[item.name]
-        pose = self._poses[self._row[item.object]]
-        x, y, z = (pose[:3, :3] @ self._places[kind, item.name] + pose[:3, 3]).tolist()
-        return x, y, z
+    def _placed(
+        self, kind: str, items: Mapping[str, Item], given: Mapping[str, Position]
+    ) -> list[Item]:
+        """Sources or listeners where they are now: on their objects, or at a ``given`` position."""
+        poses = self._poses[[self._row[item.object] for item in items.values()]]
+        places = np.array([self._places[kind, name] for name in items]).reshape(-1, 3)
+        now = np.einsum("nij,nj->ni", poses[:, :3, :3], places) + poses[:, :3, 3]
+        return [
+            item.moved(given.get(item.name, place))
+            for item, place in zip(items.values(), now.tolist(), strict=True)
+        ]
 
     def _given(self, contacts: Sequence[Mapping[str, Any]] | None) -> ContactSet | None:
         """The caller's contacts; without them, those of the scene where no object has a shape."""
