@@ -165,9 +165,13 @@ def similarity(source: np.ndarray, again: np.ndarray) -> float:
     sounds = np.abs(source.reshape(-1, BLOCK)).max(axis=1) > 2e-4
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
+        # Complex where the waves are in opposite phase: a root of a negative structure.
         return float(
-            st_sim(
-                again.reshape(-1, BLOCK)[sounds].ravel(), source.reshape(-1, BLOCK)[sounds].ravel()
+            np.real(
+                st_sim(
+                    again.reshape(-1, BLOCK)[sounds].ravel(),
+                    source.reshape(-1, BLOCK)[sounds].ravel(),
+                )
             )
         )
 

@@ -1,5 +1,5 @@
-"""AHAP (Apple Core Haptics): a pattern per listener, and another one of its impacts, since curves
-change every event of their pattern; impacts alone need no other one.
+"""AHAP (Apple Core Haptics): a pattern per listener, and another one of its impacts and pulses,
+since curves change every event of their pattern; these alone need no other one.
 
 Both are played together: the continuous pattern has the power that the transients leave. Intensity
 is the square root of the amplitude, sharpness that of the frequency's relative position between 65
@@ -33,7 +33,7 @@ from ..io.left_out import without_damaged
 from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
 from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
-from .envelopes import bursts_of, vibration_envelope
+from .envelopes import WithoutBursts, bursts_of, vibration_envelope
 from .listener_tracks import ListenerTrack
 from .track_export import TrackExport, common_losses, credit, listener_files
 from .vibration_file import Channel, VibrationFile
@@ -88,7 +88,7 @@ def write(
         ]
         continuous = list(
             _continuous(
-                *vibration_envelope(row, options["step"], bursts),
+                *vibration_envelope(WithoutBursts(row, bursts), options["step"]),
                 options["step"],
                 row.duration,
                 options["error"],

@@ -11,20 +11,19 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import BoolArray, FloatArray
+from ...arrays import BoolArray, FloatArray, IntArray
 from ...frozen import frozen
 from .listener_tracks import PIECE, Tracks
+from .onsets import RATE, away_from, onsets
 
 EDGES = (0.0, 5.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 1000.0)
 """Edges of the bands (hertz); the last band reaches up to half the sample rate."""
 WINDOW = 1.0
 """Length of the windows of the spectra (seconds)."""
-ENVELOPE_RATE = 1000
-"""Rate of the envelopes (hertz)."""
 FARTHEST_LAG = 50
 """Largest detectable shift of an onset (milliseconds)."""
 MOST_ONSETS = 100
-"""Onsets of a listener that are compared."""
+"""Onsets of a listener whose shift is measured."""
 LONGEST_ENVELOPE = 1000
 """Length of the envelopes that are kept (seconds)."""
 
@@ -37,8 +36,8 @@ plays: it counts in no level."""
 MISSED = 0.25
 """An onset is missing if the rise of the envelope is less than this share of the original's (-12
 dB)."""
-MOST_NAMED = 12
-"""Listeners, or onsets of a listener, that a sentence names."""
+MOST_NAMED, MOST_TIMES, MOST_LINES = 12, 4, 3
+"""Listeners and onsets that a sentence names, and sentences about onsets."""
 
 LOST_LIMIT = 0.25
 """Share of the power that may be lost before replacing a file needs consent."""
@@ -48,8 +47,8 @@ ONSET_LIMIT = 20.0
 """Shift of onsets [ms] above which replacing a file needs consent."""
 
 _BEFORE, _AFTER = 30, 120
-_RISE = 4.0
-_LOUD = 0.05
+_MOMENT = 6
+"""Milliseconds of a quiet moment: no tone has one, but a train of 60 pulses a second does."""
 _SILENT = 1e-12
 
 
@@ -145,12 +144,19 @@ def sentences(fidelity: Fidelity | None) -> Iterator[str]:
         yield f"onsets shift by up to {fidelity.onset:g} ms"
     if len(fidelity.listeners) > 1:
         yield f"by listener, most lost first: {_first(map(_of_listener, fidelity.listeners))}"
-    for listener in fidelity.listeners:
-        for word, times in (("missing", listener.missing), ("invented", listener.invented)):
-            if times:
-                yield (
-                    f"onsets {word} at {listener.name}: {_first(f'{time:.3f} s' for time in times)}"
-                )
+    for word in ("missing", "invented"):
+        sharing: dict[tuple[float, ...], list[str]] = {}
+        for listener in fidelity.listeners:
+            sharing.setdefault(getattr(listener, word), []).append(listener.name)
+        sharing.pop((), None)
+        for times, names in list(sharing.items())[:MOST_LINES]:
+            first = _first((f"{time:.3f} s" for time in times), MOST_TIMES)
+            yield f"onsets {word} at {_first(names)}: {first}"
+        others = list(sharing.items())[MOST_LINES:]
+        if others:
+            listeners = sum(len(names) for _, names in others)
+            count = sum(len(names) * len(times) for times, names in others)
+            yield f"onsets {word} at {listeners} other listeners: {count}"
 
 
 def _of_listener(listener: ListenerFidelity) -> str:
@@ -158,12 +164,10 @@ def _of_listener(listener: ListenerFidelity) -> str:
     return f"{listener.name} {lost}{listener.level:+z.1f} dB"
 
 
-def _first(items: Iterable[str]) -> str:
+def _first(items: Iterable[str], most: int = MOST_NAMED) -> str:
     """The first items, and the number of the others."""
     every = list(items)
-    return ", ".join(every[:MOST_NAMED]) + (
-        f" and {len(every) - MOST_NAMED} more" if len(every) > MOST_NAMED else ""
-    )
+    return ", ".join(every[:most]) + (f" and {len(every) - most} more" if every[most:] else "")
 
 
 def _percent(share: float) -> str:
@@ -379,33 +383,34 @@ class _Listener:
             power[:carried] = error.real**2 + error.imag**2
             self._sums[2] += power
 
-    def _events(self, original: FloatArray) -> list[int]:
-        """Milliseconds of the original's onsets: of its impacts, where there are any."""
-        onsets = self._impacts * ENVELOPE_RATE if len(self._impacts) else _onsets(original)
-        return [int(onset) for onset in np.unique(np.rint(onsets))[:MOST_ONSETS]]
+    def _events(self, original: FloatArray) -> IntArray:
+        """Milliseconds of the original's onsets: of its impacts, and of other sudden rises."""
+        others = away_from(onsets(original**2), self._impacts)
+        return np.union1d(np.rint(self._impacts * RATE).astype(np.int64), others)
 
     def changed_onsets(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Times (seconds) of the onsets that the decoded signal lacks, and of those that only it
         has."""
         original, decoded = (envelope.values() for envelope in self._envelopes)
 
-        def only(events: list[int], here: FloatArray, there: FloatArray) -> tuple[float, ...]:
+        def only(events: IntArray, here: FloatArray, there: FloatArray) -> tuple[float, ...]:
             found = []
-            for event in events:
-                level, rise = _rise_at(here, event)
-                if rise > level and _rise_at(there, event)[1] < MISSED * rise:
-                    found.append(event / ENVELOPE_RATE)
+            for event in events[events < min(len(here), len(there))].tolist():
+                rise, stands_out = _rise_at(here, event)
+                if stands_out and _rise_at(there, event)[0] < MISSED * rise:
+                    found.append(event / RATE)
             return tuple(found)
 
         return only(self._events(original), original, decoded), only(
-            _onsets(decoded)[:MOST_ONSETS].astype(int).tolist(), decoded, original
+            onsets(decoded**2), decoded, original
         )
 
     def lags(self) -> list[float]:
         """Shifts of onsets (milliseconds), positive for late ones."""
         original, decoded = (envelope.values() for envelope in self._envelopes)
+        events = self._events(original)
         lags = []
-        for onset in self._events(original):
+        for onset in events[:: len(events) // MOST_ONSETS + 1].tolist():
             window = original[max(onset - _BEFORE, 0) : onset + _AFTER]
             around = decoded[max(onset - _BEFORE, 0) : onset + _AFTER]
             if len(window) == _BEFORE + _AFTER and window.any() and around.any():
@@ -414,7 +419,7 @@ class _Listener:
 
 
 class _Envelope:
-    """Root mean squares of every millisecond; none below ``ENVELOPE_RATE`` samples a second."""
+    """Root mean squares of every millisecond; none below ``RATE`` samples a second."""
 
     def __init__(self, rate: float) -> None:
         self._rate, self._count, self._leftover = rate, 0, np.zeros(0)
@@ -422,15 +427,13 @@ class _Envelope:
 
     def add(self, samples: FloatArray) -> None:
         # The millisecond that the leftover begins.
-        first = math.floor(self._count / self._rate * ENVELOPE_RATE + 1e-9)
-        if self._rate < ENVELOPE_RATE or first > LONGEST_ENVELOPE * ENVELOPE_RATE:
+        first = math.floor(self._count / self._rate * RATE + 1e-9)
+        if self._rate < RATE or first > LONGEST_ENVELOPE * RATE:
             return
         both = np.concatenate([self._leftover, samples])
-        last = math.floor((self._count + len(both)) / self._rate * ENVELOPE_RATE + 1e-9)
+        last = math.floor((self._count + len(both)) / self._rate * RATE + 1e-9)
         borders = (
-            np.ceil(np.arange(first, last + 1) * (self._rate / ENVELOPE_RATE) - 1e-9).astype(
-                np.int64
-            )
+            np.ceil(np.arange(first, last + 1) * (self._rate / RATE) - 1e-9).astype(np.int64)
             - self._count
         )
         if last <= first:
@@ -456,25 +459,11 @@ def _lag(window: FloatArray, around: FloatArray) -> float:
     return float(near[np.argmin(np.abs(near))])
 
 
-def _rise_at(envelope: FloatArray, onset: int) -> tuple[float, float]:
-    """The mean of an envelope before an onset (milliseconds), and by how much the envelope exceeds
-    it from shortly before the onset on."""
-    begin = onset - FARTHEST_LAG // 2
-    before, after = (
-        envelope[max(begin - _BEFORE, 0) : max(begin, 0)],
-        envelope[max(begin, 0) : onset + FARTHEST_LAG],
-    )
-    level = float(before.mean()) if len(before) else 0.0
-    return level, float(after.max(initial=0.0)) - level
-
-
-def _onsets(envelope: FloatArray) -> FloatArray:
-    """Milliseconds at which an envelope rises by 12 dB within 10 ms, at least 150 ms apart."""
-    smooth = np.convolve(np.pad(envelope, 2), np.full(5, 0.2), "valid")  # of none as well
-    before = np.pad(smooth, (10, 0))[: len(smooth)]
-    rising = np.flatnonzero((smooth > _RISE * before) & (smooth > _LOUD * smooth.max(initial=0.0)))
-    onsets: list[int] = []
-    for place in rising.tolist():
-        if not onsets or place - onsets[-1] >= _BEFORE + _AFTER:
-            onsets.append(place)
-    return np.array(onsets, dtype=np.float64)
+def _rise_at(envelope: FloatArray, onset: int) -> tuple[float, bool]:
+    """By how much an envelope exceeds, from shortly before an onset (milliseconds) on, its quietest
+    moment before that, and whether it is twice its mean before."""
+    begin = max(onset - FARTHEST_LAG // 2, 0)
+    before = np.pad(envelope, (_BEFORE, 0))[begin : begin + _BEFORE]
+    largest = float(envelope[begin : onset + FARTHEST_LAG].max(initial=0.0))
+    quietest = np.convolve(before, np.full(_MOMENT, 1 / _MOMENT), "valid").min()
+    return largest - float(quietest), largest > 2 * float(before.mean())

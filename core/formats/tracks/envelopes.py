@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from .carrier import Carrier
 from .comparison import Comparison
 from .fitting import Fit, fit_bands
 from .listener_tracks import CHUNK, PIECE, Row
+from .onsets import RATE, away_from, pulses
 
 WHOLE = Band(5, 700, 2.5, 90, 1600)
 """The tactile frequencies as one band."""
@@ -34,10 +36,10 @@ IN_PHASE = 0.02
 
 
 class Burst(NamedTuple):
-    """A short vibration that stands for an impact: of constant ``amplitude``, ``seconds`` long,
-    with ``power`` in the mean.
+    """A short vibration of constant ``amplitude`` that stands for an impact or a pulse.
 
-    time: seconds. frequency: hertz.
+    time, seconds: when it begins, and how long it is. frequency: hertz. power: its mean square.
+    felt: the mean square of the samples while it sounds, without the share of their steady part.
     """
 
     time: float
@@ -45,37 +47,76 @@ class Burst(NamedTuple):
     frequency: float
     amplitude: float
     power: float
+    felt: float
 
 
 def bursts_of(
     row: Row, impacts: FloatArray, form: Callable[[float], tuple[float, float]]
 ) -> list[Burst]:
-    """A burst per impact, at most as strong as that, with at most the power of the samples while it
-    sounds; of bursts that would overlap the strongest.
+    """A burst per impact, at most as strong as that, and per pulse, as those of a jackhammer, with
+    at most the power of the samples while it sounds; of bursts that would overlap the strongest.
 
     form: seconds of a burst of a frequency, and the power of one of amplitude 1.
     """
+    rate, (longest, _) = row.sample_rate, form(0.0)
+    times = _pulse_times(row, impacts[:, 0], longest, form(math.inf)[0])
+    events = sorted([*impacts.tolist(), *([time, 1.0] for time in times.tolist())])
     found: list[Burst] = []
-    for time, strength in impacts.tolist():
-        first, (seconds, _) = math.ceil(time * row.sample_rate), form(0.0)
-
-        def over(seconds: float, first: int = first) -> tuple[FloatArray, FloatArray]:
-            samples = row.read(first, first + math.ceil(seconds * row.sample_rate))
-            return np.mean(samples**2, keepdims=True), np.mean(
-                np.diff(samples, append=0.0) ** 2, keepdims=True
-            )
-
-        frequency = float(mean_frequency(*over(seconds), row.sample_rate)[0])
+    for (time, strength), (after, _) in pairwise([*events, [row.duration, 0.0]]):
+        first = math.ceil(time * rate)
+        # From a little before on: the edge with which a pulse begins belongs to it.
+        alone = row.read(first - _lag(rate), math.ceil(min(time + longest, after) * rate))
+        frequency = _frequency(alone, rate)
         seconds, unit = form(frequency)
-        amplitude = min(strength, math.sqrt(float(over(seconds)[0][0]) / unit))
-        if time >= row.duration or amplitude <= 0:
+        felt = _felt_power(row, first, first + math.ceil(seconds * rate))
+        amplitude = min(strength, math.sqrt(felt / unit))
+        if amplitude <= 0:
             continue
         if found and time < found[-1].time + found[-1].seconds:
             if amplitude <= found[-1].amplitude:
                 continue
             found.pop()
-        found.append(Burst(time, seconds, frequency, amplitude, amplitude**2 * unit))
+        found.append(Burst(time, seconds, frequency, amplitude, amplitude**2 * unit, felt))
     return found
+
+
+def _pulse_times(row: Row, impacts: FloatArray, longest: float, apart: float) -> FloatArray:
+    """Times (seconds) of pulses of at most ``longest`` seconds, impacts aside, that are at least
+    ``apart`` seconds from any other: closer ones are a vibration."""
+    power, _, width, _ = powers(row, 1 / RATE)
+    times = away_from(pulses(power / width, longest), impacts) / RATE
+    gaps = np.diff(times, prepend=-math.inf, append=math.inf)
+    return np.asarray(times[np.minimum(gaps[1:], gaps[:-1]) >= apart])
+
+
+def _felt_power(row: Row, first: int, last: int) -> float:
+    """The mean square of samples, without the share that is steady around them."""
+    reach = math.ceil(STEADY_SECONDS / 2 * row.sample_rate)
+    around = row.read(first - reach, first + reach)
+    steady = float(np.mean(around)) ** 2 / max(float(np.mean(around**2)), 1e-300)
+    return float(np.mean(row.read(first, last) ** 2)) * (1 - steady)
+
+
+class WithoutBursts(Row):
+    """A row without the power of bursts, which takes the same share of every sample while they
+    sound."""
+
+    def __init__(self, row: Row, bursts: Sequence[Burst]) -> None:
+        self._row, self.count, self.sample_rate = row, row.count, row.sample_rate
+        self._starts = np.ceil([burst.time * row.sample_rate for burst in bursts]).astype(np.int64)
+        self._bursts = bursts
+
+    def read(self, first: int, last: int) -> FloatArray:
+        samples = self._row.read(first, last)
+        begin = max(int(np.searchsorted(self._starts, first)) - 1, 0)
+        for start, burst in zip(self._starts[begin:].tolist(), self._bursts[begin:], strict=True):
+            if start >= last:
+                break
+            end = start + math.ceil(burst.seconds * self.sample_rate)
+            samples[max(start - first, 0) : max(end - first, 0)] *= math.sqrt(
+                max(1 - burst.power / burst.felt, 0.0)
+            )
+        return samples
 
 
 def single_carrier(row: Row, fit: Fit) -> Carrier:
@@ -88,23 +129,20 @@ def single_carrier(row: Row, fit: Fit) -> Carrier:
     )
 
 
-def thinned_carrier(
-    row: Row, low: float, high: float, most: float, bursts: Sequence[Burst] = ()
-) -> Carrier:
+def thinned_carrier(row: Row, low: float, high: float, most: float) -> Carrier:
     """The vibration of a listener as a tone of changing amplitude and frequency.
 
-    Its power is that of the samples less that of the bursts. Keys are as many as ``most`` allows:
-    the tolerance within which they are redundant is the least possible.
+    Keys are as many as ``most`` allows: the tolerance within which they are redundant is the least
+    possible.
 
     Args:
         row: the samples.
         low: lowest frequency [Hz].
         high: highest frequency [Hz].
         most: keys per second, each of amplitude and frequency.
-        bursts: that are written beside it.
     """
     step = max(SHORTEST_STEP, 1 / most)
-    amplitude, frequency = vibration_envelope(row, step, bursts)
+    amplitude, frequency = vibration_envelope(row, step)
     times = np.minimum((np.arange(len(amplitude)) + 0.5) * step, row.duration)
     times = np.concatenate([[0.0], times, [row.duration]])
     amplitude = np.minimum(np.pad(amplitude, 1, mode="edge"), 1.0)
@@ -216,46 +254,28 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
     return times[kept], values[kept]
 
 
-def vibration_envelope(
-    row: Row, step: float, bursts: Sequence[Burst] = ()
-) -> tuple[FloatArray, FloatArray]:
+def vibration_envelope(row: Row, step: float) -> tuple[FloatArray, FloatArray]:
     """Amplitude and frequency (hertz) every ``step`` seconds: of the sine with the same power and
-    the same power of first differences, without the steady part of the samples, a push that no
-    motor can play, and less the power of ``bursts``.
+    the same power of differences, without the steady part of the samples, a push that no motor can
+    play.
 
     Each value covers its step and the step before, so that impacts in quick succession merge; none
-    covers the step after, so that nothing is early. The first difference of a sine of frequency f
-    has 4 sin²(π f / rate) times its power.
+    covers the step after, so that nothing is early.
     """
     power, change, width, total = powers(row, step)
     reach = np.ones(2 * math.ceil(STEADY_SECONDS / 2 / step) + 1)
     steady = (_spread(total, reach) / _spread(width, reach)) ** 2
-    rest = power - width * steady
-    for burst in bursts:
-        end = burst.time + burst.seconds
-        for number in range(int(burst.time / step), min(int(end / step), len(power) - 1) + 1):
-            overlap = min(end, (number + 1) * step) - max(burst.time, number * step)
-            rest[number] -= max(overlap, 0.0) * row.sample_rate * burst.power
-    rest = np.maximum(rest, 0.0)
-    # Differences have no steady part: only what bursts take of the vibration, they take of its
-    # change.
-    vibration = np.maximum(power - width * steady, 0.0)
-    change *= np.divide(rest, vibration, out=np.zeros_like(power), where=vibration > 0)
-    return _smoothed(rest, change, width, row.sample_rate)
+    rest = np.maximum(power - width * steady, 0.0)
+    both = [
+        np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (rest, change, width)
+    ]
+    amplitude = np.sqrt(2 * both[0] / both[2]).round(6)
+    return amplitude, mean_frequency(both[0], both[1], row.sample_rate)
 
 
 def _spread(values: FloatArray, reach: FloatArray) -> FloatArray:
     """The sums of each value and its neighbours."""
     return np.convolve(np.pad(values, len(reach) // 2), reach, "valid")
-
-
-def _smoothed(
-    power: FloatArray, change: FloatArray, width: FloatArray, sample_rate: float
-) -> tuple[FloatArray, FloatArray]:
-    both = [
-        np.concatenate([values[:1], values[1:] + values[:-1]]) for values in (power, change, width)
-    ]
-    return np.sqrt(2 * both[0] / both[2]), mean_frequency(both[0], both[1], sample_rate)
 
 
 def compare_steps(
@@ -280,30 +300,43 @@ def compare_steps(
 
 
 def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """In every ``step`` seconds the sums of the squared samples and of the squared first
-    differences, the number of samples, their sum."""
-    rate = row.sample_rate
+    """In every ``step`` seconds the sums of the squared samples and of the squared differences over
+    half a millisecond, the number of samples, their sum."""
+    rate, lag = row.sample_rate, _lag(row.sample_rate)
     count = max(math.ceil(row.count / rate / step - 1e-9), 1)
     borders = np.minimum(np.round(np.arange(count + 1) * step * rate).astype(np.int64), row.count)
     power, change, total = np.zeros(count), np.zeros(count), np.zeros(count)
     steps = max(round(PIECE / (step * rate)), 1)
     for first in range(0, count, steps):
         inside = borders[first : first + steps + 1]
-        samples = row.read(int(inside[0]), int(inside[-1]) + 1)
-        differences = np.diff(samples)
-        if inside[-1] == row.count and len(differences):
-            differences[-1] = 0.0
-        power[first : first + steps] = _block_sums(samples[:-1] ** 2, inside - inside[0])
+        samples = row.read(int(inside[0]), int(inside[-1]) + lag)
+        differences = samples[lag:] - samples[:-lag]
+        if inside[-1] == row.count and len(differences) >= 2 * lag:
+            differences[-lag:] = differences[-2 * lag : -lag]
+        power[first : first + steps] = _block_sums(samples[:-lag] ** 2, inside - inside[0])
         change[first : first + steps] = _block_sums(differences**2, inside - inside[0])
-        total[first : first + steps] = _block_sums(samples[:-1], inside - inside[0])
+        total[first : first + steps] = _block_sums(samples[:-lag], inside - inside[0])
     return power, change, np.maximum(np.diff(borders), 1).astype(np.float64), total
 
 
 def mean_frequency(power: FloatArray, change: FloatArray, sample_rate: float) -> FloatArray:
-    """Frequency (hertz) of the sine with this power and this power of first differences; 0 for
-    silence."""
+    """Frequency (hertz) of the sine with this power and this power of differences over half a
+    millisecond, 4 sin²(π f lag) times its own; 0 for silence. Above 1000 Hz, which nobody feels,
+    there may be power without effect on it: the edges of pulses."""
     ratio = np.divide(change, 4 * power, out=np.zeros_like(power), where=power > 0)
-    return sample_rate / math.pi * np.arcsin(np.sqrt(np.minimum(ratio, 1.0)))
+    return sample_rate / _lag(sample_rate) / math.pi * np.arcsin(np.sqrt(np.minimum(ratio, 1.0)))
+
+
+def _frequency(samples: FloatArray, sample_rate: int) -> float:
+    """The mean frequency (hertz) of a few samples."""
+    lag = _lag(sample_rate)
+    change = np.sum((np.append(samples[lag:], np.zeros(lag)) - samples) ** 2, keepdims=True)
+    return float(mean_frequency(np.sum(samples**2, keepdims=True), change, sample_rate)[0])
+
+
+def _lag(sample_rate: float) -> int:
+    """Samples of half a millisecond."""
+    return max(round(sample_rate / 2000), 1)
 
 
 def _block_sums(values: FloatArray, borders: IntArray) -> FloatArray:

@@ -2,9 +2,9 @@
 (ACF) that its numbers refer to.
 
 Players synthesise the oscillation from an amplitude and a frequency, so breakpoints follow these,
-not the wave; their density is that of published files. An impact is an emphasis that has the power
-of its beginning, which the envelope leaves out. With ``points`` 0 the envelope follows the wave,
-with the impacts in it, and there is no emphasis.
+not the wave; their density is that of published files. An impact or a pulse is an emphasis that has
+the power of its beginning, which the envelope leaves out. With ``points`` 0 the envelope follows
+the wave, with the impacts in it, and there is no emphasis.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ..io.schema import validate
 from ..io.strict_json import read_json
 from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
-from .envelopes import Burst, bursts_of, single_carrier, thinned_carrier
+from .envelopes import Burst, WithoutBursts, bursts_of, single_carrier, thinned_carrier
 from .fitting import Fit
 from .listener_tracks import ListenerTrack, Row
 from .track_export import TrackExport, common_losses, credit, listener_files
@@ -62,7 +62,7 @@ def write(
         bursts: list[Burst] = []
         if options["points"]:
             bursts = bursts_of(row, listener.impacts, _burst_form) if options["emphasis"] else []
-            carrier = thinned_carrier(row, low, high, options["points"], bursts)
+            carrier = thinned_carrier(WithoutBursts(row, bursts), low, high, options["points"])
             bursts = list(_fitted(row, carrier, bursts))
         else:
             carrier = single_carrier(row, Fit(error=options["error"], lowest=low, highest=high))
@@ -156,7 +156,7 @@ def _fitted(row: Row, carrier: Carrier, bursts: Iterable[Burst]) -> Iterator[Bur
         wave = _emphasis(burst.time, 1.0, _sharpness(burst.frequency)).sampled(times, rate)
         under = carrier.sampled(times, rate)
         own, both = float(np.dot(wave, wave)), float(np.dot(wave, under))
-        missing = float(np.sum(row.read(first, last) ** 2) - np.dot(under, under))
+        missing = burst.felt * len(times) - float(np.dot(under, under))
         if own > 0 and missing > 0:
             yield burst._replace(amplitude=(math.sqrt(both**2 + own * missing) - both) / own)
 

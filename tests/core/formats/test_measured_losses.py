@@ -137,6 +137,58 @@ def test_missing_and_invented_onsets_are_named(loud):
         assert any(line.startswith("by listener, most lost first: listener 1 ") for line in words)
 
 
+def pulses(hertz):
+    """A train of pulses as of a jackhammer, from half a period on, and their times."""
+    since = (TIME + 0.5 / hertz) % (1 / hertz)
+    return 0.5 * (since < 0.1 / hertz), np.arange(0.5, 6 * hertz) / hertz
+
+
+@pytest.mark.parametrize("form", ["haptic", "ahap"])
+@pytest.mark.parametrize("hertz", [5, 15, 30, 60])
+def test_pulses_are_played_one_by_one(tmp_path, form, hertz):
+    """Each as an emphasis or a transient within a millisecond, with the power of the train, 1 dB.
+    Transients last 20 ms: 60 a second are a vibration, and the report says that all are missing."""
+    train, times = pulses(hertz)
+    written = registry.write(form, Export("train", tracks=tracks_of(train)), tmp_path)
+    parts = [registry.read(path).channels[0] for path in written.files if path.suffix == f".{form}"]
+    bursts = np.array([c.start for part in parts for c in part.carriers if c.end - c.start < 0.04])
+    played = sum(np.pad(part.at_rate(RATE), (0, len(TIME)))[: len(TIME)] for part in parts)
+    assert 10 * np.log10(np.var(played) / np.var(train)) == pytest.approx(0, abs=1)
+    missing, count = written.fidelity.listeners[0].missing, round(6 * hertz)
+    if form == "ahap" and hertz == 60:
+        assert not len(bursts) and len(missing) == pytest.approx(count, abs=5)
+        assert any(line.endswith(f"and {len(missing) - 4} more") for line in written.losses)
+    else:
+        np.testing.assert_allclose(bursts, times, atol=1.01e-3)
+        assert missing == ()
+
+
+@pytest.mark.parametrize("wave", ["noise", "tone", "low and high"])
+def test_what_has_no_pulses_is_no_emphasis(tmp_path, wave):
+    written = registry.write("haptic", Export("one", tracks=tracks_of(SIGNALS[wave])), tmp_path)
+    assert not any("emphasis" in point for point in amplitudes(written.files[0]))
+
+
+@pytest.mark.parametrize("hertz", [5, 15, 30, 60])
+def test_a_hum_lacks_every_pulse_and_longer_pulses_none(hertz):
+    """Of the same power; ten listeners who lack the same are named in one sentence."""
+    train, times = pulses(hertz)
+    power = np.var(train)
+    hum = np.sqrt(2 * power) * np.sin(2 * np.pi * 260 * TIME)
+    since = (TIME + 0.5 / hertz) % (1 / hertz)
+    longer = (since < 0.01) * np.sqrt(200 * power / hertz) * np.sin(2 * np.pi * 200 * since)
+    tracks = tracks_of(*[train] * 10)
+    for wave, lacking in ((hum, len(times)), (longer, 0)):
+        measured = Comparison(tracks, Measures(Kind.SPECTRUM))
+        for number in range(10):
+            measured.add(number, train, wave[:: measured.thinning])
+        found = measured.result()
+        for listener in found.listeners:
+            assert len(listener.missing) == pytest.approx(lacking, abs=5 * bool(lacking))
+        lines = [line for line in registry.sentences(found) if "missing" in line]
+        assert len(lines) == bool(lacking)
+
+
 def test_a_steady_push_counts_in_no_level():
     """A tone on a constant of nearly the same power, of which only the tone is played."""
     for kind in (Kind.WAVE, Kind.SPECTRUM):
