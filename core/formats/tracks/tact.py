@@ -43,6 +43,7 @@ MOST_STEPS = 5_000_000
 
 _AT_ONCE = 4096
 _TINY = 1e-9
+_ROUNDING = 1e-6
 LONGEST_NUMBER = 32
 """Characters of a number that is written as text."""
 
@@ -370,7 +371,8 @@ class _Player:
             yield here, (self._times[here] - start) / max(end - start, 1e-9)
 
     def _add(self, here: slice, strengths: FloatArray) -> None:
-        self._played[:, here] += strengths
+        # The maker's program rounds what each dot and path adds down to whole percents.
+        self._played[:, here] += np.floor(100 * strengths + _ROUNDING) / 100
         self.steps += strengths.shape[1]
 
 

@@ -93,9 +93,10 @@ def test_connected_dots_blend_linearly(tmp_path):
 
 
 def test_a_fade_begins_anew_at_each_point_of_a_path(tmp_path):
+    """A ninth of it is 11 %: each dot and path adds whole percents, rounded down."""
     mode = path((0, 0, 1.0, 0), (0, 0, 1.0, 90), (0, 0, 1.0, 190), fade="FADE_OUT")
     assert played(tmp_path, [(0, 190, mode)], [0, 80, 100, 160]) == pytest.approx(
-        [1.0, 1 / 9, 0.9, 0.3]
+        [1.0, 0.11, 0.9, 0.3]
     )
 
 
