@@ -38,16 +38,15 @@ IN_PHASE = 0.02
 class Burst(NamedTuple):
     """A short vibration of constant ``amplitude`` that stands for an impact or a pulse.
 
-    time, seconds: when it begins, and how long it is. frequency: hertz. power: its mean square.
-    felt: the mean square of the samples while it sounds, without the share of their steady part.
+    time, seconds: when it begins, and how long it is. frequency: hertz. share: that of the power of
+    the samples while it sounds, without their steady part, which it has.
     """
 
     time: float
     seconds: float
     frequency: float
     amplitude: float
-    power: float
-    felt: float
+    share: float
 
 
 def bursts_of(
@@ -58,15 +57,16 @@ def bursts_of(
 
     form: seconds of a burst of a frequency, and the power of one of amplitude 1.
     """
-    rate, (longest, _) = row.sample_rate, form(0.0)
-    times = _pulse_times(row, impacts[:, 0], longest, form(math.inf)[0])
+    rate, (longest, _), (shortest, _) = row.sample_rate, form(0.0), form(math.inf)
+    impacts = impacts[impacts[:, 0] < row.duration]
+    times = _pulse_times(row, impacts[:, 0], longest, shortest)
     events = sorted([*impacts.tolist(), *([time, 1.0] for time in times.tolist())])
     found: list[Burst] = []
     for (time, strength), (after, _) in pairwise([*events, [row.duration, 0.0]]):
         first = math.ceil(time * rate)
         # From a little before on: the edge with which a pulse begins belongs to it.
-        alone = row.read(first - _lag(rate), math.ceil(min(time + longest, after) * rate))
-        frequency = _frequency(alone, rate)
+        alone = max(min(longest, after - time), shortest)
+        frequency = _frequency(row.read(first - _lag(rate), first + math.ceil(alone * rate)), rate)
         seconds, unit = form(frequency)
         felt = _felt_power(row, first, first + math.ceil(seconds * rate))
         amplitude = min(strength, math.sqrt(felt / unit))
@@ -76,7 +76,7 @@ def bursts_of(
             if amplitude <= found[-1].amplitude:
                 continue
             found.pop()
-        found.append(Burst(time, seconds, frequency, amplitude, amplitude**2 * unit, felt))
+        found.append(Burst(time, seconds, frequency, amplitude, amplitude**2 * unit / felt))
     return found
 
 
@@ -114,7 +114,7 @@ class WithoutBursts(Row):
                 break
             end = start + math.ceil(burst.seconds * self.sample_rate)
             samples[max(start - first, 0) : max(end - first, 0)] *= math.sqrt(
-                max(1 - burst.power / burst.felt, 0.0)
+                max(1 - burst.share, 0.0)
             )
         return samples
 

@@ -9,8 +9,7 @@ the wave, with the impacts in it, and there is no emphasis.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +25,7 @@ from .carrier import Carrier, compare_carriers
 from .comparison import Comparison, Kind, Measures
 from .envelopes import Burst, WithoutBursts, bursts_of, single_carrier, thinned_carrier
 from .fitting import Fit
-from .listener_tracks import ListenerTrack, Row
+from .listener_tracks import ListenerTrack
 from .track_export import TrackExport, common_losses, credit, listener_files
 from .vibration_file import Channel, VibrationFile
 
@@ -63,7 +62,6 @@ def write(
         if options["points"]:
             bursts = bursts_of(row, listener.impacts, _burst_form) if options["emphasis"] else []
             carrier = thinned_carrier(WithoutBursts(row, bursts), low, high, options["points"])
-            bursts = list(_fitted(row, carrier, bursts))
         else:
             carrier = single_carrier(row, Fit(error=options["error"], lowest=low, highest=high))
         document = _document(export, listener, carrier, low, high, bursts)
@@ -141,24 +139,6 @@ def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[dict[st
             "frequency": round(_sharpness(burst.frequency), 4),
         }
     return points
-
-
-def _fitted(row: Row, carrier: Carrier, bursts: Iterable[Burst]) -> Iterator[Burst]:
-    """The bursts that, with the envelope, have the energy of the samples while they sound: the
-    positive root of ``<(a burst + envelope)²> = <samples²>``."""
-    rate = row.sample_rate
-    for burst in bursts:
-        first, last = (
-            math.ceil(burst.time * rate),
-            min(math.ceil((burst.time + burst.seconds) * rate), row.count),
-        )
-        times = np.arange(first, last) / rate
-        wave = _emphasis(burst.time, 1.0, _sharpness(burst.frequency)).sampled(times, rate)
-        under = carrier.sampled(times, rate)
-        own, both = float(np.dot(wave, wave)), float(np.dot(wave, under))
-        missing = burst.felt * len(times) - float(np.dot(under, under))
-        if own > 0 and missing > 0:
-            yield burst._replace(amplitude=(math.sqrt(both**2 + own * missing) - both) / own)
 
 
 def _sharpness(frequency: float) -> float:
