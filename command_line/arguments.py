@@ -698,12 +698,19 @@ def _add_format_options(parser: Parser) -> None:
 
 
 class _JobTemplate(argparse.Action):
-    """Print the template of a job for farms, and end."""
+    """Print the template of a job for farms, and end. Other arguments would say something that the
+    template does not: farms give their values as its parameters."""
 
     def __init__(self, option_strings: list[str], dest: str, **others: Any) -> None:
-        super().__init__(option_strings, dest, nargs=0, **others)
+        super().__init__(option_strings, dest, nargs=argparse.REMAINDER, **others)
 
-    def __call__(self, parser: Parser, *given: Any) -> None:
+    def __call__(self, parser: Parser, space: argparse.Namespace, after: Any, *_: Any) -> None:
+        before = [key for key, value in vars(space).items() if value != parser.get_default(key)]
+        if before or after:
+            parser.error(
+                f"--job-template: leave out {' '.join([*before, *after])}; the farm gives what "
+                "differs as parameters of the template"
+            )
         print((Path(__file__).parent / "bake.yaml").read_text(encoding="utf-8"), end="")
         parser.exit()
 

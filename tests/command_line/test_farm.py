@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 import haptic_tracing
 import pytest
+from haptic_tracing.command_line import main
 from haptic_tracing.sample_scenes import build_sample
 
 pytest.importorskip("openjd.cli", reason="openjd-cli is not installed")
@@ -37,6 +38,21 @@ def test_the_template_is_valid_and_has_a_task_per_part():
         *("-p", "OutputFolder=out"),
     ).stdout
     assert "Total steps: 2" in told and "Total tasks: 6" in told
+
+
+@pytest.mark.parametrize(
+    ("given", "left_out"),
+    [
+        (["a.blend", "--frames", "1:9", "--job-template"], "leave out file frames;"),
+        (["--job-template", "--to", "csv"], "leave out --to csv;"),
+    ],
+)
+def test_arguments_that_the_template_does_not_take_are_refused(capsys, given, left_out):
+    assert main(["bake", *given]) == 2
+    told = capsys.readouterr()
+    assert left_out in told.err and not told.out
+    assert main(["bake", "--job-template"]) == 0
+    assert capsys.readouterr().out == TEMPLATE.read_text("utf-8")
 
 
 @pytest.mark.slow
