@@ -11,8 +11,8 @@ from ..blender import job
 from ..io import last_export
 from .drawing import ScenePanel
 
-MOST_SHOWN = 12
-"""Listeners, or onsets of a listener, that are shown."""
+MOST_SHOWN, MOST_TIMES = 12, 4
+"""Listeners, and onsets of a listener, that are shown."""
 POOR = 3.0
 """Change of level (dB) from which a listener is marked."""
 
@@ -47,8 +47,9 @@ def _draw_losses(layout: UILayout) -> None:
             (iface_("Invented onsets: {}"), listener.invented),
         ):
             if times:
-                shown = ", ".join(f"{time:.2f} s" for time in times[:MOST_SHOWN])
-                column.label(text=text.format(shown), icon="ERROR", translate=False)
+                shown = ", ".join(f"{time:.2f} s" for time in times[:MOST_TIMES])
+                more = f", … ({len(times)})" if times[MOST_TIMES:] else ""
+                column.label(text=text.format(shown + more), icon="ERROR", translate=False)
     if len(done.fidelity.listeners) > MOST_SHOWN:
         column.label(
             text=iface_("and {} more").format(len(done.fidelity.listeners) - MOST_SHOWN),

@@ -11,6 +11,9 @@ Item = TypeVar("Item")
 _ALIKE = 0.76
 """Least likeness of a name that is taken for a slip of another one, 1 for the same letters."""
 
+_OTHER_WORDS = {"cube": "box", "ball": "sphere", "rod": "cylinder", "hull": "convex_hull"}
+"""Other words for names."""
+
 Place = tuple[str | int, ...]
 """Keys and indices that lead to a value of a scene."""
 
@@ -26,11 +29,12 @@ class PlacedError(ValueError):
 
 def meant(name: Any, known: Iterable[Any], words: str = ", did you mean {!r}?") -> str:
     """A suggestion, the ``words`` with the one of the ``known`` names that is spelt most like
-    ``name``; "" if none is similar."""
+    ``name`` or another word for it; "" if none is similar."""
     if not isinstance(name, str):
         return ""
     by_letters = {one.casefold(): one for one in known if isinstance(one, str)}
-    near = get_close_matches(name.casefold(), by_letters, 1, _ALIKE)
+    word = _OTHER_WORDS.get(name.casefold(), name.casefold())
+    near = get_close_matches(word, by_letters, 1, _ALIKE)
     return words.format(by_letters[near[0]]) if near else ""
 
 

@@ -120,7 +120,7 @@ MISTAKES: dict[str, Mistake] = {
     "shape a cube": Mistake(
         ("objects", 0, "shape"),
         {"type": "cube", "size": [1, 1, 1]},
-        '/objects/0/shape/type: must be "box" or "sphere" or "capsule" or "cylinder" or "cone" or "convex_hull" or "mesh" or "compound", got "cube"',
+        '/objects/0/shape/type: must be "box" or "sphere" or "capsule" or "cylinder" or "cone" or "convex_hull" or "mesh" or "compound", got "cube", did you mean \'box\'?',
     ),
     "shape a cilinder": Mistake(
         ("objects", 0, "shape"),
