@@ -44,10 +44,10 @@ def friedman(ratings: DataFrame) -> Row:
 
     def bound(level: float) -> float:
         """The W of which ``f`` is the quantile ``level``."""
-        if stats.f.cdf(f, *degrees) <= level:
+        if special.fdtr(*degrees, f) <= level:
             return 0.0
         most = 10.0 + 4 * f * degrees[0]
-        found = optimize.brentq(lambda x: stats.ncf.cdf(f, *degrees, x) - level, 0.0, most)
+        found = optimize.brentq(lambda x: special.ncfdtr(*degrees, x, f) - level, 0.0, most)
         return float(min(found * variance, 1.0))
 
     square = w * people * degrees[0]
@@ -89,7 +89,7 @@ def pairs(ratings: DataFrame) -> list[Row]:
 def mean(values: Series) -> Row:
     """Mean of differences (n,) with Student's interval."""
     middle = float(values.mean())
-    half = float(stats.sem(values) * stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1))
+    half = float(values.sem() * special.stdtrit(len(values) - 1, (1 + CONFIDENCE) / 2))
     return estimate("difference", middle, middle - half, middle + half)
 
 
