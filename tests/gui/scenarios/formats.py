@@ -13,6 +13,7 @@ def steps(window):
     job, registry = window.module("addon.blender.job"), window.module("core.formats.registry")
     folder = Path(window.folder) / "files"
     folder.mkdir()
+    window.open_only("HAPTIC_PT_export")
     yield from window.show_sidebar()
     scene.frame_set(40)
     yield
@@ -42,18 +43,20 @@ def steps(window):
     )
 
     for _ in range(2):
-        yield from browse(window, "haptic_tracks", folder / "poor.haptic", format="haptic")
+        yield from browse(window, "haptic_tracks", folder / "poor.hla", format="hla")
         yield from press_in_browser("RET")
         yield from until(lambda: job.running() is not None)
         yield from until(lambda: job.running() is None or job.running().question)
-    before = {path: path.stat().st_mtime_ns for path in folder.glob("*.haptic")}
+    before = {path: path.stat().st_mtime_ns for path in folder.glob("*.hla")}
+    asked = job.running() is not None
     yield 1.0
     window.save_picture("formats-replace")
     yield from window.press("ESC")
     yield from until(lambda: job.running() is None)
-    window.seen["asked before a poor file replaces one"] = bool(before) and before == {
-        path: path.stat().st_mtime_ns for path in before
-    }
+    window.seen["asked before a poor file replaces one"] = (
+        asked and before == {path: path.stat().st_mtime_ns for path in before} != {}
+    )
+    yield from window.screenshot("formats-losses")
 
     yield from browse(window, "haptic_scene", folder / "bench.json", frames="RANGE", tracks="wav")
     window.save_picture("formats-scene")
