@@ -372,6 +372,8 @@ def _carrier(
 
 def _limited(times: FloatArray, values: FloatArray) -> Keys:
     """The curve within 0 to 1, with keys where it reaches these limits."""
+    if values.min() >= 0 and values.max() <= 1:
+        return times, values
     for limit in (0.0, 1.0):
         crossed = np.flatnonzero(
             ((values[:-1] - limit) * (values[1:] - limit) < 0) & (times[:-1] < times[1:])
@@ -417,6 +419,8 @@ def _refined(keys: Keys) -> Keys:
     """More keys where the value changes, so that its square is linear between them up to an error
     of 0.001."""
     times, values = keys
+    if (values == values[0]).all():
+        return keys
     parts = np.maximum(np.ceil(np.abs(np.diff(values)) * _PARTS), 1).astype(np.int64)
     parts[np.diff(times) <= 0] = 1
     owner = np.repeat(np.arange(len(parts)), parts)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...arrays import BoolArray, FloatArray, IntArray
@@ -357,8 +358,7 @@ class _Listener:
         if count < 1:
             return
         wholes, thins = (
-            np.lib.stride_tricks.sliding_window_view(part, size // every)[:: hop // every][:count]
-            * self._shape[::every]
+            sliding_window_view(part, size // every)[:: hop // every][:count] * self._shape[::every]
             for part, every in zip(self._pending, (1, step), strict=True)
         )
         self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
@@ -394,12 +394,10 @@ class _Listener:
         original, decoded = (envelope.values() for envelope in self._envelopes)
 
         def only(events: IntArray, here: FloatArray, there: FloatArray) -> tuple[float, ...]:
-            found = []
-            for event in events[events < min(len(here), len(there))].tolist():
-                rise, stands_out = _rise_at(here, event)
-                if stands_out and _rise_at(there, event)[0] < MISSED * rise:
-                    found.append(event / RATE)
-            return tuple(found)
+            events = events[events < min(len(here), len(there))]
+            rises, stand_out = _rises(here, events)
+            lost = stand_out & (_rises(there, events)[0] < MISSED * rises)
+            return tuple((events[lost] / RATE).tolist())
 
         return only(self._events(original), original, decoded), only(
             onsets(decoded**2), decoded, original
@@ -452,18 +450,19 @@ def _lag(window: FloatArray, around: FloatArray) -> float:
     """The shift with the highest correlation, 0 if there is none."""
     shifts = np.arange(-FARTHEST_LAG, FARTHEST_LAG + 1)
     padded = np.pad(around, FARTHEST_LAG)
-    views = np.lib.stride_tricks.sliding_window_view(padded, len(window))
+    views = sliding_window_view(padded, len(window))
     products = views @ window
     best = float(products.max())
     near = shifts[products >= best - 1e-6 * abs(best)]
     return float(near[np.argmin(np.abs(near))])
 
 
-def _rise_at(envelope: FloatArray, onset: int) -> tuple[float, bool]:
-    """By how much an envelope exceeds, from shortly before an onset (milliseconds) on, its quietest
-    moment before that, and whether it is twice its mean before."""
-    begin = max(onset - FARTHEST_LAG // 2, 0)
-    before = np.pad(envelope, (_BEFORE, 0))[begin : begin + _BEFORE]
-    largest = float(envelope[begin : onset + FARTHEST_LAG].max(initial=0.0))
-    quietest = np.convolve(before, np.full(_MOMENT, 1 / _MOMENT), "valid").min()
-    return largest - float(quietest), largest > 2 * float(before.mean())
+def _rises(envelope: FloatArray, onsets: IntArray) -> tuple[FloatArray, BoolArray]:
+    """By how much an envelope exceeds, from shortly before each of the onsets (milliseconds) on,
+    its quietest moment before that, and whether it is twice its mean before."""
+    early = _BEFORE + FARTHEST_LAG // 2
+    padded = np.pad(envelope, (early, FARTHEST_LAG))
+    around = sliding_window_view(padded, early + FARTHEST_LAG)[onsets]
+    before, largest = around[:, :_BEFORE], around[:, _BEFORE:].max(axis=1)
+    quietest = sliding_window_view(before, _MOMENT, axis=1).mean(axis=2).min(axis=1)
+    return largest - quietest, largest > 2 * before.mean(axis=1)
