@@ -39,7 +39,7 @@ def pulses(power: FloatArray, longest: float) -> IntArray:
     peaks = sliding_window_view(padded, length)[begins].max(axis=1)
     after = sliding_window_view(padded[1:], QUIET).max(axis=1)
     ends = sliding_window_view(after, length)[begins].min(axis=1)
-    return begins[ends * PROMINENT < peaks]
+    return np.asarray(begins[ends * PROMINENT < peaks])
 
 
 def away_from(found: IntArray, impacts: FloatArray) -> IntArray:
