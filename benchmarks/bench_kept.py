@@ -95,7 +95,10 @@ def measured(
             for channel in registry.read(path).channels
         ]
         size = sum(path.stat().st_size for path in written.files if path.suffix != ".config")
-    played = sum(np.pad(c.at_rate(RATE), (0, len(TIME)))[: len(TIME)] for c in channels)
+    played = np.zeros(len(TIME))
+    for channel in channels:
+        wave = channel.at_rate(RATE)[: len(TIME)]
+        played[: len(wave)] += wave
     timed = ListenerTrack("hand", "hand.L", impacts)
     comparison = Comparison(Tracks((timed,), RATE, samples[None]), Measures(Kind.WAVE))
     comparison.add(0, samples, played[:: comparison.thinning])
