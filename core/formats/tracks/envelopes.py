@@ -330,8 +330,9 @@ def mean_frequency(power: FloatArray, change: FloatArray, sample_rate: float) ->
 def _frequency(samples: FloatArray, sample_rate: int) -> float:
     """The mean frequency (hertz) of a few samples."""
     lag = _lag(sample_rate)
-    change = np.sum((np.append(samples[lag:], np.zeros(lag)) - samples) ** 2, keepdims=True)
-    return float(mean_frequency(np.sum(samples**2, keepdims=True), change, sample_rate)[0])
+    changes = np.append(samples[lag:], np.zeros(lag)) - samples
+    sums = np.array([[np.dot(samples, samples)], [np.dot(changes, changes)]])
+    return float(mean_frequency(sums[0], sums[1], sample_rate)[0])
 
 
 def _lag(sample_rate: float) -> int:
