@@ -527,7 +527,9 @@ class ContactTracker:
     def _in_heaps_of(self, bodies: BoolArray) -> BoolArray:
         """Which bodies (n,) are in the same heap as one of the ``bodies`` (n,): chains of near
         pairs join them."""
-        return np.isin(self._heap, self._heap[bodies])
+        reached = np.zeros(len(bodies), dtype=np.bool_)
+        reached[self._heap[bodies]] = True
+        return reached[self._heap]
 
     def _examine_last_frame(self, rows: IntArray) -> bool:
         """Find out which pairs ``rows``, which were not examined in the last frame, touched in its

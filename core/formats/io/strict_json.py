@@ -27,6 +27,8 @@ MAX_BYTES = 256 * 2**20
 MAX_DEPTH = 100
 MAX_VALUES = 32_000_000
 _CHUNK = 2**22
+_MARKS = b'"[]{},'
+_PLAIN = bytes(set(range(256)) - set(_MARKS))
 
 _SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
 
@@ -141,9 +143,10 @@ def _check_extent(data: bytes, file: str | Path) -> None:
     data = _without_escapes(data)
     quotes = depth = values = 0
     for start in range(0, len(data), _CHUNK):
-        codes = np.frombuffer(
-            data, dtype=np.uint8, count=min(_CHUNK, len(data) - start), offset=start
-        )
+        part = data[start : start + _CHUNK]
+        codes = np.frombuffer(part.translate(None, _PLAIN), dtype=np.uint8)
+        if len(codes) == 0:
+            continue
         # A byte after an odd number of quotes is inside a string. The count modulo 256 keeps the
         # parity.
         before = np.cumsum(codes == ord('"'), dtype=np.uint8) + np.uint8(quotes % 256)
@@ -157,7 +160,8 @@ def _check_extent(data: bytes, file: str | Path) -> None:
         if len(brackets):
             depths = depth + np.cumsum(np.where(opening[brackets], 1, -1))
             if depths.max() > MAX_DEPTH:
-                place = start + int(brackets[np.argmax(depths > MAX_DEPTH)])
+                marked = np.isin(np.frombuffer(part, dtype=np.uint8), list(_MARKS)).nonzero()[0]
+                place = start + int(marked[brackets[np.argmax(depths > MAX_DEPTH)]])
                 raise FormatError(
                     file, "/", f"nested deeper than {MAX_DEPTH} levels at byte {place}"
                 )
