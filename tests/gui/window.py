@@ -39,6 +39,7 @@ class Window:
         self.folder = folder
         self.seen: dict[str, object] = {}  # what a scenario found, for the report
         self.mouse = (0, 0)
+        self.clicks = 0  # of the left mouse button
         self.is_in_properties = False  # whether panels are looked for there or in the sidebar
 
     @property
@@ -86,6 +87,7 @@ class Window:
 
     def press(self, key: str, **keys: bool) -> Steps:
         """A key or mouse button down and up, where the mouse is; modifiers as `ctrl=True`."""
+        self.clicks += key == "LEFTMOUSE"
         self.event(key, "PRESS", **keys)
         self.event(key, "RELEASE", **keys)
         yield

@@ -35,6 +35,7 @@ def steps(window):
         yield from window.redo()
         window.seen[f"{button} is redone"] = roles() == after
     window.seen["all roles"] = all(roles().values())
+    window.seen["after three clicks"] = window.clicks == len(buttons)
 
     window.point_at_view()
     yield
