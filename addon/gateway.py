@@ -41,7 +41,8 @@ _LENT = {
     "core.scene": "spectra",
 }
 MODULES = tuple(f"{package}.{name}" for package, names in _LENT.items() for name in names.split())
-"""Those that modules imported at registration use, by their names in the extension's package."""
+"""Modules of the core that are lent as placeholders to modules imported at registration, by their
+names in the extension's package."""
 
 _ROOT = __package__.rpartition(".")[0]
 

@@ -63,7 +63,8 @@ def holm(p: Series) -> Series:
 
 
 def differences(ratings: DataFrame) -> DataFrame:
-    """Those of all pairs of conditions, rounded, so that equal differences of means are equal."""
+    """Differences of the ratings of all pairs of conditions, rounded, so that equal differences of
+    means are equal."""
     pairs = combinations(ratings, 2)
     return DataFrame({f"{a} - {b}": (ratings[a] - ratings[b]).round(9) for a, b in pairs})
 

@@ -112,9 +112,9 @@ class CoreDistances:
         return exact(_CLOSED_FORMS[first, second](a, b))
 
     def from_triangles(self, rows: CorePairs, least: FloatArray) -> tuple[IntArray, AxisSeparation]:
-        """Separations of convex cores of one kind from triangles, and the numbers of the rows that
-        they belong to: those that may make the patch. ``least`` (n,): the distance of the bodies at
-        which these have sunk in as far as they may [m]."""
+        """Separations of convex cores of one kind from those of the triangles that may make their
+        patches, and the numbers of these rows. ``least`` (n,): distance of the bodies at which they
+        have sunk into each other as far as they may [m]."""
         assert rows.triangle_b is not None
         kind = self._table.kind[rows.first[0]]
         corners = self._pairing.corners(
@@ -135,7 +135,8 @@ class CoreDistances:
     def _deepest_by_fcl(
         self, rows: CorePairs, corners: FloatArray, least: FloatArray
     ) -> tuple[IntArray, AxisSeparation]:
-        """The same where FCL has to answer for each triangle, with these ``corners`` (3, 3, n)."""
+        """`from_triangles` for cores without a closed form, where FCL takes long for each triangle:
+        bounds by the planes of the core leave out most. ``corners`` (3, 3, n): of the triangles."""
         radius = rows.radius_a + rows.radius_b
         bound = np.empty(len(rows))
         for core in np.unique(rows.first).tolist():

@@ -56,14 +56,19 @@ class CorePairs:
 
 
 class _Placing(NamedTuple):
-    """Poses of first surfaces in the frames of the second ones: rotations (3, 3, m) and origins (3,
-    m)."""
+    """Poses of m first surfaces in the frames of the second ones.
+
+    Attributes:
+        turn: rotations (3, 3, m).
+        shift: origins (3, m) [m].
+    """
 
     turn: FloatArray
     shift: FloatArray
 
     def of(self, pair: IntArray, points: FloatArray) -> FloatArray:
-        """Points (3, n) or (3, k, n) of the first surfaces of pairs (n,)."""
+        """Points (3, n) or (3, k, n) of first surfaces, in the frames of the second ones; ``pair``
+        (n,): number of the pair of each point."""
         shift = self.shift[:, pair]
         return turned(self.turn[..., pair], points) + (
             shift if points.ndim == 2 else shift[:, None]
@@ -76,7 +81,8 @@ class _Placing(NamedTuple):
         return back.onto_second(second, reach)
 
     def onto_second(self, first: CoreSurface, reach: FloatArray) -> FloatArray:
-        """The same around the first surface, in the second one's frames."""
+        """Boxes (m, 2, 3) around the first surface, grown by ``reach`` (m,), in the second one's
+        frames."""
         middle, half = (first.low + first.high) / 2, (first.high - first.low) / 2
         centre = turned(self.turn, middle[:, None]) + self.shift
         extent = turned(np.abs(self.turn), half[:, None] + reach)
@@ -182,9 +188,10 @@ class CorePairing:
     def facing_triangles(
         self, rows: CorePairs, reach: FloatArray, margin: float
     ) -> tuple[IntArray, IntArray, IntArray]:
-        """Those of them that look at each other and may lie over each other, seen along the normal
-        of either: the number of the row, and of both triangles. Of what meets a solid, only those
-        within ``margin`` metres of its bounds."""
+        """The pairs of triangles, within ``reach`` (n,) [m], that look at each other and may lie
+        over each other, seen along the normal of either; where one surface is a solid, only
+        triangles within ``margin`` [m] of its bounds. Number of the row, of the first and of the
+        second triangle (m,)."""
         return self._triangles(rows, reach, partial(self._facing_of_alike, margin=margin))
 
     def with_triangles(
@@ -203,7 +210,8 @@ class CorePairing:
             [CoreSurface, CoreSurface, _Placing, FloatArray], tuple[IntArray, IntArray, IntArray]
         ],
     ) -> tuple[IntArray, IntArray, IntArray]:
-        """What ``of_alike`` finds of rows with the same two surfaces, of all rows."""
+        """Call ``of_alike`` for the rows of each pair of surfaces, and join what it finds: number
+        of the row, of the first and of the second triangle (m,), in order of the rows."""
         alike: dict[tuple[int, int], list[int]] = {}
         for k, pair in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
             one, other = (id(self._surfaces[core]) for core in pair)
@@ -226,8 +234,8 @@ class CorePairing:
     def _near_of_alike(
         self, first: CoreSurface, second: CoreSurface, placing: _Placing, reach: FloatArray
     ) -> tuple[IntArray, IntArray, IntArray]:
-        """The number of the pair and those of the triangles of pairs (m,) of two surfaces within
-        ``reach`` (m,) of each other."""
+        """The triangles of the same two surfaces in m poses that are within ``reach`` (m,) [m] of
+        each other: number of the pose, of the first and of the second triangle."""
         pair, near = first.index.near(placing.back_to_first(second, reach))
         corners = placing.of(pair, taken(first.corners, near))
         bounds = np.stack([corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]])
@@ -248,7 +256,16 @@ class CorePairing:
         reach: FloatArray,
         margin: float,
     ) -> tuple[IntArray, IntArray, IntArray]:
-        """The same of triangles that face each other, as of `facing_triangles`."""
+        """The triangles of the same two surfaces in m poses that face each other, as defined by
+        `facing_triangles`, in the form of `_near_of_alike`.
+
+        Args:
+            first: the first surface.
+            second: the second surface.
+            placing: the poses.
+            reach: greatest distance of triangles (m,) [m].
+            margin: as of `facing_triangles` [m].
+        """
         within = np.full_like(reach, margin)
         pair, near = first.index.near(
             placing.back_to_first(second, within if second.depth > 0 else reach)
