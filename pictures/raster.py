@@ -13,7 +13,7 @@ import numpy as np
 from bpy.types import VectorFont
 
 from ..addon.blender.text import text_width as screen_width
-from ..addon.view.hud import Hud, Text
+from ..addon.view.hud import Hud, PlacedText
 from ..addon.view.render_data import Symbol
 from ..addon.view.solids import layers
 from ..core.arrays import BoolArray, FloatArray
@@ -149,7 +149,7 @@ def _fill(
     part += cover * ((colour(x, y) if callable(colour) else colour) - part)
 
 
-def _paint_text(canvas: Canvas, text: Text) -> None:
+def _paint_text(canvas: Canvas, text: PlacedText) -> None:
     edges, width = _outline(text.words)
     if not len(edges):
         return

@@ -23,7 +23,7 @@ Rectangle = tuple[float, float, float, float]
 
 
 @frozen
-class Text:
+class PlacedText:
     """A text with the start of its baseline at ``position`` [pixels]."""
 
     words: str
@@ -39,7 +39,7 @@ class Hud:
 
     lines: Lines
     points: Points
-    texts: tuple[Text, ...]
+    texts: tuple[PlacedText, ...]
     bounds: tuple[Rectangle, ...] = ()
 
     def moved(self, right: float, up: float) -> Hud:
@@ -78,7 +78,7 @@ class HudBuilder:
         self._measure = measure
         self._strokes: list[tuple[float, ...]] = []
         self._symbols: list[tuple[float, ...]] = []
-        self._texts: list[Text] = []
+        self._texts: list[PlacedText] = []
         self._bounds: list[Rectangle] = []
 
     def width(self, words: str, size: float = TEXT_SIZE) -> float:
@@ -145,7 +145,7 @@ class HudBuilder:
     ) -> None:
         """A text of ``size`` points, the start of its baseline at ``position``."""
         self._texts.append(
-            Text(
+            PlacedText(
                 words,
                 (float(position[0]), float(position[1])),
                 size * self.scale,

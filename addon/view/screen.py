@@ -11,7 +11,7 @@ from gpu.types import GPUBatch
 from mathutils import Matrix
 
 from . import shader
-from .hud import Hud, Text
+from .hud import Hud, PlacedText
 from .quads import quads_of
 
 
@@ -32,7 +32,7 @@ class Uploaded(NamedTuple):
     """Plates, lines and symbols on the GPU, None if there are none, and the texts over them."""
 
     batch: GPUBatch | None
-    texts: tuple[Text, ...]
+    texts: tuple[PlacedText, ...]
 
 
 def uploaded(items: Hud) -> Uploaded:

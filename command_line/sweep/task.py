@@ -91,7 +91,7 @@ def _trace(task: Mapping[str, Any]) -> None:
         raise ValueError(f"{variant['scene']}: has changed since the study began")
     scene = open_file(variant["scene"])
     vary(scene, variant)
-    recorder, felt, origin = TrackRecorder(), _Felt(), None
+    recorder, felt, origin = TrackRecorder(), _VariantGains(), None
     for step in timeline.steps(scene, *frames_of(scene, variant)):
         if origin is None:
             origin = Capture.of(scene, step.result).provenance
@@ -111,7 +111,7 @@ def _trace(task: Mapping[str, Any]) -> None:
     )
 
 
-class _Felt:
+class _VariantGains:
     """Gains and their error bounds over the frames of a variant, and which listeners its settings
     silence."""
 
