@@ -249,21 +249,8 @@ class CollisionDetector:
             else self._sources.restore(kept, self._templates(frame))
         )
         rules = self._transmissions(self.settings.transmission_table, table)
-        hits = any(
-            trigger.on is TriggerKind.HIT
-            for source in frame.sources
-            for trigger in source.triggers or ()
-        )
-        # All contacts are needed where forces (each depends on all others), triggers or textures
-        # use contacts without a signal.
-        lazy = (
-            self.lazy
-            and frame.authored is None
-            and not rules.uses_force
-            and not hits
-            and not self.settings.textures.rows
-        )
-        endpoints = self._endpoints(frame, numbering.row) if lazy else None
+        hits = _has_hit_triggers(frame.sources)
+        endpoints = self._endpoints(frame, numbering.row, rules.uses_force or hits)
         searched = frame.struck is None and (self.settings.impacts or hits)
         found = tracker.update(
             frame.time, frame.transforms, endpoints, frame.continuous, searched, frame.exact
@@ -278,7 +265,16 @@ class CollisionDetector:
         rubbing: tuple[Source, ...] = ()
         if self.settings.textures.rows:
             if not retrace:
-                self._rub(frame, frame.transforms, found.contacts, previous, numbering)
+                self._rubbing.follow(
+                    frame.number,
+                    None if previous is None else (previous, frame.time),
+                    frame.bodies,
+                    found.contacts,
+                    frame.transforms,
+                    numbering.middles,
+                    self.settings,
+                    frame.anew,
+                )
             if kept is not None and kept.rubbed is not None:
                 self._rubbing.restore(kept.rubbed)
             rubbing = self._rubbing.sources(frame.bodies, self.settings.textures)
@@ -328,35 +324,6 @@ class CollisionDetector:
             self._sources.add(struck, frame.moving, frame.transforms, self._templates(frame))
             sources += self._sources.sources(frame.transforms)
         return Collisions(contacts, frames, struck, sources, shots=self._shots.sounding)
-
-    def _rub(
-        self,
-        frame: Frame,
-        transforms: FloatArray,
-        contacts: ContactSet,
-        previous: float | None,
-        numbering: _Numbering,
-    ) -> None:
-        """Follow sliding and rolling since the frame before.
-
-        Args:
-            frame: this one.
-            transforms: of its bodies.
-            contacts: those found in it.
-            previous: the time of the frame before [s], if any.
-            numbering: of its bodies.
-        """
-        span = None if previous is None else (previous, frame.time)
-        self._rubbing.follow(
-            frame.number,
-            span,
-            frame.bodies,
-            contacts,
-            transforms,
-            numbering.middles,
-            self.settings,
-            frame.anew,
-        )
 
     def _one_shots(
         self,
@@ -437,9 +404,21 @@ class CollisionDetector:
             tracker.bodies = bodies  # known by identity in the next frame
         return tracker
 
-    def _endpoints(self, frame: Frame, row: Mapping[Any, int]) -> Endpoints:
-        """Return the bodies, numbered by name in ``row``, with listeners and those with active
-        sources; without propagation through contacts, none."""
+    def _endpoints(
+        self, frame: Frame, row: Mapping[Any, int], every_contact: bool
+    ) -> Endpoints | None:
+        """Return where signals begin and end, to which the detection of contacts is restricted:
+        bodies, numbered by name in ``row``, with active sources and with listeners, none in a mode
+        without propagation through contacts. None if all contacts are needed: for a frame that is
+        not lazy, and for ``every_contact``."""
+        # Forces (each depends on all others), triggers and textures use contacts without a signal.
+        if (
+            not self.lazy
+            or frame.authored is not None
+            or every_contact
+            or self.settings.textures.rows
+        ):
+            return None
         heard, sounding = np.zeros((2, len(frame.bodies)), dtype=np.bool_)
         if frame.settings.mode in (Mode.HT, Mode.SD):
             names = [
@@ -524,6 +503,13 @@ def _places(frame: Frame) -> dict[str, FloatArray]:
     return {
         item.name: np.array(item.pose.position) for item in frame.objects if item.pose is not None
     }
+
+
+def _has_hit_triggers(sources: Sequence[Source]) -> bool:
+    """Whether impacts of objects trigger any of the sources."""
+    return any(
+        trigger.on is TriggerKind.HIT for source in sources for trigger in source.triggers or ()
+    )
 
 
 def _asks_for_frames(settings: Settings, contacts: ContactSet) -> bool:
