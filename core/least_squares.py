@@ -51,7 +51,8 @@ def bounded_least_squares(
         step = np.linalg.solve(inner @ inner.T + softness * np.eye(len(target)), rest)
         # Otherwise the highest value along the step lies before its end.
         whole = bool(step @ gradient(dual + step) >= 0)
-        length, reach = float(whole), 1.0
+        length = float(whole)
+        reach = 1.0
         for _ in range(0 if whole else _HALVINGS):
             middle = (length + reach) / 2
             length, reach = (

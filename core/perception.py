@@ -109,7 +109,8 @@ class FullScale(NamedTuple):
         """Amplitude of the skin [m/s^2] at ``frequency`` (> 0) hertz: between the points along
         straight lines in doubly logarithmic scale, outside as at the nearest point. A force moves
         the skin as a mass on a spring with a damper."""
-        hertz, points = np.asarray(frequency, dtype=np.float64), np.log(self.points)
+        hertz = np.asarray(frequency, dtype=np.float64)
+        points = np.log(self.points)
         value = np.exp(np.interp(np.log(hertz), points[:, 0], points[:, 1]))
         if not self.is_force:
             return value
@@ -187,7 +188,8 @@ def masked_by(
         near = energy[:, (frequency >= own / MASKED_RATIO) & (frequency <= own * MASKED_RATIO)].sum(
             axis=1
         )
-        alone, near[number] = float(near[number]), 0.0
+        alone = float(near[number])
+        near[number] = 0.0
         rest = float(near.sum())
         if rest > 1 and 10 * math.log10(1 + alone / rest) <= MASKED_DIFFERENCE_THRESHOLD:
             masker[number] = int(np.argmax(near))

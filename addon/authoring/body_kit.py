@@ -51,7 +51,8 @@ def place_on_mesh(body: Object, parts: Sequence[BodyPart], collection: Collectio
     ``body``; feet in the box of what is as low as they are, however far its arms reach. Raises
     ValueError where it has no surface."""
     corners = vertices_of(body, bpy.context.evaluated_depsgraph_get(), "FINAL")
-    bottom, top = corners[:, 2].min(), corners[:, 2].max()
+    bottom = corners[:, 2].min()
+    top = corners[:, 2].max()
     lowest = corners[corners[:, 2] <= bottom + _FEET * (top - bottom)]
     for part in parts:
         name = part.name.partition(".")[0]

@@ -60,7 +60,8 @@ def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
 
 
 def _assign(objects: Sequence[Object], item: HapticMaterial) -> None:
-    name, values = item.name, values_of(item)
+    name = item.name
+    values = values_of(item)
     for obj in progress(objects):
         materials.write_values(obj, values)
         if obj.haptics.material.name != name:
@@ -170,12 +171,10 @@ def _soften_flesh(scene: Scene) -> None:
     none."""
     for kind, name, function in (("ANY", "", "constant"), ("MATERIAL", _FLESH.title, "identity")):
         row = scene.haptics.transmission_table.items.add()
-        row.first_kind, row.first, row.second_kind, row.second = (
-            "MATERIAL",
-            _FLESH.title,
-            kind,
-            name,
-        )
+        row.first_kind = "MATERIAL"
+        row.first = _FLESH.title
+        row.second_kind = kind
+        row.second = name
         row.function, row.constant = function, FLESH_CONTACT
 
 
@@ -193,10 +192,8 @@ def _harden_flesh(scene: Scene) -> None:
 def set_bodies(objects: Iterable[Object], body: str) -> int:
     """Let those of ``objects`` that are made of flesh damp as measured, or be felt all over.
     Returns their number."""
-    bodies, depsgraph = (
-        [obj for obj in objects if preset_of(obj) is _FLESH],
-        bpy.context.evaluated_depsgraph_get(),
-    )
+    bodies = [obj for obj in objects if preset_of(obj) is _FLESH]
+    depsgraph = bpy.context.evaluated_depsgraph_get()
     for obj in bodies:
         _damp(obj, _FLESH, depsgraph)
         if body == "FELT_ALL_OVER":
@@ -280,7 +277,8 @@ def list_names(scene: Scene, objects: Iterable[Object]) -> None:
     rows = scene.haptics.materials.names
     for name in names_of_surfaces(objects):
         if name not in rows:
-            row, material = rows.add(), guess([name])
+            row = rows.add()
+            material = guess([name])
             row.name = name
             row.preset = "NONE" if material is None else material.name
 

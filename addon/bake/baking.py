@@ -45,7 +45,9 @@ def bake_job(scene: Scene) -> Job:
 def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generator[None, None, None]:
     """Bake; ``warnings`` collects what could not be done."""
     recorder = BakeRecorder()
-    digest, motion, own = digest_of(scene), motion_of(scene), session.of(scene)
+    digest = digest_of(scene)
+    motion = motion_of(scene)
+    own = session.of(scene)
     frame_duration = scene.render.fps_base / scene.render.fps
     with closing(timeline.results(scene, first, last)) as results:
         for result in results:

@@ -41,13 +41,15 @@ def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[n
     """Intensity and frequency (hertz) of a listener at every frame; in silence the frequency keeps
     its last value."""
     count = track.frame_count
-    intensity, frequency = np.zeros(count), np.zeros(count)
+    intensity = np.zeros(count)
+    frequency = np.zeros(count)
     if count > 1 and track.samples.shape[1]:
         found = vibration_envelope(
             Row(track.listener_samples(index), track.sample_rate), track.frame_duration
         )
         filled = min(len(found[0]), count - 1)
-        intensity[1 : 1 + filled], frequency[1 : 1 + filled] = found[0][:filled], found[1][:filled]
+        intensity[1 : 1 + filled] = found[0][:filled]
+        frequency[1 : 1 + filled] = found[1][:filled]
     felt = intensity > 1e-5
     last = np.maximum.accumulate(np.where(felt, np.arange(count), -1))
     frequency = np.where(last >= 0, frequency[np.maximum(last, 0)], 0.0)

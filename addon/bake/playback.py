@@ -105,7 +105,8 @@ def known_stale_reasons(scene: Scene) -> tuple[str, ...] | None:
             bpy.app.timers.register(_compare_shown, first_interval=max(rest, 0.05))
     if known is None:
         return None
-    frame, track = scene.frame_current, storage.track_of(scene)
+    frame = scene.frame_current
+    track = storage.track_of(scene)
     differs = (
         None
         if track is None or simulation_start(scene, frame) < frame
@@ -164,7 +165,9 @@ def stale_reasons(scene: Scene) -> tuple[str, ...]:
     track = storage.track_of(scene)
     if track is None:
         return ()
-    stamp, version, started = storage.stamp(scene), revisions.edits(), time.perf_counter()
+    stamp = storage.stamp(scene)
+    version = revisions.edits()
+    started = time.perf_counter()
     found = compare(scene, track)
     ended = time.perf_counter()
     _compared[scene.session_uid] = _Compared(stamp, version, ended, ended - started, found)
@@ -182,7 +185,8 @@ def compare(scene: Scene, track: HapticTrack) -> tuple[Change, ...]:
 
 def fitting_track(scene: Scene, start: int, end: int) -> HapticTrack | None:
     """The scene's baked track if it contains the frames and nothing has changed since the bake."""
-    track, traced = storage.track_of(scene), sessions.shown(scene)
+    track = storage.track_of(scene)
+    traced = sessions.shown(scene)
     if track is None or start < track.frame_start or end > track.frame_end or compare(scene, track):
         return None
     return None if traced is not None and _differs(traced, track) else track

@@ -47,7 +47,8 @@ def play(scene: Scene, index: int) -> None:
     keep(scene)
     bake = scene.haptics.bake
     if bake.track != bake.takes[index].track:
-        bake.compared, bake.track = bake.track, bake.takes[index].track
+        bake.compared = bake.track
+        bake.track = bake.takes[index].track
     bake.use_track = True
     redraw_viewports()
 

@@ -39,7 +39,10 @@ MAX_IMPACTS = 1 << 24
 """Most characters of the impacts of all frames."""
 MAX_LINES = 1 << 21
 """Most connections of the paths of all frames, 84 MB before they are packed."""
-MAX_FRAMES, MAX_LISTENERS, MAX_SOURCES, MAX_HEADER = 1_000_000, 1_000, 100_000, 1 << 26
+MAX_FRAMES = 1_000_000
+MAX_LISTENERS = 1_000
+MAX_SOURCES = 100_000
+MAX_HEADER = 1 << 26
 
 
 class TrackError(ValueError):
@@ -369,7 +372,8 @@ def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
     )
     width = _count(len(listeners), MAX_LISTENERS)
     _count(len(sources), MAX_SOURCES)
-    frames, rows = _count(header["frames"], MAX_FRAMES), _count(header["rows"], 1 << 28)
+    frames = _count(header["frames"], MAX_FRAMES)
+    rows = _count(header["rows"], 1 << 28)
     samples = _count(header["samples"], MAX_BYTES // 2 // max(width, 1))
     lines = _count(header.get("lines", 0), MAX_LINES)
     lengths = {"l": width, "n": samples, "f": frames, "f + 1": frames + 1, "r": rows}

@@ -63,7 +63,9 @@ class Job:
             undo: name of the undo step of what the work changes in Blender's data, "" where it
                 changes nothing.
         """
-        self.label, self.total, self.done = label, max(total, 1), 0
+        self.label = label
+        self.total = max(total, 1)
+        self.done = 0
         self.undo = undo
         """Name of the undo step of what the work changed in Blender's data, "" where it changed
         nothing."""
@@ -74,7 +76,9 @@ class Job:
         self._work, self._finish = work, finish
         self._writing: Future[list[Report]] | None = None
         self._written = 0.0
-        self._cancelled, self._answered, self._consent = Event(), Event(), False
+        self._cancelled = Event()
+        self._answered = Event()
+        self._consent = False
 
     @property
     def factor(self) -> float:
@@ -132,7 +136,8 @@ class Job:
 
     def answer(self, consent: bool) -> None:
         """Answer the pending question."""
-        self.question, self._consent = (), consent
+        self.question = ()
+        self._consent = consent
         self._answered.set()
 
     def cancel(self) -> None:

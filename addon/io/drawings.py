@@ -69,11 +69,9 @@ def has_fcurves(obj: Object) -> bool:
 def _new(name: str, drawing: Drawing) -> NodeTree:
     tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
     properties, hertz = tree.haptics, drawing.frequency.values
-    properties.is_signal, properties.duration, properties.loops = (
-        True,
-        drawing.duration,
-        drawing.loops,
-    )
+    properties.is_signal = True
+    properties.duration = drawing.duration
+    properties.loops = drawing.loops
     properties.lowest, properties.highest = (
         min(properties.lowest, hertz.min()),
         max(properties.highest, hertz.max()),
@@ -90,11 +88,9 @@ def _new(name: str, drawing: Drawing) -> NodeTree:
         write_points(node.mapping, np.column_stack([curve.times / drawing.duration, shares]))
     for emphasis in drawing.emphases:
         item = properties.emphases.add()
-        item.place, item.strength, item.sharpness = (
-            emphasis.time / drawing.duration,
-            emphasis.strength,
-            emphasis.sharpness,
-        )
+        item.place = emphasis.time / drawing.duration
+        item.strength = emphasis.strength
+        item.sharpness = emphasis.sharpness
     return tree
 
 
@@ -112,11 +108,9 @@ def write_points(mapping: Any, places: FloatArray, kinds: Sequence[str] = ()) ->
     while len(points) < len(places):
         points.new(1.0, 0.0)
     for k, (point, place) in enumerate(zip(points, places.tolist(), strict=True)):
-        point.location, point.handle_type, point.select = (
-            place,
-            kinds[k] if kinds else "VECTOR",
-            False,
-        )
+        point.location = place
+        point.handle_type = kinds[k] if kinds else "VECTOR"
+        point.select = False
     mapping.update()
 
 
@@ -187,7 +181,9 @@ def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
                 Automation((lines[:, 0] - scene.frame_start) * frame_seconds(scene), lines[:, 1]),
                 drawing.duration,
             )
-            seconds, points, kinds = part.times, np.column_stack([part.times, part.values]), []
+            seconds = part.times
+            points = np.column_stack([part.times, part.values])
+            kinds = []
         low, high = 0.0, 1.0
         if name == FREQUENCY:
             drawing.lowest, drawing.highest = (

@@ -47,7 +47,8 @@ def current_scene(context: Context) -> HapticScene:
     ValueError with a message for the user."""
     scene = context.scene
     depsgraph = context.evaluated_depsgraph_get()
-    result, reading = session.result_of(scene), session.of(scene).reading
+    result = session.result_of(scene)
+    reading = session.of(scene).reading
     # A result without a propagation was read from a baked track.
     if (
         not scene.haptics.tracing

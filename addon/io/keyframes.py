@@ -25,11 +25,9 @@ because poses in files are rounded."""
 
 POSE, PLACE = "pose", "place"
 KAPPA, RHO, ENABLED = "haptics.kappa", "haptics.rho", "haptics.enabled"
-AMPLITUDE, GAIN, LISTENS = (
-    "haptics.source.amplitude",
-    "haptics.listener.gain",
-    "haptics.listener.enabled",
-)
+AMPLITUDE = "haptics.source.amplitude"
+GAIN = "haptics.listener.gain"
+LISTENS = "haptics.listener.enabled"
 """What changes: a pose, a position, or a property by its data path."""
 
 
@@ -172,7 +170,8 @@ def _local(places: Keys, poses: Keys) -> Keys:
     place = places[first]
     pose = poses[max((frame for frame in poses if frame <= first), default=next(iter(poses)))]
     for frame in sorted({*places, *(frame for frame in poses if frame > first)}):
-        pose, place = poses.get(frame, pose), places.get(frame, place)
+        pose = poses.get(frame, pose)
+        place = places.get(frame, place)
         x, y, z, a, b, c, d = pose
         result[frame] = local_place(place, Pose((x, y, z), (a, b, c, d)))
     return result

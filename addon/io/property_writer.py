@@ -39,10 +39,8 @@ def write_body(haptics: Any, item: HapticObject) -> None:
 def write_modality(obj: Object, part: ModalityScene, name: str) -> dict[str, float]:
     """Set an object's properties to those of the object ``name`` for a modality. Returns their
     numbers by property, to be stored."""
-    modality, form = (
-        part.modality,
-        part.forms.get(name, {"function": part.modality.default_function}),
-    )
+    modality = part.modality
+    form = part.forms.get(name, {"function": part.modality.default_function})
     group = getattr(obj.haptics.modalities, modality.name)
     items = [modality.values(**part.values.get(name, {}))]
     group.function = form["function"]

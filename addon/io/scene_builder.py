@@ -57,7 +57,8 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
 
     """
     follow_unit_scale(scene)
-    builder, frame = _Builder(export, scene), scene.frame_current
+    builder = _Builder(export, scene)
+    frame = scene.frame_current
     try:
         builder.add_materials()
         builder.add_objects()
@@ -84,7 +85,8 @@ class _Builder:
 
     def __init__(self, export: Export, scene: bpy.types.Scene) -> None:
         haptic, recording = without_rubbing(export.need_scene(), export.recording)
-        self.export, self.scene = replace(export, scene=haptic, recording=recording), scene
+        self.export = replace(export, scene=haptic, recording=recording)
+        self.scene = scene
         self.haptic = haptic if recording is None else recording.with_all(haptic)
         self.collection: Collection = bpy.data.collections.new(export.name)
         scene.collection.children.link(self.collection)
@@ -116,7 +118,8 @@ class _Builder:
         parts = {part.modality.name: part for part in self.export.modalities}
         metres = metres_per_unit(self.scene)
         for item in self.haptic.objects:
-            shape, guessed = item.shape, item.shape is None
+            shape = item.shape
+            guessed = item.shape is None
             if guessed:
                 shape, centre = self._guessed(item)
                 self.poses[item.name] = replace(self.poses[item.name], position=centre)
@@ -359,7 +362,8 @@ class _Builder:
             listener.position for listener in self.haptic.listeners if listener.object == item.name
         ]
         points = np.array(known or [self.poses[item.name].position])
-        low, high = points.min(axis=0), points.max(axis=0)
+        low = points.min(axis=0)
+        high = points.max(axis=0)
         x, y, z = np.maximum(high - low, SMALLEST).tolist()
         cx, cy, cz = ((low + high) / 2).tolist()
         return Box((x, y, z)), (cx, cy, cz)

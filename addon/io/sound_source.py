@@ -43,8 +43,10 @@ class DecodedSound:
             import aud
         except ImportError:
             raise ValueError(iface_("this Blender is built without audio")) from None
-        self._sound, self._folder = aud.Sound.file(str(path)), folder
-        self._name, self._error = name or path.name, aud.error
+        self._sound = aud.Sound.file(str(path))
+        self._folder = folder
+        self._name = name or path.name
+        self._error = aud.error
         try:
             self.rate, self.count = float(self._sound.specs[0]), int(self._sound.length)
         except aud.error as error:
@@ -67,7 +69,8 @@ class Conversion:
 
     def __init__(self, scene: Scene, obj: Object) -> None:
         sound = obj.haptics.source.sound
-        self._name, self._feel = obj.name, _feel(sound)
+        self._name = obj.name
+        self._feel = _feel(sound)
         self._loops = sound.origin == "FILE" and sound.loop
         self._clips = tuple(_CLIPS[sound.origin](scene, sound))
         self.step_count = sum(block_count(clip.end) for clip in self._clips) + block_count(
@@ -92,7 +95,9 @@ class Conversion:
             del _known[next(iter(_known))]
         signal = vibration(found, self._feel)
         sound = bpy.data.objects[self._name].haptics.source.sound
-        sound.waves, sound.is_edited, sound.fault = _waves(found, self._feel), False, ""
+        sound.waves = _waves(found, self._feel)
+        sound.is_edited = False
+        sound.fault = ""
         sound.kept = text_of(signal=(Loop(signal) if self._loops else signal).to_dict())
 
 
@@ -177,7 +182,8 @@ def _of_sequencer(scene: Scene, sound: Any) -> Iterator[Clip]:
                 ).format(strip.name)
             )
         first, last = compatibility.strip_ends(strip)
-        begin, second = compatibility.strip_content_start(strip), frame_seconds(scene)
+        begin = compatibility.strip_content_start(strip)
+        second = frame_seconds(scene)
         start = max(first, begin)
         volume = _volume(
             scene, strip.path_from_id("volume"), strip.volume, scene, seconds_of(scene, last)

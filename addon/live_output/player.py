@@ -200,7 +200,8 @@ def _send(
         recorded: The block is of a track, which says itself how it continues.
         sent: When the block began [s of `perf_counter`]; None for now.
     """
-    mapping, running = _mapping_of(result, choices, {}), dict(outputs.running())
+    mapping = _mapping_of(result, choices, {})
+    running = dict(outputs.running())
     before = after = None
     if mapping.pans:
         before = after = result.arrivals()

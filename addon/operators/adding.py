@@ -110,7 +110,8 @@ class HAPTIC_OT_make_one_shot(OnActive, Operator):
     def apply(self, context: Context) -> None:
         source = context.object.haptics.source
         source.enabled = source.one_shot = True
-        source.signal, source.decay = "BLAST", 0.005 if self.kind == "EXPLOSION" else 0.001
+        source.signal = "BLAST"
+        source.decay = 0.005 if self.kind == "EXPLOSION" else 0.001
         if triggers.PATH not in (animated_paths(context.object) or ()):
             source.trigger = 1.0
             context.object.keyframe_insert(triggers.PATH)
@@ -133,7 +134,8 @@ def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
     if material is None:
         haptics.wave_speed = speed
     else:
-        material.wave_speed, material.use_delay = material.wave_speed or speed, True
+        material.wave_speed = material.wave_speed or speed
+        material.use_delay = True
 
 
 class HAPTIC_OT_add_medium(Edit, Operator):
@@ -159,7 +161,8 @@ class HAPTIC_OT_add_medium(Edit, Operator):
             if obj.type == "MESH"
             for corner in obj.bound_box
         ]
-        metre, cursor = 1 / metres_per_unit(context.scene), context.scene.cursor.location
+        metre = 1 / metres_per_unit(context.scene)
+        cursor = context.scene.cursor.location
         corners = corners or [
             cursor + Vector((2, 2, 2)) * metre,
             cursor - Vector((2, 2, 2)) * metre,

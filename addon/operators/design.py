@@ -148,7 +148,8 @@ class HAPTIC_OT_make_felt(Edit, Operator):
         names = [self.listener] if self.listener and self.listener not in selected else selected
         if not names:
             raise Refused("Select a listener first")
-        result, plans = traced.result, []
+        result = traced.result
+        plans = []
         means = _means(
             context.scene, traced, names, self.use_amplitude, self.use_frequency, self.use_material
         )

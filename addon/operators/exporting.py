@@ -173,14 +173,16 @@ class HAPTIC_OT_export_scene(Operator, RangeExport):
         return {"FINISHED"}
 
     def _current(self, context: Context) -> Export:
-        scene, names = frame_scene.current_scene(context), self.names()
+        scene = frame_scene.current_scene(context)
+        names = self.names()
         scene = scene if names is None else frame_scene.within(scene, names)
         return frame_scene.written_export(export_name(self.filepath), context.scene, scene, names)
 
     def _writer(self) -> Callable[[Export, object], list[job.Report]]:
         """A function that writes the file after all frames are captured, independent of this
         operator, which then no longer exists."""
-        path, options = Path(bpy.path.abspath(self.filepath)), self._options()
+        path = Path(bpy.path.abspath(self.filepath))
+        options = self._options()
 
         def write(export: Export, _: object) -> list[job.Report]:
             tracks = options["tracks"] if export.tracks is not None else "none"
@@ -233,7 +235,8 @@ def _value(option: Option, value: Any) -> Value:
 
 
 def _property(option: Option) -> Any:
-    words, default = (option.label, option.description), option.default
+    words = (option.label, option.description)
+    default = option.default
     match default:
         case bool():
             return switch(*words, default)
@@ -375,11 +378,9 @@ def draw_losses(layout: UILayout, name: str, export: Export, options: dict[str, 
     try:
         losses = registry.losses(name, export, options)
     except ValueError as error:
-        losses, heading, icon = (
-            (str(error).partition(": ")[2] or str(error),),
-            "Can't be written",
-            "ERROR",
-        )
+        losses = (str(error).partition(": ")[2] or str(error),)
+        heading = "Can't be written"
+        icon = "ERROR"
     else:
         heading, icon = (
             ("Not in these files", "INFO") if losses else ("Everything is carried", "CHECKMARK")

@@ -48,7 +48,8 @@ class HAPTIC_GGT_extents(GizmoGroup):
 
     def _pair(self, role: str, name: str, colour: tuple[float, float, float]) -> tuple[Any, Any]:
         """The circle and the handle of a property of the active object."""
-        circle, handle = self.gizmos.new("GIZMO_GT_dial_3d"), self.gizmos.new("GIZMO_GT_arrow_3d")
+        circle = self.gizmos.new("GIZMO_GT_dial_3d")
+        handle = self.gizmos.new("GIZMO_GT_arrow_3d")
         circle.use_draw_scale, circle.hide_select = False, True
         handle.draw_style, handle.length, handle.scale_basis = "BOX", 0.0, 1.2
         handle.use_draw_modal = handle.use_undo = True
@@ -95,7 +96,8 @@ class HAPTIC_GT_inspection(Gizmo):
         inspection.hovered[context.region.as_pointer()] = hovered
 
     def test_select(self, context: Any, location: Any) -> int:
-        before, self.link = self.link, inspection.under(context, location)
+        before = self.link
+        self.link = inspection.under(context, location)
         if self.link is not None:
             self.mouse = (float(location[0]), float(location[1]))
         if self.link is not before:

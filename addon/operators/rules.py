@@ -31,7 +31,8 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
 
     def apply(self, context: Context) -> None:
         # The tab Scene of Properties has no `context.object`.
-        rows, obj = self._rows(context), context.view_layer.objects.active
+        rows = self._rows(context)
+        obj = context.view_layer.objects.active
         row = rows.items.add()
         pair = sorted(item.name_full for item in context.selected_objects if item.haptics.enabled)
         if len(pair) == 2:

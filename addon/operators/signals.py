@@ -40,7 +40,8 @@ class HAPTIC_OT_draw_signal(OnActive, Operator):
 
     def apply(self, context: Context) -> None:
         source = context.object.haptics.source
-        source.drawing, source.signal = drawings.drawn_like(context.object, context.scene), "DRAWN"
+        source.drawing = drawings.drawn_like(context.object, context.scene)
+        source.signal = "DRAWN"
 
 
 class HAPTIC_OT_shape_envelope(_OnDrawing, Operator):
@@ -139,11 +140,13 @@ class HAPTIC_OT_use_signal(OnActive, Operator):
     filepath: text("File", "The signal of the library", options={"HIDDEN"})
 
     def apply(self, context: Context) -> None:
-        source, path = context.object.haptics.source, Path(self.filepath)
+        source = context.object.haptics.source
+        path = Path(self.filepath)
         signal = signal_library.read(path)
         tree = drawings.drawn(path.stem, signal)
         if tree is None:
-            source.imported, source.signal = imported.text_of(signal=signal.to_dict()), "KEPT"
+            source.imported = imported.text_of(signal=signal.to_dict())
+            source.signal = "KEPT"
         else:
             source.drawing, source.signal = tree, "DRAWN"
 

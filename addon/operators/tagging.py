@@ -169,11 +169,9 @@ def make_source(obj: Object, signal: str) -> None:
     source.enabled = True
     if signal == "AUTO":
         told = signal_for(obj.name)
-        source.signal, source.frequency, source.amplitude = (
-            told.signal,
-            told.frequency,
-            told.amplitude,
-        )
+        source.signal = told.signal
+        source.frequency = told.frequency
+        source.amplitude = told.amplitude
     else:
         source.signal = signal
 

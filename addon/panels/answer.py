@@ -35,7 +35,8 @@ def draw_answer(layout: UILayout, context: Context) -> None:
     """Draw the result of the watched listener or the next step, a notice, and a remedy; steps of
     the quick start only where that is not shown."""
     scene = context.scene
-    level, reasons = _watched_level(scene), explanation.Explanation()
+    level = _watched_level(scene)
+    reasons = explanation.Explanation()
     hint = next_step(scene) if level is None else None
     if hint is not None and hint.is_in_quick_start and HAPTIC_PT_quick_start.poll(context):
         _draw_notice(layout.row(align=True), scene, False)
@@ -177,9 +178,11 @@ def draw_why(layout: UILayout, context: Context) -> None:
     """Draw the problems of the scene, and, in a fixed number of lines, the way to the watched
     listener or the reasons for which it feels nothing."""
     draw_problems(layout, context)
-    scene, name = context.scene, watched.watched(context.scene)
+    scene = context.scene
+    name = watched.watched(context.scene)
     column = layout.column(align=True)
-    level, path = _watched_level(scene), paths.path_of(scene)
+    level = _watched_level(scene)
+    path = paths.path_of(scene)
     if level is None:
         used = draw_lines(column, iface_("No listener: add one to feel something"))
     elif path is None or path.value is None or level.is_silent:
@@ -214,7 +217,8 @@ def _draw_path(layout: UILayout, context: Context, path: paths.ListenerPath) -> 
     row.label(text=source_title(path.fall.source, 0.8), translate=False)
     row.prop(meters, "sort_path", text="", icon="SORTSIZE")
     rows = paths.rows(path, meters.sort_path)
-    surplus, last = len(rows) + 1 - _WHY_LINES, sum(row.is_object for row in rows)
+    surplus = len(rows) + 1 - _WHY_LINES
+    last = sum(row.is_object for row in rows)
     if surplus > 0:
         cut = rows[last - surplus : last + 1]
         more = iface_("and {} more").format(len(cut))

@@ -21,7 +21,8 @@ _COMPLETE = {
 def draw_cure(layout: UILayout, context: Context, reason: Message) -> bool:
     """Draw the button or field that removes the reason, in one line. Returns False if there is
     none."""
-    obj, haptics = bpy.data.objects.get(reason.object), context.scene.haptics
+    obj = bpy.data.objects.get(reason.object)
+    haptics = context.scene.haptics
     match reason.cause:
         case Cause.NO_SOURCE:
             layout.operator("haptic.add_source", icon="OUTLINER_OB_FORCE_FIELD")

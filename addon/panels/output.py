@@ -46,7 +46,8 @@ class HAPTIC_PT_output(SidebarPanel, Panel):
 
 def _draw_devices(layout: UILayout) -> None:
     """Draw the connected devices and those found, each with the button that (dis)connects it."""
-    running, inventory = outputs.running(), outputs.inventory()
+    running = outputs.running()
+    inventory = outputs.inventory()
     found = () if inventory is None else inventory.devices
     titles = {device.key: device.title for device in found}
     titles |= {key: output.profile.title for key, output in running.items()}

@@ -98,10 +98,8 @@ def _draw_switches(layout: UILayout, name: str, role: str) -> None:
 
 def draw_solo_and_mute(layout: UILayout, role: Any) -> None:
     """Draw the switches of a source or listener."""
-    solo, mute = (
-        "SOLO_ON" if role.solo else "SOLO_OFF",
-        "MUTE_IPO_OFF" if role.muted else "MUTE_IPO_ON",
-    )
+    solo = "SOLO_ON" if role.solo else "SOLO_OFF"
+    mute = "MUTE_IPO_OFF" if role.muted else "MUTE_IPO_ON"
     layout.prop(role, "solo", text="", icon=solo, emboss=False)
     layout.prop(role, "muted", text="", icon=mute, emboss=False)
 
@@ -164,7 +162,8 @@ class HAPTIC_PT_meters(SidebarPanel, Panel):
 
     def draw(self, context: Context) -> None:
         scene = context.scene
-        shown, scope = watched.levels_of(scene), meters.scope_of(scene)
+        shown = watched.levels_of(scene)
+        scope = meters.scope_of(scene)
         row = self.layout.row()
         column = row.column()
         if scope is None:
@@ -241,7 +240,8 @@ def draw_lane_switch(self: Header, context: Context) -> None:
     """Entry of the header of Timeline and Dope Sheet: show the lane over it, and
     as waves."""
     if sessions.known(context.scene) is not None:
-        meters, row = context.scene.haptics.meters, self.layout.row(align=True)
+        meters = context.scene.haptics.meters
+        row = self.layout.row(align=True)
         row.prop(meters, "show_lane", text="", icon="FORCE_HARMONIC")
         if meters.show_lane:
             row.prop(meters, "lane_wave", text="", icon="RNDCURVE")

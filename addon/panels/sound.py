@@ -43,6 +43,7 @@ class HAPTIC_PT_sound(ObjectPanel, Panel):
         if sound.kept:
             if sound.is_edited:
                 draw_sentence(layout, "Changed since it was converted", "INFO")
-            colour, ink = tuple(preferences().curve_colour), panel_picture.theme_ink(context)
+            colour = tuple(preferences().curve_colour)
+            ink = panel_picture.theme_ink(context)
             layout.template_icon(icon_value=sound_picture.icon(sound.waves, colour, ink), scale=7.0)
             layout.label(text="The vibration, and over it the sound")

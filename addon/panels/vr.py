@@ -20,7 +20,8 @@ class HAPTIC_PT_vr(ScenePanel, Panel):
         return bool(getattr(bpy.app.build_options, "xr_openxr", False))
 
     def draw(self, context: Context) -> None:
-        layout, runs = self.layout, actions.is_running()
+        layout = self.layout
+        runs = actions.is_running()
         layout.operator(
             "wm.xr_session_toggle",
             text="Stop VR Session" if runs else "Start VR Session",

@@ -171,9 +171,11 @@ def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, A
     """The values of the fields of ``cls`` that the properties of ``group`` hold, and those
     ``stored`` of the others. A stored value counts as long as its property holds it, which may be
     with fewer digits."""
-    values, declarations = dict(stored), declared(cls)
+    values = dict(stored)
+    declarations = declared(cls)
     for key, name in group.held.get(cls, _NOTHING).items():
-        declaration, held = declarations[key], getattr(group, name)
+        declaration = declarations[key]
+        held = getattr(group, name)
         if isinstance(declaration, Numbers):
             held = tuple(held)
         if key in stored and _held_as(declaration, stored[key]) == held:

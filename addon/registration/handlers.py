@@ -104,7 +104,8 @@ def trace_opened() -> None:
     """Begin to trace the scenes of the windows that have no result, or only one from a baked track,
     without waiting."""
     for window in bpy.context.window_manager.windows:
-        scene, shown = window.scene, sessions.shown(window.scene)
+        scene = window.scene
+        shown = sessions.shown(window.scene)
         is_due = (shown is None or playback.is_from_track(shown.result)) and not sessions.is_behind(
             scene
         )

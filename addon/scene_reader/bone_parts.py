@@ -169,7 +169,8 @@ def _strongest(mesh: Mesh, bone_of: dict[int, int]) -> IntArray:
         most, strongest = 0.0, -1
         for entry in vertex.groups:
             if entry.weight > most and entry.group in bone_of:
-                most, strongest = entry.weight, bone_of[entry.group]
+                most = entry.weight
+                strongest = bone_of[entry.group]
         found.append(strongest)
     return np.array(found, dtype=np.int64)
 

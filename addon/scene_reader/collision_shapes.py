@@ -93,7 +93,8 @@ def _shape_of_surface(
     """
     haptics = owner.haptics
     outwards = triangles if scale.prod() > 0 else triangles[:, ::-1]
-    surface, sunk_in = Surface(haptics.surface.lower()), shortest(haptics.sunk_in)
+    surface = Surface(haptics.surface.lower())
+    sunk_in = shortest(haptics.sunk_in)
     tolerance = scene.haptics.contact_tolerance / 10
     if surface is not Surface.CONVEX_HULL:
         _check_number(triangles)
@@ -113,7 +114,9 @@ def _shape_of_body(
 ) -> SurfaceShape:
     """The shape of a rigid body with these ``bounds`` (2, 3) in its own space."""
     body: Any = obj.rigid_body
-    size, mirror, metres = np.abs(scale), np.sign(scale), metres_per_unit(depsgraph.scene)
+    size = np.abs(scale)
+    mirror = np.sign(scale)
+    metres = metres_per_unit(depsgraph.scene)
     own = body.collision_margin * metres
     margin = own if body.use_margin else DEFAULT_MARGIN * metres
     match body.collision_shape:
@@ -184,17 +187,16 @@ def _surface_shape(
         tolerance: as of `surface_shape` [m].
         sunk_in: as of `surface_shape` [m].
     """
-    points, corners = (
-        np.frombuffer(vertices).reshape(-1, 3),
-        np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3),
-    )
+    points = np.frombuffer(vertices).reshape(-1, 3)
+    corners = np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)
     return surface_shape(points, corners, surface, tolerance, sunk_in)
 
 
 def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
     """The children's shapes, placed relative to their parent."""
     children = []
-    inverse, metres = obj.matrix_world.inverted_safe(), metres_per_unit(depsgraph.scene)
+    inverse = obj.matrix_world.inverted_safe()
+    metres = metres_per_unit(depsgraph.scene)
     for child in obj.children:
         if child.rigid_body is None:
             continue

@@ -131,7 +131,8 @@ def digest_of(scene: Scene) -> Digest:
             settings[key] = value
         else:
             rules.append(value)
-    shown, regions = _layer_objects(scene), regions_of(scene)
+    shown = _layer_objects(scene)
+    regions = regions_of(scene)
     moving = _with_movers(obj for obj in shown if _is_relevant(obj) or obj.name in regions)
     objects = {
         obj.name_full: {"haptics": _haptic_sum(obj, scene), **_motion(obj)} for obj in moving
@@ -164,14 +165,16 @@ def motion_of(scene: Scene) -> str:
 def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:
     """The changes between two digests: the first few, and the number of further ones. ``before``
     comes from a file and may be invalid."""
-    was, settings = _mapping(before.get("settings")), now["settings"]
+    was = _mapping(before.get("settings"))
+    settings = now["settings"]
     found: list[Change] = [
         ("setting", key.replace("_", " "), was[key], settings[key])
         for key in settings
         if key in was and was[key] != settings[key]
     ]
     found += [(kind,) for kind, key in _WHOLES if key in before and before[key] != now[key]]
-    old, objects = _mapping(before.get("objects")), now["objects"]
+    old = _mapping(before.get("objects"))
+    objects = now["objects"]
     found += [("added", name) for name in objects if name not in old]
     found += [("removed", name) for name in old if name not in objects]
     for name, aspects in objects.items():
@@ -235,7 +238,8 @@ def _layer_objects(scene: Scene) -> Iterable[Object]:
 def _with_movers(objects: Iterable[Object]) -> list[Object]:
     """The objects and those that move or deform them: parents, and the targets of constraints and
     modifiers."""
-    found, new = {}, list(objects)
+    found = {}
+    new = list(objects)
     while new:
         obj = new.pop()
         if obj.name_full not in found:

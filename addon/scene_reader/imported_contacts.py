@@ -68,9 +68,11 @@ class ImportedContacts:
         try:
             for name in ("settings", "rules"):
                 stored_item(scene.haptics.imported, name)
-            self._kept, self.problems = file_contacts(scene.haptics.imported_contacts), ()
+            self._kept = file_contacts(scene.haptics.imported_contacts)
+            self.problems = ()
         except ValueError as error:
-            self._kept, self.problems = FileContacts(), (str(error),)
+            self._kept = FileContacts()
+            self.problems = (str(error),)
 
     def authored(
         self, file_poses: FilePoses, settled: frozenset[str], settings: ContactSettings

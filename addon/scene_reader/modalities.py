@@ -23,7 +23,8 @@ def read_modalities(
     scene: Scene, objects: Iterable[HapticObject]
 ) -> tuple[tuple[ModalityScene, ...], tuple[str, ...]]:
     """The values of the haptic ``objects`` for the enabled modalities, and their problems."""
-    found, errors = [], []
+    found = []
+    errors = []
     for modality in SHOWN:
         if getattr(scene.haptics.modalities, modality.name).enabled:
             try:
@@ -36,7 +37,10 @@ def read_modalities(
 def read_modality(modality: Modality, scene: Scene, names: set[str]) -> ModalityScene:
     """The values of the haptic objects ``names`` of a scene. Raises ValueError if imported data is
     damaged."""
-    values, forms, emitters, prefix = {}, {}, [], f"{modality.name}."
+    values = {}
+    forms = {}
+    emitters = []
+    prefix = f"{modality.name}."
     metres = metres_per_unit(scene)
     for obj in scene.objects:
         group = getattr(obj.haptics.modalities, modality.name)

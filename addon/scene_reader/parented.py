@@ -29,7 +29,8 @@ class ParentedPoses:
                 depth[k] += 1
                 parent = carried[parent]
         order = np.argsort(depth, kind="stable")
-        self._children, self._parents = children[order], parents[order]
+        self._children = children[order]
+        self._parents = parents[order]
         self._levels = np.split(np.arange(len(order)), np.flatnonzero(np.diff(depth[order])) + 1)
         self._all = np.union1d(children, parents)
         self._relative: FloatArray | None = None

@@ -81,7 +81,8 @@ class SceneReader:
         self._problems_of_instances: tuple[Problem, ...] = ()
         self._instance_milliseconds = 0.0  # of reading those that moved in the last frame
         self._values: tuple[Any, ...] | None = None  # what the settings were read from
-        self._settings, self._contact_settings = Settings(), ContactSettings()
+        self._settings = Settings()
+        self._contact_settings = ContactSettings()
         self._unchecked: set[int] = set()  # session ids of objects whose geometry may have changed
         self._curves = AnimatedCurves()
         # By row: what its animated properties were last.
@@ -170,7 +171,8 @@ class SceneReader:
         if self._instances is not NONE:
             raw = np.concatenate([raw, self._instances.matrices])
         lists = self._read_changed(depsgraph, raw, exact)
-        now, duration = seconds_of(scene, scene.frame_current), frame_seconds(scene)
+        now = seconds_of(scene, scene.frame_current)
+        duration = frame_seconds(scene)
         audible = [
             _with_current_regions(item, row, scene)
             if isinstance(item, Source) and item.triggers
@@ -253,7 +255,8 @@ class SceneReader:
         self._tagged |= instances
         numbers = {obj.session_uid: k for k, obj in enumerate(tagged.values())}
         # Below an untagged root, as imports have it, the first tagged one carries the others.
-        leaders, carried = dict(numbers), {}
+        leaders = dict(numbers)
+        carried = {}
         for k, obj in enumerate(tagged.values()):
             above = _tagged_above(obj, numbers)
             leader = k if above is None else leaders.setdefault(above.session_uid, k)
@@ -286,7 +289,8 @@ class SceneReader:
         tagged: dict[int, Tagged] = {}
         places: list[int] = []
         matrices: list[NDArray[np.float32]] = []
-        instancers, shown = set(), set()
+        instancers = set()
+        shown = set()
         objects: dict[int, HapticObject] = {}
         shapes: dict[tuple[Any, ...], SurfaceShape] = {}
         problems: dict[Problem, None] = {}
@@ -305,7 +309,8 @@ class SceneReader:
             except ValueError as error:
                 problems[Problem(owner.name_full, str(error))] = None
                 continue
-            item, shape = replace(objects[owner.session_uid], name=name), shapes[key]
+            item = replace(objects[owner.session_uid], name=name)
+            shape = shapes[key]
             body = Body.of(item, shape.shape)
             row = rows + len(places)
             tagged[row] = Tagged(
@@ -346,13 +351,12 @@ class SceneReader:
         if lists is not self._lists:
             rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
         elif exact:
-            rows, moved = animated, np.arange(len(lists.rows))
+            rows = animated
+            moved = np.arange(len(lists.rows))
         else:
             # Keep the old matrix while a simulation at rest trembles.
-            rows, moved = (
-                animated,
-                np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= lists.still).all(axis=1)),
-            )
+            rows = animated
+            moved = np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= lists.still).all(axis=1))
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
             self._rigid, scales = rigid_transforms(raw_tagged)
@@ -472,7 +476,8 @@ class SceneReader:
         if paths is None:
             return True
         values = _values_at(bpy.data.objects[row], paths)
-        before, self._animated[row] = self._animated.get(row), values
+        before = self._animated.get(row)
+        self._animated[row] = values
         return values != before
 
     def _scale(self, row: int, scale: FloatArray) -> FloatArray:
@@ -494,14 +499,13 @@ class SceneReader:
             shape = armature and self._bone_shape(obj, armature, depsgraph, scale)
             if shape:
                 return shape
-        key, session_id = (
-            (tuple(scale.tolist()), shape_settings(obj, depsgraph.scene)),
-            obj.session_uid,
-        )
+        key = (tuple(scale.tolist()), shape_settings(obj, depsgraph.scene))
+        session_id = obj.session_uid
         # None is left of a mesh that has no shape any more.
         known = self._shapes.pop(session_id, None)
         is_unchecked = session_id in self._unchecked
-        is_known, started = known is not None and known[0] == key, perf_counter()
+        is_known = known is not None and known[0] == key
+        started = perf_counter()
         content = mesh_checksum(obj, depsgraph) if is_unchecked or not is_known else None
         if known is None or not is_known or (is_unchecked and known[1] != content):
             known = key, content, collision_shape(obj, depsgraph, scale)
@@ -526,10 +530,8 @@ class SceneReader:
             now = parts.motions(obj, armature, depsgraph)
             moved = np.abs(now - motions).max()
             if shape is None or moved > (0.0 if self._exact else STILL):
-                motions, shape = (
-                    now,
-                    SurfaceShape(parts.posed(now), 0.0 if shape is None else shape.deviation),
-                )
+                motions = now
+                shape = SurfaceShape(parts.posed(now), 0.0 if shape is None else shape.deviation)
             if self._lists is None:
                 shape = replace(shape, deviation=parts.deviation(motions, obj, depsgraph, scale))
         self._bone_parts[obj.session_uid] = key, parts, motions, shape
@@ -540,10 +542,8 @@ def _with_current_regions(item: Source, row: int, scene: Scene) -> Source:
     """``item``, the source of the object in ``row``, with the pose that the regions of its
     *passing* triggers have in this frame."""
     source = bpy.data.objects[row].haptics.source
-    kept, place = (
-        stored_item(source.imported, "source").get("triggers") or (),
-        region_of(source, scene),
-    )
+    kept = stored_item(source.imported, "source").get("triggers") or ()
+    place = region_of(source, scene)
     moved = (
         replace(t, **place) if t.on is TriggerKind.PASSING and t not in kept else t
         for t in item.triggers or ()

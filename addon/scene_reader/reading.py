@@ -61,7 +61,8 @@ class Reading:
 def _pose_of(transform: FloatArray) -> Pose:
     """The pose of a rigid transform (4, 4), in double precision: of the products of the
     quaternion's components, the row with the largest square."""
-    turn, trace = transform[:3, :3], np.trace(transform[:3, :3])
+    turn = transform[:3, :3]
+    trace = np.trace(transform[:3, :3])
     products = np.empty((4, 4))
     products[0, 0] = 1 + trace
     products[0, 1:] = products[1:, 0] = (turn.T - turn)[(1, 2, 0), (2, 0, 1)]

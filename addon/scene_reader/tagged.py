@@ -82,11 +82,10 @@ class TaggedLists:
             for item in (t.source, t.listener)
             if item is not None and item.object in sound
         ]
-        objects, alone = tuple(item for _, item, _ in bodies), tuple(body for _, _, body in bodies)
-        names, poses = (
-            tuple(item.name for item in objects),
-            tuple(tagged[k].home for k, _, _ in bodies),
-        )
+        objects = tuple(item for _, item, _ in bodies)
+        alone = tuple(body for _, _, body in bodies)
+        names = tuple(item.name for item in objects)
+        poses = tuple(tagged[k].home for k, _, _ in bodies)
         if before is not None:
             objects = before.objects if objects == before.objects else objects
             alone = before.bodies if alone == before.bodies else alone

@@ -77,7 +77,8 @@ def region_of(source: Any, scene: Scene) -> dict[str, Any]:
     corners = np.array([corner[:] for corner in region.bound_box])
     if region.type == "EMPTY":  # drawn as a cube of twice its display size
         corners = region.empty_display_size * np.array([(-1, -1, -1), (1, 1, 1)])
-    low, high = corners.min(axis=0) * scale, corners.max(axis=0) * scale
+    low = corners.min(axis=0) * scale
+    high = corners.max(axis=0) * scale
     centre = place + rotation.to_matrix() @ type(place)((low + high) / 2)
     metres = metres_per_unit(scene)
     return {

@@ -139,14 +139,16 @@ class Derived(Generic[Choice, Value]):
         traced = own.shown
         background = own.derived.setdefault(self, Background())
         background.choice = choice
-        key, compute = (traced.serial, choice), partial(self.compute, traced, choice)
+        key = (traced.serial, choice)
+        compute = partial(self.compute, traced, choice)
         may_start = self.every_frame or background.is_brief or _no_frame_follows(own)
         return background.latest(key, compute, may_start=may_start)
 
     def follow(self, own: sessions.Session) -> None:
         """Compute the value of the frame that has just been traced if it is shown; called on the
         worker."""
-        background, traced = own.derived.get(self), own.shown
+        background = own.derived.get(self)
+        traced = own.shown
         if (
             not self.every_frame
             or background is None

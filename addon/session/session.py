@@ -152,7 +152,8 @@ def cancel(resume: bool = False) -> None:
 def _interrupted(session: Session, resume: bool) -> None:
     """Replace the tracer of a frame that was cancelled, whose state may be inconsistent; resume:
     trace the frame again later."""
-    tracer, session.tracer = session.tracer, Tracer()
+    tracer = session.tracer
+    session.tracer = Tracer()
     session.tracer.collisions.take_over(tracer.collisions)
     session.history = History()
     session.begun = session.result = session.frame = None
@@ -285,13 +286,11 @@ def begin(
     started = time.perf_counter()
     reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph, exact)
     if reading is None or session.reader.is_empty:
-        session.reading, session.result, session.problems, session.frame, session.shown = (
-            None,
-            None,
-            (),
-            None,
-            None,
-        )
+        session.reading = None
+        session.result = None
+        session.problems = ()
+        session.frame = None
+        session.shown = None
         session.failure = ()
         return
     others, errors = read_modalities(scene, reading.objects)
@@ -299,14 +298,16 @@ def begin(
     # Other modalities need contacts without vibration, too.
     session.tracer.collisions.lazy = live and not others
     session.tracer.collisions.settings = reading.contact_settings
-    step, whole = scene.render.fps_base / scene.render.fps, scene.frame_subframe == 0
+    step = scene.render.fps_base / scene.render.fps
+    whole = scene.frame_subframe == 0
     follows = session.frame is not None and scene.frame_current == session.frame + 1
     continuous = whole and follows and step == session.frame_seconds
     if continuous and session.motion is None:
         session.motion = motion_of(scene)
     _restore_impacts(scene, session, reading, baked_impacts)
     restore = whole and not is_stepped(scene) and not is_playing()  # the timeline is paused
-    session.frame, session.frame_seconds = scene.frame_current if whole else None, step
+    session.frame = scene.frame_current if whole else None
+    session.frame_seconds = step
     session.serial = next(_serials)
     read_milliseconds = 1000 * (time.perf_counter() - started)
     times = {
@@ -386,7 +387,8 @@ def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult |
 def _felt(begun: _Begun, result: FrameResult) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
     """The values of the other modalities at the listeners, through the contacts of the traced
     frame; and all errors."""
-    felt, errors = [], [*begun.errors]
+    felt = []
+    errors = [*begun.errors]
     for own in begun.modalities:
         try:
             felt.append(

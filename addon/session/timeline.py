@@ -77,7 +77,8 @@ def steps(
         for frame in frames:
             before = None if listeners_may_change else result
             result = _checked(frame, session.result_of(scene), session.problems_of(scene), before)
-            total, traced = 1000 * (time.perf_counter() - began), sum(result.milliseconds.values())
+            total = 1000 * (time.perf_counter() - began)
+            traced = sum(result.milliseconds.values())
             yield TracedFrame(_from(start, result), total - traced, traced)
             began = time.perf_counter()
 
@@ -153,7 +154,8 @@ def warm_start(scene: Scene, first: int, seconds: float) -> int:
 def simulation_start(scene: Scene, start: int) -> int:
     """The frame from which the simulation must run so that rigid bodies are in place at ``start``:
     ``start`` itself if it moves none."""
-    world, bodies = scene.rigidbody_world, (obj.rigid_body for obj in scene.objects)
+    world = scene.rigidbody_world
+    bodies = (obj.rigid_body for obj in scene.objects)
     if (
         world is None
         or not world.enabled

@@ -133,11 +133,13 @@ def _add_labels(
         free: The part of it that the user interface does not cover.
         occupied: Rectangles (m, 4) where something else is drawn.
     """
-    scale, text = builder.scale, TEXT_SIZE * builder.scale
+    scale = builder.scale
+    text = TEXT_SIZE * builder.scale
     anchor = project(np.array([label.position for label in data.labels]), perspective, size)
     priority = np.where(np.isnan(anchor[:, 0]), -np.inf, [label.priority for label in data.labels])
     shown = np.argsort(-priority, kind="stable")[: min(_MOST_LABELS, np.isfinite(priority).sum())]
-    labels, anchor = [data.labels[k] for k in shown.tolist()], anchor[shown]
+    labels = [data.labels[k] for k in shown.tolist()]
+    anchor = anchor[shown]
     space = builder.width(" ") * 1.6
     names = np.array([builder.width(label.name) for label in labels])
     values = [label_text(label) for label in labels]
@@ -153,15 +155,19 @@ def _add_labels(
     )
     paths = project(_along_paths(data.paths), perspective, size)
     corner = place_labels(anchor, extent, clearance, free, occupied, paths[~np.isnan(paths[:, 0])])
-    corners, anchors, extents = np.round(corner).tolist(), anchor.tolist(), extent.tolist()
+    corners = np.round(corner).tolist()
+    anchors = anchor.tolist()
+    extents = extent.tolist()
     for k in np.flatnonzero(~np.isnan(corner[:, 0])).tolist():
         label, (x, y), (left, bottom) = labels[k], anchors[k], corners[k]
-        right, top = left + extents[k][0], bottom + extents[k][1]
+        right = left + extents[k][0]
+        top = bottom + extents[k][1]
         nearest = min(max(x, left), right), min(max(y, bottom), top)
         if math.dist(nearest, (x, y)) > clearance[k] + _GAP * scale:
             builder.line((x, y), nearest, (*FAINT_INK, 0.8), 1.0)
         builder.plate((left, bottom), (right, top), PLATE, 4.0)
-        start, base = left + scale * _PADDING[0], bottom + scale * (_PADDING[1] + 1.2)
+        start = left + scale * _PADDING[0]
+        base = bottom + scale * (_PADDING[1] + 1.2)
         builder.text(label.name, (start, base), INK)
         builder.text(values[k], (start + float(names[k]) + space, base), label.colour)
 
@@ -245,7 +251,8 @@ def _legend(
     width = _legend_width(builder, names) if shapes else _SMALL_WIDTH * scale
     height = (_LEGEND_HEIGHT if shapes else _SMALL_HEIGHT) * scale
     builder.panel((0, 0), (width, height), 6.0)
-    x, base = _LEGEND_PADDING * scale, height - 20 * scale
+    x = _LEGEND_PADDING * scale
+    base = height - 20 * scale
     for shape, name in zip(NAMES, names, strict=True):
         if shape not in shapes:
             continue
@@ -282,11 +289,14 @@ def _add_colours(
         ticks: Numbers below them [dB].
     """
     scale, parts = builder.scale, 32
-    left, bottom, height = _LEGEND_PADDING * scale, _BAR_BOTTOM * scale, _BAR_HEIGHT * scale
+    left = _LEGEND_PADDING * scale
+    bottom = _BAR_BOTTOM * scale
+    height = _BAR_HEIGHT * scale
     width -= 2 * left
     for part in range(parts):
         # Each part extends under the next one, so that no seam is visible.
-        low, high = part / parts, min((part + 2) / parts, 1.0)
+        low = part / parts
+        high = min((part + 2) / parts, 1.0)
         first, last = (colour_table()[round(place * (STEPS - 1))] for place in (low, high))
         builder.plate(
             (left + low * width, bottom),

@@ -61,7 +61,8 @@ def _place(
     at whose edge the pixels then are."""
     clip = perspective @ position
     pixels = (clip[:2] / (clip[3] or 1e-9) * 0.5 + 0.5) * size
-    low, high = np.array(free[:2]), np.array(free[2:])
+    low = np.array(free[:2])
+    high = np.array(free[2:])
     if clip[3] > 0 and (low <= pixels).all() and (pixels <= high).all():
         return (float(pixels[0]), float(pixels[1])), ""
     centre = (low + high) / 2

@@ -63,7 +63,9 @@ def gain_curve(
     )
     distances = np.linspace(0.0, length, count)
     plain = function.gain(distances, kappa, rho, epsilon)
-    factors, decays, bands = function.band_gains(), function.band_decays(kappa, rho), None
+    factors = function.band_gains()
+    decays = function.band_decays(kappa, rho)
+    bands = None
     if factors or decays:
         factor, decay = (
             np.array(values or (default,) * BAND_COUNT)[_SHOWN_BANDS]
@@ -84,7 +86,8 @@ def picture(curve: GainCurve, colour: Colour, ink: Colour) -> Pixels:
     Lines every 20 dB and at quarters of the length, in ``ink``; the curve in ``colour``, filled
     below; those at 30, 100 and 300 Hz as thin lines.
     """
-    builder, side = HudBuilder(1.0), SIZE - 2 * _MARGIN - 1
+    builder = HudBuilder(1.0)
+    side = SIZE - 2 * _MARGIN - 1
     for count, step in ((4, (0.0, 1.0)), (5, (1.0, 0.0))):
         for part in np.linspace(0, side, count).tolist():
             start = [_MARGIN + 0.5 + part * to for to in step]

@@ -125,7 +125,8 @@ def _bring_to_front(
     else:
         factor = min(wanted / nearest, 1.0)
         camera = np.linalg.inv(view)[:3, 3]
-        obj.location, obj.scale = tuple(camera * (1 - factor)), (factor,) * 3
+        obj.location = tuple(camera * (1 - factor))
+        obj.scale = (factor,) * 3
     _hide_from_light(obj)
 
 
@@ -202,7 +203,8 @@ def _add_label(collection: Collection, label: Label, unit: float) -> None:
     obj = _add_text(collection, f"{label.name}  {label_text(label)}", 17 * unit, (*INK, 1.0))
     obj.data.align_x = "CENTER"
     x, y, z = label.position
-    obj.location, obj.rotation_euler = (x, y, z + (label.clearance + 5) * unit), (np.pi / 2, 0, 0)
+    obj.location = (x, y, z + (label.clearance + 5) * unit)
+    obj.rotation_euler = (np.pi / 2, 0, 0)
 
 
 def solid_mesh(name: str, solid: Solid) -> Mesh:
@@ -268,7 +270,8 @@ def _material(name: str, nodes: Mapping[str, Any], links: Sequence[Any]) -> Mate
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True
-    made, tree = {}, material.node_tree
+    made = {}
+    tree = material.node_tree
     tree.nodes.clear()
     for key, (kind, place, settings) in {**_EMITTING, **nodes}.items():
         made[key] = tree.nodes.new(f"ShaderNode{kind}")

@@ -60,7 +60,8 @@ class Hud:
 
     def joined(self, other: Hud) -> Hud:
         """Both, ``other`` drawn over this one."""
-        lines, points = joined([self.lines, other.lines]), joined([self.points, other.points])
+        lines = joined([self.lines, other.lines])
+        points = joined([self.points, other.points])
         return Hud(lines, points, self.texts + other.texts, self.bounds + other.bounds)
 
 
@@ -157,7 +158,8 @@ class HudBuilder:
         """Everything collected so far."""
         strokes = np.array(self._strokes, dtype=np.float32).reshape(-1, 16)
         symbols = np.array(self._symbols, dtype=np.float32).reshape(-1, 8)
-        position, colour = strokes[:, :6].reshape(-1, 2, 3), strokes[:, 6:14].reshape(-1, 2, 4)
+        position = strokes[:, :6].reshape(-1, 2, 3)
+        colour = strokes[:, 6:14].reshape(-1, 2, 4)
         lines = lines_of(
             position, colour[..., :3], colour[..., 3], strokes[:, 14], shape=strokes[:, 15]
         )

@@ -62,7 +62,8 @@ def links_of(traced: Traced, *_: object) -> Links:
     sources and listeners that they join."""
     result, names = traced.result, traced.result.graph.table.names
     found = connections(result, traced.settings.mode)
-    items, ends = [], []
+    items = []
+    ends = []
     for nodes, amplitude, along, (row, column) in zip(
         found.nodes.tolist(),
         found.amplitude.tolist(),
@@ -70,7 +71,8 @@ def links_of(traced: Traced, *_: object) -> Links:
         found.pair.tolist(),
         strict=True,
     ):
-        source, listener = result.sources[row], result.listeners[column].name
+        source = result.sources[row]
+        listener = result.listeners[column].name
         first, second = (names[result.graph.node_object[node]] for node in nodes)
         before, after = map(_decibels, amplitude)
         loss = before - after if math.isfinite(before) else 0.0
@@ -119,7 +121,8 @@ def under(context: Context, mouse: tuple[float, float]) -> Link | None:
 
 def distances_to(place: FloatArray, ends: FloatArray) -> FloatArray:
     """Distances of a place (2,) to segments with ``ends`` (m, 2, 2); NaN where an end is NaN."""
-    start, way = ends[:, 0], ends[:, 1] - ends[:, 0]
+    start = ends[:, 0]
+    way = ends[:, 1] - ends[:, 0]
     square = np.maximum((way**2).sum(axis=1), 1e-12)
     share = np.clip(((place - start) * way).sum(axis=1) / square, 0.0, 1.0)
     return np.sqrt(((start + share[:, None] * way - place) ** 2).sum(axis=1))
@@ -129,7 +132,8 @@ def words_of(link: Link) -> tuple[str, ...]:
     """The lines of the tooltip."""
     loss = change_words(-link.loss)
     if link.first == link.second:
-        title, way = link.first, f"{written(Metres(link.distance))}, {loss}"
+        title = link.first
+        way = f"{written(Metres(link.distance))}, {loss}"
     else:
         title = f"{link.first} \N{MULTIPLICATION SIGN} {link.second}"
         way = iface_("Contact, {}").format(loss)
@@ -145,7 +149,8 @@ def draw(context: Context) -> None:
         return
     link, mouse = found
     scale = pixels_per_point(context)
-    builder, words = HudBuilder(scale), words_of(link)
+    builder = HudBuilder(scale)
+    words = words_of(link)
     width = max(text_width(line, TEXT_SIZE * scale) for line in words) + 2 * _PADDING * scale
     height = (len(words) * _ROW + _PADDING) * scale
     left = min(mouse[0] + 14 * scale, context.region.width - width)

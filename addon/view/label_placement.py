@@ -79,10 +79,8 @@ def place_labels(
     cost += _COST_OF_CONFUSION * _nearer_to_another(low, high, anchor)
     free = _free(low, high, room, occupied.reshape(-1, 4))
     placed: list[tuple[float, float, float, float]] = []
-    orders, corners = (
-        np.argsort(cost, axis=1, kind="stable").tolist(),
-        np.concatenate([low, high], axis=2).tolist(),
-    )
+    orders = np.argsort(cost, axis=1, kind="stable").tolist()
+    corners = np.concatenate([low, high], axis=2).tolist()
     for k, (order, rectangles) in enumerate(zip(orders, corners, strict=True)):
         for number in order:
             if not free[k, number]:

@@ -190,7 +190,8 @@ def draw(baked: Waves | None) -> None:
 def _draw_lane(
     context: Context, scene: Scene, sources: tuple[Waves, ...], kept: int | None
 ) -> None:
-    region, scale = context.region, pixels_per_point(context)
+    region = context.region
+    scale = pixels_per_point(context)
     size = region.width, region.height
     view = _View(
         kept,
@@ -251,7 +252,8 @@ def _lane(sources: tuple[Waves, ...], view: _View) -> _Shown:
     rows = rows_of(emitting, felt, first, size[1], scale)
     x = np.arange(0.0, size[0] + 1)
     per_pixel = (frames[1] - frames[0]) / size[0]
-    edges, free = frames[0] + x * per_pixel, np.ones(size[0], dtype=np.bool_)
+    edges = frames[0] + x * per_pixel
+    free = np.ones(size[0], dtype=np.bool_)
     shapes: list[tuple[Any, tuple[float, ...]]] = []
     for waves in sources if rows else ():
         parts = waves.columns(edges)
@@ -340,7 +342,8 @@ def under(context: Context, mouse: tuple[float, float]) -> Mark | None:
 def snap(context: Context, x: float) -> float:
     """The frame at ``x`` [pixels of the region]: that of an impact or marker within reach, else a
     whole one."""
-    view, reach = context.region.view2d, _REACH * pixels_per_point(context)
+    view = context.region.view2d
+    reach = _REACH * pixels_per_point(context)
     frame, end = (view.region_to_view(at, 0)[0] for at in (x, x + reach))
     known: _Shown | None = _shown.get(context.region.as_pointer())
     markers = [float(marker.frame) for marker in context.scene.timeline_markers]

@@ -122,7 +122,8 @@ def names(
         text = builder.fitted(row.name, _NAME_WIDTH * scale, SMALL_TEXT)
         if number == len(rows) - 1 and hidden:
             text = f"{text}  {iface_('and {} more').format(hidden)}"
-        left, low = 4 * scale, row.low + row.height / 2 - 5 * scale
+        left = 4 * scale
+        low = row.low + row.height / 2 - 5 * scale
         right = left + builder.width(text, SMALL_TEXT) + 2 * scale
         ground = (*colours.ground[:3], 0.6)
         builder.plate((left - 2 * scale, low), (right, low + 10 * scale), ground, 2.0)

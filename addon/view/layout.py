@@ -22,11 +22,15 @@ def pixels_per_point(context: Context) -> float:
 def free_rectangle(context: Context) -> Rectangle:
     """The part of the viewport, in its pixels, that toolbar, sidebar and headers do not cover."""
     region = context.region
-    left, bottom, right, top = 0.0, 0.0, float(region.width), float(region.height)
+    left = 0.0
+    bottom = 0.0
+    right = float(region.width)
+    top = float(region.height)
     for other in context.area.regions:
         if other == region or other.width <= 1 or other.height <= 1:
             continue
-        x, y = other.x - region.x, other.y - region.y
+        x = other.x - region.x
+        y = other.y - region.y
         if x >= region.width or y >= region.height or x + other.width <= 0 or y + other.height <= 0:
             continue  # beside the viewport, not over it
         if other.type in {"TOOLS", "UI"}:
@@ -97,13 +101,12 @@ def corner_room(
         margin: To the edges of the room [pixels].
     """
     vertical, horizontal = corner.split("_")
-    space, free = context.space_data, free_rectangle(context)
-    left, bottom, right, top = (
-        free[0] + margin,
-        free[1] + margin,
-        free[2] - margin,
-        free[3] - margin,
-    )
+    space = context.space_data
+    free = free_rectangle(context)
+    left = free[0] + margin
+    bottom = free[1] + margin
+    right = free[2] - margin
+    top = free[3] - margin
     if vertical == "TOP" and horizontal == "LEFT" and space.overlay.show_text:
         top -= _TEXT_HEIGHT * scale
     if (

@@ -139,9 +139,12 @@ def meter_hud(
     layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
     if layout is None:
         return builder.build()
-    columns, width, height = layout.columns, layout.columns.width + 2 * PADDING, layout.height
+    columns = layout.columns
+    width = layout.columns.width + 2 * PADDING
+    height = layout.height
     builder.panel((0.0, 0.0), (width * scale, height * scale), 6.0)
-    x, y = PADDING * scale, (height - PADDING) * scale
+    x = PADDING * scale
+    y = (height - PADDING) * scale
     _add_heads(builder, (x, y), title, columns)
     y -= ROW * scale
     for level in layout.shown:
@@ -206,9 +209,11 @@ def _add_heads(
 ) -> None:
     """Add the title, the scale of the bars, and the column headings."""
     scale = builder.scale
-    x, base = corner[0], corner[1] - 12 * scale
+    x = corner[0]
+    base = corner[1] - 12 * scale
     builder.text(builder.fitted(title, (columns.name - 6) * scale), (x, base), INK)
-    left, width = x + columns.name * scale, (columns.bar - 8) * scale
+    left = x + columns.name * scale
+    width = (columns.bar - 8) * scale
     for tick in (-60, -40, -20, 0) if columns.bar > 110 else (-60, 0) if columns.bar > 60 else ():
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0"
         half = builder.width(words, SMALL_TEXT) / 2
@@ -235,8 +240,10 @@ def _add_row(
     x, y = corner
     base = y + 4 * scale
     builder.text(builder.fitted(level.listener, (columns.name - 6) * scale), (x, base), INK)
-    left, width = x + columns.name * scale, (columns.bar - 8) * scale
-    low, high = y + (ROW - BAR) / 2 * scale, y + (ROW + BAR) / 2 * scale
+    left = x + columns.name * scale
+    width = (columns.bar - 8) * scale
+    low = y + (ROW - BAR) / 2 * scale
+    high = y + (ROW + BAR) / 2 * scale
     builder.plate((left, low), (left + width, high), _TRACK, 2.0)
     if level.place > 0.01:
         builder.plate((left, low), (left + level.place * width, high), colour_of(level), 2.0)
@@ -270,7 +277,8 @@ def add_scope(
     (left, low), width = corner, extent[0]
     high = low + extent[1]
     top = high - _CAPTION * scale
-    middle, half = (low + top) / 2, (top - low) / 2 - 2 * scale
+    middle = (low + top) / 2
+    half = (top - low) / 2 - 2 * scale
     builder.plate((left, low), (left + width, high), _TRACK, 3.0)
     for quarter in (0.25, 0.5, 0.75):
         x = left + quarter * width
@@ -278,10 +286,8 @@ def add_scope(
     builder.plate((left, middle - 0.5), (left + width, middle + 0.5), _GRID, 0.0)
     full = full_scale(scope)
     columns, least, greatest = spans(scope, _SCOPE_COLUMNS)
-    lows, highs = (
-        middle + half / full * least - 0.5 * scale,
-        middle + half / full * greatest + 0.5 * scale,
-    )
+    lows = middle + half / full * least - 0.5 * scale
+    highs = middle + half / full * greatest + 0.5 * scale
     for x, low_end, high_end in zip(
         (left + columns * width / _SCOPE_COLUMNS).tolist(),
         lows.tolist(),

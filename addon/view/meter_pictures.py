@@ -10,7 +10,8 @@ from .levels import Level
 from .meter_layout import Scope, add_body, add_scope, colour_of
 from .panel_picture import SIZE, Picture, Pixels, painted
 
-_scope, _body = Picture(), Picture()
+_scope = Picture()
+_body = Picture()
 
 
 def scope_icon(scope: Scope) -> int:
@@ -35,6 +36,7 @@ def scope_picture(scope: Scope) -> Pixels:
 
 def body_picture(parts: Mapping[str, Level]) -> Pixels:
     """Both figures, side by side over the width of the picture."""
-    builder, height = HudBuilder(1.0), SIZE * HEIGHT / (4 * HALF_WIDTH)
+    builder = HudBuilder(1.0)
+    height = SIZE * HEIGHT / (4 * HALF_WIDTH)
     add_body(builder, (0.0, (SIZE - height) / 2), height, parts, ())
     return painted(builder.build())

@@ -41,7 +41,8 @@ _redo_panels = Recent()  # places of the panel Adjust Last Operation, by the are
 def scope_of(scene: Scene) -> Scope | None:
     """The last second of the watched listener; None if there is none, or if the scope is switched
     off."""
-    traced, name = sessions.shown(scene), watched(scene)
+    traced = sessions.shown(scene)
+    name = watched(scene)
     if traced is None or not scene.haptics.meters.show_scope or not name:
         return None
     samples = traced.samples
@@ -117,7 +118,8 @@ def _refresh_panels(context: Context) -> None:
 
 
 def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
-    region, scale = context.region, pixels_per_point(context)
+    region = context.region
+    scale = pixels_per_point(context)
     key = spots, *_key(context, scene, scale)
     known, batch, _ = _shown.get(region.as_pointer(), _NOTHING)
     if known != key:
@@ -129,7 +131,8 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
 
 def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
     """The values that the meters of a view depend on."""
-    traced, chosen = sessions.shown(scene), scene.haptics.meters
+    traced = sessions.shown(scene)
+    chosen = scene.haptics.meters
     choices = (
         chosen.corner,
         chosen.show_scope,
@@ -156,7 +159,8 @@ def _room(context: Context, scene: Scene, scale: float) -> Rectangle:
 def _placed_meters(context: Context, scene: Scene, scale: float, spots: Sequence[Spot]) -> Hud:
     """The meters in their corner of the viewport."""
     left, bottom, right, top = _room(context, scene, scale)
-    free, chosen = free_rectangle(context), scene.haptics.meters
+    free = free_rectangle(context)
+    chosen = scene.haptics.meters
     room = right - left, min(top - bottom, _SHARE_UP * (free[3] - free[1]))
     words = _title(scene)
     hud = meter_hud(

@@ -13,7 +13,9 @@ from .watched import active_name, watched
 def options_of(scene: Scene, result: FrameResult) -> Options:
     """The scene's options, with the selected sources and listeners, and the chosen row of the panel
     Path highlighted."""
-    haptics, listener, active = scene.haptics, watched(scene), active_name()
+    haptics = scene.haptics
+    listener = watched(scene)
+    active = active_name()
     return Options(
         show_intra=haptics.show_intra,
         show_best_paths=haptics.show_best_paths,

@@ -50,7 +50,9 @@ class Picture:
         """Free the picture; the next `icon` makes it again."""
         if self._previews is not None:
             previews.remove(self._previews)
-            self._previews, self._shown, self._pixels = None, None, Background()
+            self._previews = None
+            self._shown = None
+            self._pixels = Background()
 
 
 def blank() -> Pixels:
@@ -67,11 +69,13 @@ def tint(pixels: Pixels, colour: Colour | Drawn, alpha: float | NDArray[Any]) ->
 
 def painted(items: Hud) -> Pixels:
     """The plates and lines of a layout of `SIZE` points, without its texts and symbols."""
-    pixels, lines = blank(), items.lines
+    pixels = blank()
+    lines = items.lines
     for (start, end), colour, width, shape in zip(
         lines.position[:, :, :2], lines.colour[:, 0], lines.width, lines.shape, strict=True
     ):
-        low, high = np.minimum(start, end), np.maximum(start, end)
+        low = np.minimum(start, end)
+        high = np.maximum(start, end)
         (left, bottom), (right, top) = (
             np.clip(corner, 0, SIZE).astype(int)
             for corner in (low - width, np.ceil(high + width) + 1)

@@ -140,7 +140,8 @@ def points_of(
         size: Diameter [pixels].
         shape: The symbol.
     """
-    count, places = len(position), np.asarray(position, dtype=np.float32)
+    count = len(position)
+    places = np.asarray(position, dtype=np.float32)
     return Points(
         places,
         _with_opacity((count, 4), colour, opacity),
@@ -167,7 +168,8 @@ def lines_of(
         arc_length: Metres along a best path at either end, -1 for lines that show no flow.
         shape: A line, or a plate between two corners.
     """
-    count, places = len(position), np.asarray(position, dtype=np.float32)
+    count = len(position)
+    places = np.asarray(position, dtype=np.float32)
     colours = _with_opacity((count, 2, 4), colour, opacity)
     return Lines(
         places,
@@ -374,7 +376,9 @@ def _contact_points(
     second = graph.partner[first]
     amplitude = np.maximum(spreading.amplitude[first], spreading.amplitude[second])
     order = np.argsort(amplitude, kind="stable")
-    first, second, amplitude = first[order], second[order], amplitude[order]
+    first = first[order]
+    second = second[order]
+    amplitude = amplitude[order]
     reached = amplitude > 0
     opacity = np.where(reached, np.where(shown[first] & shown[second], 1.0, UNSELECTED), DIMMED)
     size = (

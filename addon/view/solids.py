@@ -123,7 +123,8 @@ def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _symbols(points: Points, shape: Symbol, unit: float, facing: FloatArray) -> Solid:
     """The symbols of a ``shape``, each layer a little nearer to the viewer."""
     chosen = points.shape == shape
-    position, size = points.position[chosen].astype(np.float64), points.size[chosen] * unit
+    position = points.position[chosen].astype(np.float64)
+    size = points.size[chosen] * unit
     corners = _OUTLINES[shape] @ facing[:2]
     parts = []
     for number, (inset, colour, _) in enumerate(
@@ -204,7 +205,8 @@ _OUTLINES = {
 def _rounded(low: FloatArray, high: FloatArray, radius: float) -> FloatArray:
     """The corners of a rectangle, each as a quarter of a circle."""
     turn = np.arange(28) // 7
-    right, up = (turn % 3 == 0), turn < 2
+    right = turn % 3 == 0
+    up = turn < 2
     inner = np.column_stack(
         [
             np.where(right, high[0] - radius, low[0] + radius),

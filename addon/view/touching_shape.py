@@ -25,7 +25,8 @@ _batches = Recent(4)  # by the id of the shape, which the value keeps alive
 def draw(context: Context, scale: float) -> None:
     """Draw the edges of the active object's shape in the last traced frame, if the object is
     selected. ``scale``: pixels per point."""
-    active, traced = context.view_layer.objects.active, sessions.shown(context.scene)
+    active = context.view_layer.objects.active
+    traced = sessions.shown(context.scene)
     if (
         active is None
         or traced is None

@@ -23,7 +23,8 @@ def levels_of(scene: Scene) -> tuple[Level, ...]:
 def watched(scene: Scene) -> str:
     """The watched listener: the active object, else the last active listener, else the one that had
     the highest level when something was felt last; "" for none."""
-    traced, own = sessions.shown(scene), sessions.known(scene)
+    traced = sessions.shown(scene)
+    own = sessions.known(scene)
     if traced is None or own is None:
         return ""
     names = [listener.name for listener in traced.result.listeners]

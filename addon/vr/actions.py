@@ -49,7 +49,8 @@ def grips() -> dict[str, tuple[Any, Any]]:
     Blender has others at the origin of the tracked space, turned as that is, level to float32's
     precision: no hand holds a controller like this.
     """
-    state, context = session_state(), bpy.context
+    state = session_state()
+    context = bpy.context
     metres = metres_per_unit(context.scene)
     found = {}
     for number, hand in enumerate(HANDS):
@@ -90,12 +91,14 @@ def create() -> str:
 
     The descriptions are removed from the action maps again, which another add-on may store.
     """
-    state, context = session_state(), bpy.context
+    state = session_state()
+    context = bpy.context
     maps = [one for one in state.actionmaps if any(_is_grip(item) for item in one.actionmap_items)]
     own = not maps
     if own:
         maps = [state.actionmaps.new(state, ACTION, True)]
-    described, name = maps[0], str(maps[0].name)
+    described = maps[0]
+    name = str(maps[0].name)
     items = [_item(described, ACTION, "VIBRATION", "/output/haptic")]
     if own:
         items += [_item(described, pose, "POSE", path) for pose, path in _POSES.items()]

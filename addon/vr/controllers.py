@@ -40,7 +40,8 @@ _state = _ControllersState()
 
 def begin(action_set: str) -> None:
     """Offer the controllers of the session that starts."""
-    _state.action_set, _state.deadline = action_set, time.monotonic() + _START_SECONDS
+    _state.action_set = action_set
+    _state.deadline = time.monotonic() + _START_SECONDS
     outputs.offer(Found(KEY, PROFILE.title, "VR session", PROFILE, _open))
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=_POLL, persistent=True)
@@ -70,7 +71,8 @@ def hands() -> Hands | None:
 def use_hands(wanted: bool) -> None:
     """Let the controllers play what two hands that touch the scene feel, or if not ``wanted`` what
     the scene's listeners feel."""
-    before, _state.hands = _state.hands, Hands() if wanted else None
+    before = _state.hands
+    _state.hands = Hands() if wanted else None
     _state.take = None
     if before is not None:
         before.end()
@@ -86,7 +88,8 @@ def is_recording() -> bool:
 
 def record(wanted: bool) -> dict[int, Grips]:
     """Start or end to record the hands. Returns what was recorded before."""
-    before, _state.take = _state.take, {} if wanted else None
+    before = _state.take
+    _state.take = {} if wanted else None
     return before or {}
 
 
@@ -105,7 +108,8 @@ def _tick() -> float | None:
 
 def _feel() -> None:
     """Trace the hands where the controllers are now."""
-    scene, now = bpy.context.scene, time.perf_counter()
+    scene = bpy.context.scene
+    now = time.perf_counter()
     own = None if scene is None or _state.hands is None else sessions.known(scene)
     if own is None or own.reading is None or _state.hands is None:
         return

@@ -7,7 +7,8 @@ from . import controllers
 from .hands import SHAPE
 
 _WIDTH = 2.0  # pixels
-_AT_REST, _FULL = (0.2, 0.9, 1.0), (1.0, 0.6, 0.1)
+_AT_REST = (0.2, 0.9, 1.0)
+_FULL = (1.0, 0.6, 0.1)
 
 
 def draw() -> None:

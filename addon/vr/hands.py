@@ -231,7 +231,8 @@ class Hands:
         if self.running is None:
             transforms, continues = self.glide.at(reading.transforms, frame, time)
             continues = continues and reading.objects is self.objects and self.number > 0
-            self.objects, self.number = reading.objects, self.number + 1
+            self.objects = reading.objects
+            self.number = self.number + 1
             given = frame_of(reading, transforms, grips, time, self.number, continues)
             self.tracer.collisions.settings = settings_of(reading.contact_settings)
             self.running = self.thread.submit(self._trace, given, tuple(grips))
@@ -248,12 +249,14 @@ class Hands:
         if self.running is None:
             return []
         try:
-            self.felt, self.failure = self.running.result(patience), None
+            self.felt = self.running.result(patience)
+            self.failure = None
         except TimeoutError:
             return []
         except Exception as error:  # the panel says it; the session goes on
             self.felt, self.failure = None, error
-            self.tracer, self.number = Tracer(lazy=True), 0
+            self.tracer = Tracer(lazy=True)
+            self.number = 0
         self.running = None
         return [] if self.felt is None else [self.felt]
 

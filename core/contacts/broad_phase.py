@@ -59,7 +59,8 @@ def _swept(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
     if len(others) == 0:
         return found
     others = others[low[axis, others].argsort(kind="stable")]
-    low, high = low.take(others, axis=1), high.take(others, axis=1)
+    low = low.take(others, axis=1)
+    high = high.take(others, axis=1)
     # Where all are active, those before have found them.
     begin = (
         np.arange(len(others))
@@ -90,14 +91,16 @@ def _compared(
     for k in range(0, len(rows), step):
         part = rows[k : k + step]
         near = slice(int(begin[part[0]]), int(end[part].max()))
-        bottom, top = low[:, part, None], high[:, part, None]
+        bottom = low[:, part, None]
+        top = high[:, part, None]
         met = low[0, near] <= top[0]
         met &= high[0, near] >= bottom[0]
         for axis in (1, 2):
             met &= low[axis, near] <= top[axis]
             met &= high[axis, near] >= bottom[axis]
         row, other = np.divmod(met.reshape(-1).nonzero()[0], max(met.shape[1], 1))
-        row, other = part[row], other + near.start
+        row = part[row]
+        other = other + near.start
         kept = (row < other) | ((row > other) & ~active[other])
         found.append(np.stack([row[kept], other[kept]]))
     return np.concatenate(found, axis=1)

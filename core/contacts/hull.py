@@ -40,7 +40,8 @@ def _planes_of(hull: Hull) -> tuple[FloatArray, FloatArray]:
     keys = np.round(np.concatenate([normals, offsets[:, None] / extent], axis=1), 6)
     _, first = np.unique(keys, axis=0, return_index=True)
     first.sort()
-    normals, offsets = normals[first], offsets[first]
+    normals = normals[first]
+    offsets = offsets[first]
     normals.flags.writeable = offsets.flags.writeable = False
     return normals, offsets
 
@@ -247,11 +248,20 @@ class _Quickhull:
             self._coordinates[b],
             self._coordinates[c],
         )
-        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
-        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        ux = bx - ax
+        uy = by - ay
+        uz = bz - az
+        vx = cx - ax
+        vy = cy - ay
+        vz = cz - az
+        nx = uy * vz - uz * vy
+        ny = uz * vx - ux * vz
+        nz = ux * vy - uy * vx
         length = (nx * nx + ny * ny + nz * nz) ** 0.5
         if length > 0:
-            nx, ny, nz = nx / length, ny / length, nz / length
+            nx = nx / length
+            ny = ny / length
+            nz = nz / length
         return _HullFace((a, b, c), np.array([nx, ny, nz]), nx * ax + ny * ay + nz * az, _NONE)
 
     @staticmethod
@@ -343,7 +353,8 @@ def _deep_point(normals: FloatArray, offsets: FloatArray, start: FloatArray) -> 
         slack = offsets - normals @ point
         nearest = int(np.argmin(slack))
         if slack[nearest] > best_slack:
-            best, best_slack = point, float(slack[nearest])
+            best = point
+            best_slack = float(slack[nearest])
         point = point - step * normals[nearest]
         step *= 0.95
     return best

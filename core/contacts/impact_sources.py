@@ -34,7 +34,8 @@ class Templates:
 
     def of(self, first: str, second: str, impact: Impact) -> tuple[Signal, float]:
         """The signal and the amplitude of an impact of two objects."""
-        a, b = self.objects[first], self.objects[second]
+        a = self.objects[first]
+        b = self.objects[second]
         rule = self.settings.impact_rule((a.name, a.material), (b.name, b.material))
         template = rule.template
         if not isinstance(template, Signal):

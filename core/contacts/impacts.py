@@ -83,7 +83,8 @@ class Hits:
     @classmethod
     def none(cls) -> Hits:
         """No hits."""
-        number, vector = np.zeros(0), np.zeros((0, 3))
+        number = np.zeros(0)
+        vector = np.zeros((0, 3))
         no = np.zeros(0, dtype=np.bool_)
         return cls(
             np.zeros((0, 2), dtype=np.int64),
@@ -182,7 +183,9 @@ def landings(
     rows = np.flatnonzero(swung & (approach > _SWUNG))
     if len(rows) == 0:
         return Hits.none()
-    pairs, distance, approach = pairs[rows], distance[rows], approach[rows]
+    pairs = pairs[rows]
+    distance = distance[rows]
+    approach = approach[rows]
     after = start[rows] / approach
     return Hits(
         pairs=pairs,
@@ -207,7 +210,8 @@ def _gaps(
     those of the second."""
     place = np.concatenate(nodes, axis=1)
     local = turned_back(end[:9].reshape(3, 3, -1), place - end[9:])
-    then, count = np.concatenate(poses, axis=1), len(poses)
+    then = np.concatenate(poses, axis=1)
+    count = len(poses)
     moved = (
         turned(then[:9].reshape(3, 3, -1), np.tile(local, count)) + then[9:] - np.tile(place, count)
     )

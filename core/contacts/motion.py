@@ -89,11 +89,9 @@ class Paths:
 
     def poses(self, bodies: IntArray | slice, time: FloatArray | float) -> FloatArray:
         """Poses (12, k) of ``bodies`` (k,) at ``time`` (k,) seconds after the start."""
-        start, velocity, spin = (
-            self.start[:, bodies],
-            self.velocity[:, bodies],
-            self.spin[:, bodies],
-        )
+        start = self.start[:, bodies]
+        velocity = self.velocity[:, bodies]
+        spin = self.spin[:, bodies]
         poses = np.empty_like(start)
         poses[9:] = (
             start[9:] + (velocity + self.acceleration[:, bodies] * (np.asarray(time) / 2)) * time
@@ -230,9 +228,11 @@ class MotionHistory:
         are three poses."""
         if len(self.times) < 3:
             return np.zeros(len(self._since_moved))
-        step, known = self.times[-1] - self.times[-2], self.times[-2] - self.times[-3]
+        step = self.times[-1] - self.times[-2]
+        known = self.times[-2] - self.times[-3]
         now, last, before = (self._poses[-k][9:] for k in (1, 2, 3))
-        direct, chord = (now - last) / step, (last - before) / known
+        direct = (now - last) / step
+        chord = (last - before) / known
         weight = float(np.linalg.norm(gravity))
         bend = np.sqrt(_squared(direct - chord)) * (2 / (step + known))
         if len(self.times) > 3:
@@ -274,10 +274,15 @@ class MotionHistory:
             later - earlier
             for earlier, later in zip(self.times[-2::-1], self.times[:0:-1], strict=True)
         )
-        end, start, earlier = self._poses[-1], self._poses[-2], self._poses[-3]
-        now, last, before = end[9:], start[9:], earlier[9:]
+        end = self._poses[-1]
+        start = self._poses[-2]
+        earlier = self._poses[-3]
+        now = end[9:]
+        last = start[9:]
+        before = earlier[9:]
         weight = float(np.linalg.norm(gravity))
-        chord, direct = (last - before) / known, (now - last) / step
+        chord = (last - before) / known
+        direct = (now - last) / step
         clean = self._since_disturbed - 1  # undisturbed intervals up to the start of the path
         trend = np.zeros((2, *chord.shape))
         trend[0] = np.where((self._since_hit > 1) & ~kinematic, chord, 0.0)
@@ -350,7 +355,8 @@ def _squared(vectors: FloatArray) -> FloatArray:
 def spins(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
     """Angular velocities (3, n) that turn the one poses into the others within ``time``, by less
     than half a turn."""
-    a, b = start[:9].reshape(3, 3, -1), end[:9].reshape(3, 3, -1)
+    a = start[:9].reshape(3, 3, -1)
+    b = end[:9].reshape(3, 3, -1)
     turn = product(b, a.transpose(1, 0, 2))
     twist = np.stack([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
     sine = np.sqrt(_squared(twist)) / 2

@@ -49,7 +49,8 @@ def known_shots(source: Source, first: float = -math.inf, last: float = math.inf
     """The shots of triggers at given times, from ``first`` to ``last`` [s]."""
     shots = []
     for trigger in source.triggers or ():
-        strengths, by = trigger.strengths or repeat(1.0), trigger.by or repeat("")
+        strengths = trigger.strengths or repeat(1.0)
+        by = trigger.by or repeat("")
         shots += [
             Shot(source.name, *values)
             for values in zip(trigger.times, strengths, by, strict=False)
@@ -73,7 +74,8 @@ class OneShots:
 
     def clear(self) -> None:
         """Drop all shots and positions."""
-        self.delays, self.sounding = {}, ()
+        self.delays = {}
+        self.sounding = ()
         self._found.clear()
         self._paths.clear()
         self._levels.clear()
@@ -111,7 +113,10 @@ class OneShots:
             hits: impacts since the frame before: names of both objects, time [s], and fraction of
                 the full energy.
         """
-        before, paths, self._levels, self._paths = self._levels, self._paths, {}, {}
+        before = self._levels
+        paths = self._paths
+        self._levels = {}
+        self._paths = {}
         for source, number, trigger in (
             (s, k, trigger) for s in sources for k, trigger in enumerate(s.triggers or ())
         ):
@@ -234,7 +239,8 @@ def entry(path: Sequence[FloatArray], half: FloatArray) -> float | None:
         or np.any(np.maximum(path[-2], path[-1]) < -half - _NEAR)
     ):
         return None
-    start, way = path[-2], path[-1] - path[-2]
+    start = path[-2]
+    way = path[-1] - path[-2]
     bend = way - (start - path[-3]) if len(path) > 2 else np.zeros(3)
     if (
         np.all(np.abs(start) <= half + _NEAR)

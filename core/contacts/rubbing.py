@@ -117,7 +117,8 @@ class SlidingAndRolling:
 
     def restore(self, kept: FrameRubbing) -> None:
         """Return to the state after the frame ``kept``."""
-        self._now, self._paths = kept, dict(kept.paths)
+        self._now = kept
+        self._paths = dict(kept.paths)
 
     def history(self) -> str:
         """The state that later frames depend on, except poses."""
@@ -151,7 +152,9 @@ class SlidingAndRolling:
             settings: with the textures.
             anew: names of the bodies that have come or been set elsewhere, without moving there.
         """
-        before, self._before, self._now = self._before, transforms, FrameRubbing()
+        before = self._before
+        self._before = transforms
+        self._now = FrameRubbing()
         known, self._bodies = self._bodies, bodies
         if span is None or before is None:
             return
@@ -164,7 +167,8 @@ class SlidingAndRolling:
             before = np.array(
                 [old.get(body.name, now) for body, now in zip(bodies, transforms, strict=True)]
             ).reshape(-1, 4, 4)
-        start, step = span[0], span[1] - span[0]
+        start = span[0]
+        step = span[1] - span[0]
         if (number - 1) % self._block == 0:
             self._paths = {key: (0.0, path) for key, (path, _) in self._paths.items() if path}
         poses = _BodyPoses(
@@ -260,7 +264,8 @@ def _moving_contacts(
     rows = rows[np.array(textured, dtype=np.bool_)]
     speeds = np.stack(_surface_speeds(contacts, rows, poses))
     speeds = np.where(speeds * poses.step > STILL, speeds, 0.0)
-    rows, speeds = rows[speeds.any(axis=0)], speeds[:, speeds.any(axis=0)]
+    rows = rows[speeds.any(axis=0)]
+    speeds = speeds[:, speeds.any(axis=0)]
     if len(rows) == 0:
         return ()
     forces = _forces(bodies, contacts, rows, poses.middle, settings.gravity).tolist()
@@ -291,7 +296,8 @@ def _surface_speeds(
     body, base = (
         np.take_along_axis(pairs, side[:, None], axis=1)[:, 0] for side in (faster, 1 - faster)
     )
-    before, now = poses.before[base, :3, :3].swapaxes(1, 2), poses.now[base, :3, :3].swapaxes(1, 2)
+    before = poses.before[base, :3, :3].swapaxes(1, 2)
+    now = poses.now[base, :3, :3].swapaxes(1, 2)
     spin = spins(
         _rows(before @ poses.before[body, :3, :3]), _rows(now @ poses.now[body, :3, :3]), poses.step
     ).T

@@ -114,7 +114,8 @@ def _turned(profile: list[tuple[float, float]]) -> Surface:
         n = (k + 1) % SEGMENTS
         faces.append((0, 1 + n, 1 + k))
         for ring in range(len(inner) - 1):
-            low, high = 1 + ring * SEGMENTS, 1 + (ring + 1) * SEGMENTS
+            low = 1 + ring * SEGMENTS
+            high = 1 + (ring + 1) * SEGMENTS
             faces.append((low + k, low + n, high + n, high + k))
         top = 1 + (len(inner) - 1) * SEGMENTS
         faces.append((top + k, top + n, last))

@@ -65,7 +65,8 @@ def surface_shape(
     hulled = ConvexHull(points)
     if len(triangles) == 0:
         return SurfaceShape(hulled)
-    hull, corners = convex_hull(hulled.points), points[triangles]
+    hull = convex_hull(hulled.points)
+    corners = points[triangles]
     deviation = _deviation(hull, corners, _FEW)
     convex = deviation <= tolerance and corners.size // 3 * len(hull.planes()[0]) <= _MOST
     if convex:
@@ -95,9 +96,11 @@ def is_closed(points: FloatArray, triangles: IntArray) -> bool:
     )
     merged = place.reshape(-1)[triangles]
     merged = merged[(merged != np.roll(merged, 1, axis=1)).all(axis=1)]
-    start, end = merged.reshape(-1), np.roll(merged, -1, axis=1).reshape(-1)
+    start = merged.reshape(-1)
+    end = np.roll(merged, -1, axis=1).reshape(-1)
     count = len(points)
-    ways, back = np.sort(start * count + end), np.sort(end * count + start)
+    ways = np.sort(start * count + end)
+    back = np.sort(end * count + start)
     return len(ways) > 0 and bool((ways[1:] != ways[:-1]).all()) and np.array_equal(ways, back)
 
 

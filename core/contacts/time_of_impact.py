@@ -106,7 +106,8 @@ class TimeOfImpact:
         met = (after <= paths.duration).nonzero()[0]
         if len(met) == 0:
             return None
-        moving, after = moving.chosen(met), after[met]
+        moving = moving.chosen(met)
+        after = after[met]
         poses = moving.poses(after)
         placing = moving.pairs, *relative_pose(*poses), np.full(len(after), _AROUND)
         return Meetings(
@@ -131,8 +132,10 @@ class TimeOfImpact:
             return expected, after
         start = moving.chosen(rows).clearances(np.zeros(len(rows)))
         after[rows[start <= _TOUCH]] = 0.0
-        rows, start = rows[start > _TOUCH], start[start > _TOUCH]
-        slow, fast = (~far[rows]).nonzero()[0], far[rows].nonzero()[0]
+        rows = rows[start > _TOUCH]
+        start = start[start > _TOUCH]
+        slow = (~far[rows]).nonzero()[0]
+        fast = far[rows].nonzero()[0]
         if len(slow):
             after[rows[slow]] = moving.chosen(rows[slow]).touch_by_regula_falsi(
                 start[slow], expected[rows[slow]]
@@ -149,7 +152,8 @@ class TimeOfImpact:
         those of meshes take long."""
         duration = moving.paths.duration
         start, speed = moving.distances_and_speeds(np.zeros(len(far)), self._radius)
-        expected, after = np.full(len(far), np.inf), np.where(start <= _TOUCH, 0.0, np.inf)
+        expected = np.full(len(far), np.inf)
+        after = np.where(start <= _TOUCH, 0.0, np.inf)
         possible = (start <= speed * duration).nonzero()[0]
         if len(possible):
             expected[possible] = moving.chosen(possible).clearances(
@@ -197,8 +201,10 @@ class _MovingPairs:
         at the ``end`` (k,) of the interval: by regula falsi (Illinois), beginning at the time at
         which points with constant acceleration would meet."""
         duration = self.paths.duration
-        low, high = np.zeros(len(start)), np.full(len(start), duration)
-        f_low, f_high = start.copy(), end.copy()
+        low = np.zeros(len(start))
+        high = np.full(len(start), duration)
+        f_low = start.copy()
+        f_high = end.copy()
         bend = (
             self.paths.acceleration[:, self.pairs[:, 1]]
             - self.paths.acceleration[:, self.pairs[:, 0]]
@@ -228,15 +234,16 @@ class _MovingPairs:
             f_low[active] = np.where(
                 before, f, np.where(side[active] == -1, f_low[active] / 2, f_low[active])
             )
-            low[active], high[active] = (
-                np.where(before, t, low[active]),
-                np.where(before, high[active], t),
-            )
+            low[active] = np.where(before, t, low[active])
+            high[active] = np.where(before, high[active], t)
             side[active] = np.where(before, 1, -1)
             active = active[(np.abs(f) > enough[active]) & (high[active] - low[active] > 1e-7)]
             if len(active) == 0:
                 break
-            a, b, fa, fb = low[active], high[active], f_low[active], f_high[active]
+            a = low[active]
+            b = high[active]
+            fa = f_low[active]
+            fb = f_high[active]
             time[active] = np.clip((b * fa - a * fb) / np.maximum(fa - fb, 1e-300), a, b)
         return time
 
@@ -297,22 +304,27 @@ class _MovingPairs:
             end: distances at its end (k,) [m].
             radius: of all bodies about their origins (n,) [m].
         """
-        duration, count = self.paths.duration, len(start)
-        low, high = np.zeros(count), np.full(count, np.inf)
+        duration = self.paths.duration
+        count = len(start)
+        low = np.zeros(count)
+        high = np.full(count, np.inf)
         rate = np.zeros(count)
         last = start.copy()
         result = np.where(end <= _TOUCH, duration, np.inf)
-        time, active = time.copy(), np.arange(count)
+        time = time.copy()
+        active = np.arange(count)
         for _ in range(_MOST_STEPS_OF_MESHES):
             now = time[active]
             distance, speed = self.chosen(active).distances_and_speeds(now, radius)
             ahead = distance > _TOUCH
-            before, through = active[ahead], active[~ahead]
+            before = active[ahead]
+            through = active[~ahead]
             step = now[ahead] - low[before]
             rate[before] = np.divide(
                 last[before] - distance[ahead], step, out=np.zeros(len(before)), where=step > 0
             )
-            low[before], last[before] = now[ahead], distance[ahead]
+            low[before] = now[ahead]
+            last[before] = distance[ahead]
             high[through] = result[through] = now[~ahead]
             safe = low[active] + np.where(ahead, distance / speed, 0.0)
             shrinking = rate[active] > 0
@@ -375,7 +387,8 @@ class Meetings:
         """The hits, with the patches ``found``."""
         moving, after, (first, second) = self.moving, self.after, self.poses
         turn = first[:9].reshape(3, 3, -1)
-        normal, centre = turned(turn, found.normal), turned(turn, found.centre) + first[9:]
+        normal = turned(turn, found.normal)
+        centre = turned(turn, found.centre) + first[9:]
         bodies = moving.pairs.T
         time = after / moving.paths.speed_correction(bodies, after / 2).max(axis=0)
         correction = moving.paths.speed_correction(bodies, time)
@@ -383,7 +396,8 @@ class Meetings:
         arms = centre[:, None] - np.stack([first[9:], second[9:]], axis=1)
         speeds = velocities + cross(moving.paths.spin[:, bodies] * correction, arms)
         approach = dot(speeds[:, 0] - speeds[:, 1], normal)
-        passes, fast = self.far.copy(), self.far.nonzero()[0]
+        passes = self.far.copy()
+        fast = self.far.nonzero()[0]
         if len(fast):
             one, other = moving.narrow.thickness[bodies[:, fast]]
             within = (one + other) / np.maximum(approach[fast], SLOWEST)

@@ -121,13 +121,11 @@ class FrameContacts:
 # Rows of `_Pairs.values`, in the frame of the larger body unless said otherwise: centre of the
 # smaller body's bounds, its rotation, the contact node on the larger body and (in the frame of the
 # smaller body) that on the smaller one, normal from larger to smaller, distance, area.
-_PLACE, _TURN, _ON_LARGER, _ON_SMALLER, _NORMAL = (
-    slice(0, 3),
-    slice(3, 12),
-    slice(12, 15),
-    slice(15, 18),
-    slice(18, 21),
-)
+_PLACE = slice(0, 3)
+_TURN = slice(3, 12)
+_ON_LARGER = slice(12, 15)
+_ON_SMALLER = slice(15, 18)
+_NORMAL = slice(18, 21)
 _DISTANCE, _AREA, _ROWS = 21, 22, 23
 
 
@@ -198,10 +196,8 @@ class ContactTracker:
     def __init__(self, bodies: Sequence[Body], settings: ContactSettings | None = None) -> None:
         self.settings = settings or ContactSettings()
         limits = self.settings.all_limits()
-        self._least, self._refractory = (
-            min(item.least_energy for item in limits),
-            max(item.refractory for item in limits),
-        )
+        self._least = min(item.least_energy for item in limits)
+        self._refractory = max(item.refractory for item in limits)
         self.bodies: tuple[Body, ...] = ()
         self._local: list[FloatArray] = []  # bounds (2, 3) of each body in its own space
         self._set_bodies(tuple(bodies))
@@ -247,7 +243,8 @@ class ContactTracker:
         self._pose = np.full((12, count), np.nan)
         self._rest_pose = self._pose.copy()
         self._version = np.zeros(count, dtype=np.int64)
-        self._low, self._high = np.full((3, count), np.inf), np.full((3, count), -np.inf)
+        self._low = np.full((3, count), np.inf)
+        self._high = np.full((3, count), -np.inf)
         self._wide_low, self._wide_high = self._low.copy(), self._high.copy()
         self._last_bounds = (self._low.copy(), self._high.copy())
         # Keys of the near pairs, whose wide bounds overlap. Those whose bounds overlap in this
@@ -269,9 +266,9 @@ class ContactTracker:
     def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
         """The state that later frames depend on, except their own poses: motion, contacts, and
         recent impacts."""
-        pairs, since = (
-            self._pairs,
-            self._history.times[-1] - self._refractory - _TIPPING if self._history.times else 0.0,
+        pairs = self._pairs
+        since = (
+            self._history.times[-1] - self._refractory - _TIPPING if self._history.times else 0.0
         )
         touching = pairs.touching.nonzero()[0]
         recent = np.array(
@@ -360,7 +357,8 @@ class ContactTracker:
     def _move_parts(self, number: int, body: Body) -> bool:
         """Move the parts of a compound, as bones do. Returns False, without a change, if ``body``
         differs from body ``number`` in anything but the poses of its parts."""
-        old, new = self.bodies[number].shape, body.shape
+        old = self.bodies[number].shape
+        new = body.shape
         if (
             not isinstance(old, Compound)
             or not isinstance(new, Compound)
@@ -446,7 +444,8 @@ class ContactTracker:
 
     def _by_size(self, key: IntArray) -> tuple[IntArray, IntArray]:
         """Numbers of the larger and of the smaller body of each pair, by ``key``."""
-        first, second = key // max(len(self.bodies), 1), key % max(len(self.bodies), 1)
+        first = key // max(len(self.bodies), 1)
+        second = key % max(len(self.bodies), 1)
         larger = self._radius[first] >= self._radius[second]
         return np.where(larger, first, second), np.where(larger, second, first)
 
@@ -537,7 +536,8 @@ class ContactTracker:
         if len(rows) == 0:
             return False
         pairs = self._pairs
-        larger, smaller = pairs.larger[rows], pairs.smaller[rows]
+        larger = pairs.larger[rows]
+        smaller = pairs.smaller[rows]
         poses = self._history.last_poses
         self._queries += len(rows)
         relative = relative_pose(poses.take(larger, axis=1), poses.take(smaller, axis=1))
@@ -553,7 +553,8 @@ class ContactTracker:
         """Update the near pairs. Returns the paths of the bodies, None if none is fast enough for
         an impact, and the numbers, within the near pairs, of those with the energy for one."""
         low, high = self._low, self._high
-        paths, none = None, np.zeros(0, dtype=np.int64)
+        paths = None
+        none = np.zeros(0, dtype=np.int64)
         gravity = np.array(self.settings.gravity) * self.settings.time_scale**2
         least = self._least
         turning = self.settings.energy is ImpactEnergy.NORMAL
@@ -570,8 +571,10 @@ class ContactTracker:
             if len(fast) == 0:
                 paths = None
         if paths is not None:
-            low, high = low.copy(), high.copy()
-            before_low, before_high = self._last_bounds[0][:, fast], self._last_bounds[1][:, fast]
+            low = low.copy()
+            high = high.copy()
+            before_low = self._last_bounds[0][:, fast]
+            before_high = self._last_bounds[1][:, fast]
             ahead_low, ahead_high = self._world_bounds(fast, paths.poses(fast, paths.duration))
             low[:, fast] = np.minimum(np.minimum(low[:, fast], before_low), ahead_low)
             high[:, fast] = np.maximum(np.maximum(high[:, fast], before_high), ahead_high)
@@ -632,7 +635,8 @@ class ContactTracker:
             warnings: about bodies that were left out.
         """
         old = self._pairs
-        touched, struck = old.key[old.touching & old.examined], old.key[old.struck]
+        touched = old.key[old.touching & old.examined]
+        struck = old.key[old.struck]
         met = self._overlapping()
         key = self._near[met]
         pairs = self._pairs = old.carried_to(key, self._near_larger[met], self._near_smaller[met])
@@ -709,7 +713,8 @@ class ContactTracker:
             queried: which pairs were queried in this frame (p,).
             last: the values of all pairs in the last frame.
         """
-        pairs, time = self._pairs, self._history.times[-1]
+        pairs = self._pairs
+        time = self._history.times[-1]
         key = pairs.key
         now = pairs.touching & queried
         pivoting = (before & now & _among(key, self._near[able])).nonzero()[0]
@@ -793,11 +798,10 @@ class ContactTracker:
         if len(rows) == 0:
             return self._time_of_impact.hits_at(meetings)
         pairs = self._pairs
-        larger, smaller = pairs.larger[rows], pairs.smaller[rows]
-        pairs.version[0, rows], pairs.version[1, rows] = (
-            self._version[larger],
-            self._version[smaller],
-        )
+        larger = pairs.larger[rows]
+        smaller = pairs.smaller[rows]
+        pairs.version[0, rows] = self._version[larger]
+        pairs.version[1, rows] = self._version[smaller]
         limit: FloatArray = np.where(
             before[rows], self.settings.tolerance + self.settings.slack, self.settings.tolerance
         )
@@ -808,31 +812,28 @@ class ContactTracker:
         current = self._up_to_date(rows, turn, place, self._radius[smaller], limit, before[rows])
         if current.any():
             queried = (~current).nonzero()[0]
-            rows, larger, smaller, limit = (
-                rows[queried],
-                larger[queried],
-                smaller[queried],
-                limit[queried],
-            )
-            turn, offset, place = (
-                turn.take(queried, axis=2),
-                offset.take(queried, axis=1),
-                place.take(queried, axis=1),
-            )
+            rows = rows[queried]
+            larger = larger[queried]
+            smaller = smaller[queried]
+            limit = limit[queried]
+            turn = turn.take(queried, axis=2)
+            offset = offset.take(queried, axis=1)
+            place = place.take(queried, axis=1)
         placing = np.stack([larger, smaller], axis=1), turn, offset, limit
         if meetings is None:
-            found, hits = self._patches(*placing), self._time_of_impact.hits_at(meetings)
+            found = self._patches(*placing)
+            hits = self._time_of_impact.hits_at(meetings)
         else:
             several = zip(placing, meetings.placing, (0, 2, 1, 0), strict=True)
             both = self._patches(
                 *(np.concatenate([mine, theirs], axis=axis) for mine, theirs, axis in several)
             )
-            found, hits = (
-                both.part(slice(len(rows))),
-                meetings.hits(both.part(slice(len(rows), None))),
-            )
+            found = both.part(slice(len(rows)))
+            hits = meetings.hits(both.part(slice(len(rows), None)))
         values = np.empty((_ROWS, len(rows)))
-        values[_PLACE], values[_TURN], values[_NORMAL] = place, turn.reshape(9, -1), found.normal
+        values[_PLACE] = place
+        values[_TURN] = turn.reshape(9, -1)
+        values[_NORMAL] = found.normal
         values[_DISTANCE], values[_AREA] = found.distance, found.area
         gap = found.normal * (found.distance / 2)
         values[_ON_LARGER] = found.centre - gap
@@ -863,7 +864,8 @@ class ContactTracker:
             limit: distance up to which a pair touches (k,).
             before: whether it touched in the last frame (k,).
         """
-        pairs, motion = self._pairs, self._motion(rows, turn, place, radius)
+        pairs = self._pairs
+        motion = self._motion(rows, turn, place, radius)
         apart = pairs.values[_DISTANCE, rows] - motion > limit
         return np.asarray(
             pairs.known[rows]
@@ -877,7 +879,8 @@ class ContactTracker:
         """How far any point of the smaller bodies of the pairs ``rows`` (k,), within ``radius``
         (k,) of the middles of their bounds, has moved since these pairs were queried: (k,)."""
         values = self._pairs.values[: _ON_LARGER.start].take(rows, axis=1)
-        travel, change = place - values[_PLACE], turn - values[_TURN].reshape(3, 3, -1)
+        travel = place - values[_PLACE]
+        change = turn - values[_TURN].reshape(3, 3, -1)
         return np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2)
 
     def _patches(
@@ -888,7 +891,8 @@ class ContactTracker:
         medium = self._medium[numbers[:, 0]] | self._medium[numbers[:, 1]]
         if not medium.any():
             return self._narrow.query(numbers, turn, offset, limit)
-        inside, others = medium.nonzero()[0], (~medium).nonzero()[0]
+        inside = medium.nonzero()[0]
+        others = (~medium).nonzero()[0]
         found = self._narrow.query(
             numbers[others], turn[..., others], offset[:, others], limit[others]
         )
@@ -899,23 +903,20 @@ class ContactTracker:
             + np.minimum(self._high[:, a], self._high[:, b])
         ) / 2
         pose = self._pose[:, a]
-        centre, normal = (
-            turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:]),
-            np.tile([[0.0], [0.0], [1.0]], len(inside)),
-        )
+        centre = turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:])
+        normal = np.tile([[0.0], [0.0], [1.0]], len(inside))
         wet = PairPatches(distance, normal, centre, np.zeros(len(inside)))
         return PairPatches.joined(len(medium), (others, found), (inside, wet))
 
     def _contact_set(self, rows: IntArray) -> ContactSet:
         """Contacts of pairs ``rows``, each at the centre of its patch."""
         pairs = self._pairs
-        larger, smaller, key, values = (
-            pairs.larger[rows],
-            pairs.smaller[rows],
-            pairs.key[rows],
-            pairs.values.take(rows, axis=1),
-        )
-        pose_l, pose_s = self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
+        larger = pairs.larger[rows]
+        smaller = pairs.smaller[rows]
+        key = pairs.key[rows]
+        values = pairs.values.take(rows, axis=1)
+        pose_l = self._pose.take(larger, axis=1)
+        pose_s = self._pose.take(smaller, axis=1)
         turn = pose_l[:9].reshape(3, 3, -1)
         normal = turned(turn, values[_NORMAL])
         ends = np.stack([_placed(pose_l, values[_ON_LARGER]), _placed(pose_s, values[_ON_SMALLER])])
@@ -942,7 +943,8 @@ class ContactTracker:
         Boxes that do not touch are also weighted by the patch's area relative to the face of the
         smaller one: their nearest edges do not face each other as round bodies do.
         """
-        distance, turn = values[_DISTANCE], values[_TURN].reshape(3, 3, -1)
+        distance = values[_DISTANCE]
+        turn = values[_TURN].reshape(3, 3, -1)
         rest = _RESTING * self.settings.tolerance
         near = 1.0 - smooth_step((distance - rest) / max(self.settings.tolerance - rest, 1e-300))
         if not np.any(near < 1):
@@ -980,7 +982,8 @@ class ContactTracker:
         if len(pairs.key) == 0:
             return np.zeros(len(key), dtype=np.bool_)
         rows = np.searchsorted(pairs.key, key).clip(max=len(pairs.key) - 1)
-        larger, smaller = pairs.larger[rows], pairs.smaller[rows]
+        larger = pairs.larger[rows]
+        smaller = pairs.smaller[rows]
         turn, offset = relative_pose(paths.start[:, larger], paths.start[:, smaller])
         place = turned(turn, self._middle[:, smaller]) + offset
         least = pairs.values[_DISTANCE, rows] - self._motion(
@@ -1018,10 +1021,13 @@ class ContactTracker:
         rows = rows[~(self._medium[pairs.larger[rows]] | self._medium[pairs.smaller[rows]])]
         if len(rows) == 0:
             return Hits.none()
-        larger, smaller = pairs.larger[rows], pairs.smaller[rows]
-        pose, other = self._pose.take(larger, axis=1), self._pose.take(smaller, axis=1)
+        larger = pairs.larger[rows]
+        smaller = pairs.smaller[rows]
+        pose = self._pose.take(larger, axis=1)
+        other = self._pose.take(smaller, axis=1)
         limit = np.full(len(rows), self.settings.tolerance + self.settings.slack)
-        normal, distance = pairs.values[_NORMAL, rows], pairs.values[_DISTANCE, rows]
+        normal = pairs.values[_NORMAL, rows]
+        distance = pairs.values[_DISTANCE, rows]
         centre = pairs.values[_ON_LARGER, rows] + normal * (distance / 2)
         of, points = self._narrow.corners(
             np.stack([larger, smaller], axis=1), *relative_pose(pose, other), limit, normal, centre
@@ -1058,7 +1064,8 @@ class ContactTracker:
         """Of each corner of the patches that the pairs ``rows`` had in the last frame, with the
         values ``last``: the number (k,) of the pair, and where the material of the larger and of
         the smaller body there (2, 3, k) is now."""
-        larger, smaller = self._pairs.larger[rows], self._pairs.smaller[rows]
+        larger = self._pairs.larger[rows]
+        smaller = self._pairs.smaller[rows]
         turn, offset = relative_pose(paths.start[:, larger], paths.start[:, smaller])
         normal = last[_NORMAL, rows]
         gap = normal * (last[_DISTANCE, rows] / 2)
@@ -1083,13 +1090,12 @@ class ContactTracker:
             impact_energies(hits, self._mass, ~self._dynamic, self.settings.energy)
             / self.settings.time_scale**2
         )
-        impacts, still = [], _among(hits.pairs @ (len(self.bodies), 1), struck)
+        impacts = []
+        still = _among(hits.pairs @ (len(self.bodies), 1), struck)
         for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.time)).tolist():
             a, b = hits.pairs[k].tolist()
-            key, when = (
-                a * len(self.bodies) + b,
-                self._history.times[-1] - paths.duration + float(hits.time[k]),
-            )
+            key = a * len(self.bodies) + b
+            when = self._history.times[-1] - paths.duration + float(hits.time[k])
             last, speed = self._last_impact.get(key, (-np.inf, 0.0))
             limits = self.settings.impact_limits(self.bodies[a].named, self.bodies[b].named)
             again = still[k] or when - last < limits.refractory

@@ -171,11 +171,9 @@ def _with_frequency(
     here = None if row is None else _frequency(result.sources[row])
     if row is None or here is None:
         return None
-    source, signal, wanted = (
-        result.sources[row],
-        cast(Any, result.sources[row].emitted),
-        margin_of(result, column) + missing - _NEAR,
-    )
+    source = result.sources[row]
+    signal = cast(Any, result.sources[row].emitted)
+    wanted = margin_of(result, column) + missing - _NEAR
     tones = sorted(_TONES, key=lambda tone: abs(math.log(tone / here)))
     tried = [
         _with_source(result, row, replace(source, signal=replace(signal, frequency=tone)))

@@ -70,11 +70,9 @@ class Recordings:
     listener, averaged over windows."""
 
     def __init__(self, source: FloatArray, listener: FloatArray) -> None:
-        self._samples, self._size, count = (
-            (source, listener),
-            round(_WINDOW * RATE),
-            min(len(source), len(listener)),
-        )
+        self._samples = (source, listener)
+        self._size = round(_WINDOW * RATE)
+        count = min(len(source), len(listener))
         self.starts = range(0, count - self._size + 1, self._size // 2)
         if len(self.starts) < 4:
             raise ValueError(
@@ -84,12 +82,11 @@ class Recordings:
 
     def steps(self) -> Iterator[None]:
         """Add one window per step."""
-        window, bins = np.hanning(self._size), self._size // 2 + 1
-        self._own, self._other, self._cross = (
-            np.zeros(bins),
-            np.zeros(bins),
-            np.zeros(bins, dtype=np.complex128),
-        )
+        window = np.hanning(self._size)
+        bins = self._size // 2 + 1
+        self._own = np.zeros(bins)
+        self._other = np.zeros(bins)
+        self._cross = np.zeros(bins, dtype=np.complex128)
         for start in self.starts:
             first, second = (
                 np.fft.rfft(x[start : start + self._size] * window) for x in self._samples
@@ -101,14 +98,17 @@ class Recordings:
 
     def transfer(self) -> Transfer:
         """The transfer over the windows added so far."""
-        frequency, cross = np.fft.rfftfreq(self._size, 1 / RATE), np.abs(self._cross)
+        frequency = np.fft.rfftfreq(self._size, 1 / RATE)
+        cross = np.abs(self._cross)
         used = (
             (frequency >= BAND_EDGES[0])
             & (frequency <= BAND_EDGES[-1])
             & (self._own > self._own.max() * 1e-12)
             & (cross > 0)
         )
-        own, other, cross = self._own[used], self._other[used], cross[used]
+        own = self._own[used]
+        other = self._other[used]
+        cross = cross[used]
         coherence = np.minimum(cross**2 / np.maximum(own * other, 1e-300), 1 - 1e-9)
         return Transfer(frequency[used], np.log(cross / own), coherence, len(self.starts))
 
@@ -190,7 +190,8 @@ def fit(graph: HapticGraph, measured: Transfer, asked: Question) -> FittedLoss:
     now = math.log(transfer_coefficient(item.kappa, item.rho)) / math.log(function.material_k)
     values, errors, alone = _solved(measured, levels, bool(asked.contact) or not asked.calibrated)
     contact, contact_error = (float(values[1]), float(errors[1])) if asked.contact else (0.0, 0.0)
-    damping, gain = max(float(values[0]), 0.0), min(1.0, math.exp(contact))
+    damping = max(float(values[0]), 0.0)
+    gain = min(1.0, math.exp(contact))
     models = np.stack(
         [
             levels.known + levels.contact - now * levels.damped,
@@ -199,7 +200,8 @@ def fit(graph: HapticGraph, measured: Transfer, asked: Question) -> FittedLoss:
             - damping * levels.damped,
         ]
     )
-    used, weights = measured.used, measured.deviation**-2 * measured.used
+    used = measured.used
+    weights = measured.deviation**-2 * measured.used
     if not asked.calibrated:
         models += np.average(measured.level - models, axis=1, weights=weights)[:, None]
     before, after = (
@@ -279,15 +281,15 @@ def _levels(
             if contact and {
                 graph.table.names[int(graph.node_object[node])] for node in (a, b)
             } == set(contact):
-                crossed, weight = True, math.log(graph.weight[graph.contact[a]])
-                free, known = free + passed - weight, known + weight
+                crossed = True
+                weight = math.log(graph.weight[graph.contact[a]])
+                free = free + passed - weight
+                known = known + weight
             else:
                 known += passed
             continue
-        item, distance = (
-            graph.table.objects[number],
-            float(graph.node_distances(np.array([a]), np.array([b]))[0]),
-        )
+        item = graph.table.objects[number]
+        distance = float(graph.node_distances(np.array([a]), np.array([b]))[0])
         function = item.propagation
         if isinstance(function, Physical):
             known += math.log(float(function.spreading(np.array(distance))))
@@ -301,7 +303,8 @@ def _levels(
             inside += distance if number in fitted else 0.0
         else:
             known += np.log(graph.table.gain(number, np.array(distance)))
-            decays, gains = function.band_decays(item.kappa, item.rho), function.band_gains()
+            decays = function.band_decays(item.kappa, item.rho)
+            gains = function.band_gains()
             known -= np.array(decays or (0.0,) * BAND_COUNT)[band] * distance
             known += np.log(np.maximum(np.array(gains or (1.0,) * BAND_COUNT), 1e-300))[band]
     return _Levels(known, damped, free, inside, crossed)
@@ -318,10 +321,8 @@ def _solved(
     columns = [-levels.damped[used], np.ones(int(used.sum()))][: 2 if with_offset else 1]
     known = levels.known if with_offset else levels.known + levels.contact
     deviation = measured.deviation[used]
-    weighed, aimed = (
-        np.stack(columns, axis=1) / deviation[:, None],
-        (measured.level - known)[used] / deviation,
-    )
+    weighed = np.stack(columns, axis=1) / deviation[:, None]
+    aimed = (measured.level - known)[used] / deviation
     size = np.maximum(np.linalg.norm(weighed, axis=0), 1e-300)
     values = np.linalg.lstsq(weighed / size, aimed, rcond=1e-12)[0] / size
     noise = max(
@@ -345,7 +346,8 @@ def _doubts(
         alone: whether the recordings can't tell damping and gain apart.
         with_contact: whether the gain is that of a contact.
     """
-    doubts, loss = [], DECIBELS * float(values[0]) * most
+    doubts = []
+    loss = DECIBELS * float(values[0]) * most
     if alone:
         doubts.append(Message.of(Cause.FIT_ALIKE, object=name))
     elif loss < AUDIBLE_LOSS:
@@ -365,7 +367,8 @@ def _doubts(
 
 def _by_band(measured: Transfer, models: FloatArray) -> FloatArray:
     """The ``bands`` of `FittedLoss`."""
-    rows, band = np.full((BAND_COUNT, 4), math.nan), _bands_of(measured.frequency)
+    rows = np.full((BAND_COUNT, 4), math.nan)
+    band = _bands_of(measured.frequency)
     for number in range(BAND_COUNT):
         inside = (band == number) & measured.used
         if inside.any():

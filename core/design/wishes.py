@@ -86,7 +86,8 @@ def fulfil(
     groups = [[index[name] for name in material.objects] for material in free]
     objects = [graph.table.objects[numbers[0]] for numbers in groups]
     start = np.log([max(transfer_coefficient(item.kappa, item.rho), 1e-9) for item in objects])
-    low, high = np.log([m.least for m in free]) - start, np.log([m.most for m in free]) - start
+    low = np.log([m.least for m in free]) - start
+    high = np.log([m.most for m in free]) - start
     columns = [graph.listeners.index(wish.listener) for wish in wishes]
     wished = np.array([wish.change for wish in wishes]) / DECIBELS
     before = log_levels(graph, settings, energies).level[columns]
@@ -113,7 +114,10 @@ def fulfil(
         )
         tried, left = at(change + step)
         if left @ left < missing @ missing:
-            change, found, missing, region = change + step, tried, left, 2 * region
+            change = change + step
+            found = tried
+            missing = left
+            region = 2 * region
         else:
             region = float(np.abs(step).max(initial=0.0)) / 4
         if region < _LAST_STEP or np.abs(missing).max(initial=0.0) < _LAST_STEP:

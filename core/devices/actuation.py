@@ -57,7 +57,8 @@ class SpectralDescription:
         its channels."""
         self.hop = max(round(HOP * rate), 1)
         self._rate = rate
-        rise, fall = round(_RISE * rate), max(round(_FALL * rate), 1)
+        rise = round(_RISE * rate)
+        fall = max(round(_FALL * rate), 1)
         self._window = np.concatenate(
             [
                 np.sin(0.5 * np.pi * (np.arange(rise) + 0.5) / rise) ** 2,
@@ -198,7 +199,8 @@ class SampleActuation:
         self._channels = len(family.channels)
         self._high_pass = HighPass(len(profile.actuators), rate)
         self._resampler = Resampler(len(profile.actuators), rate, family.rate)
-        self.rate, self.hop = rate, round(HOP * rate)
+        self.rate = rate
+        self.hop = round(HOP * rate)
 
     def calibrate(self, calibrations: Mapping[str, Calibration]) -> None:
         """Use the gains of these calibrations by actuator, in place of the profile's, from the next

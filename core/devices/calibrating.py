@@ -47,7 +47,8 @@ def measured_full_scale(
     found = []
     for centre in _BANDS:
         inside = (frequency >= centre * 2 ** (-1 / 6)) & (frequency < centre * 2 ** (1 / 6))
-        energy, answer = given[:, inside].sum(axis=1), taken[:, inside].sum(axis=1)
+        energy = given[:, inside].sum(axis=1)
+        answer = taken[:, inside].sum(axis=1)
         sounding = energy > _PLAYED * energy.max(initial=0.0)
         noise = answer[silent].mean() if silent.any() else 0.0
         if energy.max(initial=0.0) < _PLAYED * given.sum(axis=1).max(initial=0.0) or (

@@ -230,7 +230,8 @@ def missing_permission(interface: Interface) -> str | None:
     they may, or if that is unknown."""
     if not sys.platform.startswith("linux"):
         return None
-    name, path = interface.label, os.fsdecode(interface.path)
+    name = interface.label
+    path = os.fsdecode(interface.path)
     if os.access(path, os.R_OK | os.W_OK):
         return None
     if not os.access(path, os.F_OK):

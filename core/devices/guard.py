@@ -189,7 +189,8 @@ class Guard:
             self._condition.notify_all()
             return
         if not self._unwritten and self._orders:
-            self._unwritten, self._orders = _message(self._orders), {}
+            self._unwritten = _message(self._orders)
+            self._orders = {}
         # The pipe is full; or the guard has ended, which the thread of statuses sees.
         with suppress(OSError):
             self._unwritten = self._unwritten[
@@ -207,11 +208,13 @@ class Guard:
                     if self._closing or self._lost:
                         return
                     if not self._unwritten:
-                        self._unwritten, self._orders = _message(self._orders), {}
+                        self._unwritten = _message(self._orders)
+                        self._orders = {}
                     if self._never_blocks:
                         self._write_some()
                         continue
-                    message, self._unwritten = self._unwritten, memoryview(b"")
+                    message = self._unwritten
+                    self._unwritten = memoryview(b"")
                 pipe.write(message)
                 pipe.flush()
         except OSError:
@@ -245,7 +248,8 @@ class Guard:
         silent = 0
         while not self._ended.wait(ANSWER):
             with self._condition:
-                silent, self._answered = 0 if self._answered else silent + 1, False
+                silent = 0 if self._answered else silent + 1
+                self._answered = False
                 drives = any(status.state == "open" for status in self._statuses.values())
             late = silent * ANSWER - (_ANSWERS_WITHIN if drives else _STARTS_WITHIN)
             if late >= _BUSY or (late >= 0.0 and not is_ready(self._pid)):
@@ -324,7 +328,9 @@ class GuardedOutput(Output):
         self._lost = ""  # why its guard ended; another one then silences the device
 
     def start(self) -> None:
-        self.number, self._own, self._lost = next(_state.numbers), Status(), ""
+        self.number = next(_state.numbers)
+        self._own = Status()
+        self._lost = ""
         try:
             self._guard = _state.open(self)
         except OSError as error:

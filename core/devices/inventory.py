@@ -130,7 +130,8 @@ def _is_same(node: Interface, pad: Interface) -> bool:
 
 
 def _event_device(node: Interface) -> Found:
-    profile, module = force_feedback_profile(node), ForceFeedbackModule(node)
+    profile = force_feedback_profile(node)
+    module = ForceFeedbackModule(node)
     key = " ".join(filter(None, ("force-feedback", node.title, node.serial)))
     return Found(
         key,

@@ -74,7 +74,8 @@ def runs_on_macos(process: int, select: Any, libproc: Any) -> IsRunning:
 
     select, libproc: the module and the library of the system.
     """
-    queue, ended = select.kqueue(), False
+    queue = select.kqueue()
+    ended = False
     try:
         queue.control(
             [select.kevent(process, select.KQ_FILTER_PROC, select.KQ_EV_ADD, select.KQ_NOTE_EXIT)],

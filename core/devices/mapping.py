@@ -142,7 +142,8 @@ def map_listeners(
     loss. bands: the frequencies (low, high) in Hz that a listener's signal has, where known. Raises
     ValueError for an unknown body part, listener, device or actuator.
     """
-    chosen, bands = dict(chosen or {}), dict(bands or {})
+    chosen = dict(chosen or {})
+    bands = dict(bands or {})
     for name, given in (("chosen", chosen), ("bands", bands)):
         unknown = sorted(set(given) - set(listeners))
         if unknown:

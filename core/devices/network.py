@@ -153,10 +153,12 @@ def _motors(device: Mapping[str, Any]) -> list[int]:
 
 
 def _intiface_device(player: Player, device: Mapping[str, Any]) -> tuple[Profile, StandInModule]:
-    index, motors = int(device["DeviceIndex"]), _motors(device)
+    index = int(device["DeviceIndex"])
+    motors = _motors(device)
     names = [f"motor {number + 1}" for number in range(len(motors))]
     gap = max((device.get("DeviceMessageTimingGap") or 0) / 1000, _INTERVAL)
-    encode, release = partial(_encode_intiface, index, motors), partial(_release_intiface, index)
+    encode = partial(_encode_intiface, index, motors)
+    release = partial(_release_intiface, index)
     family = _family(
         f"intiface {index}", device["DeviceName"], names, encode, release, interval=gap
     )

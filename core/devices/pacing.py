@@ -47,7 +47,8 @@ class Ahead:
     def pop(self, count: int) -> FloatArray:
         """Take the first ``count`` of them, or all that there are."""
         assert self.samples is not None
-        taken, self.samples = self.samples[:, :count], self.samples[:, count:]
+        taken = self.samples[:, :count]
+        self.samples = self.samples[:, count:]
         self.start += taken.shape[1] / self.rate
         self.begun = True
         return taken
@@ -72,8 +73,10 @@ class SampleQueue:
         self, channels: int, hop: int, process: Callable[[FloatArray], FloatArray]
     ) -> None:
         """process: makes samples of the queue of at most ``hop`` samples sent ahead."""
-        self.samples, self.last = np.zeros((channels, 0)), np.zeros((channels, 1))
-        self.ahead, self.dry = Ahead(), False
+        self.samples = np.zeros((channels, 0))
+        self.last = np.zeros((channels, 1))
+        self.ahead = Ahead()
+        self.dry = False
         self._hop, self._process = hop, process
 
     def __len__(self) -> int:
@@ -84,7 +87,8 @@ class SampleQueue:
 
     def clear(self) -> None:
         """Drop everything, the samples sent ahead as well."""
-        self.samples, self.ahead = self.samples[:, :0], Ahead()
+        self.samples = self.samples[:, :0]
+        self.ahead = Ahead()
 
     def fill(self, count: int) -> None:
         """Extend the queue to ``count`` samples from those sent ahead, if there are enough."""
@@ -94,7 +98,8 @@ class SampleQueue:
     def take(self, count: int) -> FloatArray:
         """The next ``count`` samples, padded with silence, without a jump at the boundary."""
         self.fill(count)
-        taken, self.samples = self.samples[:, :count], self.samples[:, count:]
+        taken = self.samples[:, :count]
+        self.samples = self.samples[:, count:]
         played = np.zeros((len(taken), count))
         played[:, : taken.shape[1]] = taken
         self.dry = taken.shape[1] < count
@@ -138,7 +143,8 @@ class Pacing(ABC):
             sequence: number of the first report.
             command_seconds: time for which a report drives the device [s].
         """
-        self.interval, self.lead = profile.interval(transport), 0.0
+        self.interval = profile.interval(transport)
+        self.lead = 0.0
         self._family, self._actuation = family, actuation
         self._transport, self._sequence = transport, sequence
         ceilings = {
@@ -401,7 +407,8 @@ class StreamPacing(Pacing):
         if begun:  # then the block waits for its turn as long as any other
             queue.fill(round(self.lead * self._family.rate))
         place = self._place(sent)
-        is_cut, queue.samples = place < len(queue), queue.samples[:, :place]
+        is_cut = place < len(queue)
+        queue.samples = queue.samples[:, :place]
         dry = queue.dry and not len(queue)
         seam = dry or is_cut or begun
         if seam:

@@ -42,7 +42,8 @@ class Resampler:
         if rate_in <= 0 or rate_out <= 0:
             raise ValueError(f"rate {min(rate_in, rate_out)} is not above 0")
         common = math.gcd(rate_in, rate_out)
-        self._up, self._down = rate_out // common, rate_in // common
+        self._up = rate_out // common
+        self._down = rate_in // common
         self._same = rate_in == rate_out
         self.delay = 0.0 if self._same else DELAY / min(rate_in, rate_out)
         self._taps = (
@@ -68,7 +69,8 @@ class Resampler:
         available = max(samples.shape[1] - width + 1, 0)
         count = max(-(-(available * self._up - self._position) // self._down), 0)
         places = self._position + self._down * np.arange(count)
-        start, phase = places // self._up, places % self._up
+        start = places // self._up
+        phase = places % self._up
         windows = np.lib.stride_tricks.as_strided(
             samples, (self._channels, available, width), (*samples.strides, samples.itemsize)
         )[:, start]

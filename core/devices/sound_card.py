@@ -207,8 +207,10 @@ class SoundCardWriter(ThreadedOutput):
                 )
             self._delays.append(len(queue) / rate)
             queue.append(samples)
-            self._sent, self._end = sent, sent + block_seconds
-            queue.ahead, queue.dry = queue.ahead.after(self._end), False
+            self._sent = sent
+            self._end = sent + block_seconds
+            queue.ahead = queue.ahead.after(self._end)
+            queue.dry = False
         self._written += 1
         return sent
 
@@ -254,7 +256,8 @@ class SoundCardWriter(ThreadedOutput):
         try:
             module = self._module or sound_module()
         except DeviceError as error:
-            self._state, self._message = "failed", str(error)
+            self._state = "failed"
+            self._message = str(error)
             return
         while not self._stop.is_set():
             try:
@@ -282,7 +285,9 @@ class SoundCardWriter(ThreadedOutput):
             callback=callback,
             finished_callback=self._ended.set,
         ) as stream:
-            self._latency, self._message, self._state = float(stream.latency), "", "open"
+            self._latency = float(stream.latency)
+            self._message = ""
+            self._state = "open"
             while not self._stop.is_set() and not self._ended.wait(0.05):
                 pass
             if not self._stop.is_set():

@@ -103,7 +103,8 @@ class VrControllers(Output):
         self._stopping = stopping
         self.hands = False  # whether only blocks of the session's hands are played
         self.profile = PROFILE
-        self._rate, self._rows = rate, len(PROFILE.actuators)
+        self._rate = rate
+        self._rows = len(PROFILE.actuators)
         self._lock = threading.RLock()
         self._state: State = "searching"
         self._high_pass = HighPass(self._rows, rate)
@@ -145,7 +146,8 @@ class VrControllers(Output):
         if hands != self.hands:
             return sent
         with self._lock:
-            queue, start = self._queue, sent + self._adjustment.delay
+            queue = self._queue
+            start = sent + self._adjustment.delay
             samples = self._high_pass.process(checked)
             if queue.dry and not len(queue):
                 self._due = start
@@ -158,7 +160,8 @@ class VrControllers(Output):
             if gap > _GAP * self._rate:
                 queue.append(np.zeros((self._rows, gap)))
             queue.append(samples)
-            queue.ahead, queue.dry = Ahead(), False
+            queue.ahead = Ahead()
+            queue.dry = False
             self._sent = sent
         return sent
 
@@ -226,7 +229,8 @@ class VrControllers(Output):
             float(calibrated(np.sqrt(power), self._calibration(actuator)))
             for power, actuator in zip(powers.tolist(), PROFILE.actuators, strict=True)
         ]
-        before, self._driven = self._driven, self._limits.limited(np.array(wanted), elapsed)
+        before = self._driven
+        self._driven = self._limits.limited(np.array(wanted), elapsed)
         seconds = min(_FRAMES * self._interval, LONGEST)
         return {
             actuator.name: Call(float(self._driven[row]), float(frequencies[row]), seconds)
@@ -258,7 +262,8 @@ class VrControllers(Output):
         self._history = joined[:, -self._history.shape[1] :]
         recent = joined[:, -max(self._history.shape[1], count + 1) :]
         steps = np.diff(recent, axis=1)
-        power, change = np.mean(recent[:, 1:] ** 2, axis=1), np.mean(steps**2, axis=1)
+        power = np.mean(recent[:, 1:] ** 2, axis=1)
+        change = np.mean(steps**2, axis=1)
         turn = np.divide(change, power, out=np.ones(self._rows), where=power > 0)
         frequencies = self._rate / np.pi * np.arcsin(np.sqrt(np.minimum(turn / 4, 1.0)))
         # Of a sine, the square plus that of its quadrature, which follows from its step, is
@@ -266,10 +271,12 @@ class VrControllers(Output):
         envelope = joined[:, -count:] ** 2 + steps[:, -count:] ** 2 / turn[:, None]
         parts = np.array_split(envelope, max(round(count / (_PART * self._rate)), 1), axis=1)
         strongest = np.max([part.mean(axis=1) for part in parts], axis=0)
-        wanted, frame = envelope.mean(axis=1), count / self._rate
+        wanted = envelope.mean(axis=1)
+        frame = count / self._rate
         peaks = strongest > np.maximum(_PEAK * wanted, self._strongest)
         owed = np.where(peaks | (wanted * frame < self._owed / 10), 0.0, self._owed)
         paid = np.maximum(wanted - owed / frame, wanted / 4)  # a blow has no pause
         powers = np.where(peaks, np.minimum(strongest, 2.0 * wanted), paid)
-        self._owed, self._strongest = owed + (powers - wanted) * frame, strongest
+        self._owed = owed + (powers - wanted) * frame
+        self._strongest = strongest
         return powers, np.clip(frequencies, *_BAND)

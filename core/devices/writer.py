@@ -92,7 +92,8 @@ class DeviceWriter(ThreadedOutput):
         sent = time.perf_counter() if sent is None else sent
         with self._wake:
             self._dropped += self._mail is not None
-            self._mail, self._expected = (checked, sent), None
+            self._mail = (checked, sent)
+            self._expected = None
             self._wake.notify()
         return sent
 
@@ -139,9 +140,11 @@ class DeviceWriter(ThreadedOutput):
                 )
             self._state = "stopped"
         except DeviceError as error:
-            self._state, self._message = "failed", str(error)
+            self._state = "failed"
+            self._message = str(error)
         except Exception as error:
-            self._state, self._message = "failed", f"{type(error).__name__}: {error}"
+            self._state = "failed"
+            self._message = f"{type(error).__name__}: {error}"
         finally:
             _running.discard(self)
 
@@ -272,7 +275,8 @@ class DeviceWriter(ThreadedOutput):
             done = send(report.data) >= 0
             reason = "" if done else opened.hid.error()
         except (OSError, ValueError) as error:
-            done, reason = False, str(error)
+            done = False
+            reason = str(error)
         finally:
             self._writing_since = None
             self._wrote = time.perf_counter()

@@ -79,7 +79,8 @@ def gap_message(
         listener: number of the listener.
         surroundings: poses and shapes of the bodies, None where they are unknown.
     """
-    source, felt_at = result.sources[row], result.listeners[listener]
+    source = result.sources[row]
+    felt_at = result.listeners[listener]
     names = graph.table.names
     start = {names[graph.node_object[node]] for node in graph.sources[row].nodes}
     end = names[graph.node_object[graph.listener_nodes[listener]]]
@@ -93,7 +94,8 @@ def gap_message(
             object=end,
             listener=felt_at.name,
         )
-    widest, tolerance = found[0], surroundings.contact_settings.tolerance
+    widest = found[0]
+    tolerance = surroundings.contact_settings.tolerance
     arguments: dict[str, Argument] = {
         "source": source.name,
         "first": widest.first,
@@ -146,7 +148,8 @@ def _touching(graph: HapticGraph, row: dict[str, int]) -> list[set[int]]:
         graph.node_object[graph.partner[contact]].tolist(),
         strict=True,
     ):
-        first, second = row.get(graph.table.names[a]), row.get(graph.table.names[b])
+        first = row.get(graph.table.names[a])
+        second = row.get(graph.table.names[b])
         if first is not None and second is not None:
             touching[first].add(second)
             touching[second].add(first)
@@ -158,7 +161,8 @@ def _least_air(
 ) -> IntArray:
     """Predecessors (n,) of Dijkstra's search over all bodies, -1 at the start."""
     count = len(bounds)
-    air, predecessor = np.full(count, np.inf), np.full(count, -1, dtype=np.int64)
+    air = np.full(count, np.inf)
+    predecessor = np.full(count, -1, dtype=np.int64)
     air[list(start)] = 0.0
     open_bodies = np.ones(count, dtype=np.bool_)
     while open_bodies[end]:
@@ -170,7 +174,8 @@ def _least_air(
         step = np.sqrt((apart**2).sum(axis=1)) + 1e-3  # prefers fewer steps among equal distances
         step[list(touching[here])] = 1e-9
         better = open_bodies & (air[here] + step < air)
-        air[better], predecessor[better] = air[here] + step[better], here
+        air[better] = air[here] + step[better]
+        predecessor[better] = here
     return predecessor
 
 

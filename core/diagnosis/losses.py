@@ -61,7 +61,8 @@ def _weak_path_message(graph: HapticGraph, settings: Settings, path: tuple[int, 
     """Message that the gain of the path is too low, or that it has too many connections."""
     losses = object_losses(graph, path)
     total = sum(loss for _, loss, _ in losses)
-    chain, count = Chain(objects_on(graph, path)), len(path) - 1
+    chain = Chain(objects_on(graph, path))
+    count = len(path) - 1
     limit = _threshold_loss(settings)
     most = most_connections(settings)
     if total <= limit and most is not None and count > most:
@@ -118,13 +119,12 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
     for a, b in itertools.pairwise(path):
         name = graph.table.names[graph.node_object[a]]
         if graph.partner[a] == b and graph.contact[a] >= 0:
-            cost, length = float(graph.transmission_loss[graph.contact[a]]), 0.0
+            cost = float(graph.transmission_loss[graph.contact[a]])
+            length = 0.0
         else:
             ends = np.array([a]), np.array([b])
-            cost, length = (
-                float(intra_costs(graph, *ends)[0]),
-                float(graph.node_distances(*ends)[0]),
-            )
+            cost = float(intra_costs(graph, *ends)[0])
+            length = float(graph.node_distances(*ends)[0])
         loss, distance = result.get(name, (0.0, 0.0))
         result[name] = loss + NEPER * cost, distance + length
     return [(name, loss, distance) for name, (loss, distance) in result.items()]

@@ -81,10 +81,8 @@ def _arrival_messages(
     if recent is None or len(recent) < 2:
         return (Message.of(Cause.NOT_RENDERED),)
     strongest = max(arriving, key=lambda row: float(result.amplitudes[row, listener]))
-    name, gain = (
-        result.sources[strongest].name,
-        Decibels(NEPER * np.log(float(result.gains[strongest, listener]))),
-    )
+    name = result.sources[strongest].name
+    gain = Decibels(NEPER * np.log(float(result.gains[strongest, listener])))
     if not np.any(recent):
         return (Message.of(Cause.PAUSE, name, source=name, gain=gain),)
     margin = float(sensation_level(recent, result.sample_rate, [item.device]))

@@ -78,11 +78,9 @@ def waterfall(
         level: of the listener [dB of full scale].
         seconds: the time over which the level is measured.
     """
-    source, listener, propagation = (
-        result.sources[row],
-        result.listeners[column],
-        result.propagation,
-    )
+    source = result.sources[row]
+    listener = result.listeners[column]
+    propagation = result.propagation
     nodes = propagation.best_path.get((row, column), ())
     hops: tuple[Hop, ...] = ()
     if nodes and mode in (Mode.HT, Mode.SD):
@@ -106,7 +104,8 @@ def waterfall(
 def _rms_alone(result: FrameResult, row: int, column: int, seconds: float) -> float:
     """RMS of a source at a listener of gain 1, without other sources, from the beginning of the
     frame's interval."""
-    propagation, pair = result.propagation, np.ix_([row], [column])
+    propagation = result.propagation
+    pair = np.ix_([row], [column])
     alone = replace(
         propagation,
         gain=propagation.gain[pair],

@@ -77,7 +77,8 @@ def write(
         progress: called with the share that has been measured; what it raises ends the writing.
     """
     form = named(name)
-    module, values = _module(form), complete(form.options, chosen)
+    module = _module(form)
+    values = complete(form.options, chosen)
     lost = tuple(module.loss(export, values))
     with staging(Path(folder)) as place:
         measures = module.measures(values)

@@ -179,16 +179,15 @@ class ObjectTable:
 
     def costs(self, index: IntArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
         """``-log`` of `gains` in two terms (n,), the constant one and that of the distance."""
-        constant, varying = self.loss[index], self.decay[index] * distance
+        constant = self.loss[index]
+        varying = self.decay[index] * distance
         if self.spreading is not None:
             varying += self.spreading.at(index).cost(distance)
         for number in self._special_among(index):
             chosen = np.flatnonzero(index == number)
             with np.errstate(divide="ignore"):
-                constant[chosen], varying[chosen] = (
-                    0.0,
-                    -np.log(self.gain(number, distance[chosen])),
-                )
+                constant[chosen] = 0.0
+                varying[chosen] = -np.log(self.gain(number, distance[chosen]))
         return constant, varying
 
     def _special_among(self, index: IntArray) -> set[int]:
@@ -201,7 +200,8 @@ def _spectrum_arrays(
     """Band gains (n, bands), band decays (n, bands) and slowness (n,) of functions; each None if
     none of them uses it."""
     gains = decays = slowness = None
-    spectra, band_gains = [f.spectrum for f in functions], [f.band_gains() for f in functions]
+    spectra = [f.spectrum for f in functions]
+    band_gains = [f.band_gains() for f in functions]
     if any(band_gains):
         gains = np.array([values or (1.0,) * BAND_COUNT for values in band_gains], dtype=np.float64)
     if any(band_decays):
@@ -300,7 +300,8 @@ class HapticGraph:
 
     def in_band(self, band: int) -> HapticGraph:
         """The graph whose plain gains are those of a frequency band, see `ObjectTable.in_band`."""
-        loss, table = self.transmission_loss, self.table.in_band(band)
+        loss = self.transmission_loss
+        table = self.table.in_band(band)
         if self.contact_band_gains is None and table is self.table:
             return self
         if self.contact_band_gains is not None:
@@ -437,10 +438,8 @@ def build_graph(
         [2 * count, len(source_entries), len(ends) - len(source_entries)],
     )
     node_position = np.empty((3, len(node_object)))
-    node_position[:, :count], node_position[:, count : 2 * count] = (
-        contacts.positions[:, 0].T,
-        contacts.positions[:, 1].T,
-    )
+    node_position[:, :count] = contacts.positions[:, 0].T
+    node_position[:, count : 2 * count] = contacts.positions[:, 1].T
     node_position[:, 2 * count :] = (
         np.array([position for _, position in ends], dtype=np.float64).reshape(-1, 3).T
     )
@@ -530,7 +529,8 @@ def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray]:
     first those of the ``count`` contacts' first nodes, then of their second nodes, then the
     rest."""
     partner, contact = np.full((2, len(rank)), -1, dtype=np.int64)
-    first, second = rank[:count], rank[count : 2 * count]
+    first = rank[:count]
+    second = rank[count : 2 * count]
     partner[first], partner[second] = second, first
     contact[first] = contact[second] = np.arange(count)
     return partner, contact
@@ -593,7 +593,8 @@ def _check(
 def _canonical(contacts: ContactSet) -> ContactSet:
     """Each pair's smaller object first, contacts sorted by objects, then by position and all other
     fields."""
-    swapped, key = contacts.pairs[:, 0] > contacts.pairs[:, 1], _keys(contacts.pairs)
+    swapped = contacts.pairs[:, 0] > contacts.pairs[:, 1]
+    key = _keys(contacts.pairs)
     if not swapped.any() and (key[1:] > key[:-1]).all():
         return contacts
     pairs = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
@@ -680,7 +681,8 @@ def _transmissions(
         delay = None if slowness is None else slowness[kind] * distance
     if np.any(contacts.weight < 1):
         with np.errstate(divide="ignore"):
-            gains, losses = gains * contacts.weight, losses - np.log(contacts.weight)
+            gains = gains * contacts.weight
+            losses = losses - np.log(contacts.weight)
     return gains, losses, band_gains, delay
 
 
@@ -715,7 +717,8 @@ def _transmission_gains(
         ),
         "force": np.full(len(chosen), math.nan) if forces is None else forces[chosen],
     }
-    kappa, rho = kappas.mean(axis=1), rhos.mean(axis=1)
+    kappa = kappas.mean(axis=1)
+    rho = rhos.mean(axis=1)
     try:
         return function.gain(distance, kappa, rho, table.epsilon, parameters)
     except ValueError:

@@ -33,7 +33,8 @@ class ObjectFrames:
     @lru_cache(maxsize=4)
     def unknown(cls, count: int) -> ObjectFrames:
         """Frames of objects without shapes, with the axes of the world."""
-        centre, axes = np.full((count, 3), np.nan), np.tile(np.eye(3), (count, 1, 1))
+        centre = np.full((count, 3), np.nan)
+        axes = np.tile(np.eye(3), (count, 1, 1))
         centre.setflags(write=False)
         axes.setflags(write=False)
         return cls(centre, axes)
@@ -57,7 +58,8 @@ class ObjectFrames:
     ) -> ObjectFrames:
         """With objects ``numbers`` (k,) under rigid ``transforms`` (k, 4, 4), the middle of each
         box at local ``centres`` (k, 3)."""
-        centre, axes = self.centre.copy(), self.axes.copy()
+        centre = self.centre.copy()
+        axes = self.axes.copy()
         axes[numbers] = transforms[:, :3, :3]
         centre[numbers] = (transforms[:, :3, :3] * centres[:, None]).sum(axis=2) + transforms[
             :, :3, 3

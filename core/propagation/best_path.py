@@ -163,7 +163,9 @@ def best_paths(
                     weak.append(pair)
                 else:
                     result.cut.setdefault(pair, threshold)  # of gains above 1, nothing is known
-        pairs, views, known = pairs[banded], dict.fromkeys(views, graph), {}
+        pairs = pairs[banded]
+        views = dict.fromkeys(views, graph)
+        known = {}
     _set_costs(graph, result)
     if crossings < graph.contact_count and not amplified:
         _bound_longer(graph, longer, bands, result)
@@ -199,7 +201,8 @@ def _set_costs(graph: HapticGraph, result: BestPaths) -> None:
     costs = dict(zip(result.nodes, along.costs(), strict=True))
     for pair in result.bound.keys() & result.nodes.keys():
         result.bound[pair] += costs[pair] - result.cost.get(pair, costs[pair])
-    result.cost, result.bands = costs, along.bands() if graph.uses_bands else None
+    result.cost = costs
+    result.bands = along.bands() if graph.uses_bands else None
 
 
 def _accept(
@@ -241,13 +244,11 @@ class _Walks:
         cost = trees.cost[tree, ends].min(axis=0)
         near = (cost <= self.limit + SLACK) & (cost < math.inf)
         if not near.all():
-            pairs, tree, ends, cost, backwards = (
-                pairs[near],
-                tree[near],
-                ends[:, near],
-                cost[near],
-                backwards[near],
-            )
+            pairs = pairs[near]
+            tree = tree[near]
+            ends = ends[:, near]
+            cost = cost[near]
+            backwards = backwards[near]
         keys = list(map(tuple, pairs.tolist()))
         self.found.update(
             zip(keys, trees.paths(self.graph, tree, ends[0], ends[-1], backwards), strict=True)
@@ -312,12 +313,12 @@ class _Trees:
     def __init__(
         self, graph: HapticGraph, views: Mapping[int, HapticGraph], pairs: IntArray
     ) -> None:
-        rows, columns = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
-        row, column = rows.searchsorted(pairs[:, 0]), columns.searchsorted(pairs[:, 1])
-        nodes, listeners = (
-            [graph.sources[number].nodes for number in rows.tolist()],
-            graph.listener_nodes[columns],
-        )
+        rows = np.unique(pairs[:, 0])
+        columns = np.unique(pairs[:, 1])
+        row = rows.searchsorted(pairs[:, 0])
+        column = columns.searchsorted(pairs[:, 1])
+        nodes = [graph.sources[number].nodes for number in rows.tolist()]
+        listeners = graph.listener_nodes[columns]
         starts = np.array([(ends[0], ends[-1]) for ends in nodes]).T
         alike: dict[int, list[int]] = {}
         for place, number in enumerate(rows.tolist()):
@@ -325,18 +326,18 @@ class _Trees:
         self.views: list[HapticGraph] = []
         self.roots: list[tuple[int, ...]] = []
         self.targets: list[IntArray] = []
-        first, backwards = np.zeros(len(rows), dtype=np.int64), np.zeros(len(rows), dtype=np.bool_)
+        first = np.zeros(len(rows), dtype=np.int64)
+        backwards = np.zeros(len(rows), dtype=np.bool_)
         for places in alike.values():
             first[places] = len(self.roots)
             if len(places) <= len(columns):
                 first[places] += np.arange(len(places))
-                roots, targets = [nodes[place] for place in places], listeners
+                roots = [nodes[place] for place in places]
+                targets = listeners
             else:
                 backwards[places] = True
-                roots, targets = (
-                    [(node,) for node in listeners.tolist()],
-                    np.unique(starts[:, places]),
-                )
+                roots = [(node,) for node in listeners.tolist()]
+                targets = np.unique(starts[:, places])
             self.roots += roots
             self.targets += [targets] * len(roots)
             self.views += [views[int(rows[places[0]])]] * len(roots)
@@ -380,7 +381,8 @@ def _search_from(
     certain = walks.complete or count == most  # more contacts would make no walk cheaper
     share = budget // (EXPANSION * len(columns))
     for column in columns:
-        pair, target = (row, column), int(graph.listener_nodes[column])
+        pair = (row, column)
+        target = int(graph.listener_nodes[column])
         path = walks.walk(graph, target)
         if certain and not (path and crosses_twice(graph, path)):
             if path:

@@ -130,13 +130,13 @@ class _Iteration:
         """Iterate only the ``chosen`` (c,) columns from now on."""
         if chosen.all():
             return
-        self.column, self.product = self.column[chosen], self.product[chosen]
-        self.energy, self._residual, self._direction = (
-            self.energy[chosen],
-            self._residual[chosen],
-            self._direction[chosen],
-        )
-        self._inverse, self._damping = self._inverse[chosen], self._damping[chosen]
+        self.column = self.column[chosen]
+        self.product = self.product[chosen]
+        self.energy = self.energy[chosen]
+        self._residual = self._residual[chosen]
+        self._direction = self._direction[chosen]
+        self._inverse = self._inverse[chosen]
+        self._damping = self._damping[chosen]
         self._matrix.restrict(self.column)
 
     def iterate(self) -> None:
@@ -168,7 +168,8 @@ class _Matrix:
         # A row's couplings come after its diagonal and those of the rows before.
         place = np.arange(entries) + balance.row + 1
         column = np.empty(entries + count, dtype=np.int64)
-        column[first], column[place] = np.arange(count), balance.column
+        column[first] = np.arange(count)
+        column[place] = balance.column
         diagonal = balance.diagonal
         self._blocks = balance.blocks
         self._system_values = np.empty((systems, entries + count))

@@ -93,14 +93,18 @@ class PathConnections:
     def __init__(self, graph: HapticGraph, paths: Collection[tuple[int, ...]]) -> None:
         self._graph = graph
         nodes = np.fromiter(itertools.chain.from_iterable(paths), dtype=np.int64)
-        a, b = nodes[:-1], nodes[1:]
+        a = nodes[:-1]
+        b = nodes[1:]
         ends = np.fromiter(itertools.accumulate(map(len, paths)), dtype=np.int64)
-        self._begins, self._ends = np.concatenate([[0], ends[:-1]])[: len(ends)], ends
+        self._begins = np.concatenate([[0], ends[:-1]])[: len(ends)]
+        self._ends = ends
         across = graph.partner[a] == b
         inside = ~across
         joints = self._begins[1:] - 1  # from the last node of a path to the first of the next
         across[joints] = inside[joints] = False
-        self._count, self._inside, self._across = len(a), inside.nonzero()[0], across.nonzero()[0]
+        self._count = len(a)
+        self._inside = inside.nonzero()[0]
+        self._across = across.nonzero()[0]
         a = a[self._inside]
         self._object, self._distance = (
             graph.node_object[a],
@@ -162,7 +166,8 @@ def joined(graph: HapticGraph, pairs: IntArray) -> BoolArray:
     ]
     listeners = graph.node_object[graph.listener_nodes[pairs[:, 1]]]
     crossed = (graph.partner > np.arange(graph.node_count)).nonzero()[0]
-    one, other = graph.node_object[crossed], graph.node_object[graph.partner[crossed]]
+    one = graph.node_object[crossed]
+    other = graph.node_object[graph.partner[crossed]]
     # Most scenes are one heap, so what lies a few contacts around a source mostly decides.
     reached = np.zeros(len(graph.start) - 1, dtype=np.bool_)
     reached[ends[:, 0]] = True

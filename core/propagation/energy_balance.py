@@ -76,9 +76,11 @@ class Energies:
 def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
     """Amplitude gains of the wanted pairs (s, l): the square root of the energy at each listener,
     relative to the energy of the source in a lossless, isolated subsystem."""
-    gain, error = np.zeros(wanted.shape), np.zeros(wanted.shape)
+    gain = np.zeros(wanted.shape)
+    error = np.zeros(wanted.shape)
     bands = np.zeros((*wanted.shape, BAND_COUNT)) if graph.uses_bands else None
-    rows, columns = np.flatnonzero(wanted.any(axis=1)), np.flatnonzero(wanted.any(axis=0))
+    rows = np.flatnonzero(wanted.any(axis=1))
+    columns = np.flatnonzero(wanted.any(axis=0))
     if len(rows) == 0:
         return Energies(gain, error, bands, 0)
     nodes = [graph.sources[row].nodes for row in rows.tolist()]
@@ -96,13 +98,12 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
         graph, *((sources, listeners) if forward else (listeners, sources))
     )
     if not forward:
-        level, bound = level.swapaxes(1, 2), bound.T
+        level = level.swapaxes(1, 2)
+        bound = bound.T
     level = np.minimum(np.maximum(level, 0.0), 1.0) * wanted[rows][:, columns]
     amplitude = np.sqrt(level)
-    most, least = (
-        np.sqrt(np.minimum(level[0] + bound, 1.0)),
-        np.sqrt(np.maximum(level[0] - bound, 0.0)),
-    )
+    most = np.sqrt(np.minimum(level[0] + bound, 1.0))
+    least = np.sqrt(np.maximum(level[0] - bound, 0.0))
     pairs = rows[:, None], columns
     gain[pairs] = amplitude[0]
     # Its square may be `UNDERFLOW` in the place of a smaller one.
@@ -234,7 +235,9 @@ class _Assembly:
         order = np.argsort(
             row.astype(np.min_scalar_type(len(parts.mass))), kind="stable"
         )  # short numbers are sorted in linear time
-        row, column, coupling = row[order], column[order], coupling[:, order]
+        row = row[order]
+        column = column[order]
+        coupling = coupling[:, order]
         count = len(parts.mass)
         self._border_part = self._border_couplings()
         region, _, value, _ = self._border_part
@@ -269,7 +272,8 @@ class _Assembly:
         nodes = self._border[inside]
         first = parts.node.searchsorted(nodes, side="left")
         size = parts.node.searchsorted(nodes, side="right") - first
-        which, place = np.arange(len(nodes)).repeat(size), ranges(first, size)
+        which = np.arange(len(nodes)).repeat(size)
+        place = ranges(first, size)
         beyond = graph.node_object[self._border[~inside]][which]
         return (
             parts.region[place],
@@ -303,9 +307,11 @@ class _Assembly:
             value *= (loss[:, part, None] * loss[:, None, part]) * ~np.eye(count, dtype=np.bool_)
             blocks.append((first, value))
         few = (size > 1) & (size < DENSE)
-        begin, size = begin[few], size[few]
+        begin = begin[few]
+        size = size[few]
         each = size.repeat(size)
-        a, b = ranges(begin, size).repeat(each), ranges(begin.repeat(size), each)
+        a = ranges(begin, size).repeat(each)
+        b = ranges(begin.repeat(size), each)
         a, b = a[a != b], b[a != b]
         value = self._squares(parts.of_object[a], distances(parts.centre[a], parts.centre[b]))
         return a, b, value * loss[:, a] * loss[:, b], blocks
@@ -330,7 +336,8 @@ class _Assembly:
         arriving = squares[0]
         if graph.reach is not None:
             squares = self._squares(index[which], np.maximum(away - graph.reach[node[which]], 0.0))
-            at_centre, shortest = np.zeros(len(node)), np.full(len(node), np.inf)
+            at_centre = np.zeros(len(node))
+            shortest = np.full(len(node), np.inf)
             np.maximum.at(at_centre, which, arriving)
             np.minimum.at(shortest, which, away)
             arriving = np.where(
@@ -360,7 +367,8 @@ class _Assembly:
         subsystems, as `_energies`; None if subsystems outside the assembly may matter.
         """
         driven, observed = self._driven, self._observed
-        lanes, count = self._lanes, len(self._parts.mass)
+        lanes = self._lanes
+        count = len(self._parts.mass)
         power = np.zeros((lanes, driven.count, count))
         entry, exit_ = self._attachments
         column = driven.number.repeat(entry.size)
@@ -429,7 +437,8 @@ class _Assembly:
         entry, exit_ = self._attachments
         size = entry.size[a]
         which = np.arange(len(a)).repeat(size)
-        one, other = ranges(entry.first[a], size), ranges(exit_.first[b], size)
+        one = ranges(entry.first[a], size)
+        other = ranges(exit_.first[b], size)
         region = entry.region[one]
         left = added_by(
             which,

@@ -60,7 +60,8 @@ class HopConstrainedPaths:
         """Nodes of the cheapest walk to ``target`` with at most ``crossings`` contacts; () where
         nothing arrives."""
         nodes: list[int] = []
-        node, k = target, len(self.changes) - 1 if crossings is None else crossings
+        node = target
+        k = len(self.changes) - 1 if crossings is None else crossings
         while k >= 0:
             changed, _, entry = self.changes[k]
             place = int(np.searchsorted(changed, node))
@@ -90,7 +91,8 @@ def hop_constrained_paths(
     crossing = np.append(graph.transmission_loss, math.inf)[graph.contact]
     # False for functions without a closed form, whose loss is NaN.
     metric = graph.table.loss >= 0
-    node, cost = np.array(roots, dtype=np.int64), np.zeros(len(roots))
+    node = np.array(roots, dtype=np.int64)
+    cost = np.zeros(len(roots))
     changes: list[tuple[IntArray, FloatArray, IntArray]] = []
     complete = complete or bool(graph.table.special)
     origin = np.full(count, -1, dtype=np.int64)
@@ -112,7 +114,9 @@ def hop_constrained_paths(
                 best,
                 entry,
             )
-        node, cost, index = node[useful], cost[useful], index[useful]
+        node = node[useful]
+        cost = cost[useful]
+        index = index[useful]
         size = np.diff(graph.start)[index]
         for chosen in portions(size, CHUNK):
             which = np.repeat(chosen, size[chosen])
@@ -126,7 +130,8 @@ def hop_constrained_paths(
         changes.append((changed, best[changed], entry[changed]))
         onwards = best[changed] + crossing[changed]
         go = (onwards <= limit) & (onwards < math.inf)
-        node, cost = graph.partner[changed[go]], onwards[go]
+        node = graph.partner[changed[go]]
+        cost = onwards[go]
     return HopConstrainedPaths(tuple(changes), len(node) == 0, relaxed)
 
 

@@ -31,7 +31,8 @@ def over_volumes(
     if graph.points is None:
         return propagated(graph, np.arange(len(graph.listeners)))
     size = np.array([len(points) for points in graph.points])
-    number, begin = np.arange(len(size)).repeat(size), size.cumsum() - size
+    number = np.arange(len(size)).repeat(size)
+    begin = size.cumsum() - size
     nodes = np.array([node for points in graph.points for node in points], dtype=np.int64)
     names = tuple(graph.listeners[k] for k in number.tolist())
     result = propagated(replace(graph, listeners=names, listener_nodes=nodes, points=None), number)

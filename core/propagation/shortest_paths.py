@@ -91,7 +91,8 @@ class ShortestPaths:
             other: the other target (p,), or the same.
             backwards: which paths are given from the target to the root (p,).
         """
-        cost, another = self.cost[row, one], self.cost[row, other]
+        cost = self.cost[row, one]
+        another = self.cost[row, other]
         node = np.where((another < cost) | ((another == cost) & (other < one)), other, one)
         node[self.entry[row, node] < 0] = -1
         steps = [node]
@@ -102,7 +103,8 @@ class ShortestPaths:
         nodes = np.array(steps[::-1]).T
         nodes[backwards] = nodes[backwards, ::-1]
         there = nodes >= 0
-        flat, ends = nodes[there].tolist(), there.sum(axis=1).cumsum().tolist()
+        flat = nodes[there].tolist()
+        ends = there.sum(axis=1).cumsum().tolist()
         return [tuple(flat[begin:end]) for begin, end in zip([0, *ends], ends, strict=False)]
 
 
@@ -116,7 +118,8 @@ class _Relaxation:
         targets: Sequence[IntArray] | None,
         complete: bool,
     ) -> None:
-        self.graph, rows = graphs[0], len(graphs)
+        self.graph = graphs[0]
+        rows = len(graphs)
         graph = self.graph
         self.count = graph.node_count
         views = list({id(one): one for one in graphs}.values())
@@ -137,10 +140,8 @@ class _Relaxation:
         self.targets = targets
         if targets is not None:
             size = np.array([len(nodes) for nodes in targets])
-            self.sought, self.first_sought = (
-                np.concatenate(targets) + (np.arange(rows) * self.count).repeat(size),
-                size.cumsum() - size,
-            )
+            self.sought = np.concatenate(targets) + (np.arange(rows) * self.count).repeat(size)
+            self.first_sought = size.cumsum() - size
         self.complete = complete or bool(graph.table.special)
         self.tables = [one.table for one in views]
         # Per node, as all that follows: of its object the first node, and the number of nodes
@@ -237,27 +238,30 @@ def _relax_cheapest(
         back = (~useful & (cost <= work.limits[row]) & (work.entry[row, node] >= 0)).nonzero()[0]
         back = back[work.graph.partner[work.entry[row[back], node[back]]] >= 0]
         if len(back):
-            which, other = np.arange(len(back)), work.entry[row[back], node[back]]
+            which = np.arange(len(back))
+            other = work.entry[row[back], node[back]]
             batches.append(
                 _relax(work, row[back], node[back], cost[back], base[back], which, other)
             )
     kept = useful.nonzero()[0]
     if len(kept) < len(row):
-        row, node, cost, base = row[kept], node[kept], cost[kept], base[kept]
+        row = row[kept]
+        node = node[kept]
+        cost = cost[kept]
+        base = base[kept]
     if len(row):
         size = work.others[node]
         if size.sum() > BATCH:
             order = np.lexsort((node, row, cost))
             now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
-            later, order = order[now:], order[:now]
+            later = order[now:]
+            order = order[:now]
             batches.append((row[later], node[later], cost[later]))
-            row, node, cost, base, size = (
-                row[order],
-                node[order],
-                cost[order],
-                base[order],
-                size[order],
-            )
+            row = row[order]
+            node = node[order]
+            cost = cost[order]
+            base = base[order]
+            size = size[order]
         which = np.arange(len(row)).repeat(size)
         other = ranges(work.first[node], size)
         other += other >= node[which]  # all nodes of the object but the entry itself
@@ -304,25 +308,27 @@ def _relax(
         )
     place = (row * work.count)[which] + other
     better = (candidate < arrivals[place]).nonzero()[0]
-    place, candidate, begin = place[better], candidate[better], begin[better]
+    place = place[better]
+    candidate = candidate[better]
+    begin = begin[better]
     # Several connections to one node: the cheapest wins, among equal ones that from the lowest
     # entry.
     np.minimum.at(arrivals, place, candidate)
     cheapest = (candidate == arrivals[place]).nonzero()[0]
     if len(cheapest) < len(better):
-        better, place, candidate, begin = (
-            better[cheapest],
-            place[cheapest],
-            candidate[cheapest],
-            begin[cheapest],
-        )
+        better = better[cheapest]
+        place = place[cheapest]
+        candidate = candidate[cheapest]
+        begin = begin[cheapest]
     entries[place] = begin
     first = entries[place] == begin
     if not first.all():
         np.minimum.at(entries, place, begin)
         first = entries[place] == begin
-        better, candidate = better[first], candidate[first]
-    row, other = row[which[better]], other[better]
+        better = better[first]
+        candidate = candidate[first]
+    row = row[which[better]]
+    other = other[better]
     if work.targets is not None:  # no more than what each of them costs now is of interest
         np.minimum(
             work.limits,
@@ -340,7 +346,8 @@ def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: 
         view = work.views[number]
         elements = known[view] = known.get(view) or _Elements(work, view)
         mine = row == number
-        arrives, enters = _items(work.arrival[number]), _items(work.entry[number])
+        arrives = _items(work.arrival[number])
+        enters = _items(work.entry[number])
         _dijkstra(
             work,
             elements,
@@ -369,15 +376,15 @@ class _Elements:
     """
 
     def __init__(self, work: _Relaxation, view: int) -> None:
-        graph, table = work.graph, work.tables[view]
+        graph = work.graph
+        table = work.tables[view]
         self.table = table
-        self.objects, self.partner, self.start = (
-            _items(graph.node_object),
-            _items(graph.partner),
-            _items(graph.start),
-        )
+        self.objects = _items(graph.node_object)
+        self.partner = _items(graph.partner)
+        self.start = _items(graph.start)
         self.crossing = _items(work.crossing[view * work.count : (view + 1) * work.count])
-        self.loss, self.decay = _items(np.maximum(0.0, table.loss)), _items(table.decay)
+        self.loss = _items(np.maximum(0.0, table.loss))
+        self.decay = _items(table.decay)
         self.laws: dict[int, Law] | None = None if table.spreading is None else {}
         self.points: dict[int, list[float]] = {}
         self.by_table = graph.table.special
@@ -416,18 +423,14 @@ def _dijkstra(
     graph = work.graph
     heapq.heapify(queue)
     limit = float(work.limits[row])
-    objects, partner, crossing, start = (
-        elements.objects,
-        elements.partner,
-        elements.crossing,
-        elements.start,
-    )
-    loss, decay, special, points = (
-        elements.loss,
-        elements.decay,
-        graph.table.special,
-        elements.points,
-    )
+    objects = elements.objects
+    partner = elements.partner
+    crossing = elements.crossing
+    start = elements.start
+    loss = elements.loss
+    decay = elements.decay
+    special = graph.table.special
+    points = elements.points
     sought = set() if work.targets is None else set(work.targets[row].tolist())
     settled: set[int] = set()
     push, pop, distance, infinite = heapq.heappush, heapq.heappop, math.dist, math.inf
@@ -439,8 +442,10 @@ def _dijkstra(
             continue
         settled.add(node)
         index = objects[node]
-        first, last = start[index], start[index + 1]
-        base, rate = cost + loss[index], decay[index]
+        first = start[index]
+        last = start[index + 1]
+        base = cost + loss[index]
+        rate = decay[index]
         if base == infinite:
             continue
         if arrives[node] <= base and index not in special:

@@ -55,7 +55,8 @@ def spread(
     ]
     at_once = max(1, ROWS_AT_ONCE // max(graph.node_count, 1))
     for band in sorted({source.band for source in emitting}):
-        in_band, alike = graph.in_band(band), [source for source in emitting if source.band == band]
+        in_band = graph.in_band(band)
+        alike = [source for source in emitting if source.band == band]
         for first in range(0, len(alike), at_once):
             _add_strongest(result, in_band, alike[first : first + at_once], settings)
     return result
@@ -119,14 +120,14 @@ def _arrivals(
         )
     if amplifying(graph):
         rows = np.arange(len(roots))
-        arrival, entry, contacts = (
-            np.full(shape, math.inf),
-            np.full(shape, -1, dtype=np.int64),
-            np.zeros(shape, dtype=np.int64),
-        )
+        arrival = np.full(shape, math.inf)
+        entry = np.full(shape, -1, dtype=np.int64)
+        contacts = np.zeros(shape, dtype=np.int64)
     else:
         trees = shortest_paths(graph, roots, np.full(len(roots), limit + SLACK))
-        arrival, entry, contacts = trees.cost, trees.entry, contacts_crossed(graph, trees.entry)
+        arrival = trees.cost
+        entry = trees.entry
+        contacts = contacts_crossed(graph, trees.entry)
         rows = np.flatnonzero((contacts > crossings).any(axis=1))
     most = int(min(crossings, graph.contact_count, HOPS if crossings == math.inf else math.inf))
     for row in rows.tolist():

@@ -237,7 +237,8 @@ class _Propagator:
                     None if known is None else (known, number),
                     least,
                 )
-                self.gain[row, columns], self.error[row, columns] = found.gain[:, 0], found.error
+                self.gain[row, columns] = found.gain[:, 0]
+                self.error[row, columns] = found.error
                 self.paths[row, columns], self.limited[row, columns] = found.paths, found.limited
                 if self.bands is not None:
                     self.bands[row, columns] = found.gain[:, 1:]
@@ -257,11 +258,9 @@ class _Propagator:
             ]
         )
         energies = energy_gains(self.graph, balanced)
-        self.gain[balanced], self.error[balanced], self.paths[balanced] = (
-            energies.gain[balanced],
-            energies.error[balanced],
-            -1,
-        )
+        self.gain[balanced] = energies.gain[balanced]
+        self.error[balanced] = energies.error[balanced]
+        self.paths[balanced] = -1
         if self.bands is not None and energies.bands is not None:
             self.bands[balanced] = energies.bands[balanced]
 

@@ -84,7 +84,8 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     """The subsystems that contact nodes ``nodes`` (sorted) belong to."""
     object_of = graph.node_object[nodes]
     begin, size = runs(object_of)
-    used, slot = object_of[begin], np.arange(len(begin)).repeat(size)
+    used = object_of[begin]
+    slot = np.arange(len(begin)).repeat(size)
     strength = graph.weight[graph.contact[nodes]]
     position = graph.node_position[nodes]
     which, region, weight, of_object, divided = _attached(
@@ -136,7 +137,8 @@ def _attached(
         return everyone, slot, np.ones(len(slot)), used, np.zeros(count)
     inside = divided[slot]
     chosen = np.flatnonzero(inside)
-    axes, off = graph.frames.axes[used[slot[chosen]]], relative[chosen]
+    axes = graph.frames.axes[used[slot[chosen]]]
+    off = relative[chosen]
     local = axes[:, 0] * off[:, :1] + axes[:, 1] * off[:, 1:2] + axes[:, 2] * off[:, 2:]
     total = np.asarray(np.bincount(slot, weights=strength, minlength=count), dtype=np.float64)
     contact, cell, weight = _lattice(local, strength[chosen], spacing, slot[chosen], total)
@@ -227,7 +229,8 @@ def _lattice(
     x, y, z = np.stack([1.0 - (along - base), along - base], axis=-1).transpose(1, 0, 2)
     weight = (x[:, :, None, None] * y[:, None, :, None] * z[:, None, None, :]).reshape(-1)
     near = np.flatnonzero(weight)
-    place, corner = near // len(CORNERS), near % len(CORNERS)
+    place = near // len(CORNERS)
+    corner = near % len(CORNERS)
     return place, base[place].astype(np.int64) + CORNERS[corner], weight[near]
 
 
@@ -255,7 +258,8 @@ def _coarsened(
     many = (around > REGIONS)[slot]
     if not many.any():
         return spacing
-    local, slot = local[many], slot[many]
+    local = local[many]
+    slot = slot[many]
     begin, _ = runs(slot)
     whole = np.zeros((len(spacing), 3))
     whole[slot[begin]] = np.maximum.reduceat(local, begin) - np.minimum.reduceat(local, begin)
@@ -279,7 +283,8 @@ def _coarsened(
 def _coarse_enough(extent: FloatArray, spacing: float, most: float) -> float:
     """The spacing [m] at which a lattice has ``most`` points within an ``extent`` (3,) [m], by
     bisection upwards from a finer ``spacing``."""
-    fine, coarse = math.log(max(spacing, 1e-300)), math.log(float(extent.max())) + 1.0
+    fine = math.log(max(spacing, 1e-300))
+    coarse = math.log(float(extent.max())) + 1.0
     for _ in range(60):
         middle = (fine + coarse) / 2
         fine, coarse = (
@@ -303,7 +308,8 @@ def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
         cells, which = np.unique(key, return_inverse=True)
     else:
         taken = np.bincount(key) > 0
-        cells, which = np.flatnonzero(taken), (taken.cumsum() - 1)[key]
+        cells = np.flatnonzero(taken)
+        which = (taken.cumsum() - 1)[key]
     return cells // math.prod(size[1:]) + low[0], which
 
 
@@ -343,11 +349,13 @@ def damping_lengths(table: ObjectTable, index: IntArray, extent: FloatArray) -> 
     if table.spreading is None:
         lengths[damped] = 1.0 / table.decay[index[damped]]
         return lengths
-    short, long = np.zeros(len(damped)), extent[damped]
+    short = np.zeros(len(damped))
+    long = extent[damped]
     for _ in range(BISECTIONS if len(damped) else 0):
         middle = (short + long) / 2
         more = table.costs(index[damped], middle)[1] > 1
-        short, long = np.where(more, short, middle), np.where(more, middle, long)
+        short = np.where(more, short, middle)
+        long = np.where(more, middle, long)
     lengths[damped] = long
     return lengths
 
@@ -367,7 +375,8 @@ def _sampled_length(table: ObjectTable, index: int, extent: float) -> float:
         below = np.flatnonzero(gains < wanted)
         if len(below) == 0 or below[0] == 0:
             return math.inf if high == extent else high
-        low, high = float(along[below[0] - 1]), float(along[below[0]])
+        low = float(along[below[0] - 1])
+        high = float(along[below[0]])
         if high - low <= ROUNDING * high:
             break
     return high

@@ -145,7 +145,8 @@ class WalkOperator:
             np.fill_diagonal(gains, 0.0)
             self._blocks.append((part, np.minimum(gains, LARGEST)))
         few = (size > 1) & (size < DENSE)
-        begin, size = begin[few], size[few]
+        begin = begin[few]
+        size = size[few]
         self._row = ranges(begin, size)
         each = size.repeat(size)
         self._first = each.cumsum() - each
@@ -268,10 +269,8 @@ class WalkOperator:
 
     def _direct(self, roots: Sequence[int], listeners: Sequence[int]) -> FloatArray:
         """Gains (l,) of the intra-connections from the roots to the listeners."""
-        a, b = (
-            np.repeat(np.array(roots, dtype=np.int64), len(listeners)),
-            np.tile(np.array(listeners, dtype=np.int64), len(roots)),
-        )
+        a = np.repeat(np.array(roots, dtype=np.int64), len(listeners))
+        b = np.tile(np.array(listeners, dtype=np.int64), len(roots))
         inside = np.flatnonzero(self._graph.node_object[a] == self._graph.node_object[b])
         gains = np.zeros(len(a))
         gains[inside], _ = intra_gains(self._graph, a[inside], b[inside])
@@ -308,7 +307,8 @@ class WalkOperator:
             )
 
         bound = (self._crossing * vector)[self._other_side]
-        total, rest = np.zeros(listeners), np.zeros(listeners)
+        total = np.zeros(listeners)
+        rest = np.zeros(listeners)
         for _ in range(TERMS):
             total += arriving(term)
             term = (self._crossing * self._inside(term))[self._other_side]

@@ -73,7 +73,8 @@ class FrameResult:
         """Where on each listener vibration arrives, (l, 2): horizontally from 0 at the wearer's
         left to 1, vertically from 0 at the top to 1, of the listener's sphere seen from the front,
         for a wearer who faces -Y. The mean over sources by power; (0.5, 0.5) if nothing arrives."""
-        graph, places = self.graph, np.full((len(self.listeners), 2), 0.5)
+        graph = self.graph
+        places = np.full((len(self.listeners), 2), 0.5)
         for column, (listener, node) in enumerate(
             zip(self.listeners, graph.listener_nodes.tolist(), strict=True)
         ):

@@ -119,7 +119,8 @@ class Gains:
         curve, shape (m,), for the frame's first m samples, and nothing after them, in order of
         falling m. The first curve is 1 throughout.
         """
-        factors, curves = [self.start], [np.ones(frame.count)]
+        factors = [self.start]
+        curves = [np.ones(frame.count)]
         if self.slope.any():
             factors = [
                 self.start - self.slope * (SMOOTHING / 2.0),

@@ -115,7 +115,9 @@ class Groups:
 
     def advance(self, frame: FrameSamples, groups: Sequence[Group]) -> None:
         """Go on to the next frame: keep voices, and streams that still fade out."""
-        self._streams, self._tails, self._last = {}, [], {}
+        self._streams = {}
+        self._tails = []
+        self._last = {}
         for group in groups:
             self._last[group.streams[0].kind] = _Last(group.streams, group.gains, group.delays)
             for row, (stream, voice) in enumerate(zip(group.streams, group.voices, strict=True)):
@@ -130,7 +132,8 @@ class Groups:
     ) -> tuple[list[Stream], list[int]]:
         """Return the stream of each voice, and the rows of those that begin within the frame, which
         have their full gain at once instead of fading in."""
-        streams, begins = [], []
+        streams = []
+        begins = []
         keys = {voice.key for voice in voices}
         if len(keys) < len(voices):
             given = [voice.key for voice in voices]

@@ -45,7 +45,8 @@ class History:
         """The last ``seconds``, at most one, of every listener, (l, n); or all samples if there are
         fewer."""
         count = max(round(seconds * self.sample_rate), 1)
-        first, held = len(self._blocks) - 1, self._blocks[-1].shape[1]
+        first = len(self._blocks) - 1
+        held = self._blocks[-1].shape[1]
         while first > 0 and held < count:
             first -= 1
             held += self._blocks[first].shape[1]

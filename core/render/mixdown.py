@@ -56,11 +56,9 @@ class Mixdown:
         """
         mixes = listener_mixes(end.listeners)
         if self._renderer is None or self._renderer.listeners != mixes:
-            self._renderer, self._last, self._skipped = (
-                Renderer(mixes, self.sample_rate) if mixes else None,
-                None,
-                False,
-            )
+            self._renderer = Renderer(mixes, self.sample_rate) if mixes else None
+            self._last = None
+            self._skipped = False
         if self._renderer is None or start is None:
             self.before = None
             return None

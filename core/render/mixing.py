@@ -98,7 +98,8 @@ def strongest(signals: FloatArray) -> FloatArray:
     """
     if not len(signals):
         return np.zeros(signals.shape[1:])
-    highest, lowest = signals.max(axis=0), signals.min(axis=0)
+    highest = signals.max(axis=0)
+    lowest = signals.min(axis=0)
     result = np.where(highest >= -lowest, highest, lowest)
     tied = (highest == -lowest) & (highest > 0.0)
     if tied.any():

@@ -106,10 +106,8 @@ class DelayedPaths:
         for number, voice in enumerate(self._voices):
             heard_by = group.audible[number]
             paths: slice | BoolArray = slice(None) if heard_by.all() else heard_by
-            before, after = (
-                group.delays_before[number, paths, None],
-                group.delays[number, paths, None],
-            )
+            before = group.delays_before[number, paths, None]
+            after = group.delays[number, paths, None]
             stream = group.streams[number]
             travel = (
                 _travelled_between_samples
@@ -135,7 +133,8 @@ class SteadyPaths(TonePaths):
 
     def __init__(self, frame: FrameSamples, group: Group) -> None:
         self.group = group
-        rate, count = group.streams[0].sample_rate, frame.count
+        rate = group.streams[0].sample_rate
+        count = frame.count
         frequency, amplitude, phase, onset = np.hsplit(
             np.array([_tone_values(stream) for stream in group.streams]), 4
         )
@@ -162,7 +161,8 @@ class SteadyPaths(TonePaths):
 
 def _sounding(frame: FrameSamples, group: Group) -> Group:
     """Return the streams that are heard in a frame with samples."""
-    heard, longest = np.any(group.audible, axis=1).tolist(), group.longest_delays().tolist()
+    heard = np.any(group.audible, axis=1).tolist()
+    longest = group.longest_delays().tolist()
     late = zip(group.streams, longest, strict=True)
     sounds = [
         frame.count > 0 and stream.sounds(frame.start - delay, frame.end) for stream, delay in late

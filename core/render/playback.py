@@ -49,7 +49,8 @@ class Playback:
     def start(self, time: float) -> None:
         """Begin at ``time`` [s], from silence."""
         self._renderer, self._time, self._shown = None, time, None
-        self._last, self._next = np.zeros((0, 1)), -1
+        self._last = np.zeros((0, 1))
+        self._next = -1
         self._late.clear()
         self._correctable = None
 
@@ -68,7 +69,8 @@ class Playback:
             seam = block[:, : round(_SEAM * result.sample_rate)]
             seam += (last - seam) * (1.0 - (np.arange(seam.shape[1]) + 1.0) / seam.shape[1])
         self._renderer, self._time, self._shown, self._correctable = None, result.time, None, None
-        self._last, self._next = block[:, -1:], result.first_sample + block.shape[1]
+        self._last = block[:, -1:]
+        self._next = result.first_sample + block.shape[1]
         return block
 
     def block(self, result: FrameResult, frame_seconds: float) -> FloatArray:
@@ -117,7 +119,8 @@ class Playback:
             return None
         self._renderer = _primed(played.result, now, self._late)
         samples = self._renderer.render_frame(now, played.end, self._voices(result, now))
-        self._shown, self._correctable = result, _Correctable(result, played.start, played.end)
+        self._shown = result
+        self._correctable = _Correctable(result, played.start, played.end)
         return samples
 
     def following(self, result: FrameResult, seconds: float) -> Callable[[], FloatArray]:
@@ -128,7 +131,8 @@ class Playback:
         """
         if self._time is None:
             return partial(np.zeros, (len(result.listeners), 0))
-        time, late = self._time, dict(self._late)
+        time = self._time
+        late = dict(self._late)
 
         def render() -> FloatArray:
             voices = _with_late_onsets(source_voices(result), late)
@@ -169,7 +173,8 @@ class Playback:
         self, mixes: tuple[ListenerMix, ...], result: FrameResult, time: float, frame_seconds: float
     ) -> FloatArray | None:
         """The samples up to ``time`` if they continue the last block, else None."""
-        before, begun = self._current(mixes), self._time
+        before = self._current(mixes)
+        begun = self._time
         if (
             begun is None
             or not 0.0 < time - begun <= max(_LONGEST_STEP, 1.5 * frame_seconds)
@@ -195,7 +200,8 @@ class Playback:
     ) -> FloatArray:
         """The samples up to ``result`` after a jump on the timeline, during which what was played
         before fades out."""
-        before, begun = self._current(mixes), self._time
+        before = self._current(mixes)
+        begun = self._time
         self._late.clear()
         renderer = Renderer(mixes, result.sample_rate)
         block = renderer.render_frame(
@@ -208,12 +214,10 @@ class Playback:
             block[:, : ending.shape[1]] += ending
             ceilings = np.array([mix.s_max for mix in mixes])[:, None]
             block = np.clip(block, -ceilings, ceilings)
-        self._renderer, self._time, self._shown, self._in_step = (
-            renderer,
-            result.time,
-            result,
-            False,
-        )
+        self._renderer = renderer
+        self._time = result.time
+        self._shown = result
+        self._in_step = False
         return block
 
     def _voices(self, result: FrameResult, begun: float) -> list[Voice]:
@@ -274,7 +278,8 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
     """A renderer that continues from ``time`` [s] with the gains of ``shown`` and a settled
     limiter; ``late``: onsets of voices that began late, by key [s]."""
     voices = _with_late_onsets(source_voices(shown), late)
-    times, earlier = [time], voices
+    times = [time]
+    earlier = voices
     if shown.block is not None and shown.time <= time:  # its lines of gains may bend here
         before = shown.before
         times = [
@@ -311,10 +316,8 @@ def _shaped(samples: FloatArray, sample_rate: float) -> FloatArray:
     if not samples.shape[1]:
         return samples
     seconds = (np.arange(samples.shape[1]) + 0.5) / sample_rate
-    rise, fall = (
-        np.clip(seconds / _GRAIN_RISE, 0.0, 1.0),
-        np.clip((seconds[-1] - seconds) / _GRAIN_FALL, 0.0, 1.0),
-    )
+    rise = np.clip(seconds / _GRAIN_RISE, 0.0, 1.0)
+    fall = np.clip((seconds[-1] - seconds) / _GRAIN_FALL, 0.0, 1.0)
     silence = np.zeros((samples.shape[0], round(_GRAIN_SILENCE * sample_rate)))
     return np.concatenate(
         [samples * np.sin(0.5 * np.pi * np.minimum(rise, fall)) ** 2, silence], axis=1

@@ -112,7 +112,8 @@ class Renderer:
                 f"end: {end!r} must be 0 to {MAX_FRAME:g} seconds after start {start!r}, both "
                 f"within ±{MAX_TIME:g}"
             )
-        first, last = sample_index(start, self.sample_rate), sample_index(end, self.sample_rate)
+        first = sample_index(start, self.sample_rate)
+        last = sample_index(end, self.sample_rate)
         if self._next is not None and first != self._next:
             raise ValueError(
                 f"start: {start!r} does not follow the last frame; reset the renderer before a jump"

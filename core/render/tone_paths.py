@@ -44,7 +44,8 @@ class TonePaths:
         fine = _powers(turn, width)
         coarse = _powers(fine[-1] * turn, -(-count // width))
         coarse *= _turn(start)
-        sine, cosine = coarse.imag.transpose(1, 0, 2), coarse.real.transpose(1, 0, 2)
+        sine = coarse.imag.transpose(1, 0, 2)
+        cosine = coarse.real.transpose(1, 0, 2)
         # Per term: (listeners, runs, sine and cosine, voices).
         self._runs = []
         for factor, curve in zip(factors[:, :, None], curves, strict=True):
@@ -54,10 +55,8 @@ class TonePaths:
             np.multiply(factor, cosine[:, :needed], out=runs[:, :, 1])
             self._runs.append(runs)
         self._places = np.empty((len(start), width, 2, start.shape[1]))
-        self._places[:, :, 0], self._places[:, :, 1] = (
-            fine.real.transpose(1, 0, 2),
-            fine.imag.transpose(1, 0, 2),
-        )
+        self._places[:, :, 0] = fine.real.transpose(1, 0, 2)
+        self._places[:, :, 1] = fine.imag.transpose(1, 0, 2)
 
     def summed(self) -> FloatArray:
         """Return the sum over voices, shape (n_listeners, count)."""

@@ -110,13 +110,15 @@ class Stream:
             kept = max((first - _CHUNK) // _CHUNK * _CHUNK, begin)
             runs = [self._sampled(run, run + _CHUNK) for run in range(known, last, _CHUNK)]
             self._samples = np.concatenate((self._samples[:, kept - begin :], *runs), axis=1)
-            self._first, self._last = kept, kept + self._samples.shape[1]
+            self._first = kept
+            self._last = kept + self._samples.shape[1]
         return self._samples[:, first - self._first : last - self._first]
 
     def _sampled(self, first: int, last: int) -> FloatArray:
         if self.row_count == 1:
             return self.signal.sample(first, last - first, self.sample_rate, self.onset)[None, :]
-        rate, reach = self.sample_rate, bank_reach(self.sample_rate)
+        rate = self.sample_rate
+        reach = bank_reach(self.sample_rate)
         bands = split_bands(
             self.signal.sample(first - reach, last - first + 2 * reach, rate, self.onset), rate
         )
@@ -137,7 +139,9 @@ def sample_brief(streams: Sequence[Stream]) -> None:
         for every in alike.values()
         for k in range(0, len(every), _TOGETHER)
     ]:
-        signal, rate, reach = some[0].signal, some[0].sample_rate, bank_reach(some[0].sample_rate)
+        signal = some[0].signal
+        rate = some[0].sample_rate
+        reach = bank_reach(some[0].sample_rate)
         onset = np.array([stream.onset for stream in some])
         first = np.ceil(onset * rate)
         times = (np.arange(int(signal.duration * rate) + 1) + first[:, None]) / rate - onset[
@@ -150,7 +154,8 @@ def sample_brief(streams: Sequence[Stream]) -> None:
                 padded = np.zeros(len(row) + 3 * reach)  # the filters still hear it for a while
                 padded[reach : reach + len(row)] = row
                 stream._samples = split_bands(padded, rate)
-            stream._first, stream._last = int(number), int(number) + stream._samples.shape[1]
+            stream._first = int(number)
+            stream._last = int(number) + stream._samples.shape[1]
 
 
 def _is_recorded(signal: Signal) -> bool:

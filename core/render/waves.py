@@ -75,7 +75,8 @@ class Waves:
         self.level: FloatArray = np.full_like(self.threshold, -np.inf)
         self.sources: dict[str, FloatArray] = {}
         self.impacts: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros((0, count))
-        self._low, self._high = [samples], [samples]
+        self._low = [samples]
+        self._high = [samples]
         while self._low[-1].shape[1] > _STEP:
             shape = count, math.ceil(self._low[-1].shape[1] / _STEP)
             self._low.append(np.zeros(shape, dtype=np.int16))
@@ -90,7 +91,8 @@ class Waves:
 
     def find_levels(self, sample_rate: float, listeners: Sequence[Listener] = ()) -> None:
         """Set levels and thresholds from the samples."""
-        samples, width = self._low[0], round(LEVEL_SECONDS * sample_rate)
+        samples = self._low[0]
+        width = round(LEVEL_SECONDS * sample_rate)
         for frame in range(len(self.filled)):
             end = math.ceil((frame + 1) * self.per_frame)
             part = samples[:, max(end - width, 0) : end] / FULL_SCALE
@@ -122,7 +124,8 @@ class Waves:
             threshold: level of this vibration at the threshold of feeling (l,) [dB].
             sources: amplitudes by name.
         """
-        first, last = max(start, 0), min(start + block.shape[1], self._low[0].shape[1])
+        first = max(start, 0)
+        last = min(start + block.shape[1], self._low[0].shape[1])
         if first >= last:
             return
         frames = slice(
@@ -134,7 +137,8 @@ class Waves:
         began, gain = self.impacts
         others = (began < self.origin + frames.start) | (began >= self.origin + frames.stop)
         self.impacts = began[others], gain[others]
-        self.level[:, frames], self.threshold[:, frames] = level[:, None], threshold[:, None]
+        self.level[:, frames] = level[:, None]
+        self.threshold[:, frames] = threshold[:, None]
         self.write_sources(frames, sources)
         self.filled[frames] = True
 
@@ -161,7 +165,8 @@ class Waves:
         at = np.clip(np.floor(place / _STEP**level), 0, self._low[level].shape[1] - 1).astype(
             np.int64
         )
-        shown, starts = slice(at[0], at[-1] + 1), at[:-1] - at[0]
+        shown = slice(at[0], at[-1] + 1)
+        starts = at[:-1] - at[0]
         begun = np.concatenate([[0], np.cumsum(self.filled)])
         left, right = self._frames(edges)
         return Columns(
@@ -191,7 +196,8 @@ class Waves:
     def _condense(self, first: int, last: int) -> None:
         """Compute the minima and maxima that the samples ``first`` to ``last`` - 1 are part of."""
         for level in range(1, len(self._low)):
-            first, last = first // _STEP, math.ceil(last / _STEP)
+            first = first // _STEP
+            last = math.ceil(last / _STEP)
             below = slice(_STEP * first, _STEP * last)
             for way, of in ((np.minimum, self._low), (np.maximum, self._high)):
                 part = of[level - 1][:, below]

@@ -69,7 +69,8 @@ class _RecordedEvent:
             self.blocks.append(
                 self.renderer.render_frame(start, end, () if voice is None else (voice,))
             )
-            self.voice, self.is_over = voice or self.voice, voice is None
+            self.voice = voice or self.voice
+            self.is_over = voice is None
 
 
 class PackRecorder:
@@ -101,7 +102,8 @@ class PackRecorder:
             return
         if result.block is None:
             return
-        start, voices = self._time, source_voices(result)
+        start = self._time
+        voices = source_voices(result)
         sounding = {voice.key: voice for voice in voices}
         self._time = result.time
         self._begin(result, start, sounding)
@@ -157,7 +159,8 @@ class PackRecorder:
             raise ValueError("a baked pack needs at least two frames with a listener")
         rate, listeners = self._first.sample_rate, self._first.listeners
         begun = sample_index(self._first.time, rate)
-        tracks, felt = np.concatenate(self._tracks, axis=1), np.concatenate(self._felt, axis=1)
+        tracks = np.concatenate(self._tracks, axis=1)
+        felt = np.concatenate(self._felt, axis=1)
         rows = {"blows": list[dict[str, Any]](), "one_shots": list[dict[str, Any]]()}
         total = tracks.copy()
         for event in self._events.values():

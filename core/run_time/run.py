@@ -346,10 +346,8 @@ class Run:
         rows = [self._row[name] for name in names]
         travel = np.linalg.norm(moved[:, :3] - self._poses[rows, :3, 3], axis=1)
         far = abs(duration) * _FASTEST
-        before, self._fast = (
-            self._fast,
-            {names[k] for k in np.flatnonzero(travel > far / 2).tolist()},
-        )
+        before = self._fast
+        self._fast = {names[k] for k in np.flatnonzero(travel > far / 2).tolist()}
         self._anew |= {names[k] for k in np.flatnonzero(travel > far).tolist()} - before
         self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:])
         self._poses[rows, :3, 3] = moved[:, :3]

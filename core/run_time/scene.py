@@ -82,7 +82,8 @@ class Scene:
     def _read(self, document: Any, file: str | Path) -> None:
         self.document, unknown = current_document(document, file)
         self.export = export_of(self.document, unknown, Path(file))
-        self.content, self.file = self.export.need_scene(), file
+        self.content = self.export.need_scene()
+        self.file = file
 
     @classmethod
     def of_values(cls, content: HapticScene) -> Scene:

@@ -116,7 +116,8 @@ def physical(
         part: the body part, without its side, if it is of flesh.
         is_half_space: waves travel along its surface without end, as in materials of the ground.
     """
-    damping, material = DAMPING[name], MATERIALS[name]
+    damping = DAMPING[name]
+    material = MATERIALS[name]
     small, middle, large = sorted(size)
     function = Physical(
         wave=Wave.BOUNDED,

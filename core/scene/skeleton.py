@@ -69,7 +69,8 @@ _TORSO = (
     "abdomenlower",
     "abdomenupper",
 )
-_NECK, _HEAD = ("neck",), ("head",)
+_NECK = ("neck",)
+_HEAD = ("head",)
 _PART_OF = {
     name: part
     for part, names in {
@@ -261,7 +262,9 @@ def _taken_apart(bone: Bone) -> _Named:
     name = bone.name.rpartition(":")[2]
     name = re.sub(r"^mixamorig\d*_?", "", name)
     words = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
-    side, base, numbers = "", "", []
+    side = ""
+    base = ""
+    numbers = []
     for word in words:
         lower = word.lower()
         if lower.isdigit():
@@ -287,7 +290,9 @@ def _trunk(named: list[_Named]) -> tuple[list[_Named], _Named | None, _Named | N
     spines = [n for n in named if n.base in _TORSO and not n.side]
     least = min((n.rank[:2] for n in spines), default=None)
     spines = sorted((n for n in spines if n.rank[:2] == least), key=lambda n: n.numbers)
-    head, hips, neck = _first(named, _HEAD), _first(named, _HIPS), _first(named, _NECK)
+    head = _first(named, _HEAD)
+    hips = _first(named, _HIPS)
+    neck = _first(named, _NECK)
     chain = [n for n in spines if n.base == "spine"]
     # Rigify's spine is the hips, the belly, two of the chest, two of the neck and the head.
     if len(chain) == 7 and (head is None or chain[0].bone.name.startswith("DEF-")):

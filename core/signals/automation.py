@@ -45,7 +45,8 @@ class Automation:
     def at(self, times: FloatArray) -> FloatArray:
         """Return the values at `times` (seconds, any shape)."""
         key = self._followed(times)
-        value, slope = self.values[key], self._slopes[key]
+        value = self.values[key]
+        slope = self._slopes[key]
         if isinstance(key, int) and slope == 0.0:
             return np.full(np.shape(times), value)
         return np.asarray(value + slope * np.maximum(times - self.times[key], 0.0))

@@ -179,7 +179,8 @@ def _checked_signals(name: str, value: object) -> tuple[Signal, ...]:
     return value
 
 
-SIGNAL, SIGNALS = {"check": _checked_signal}, {"check": _checked_signals}
+SIGNAL = {"check": _checked_signal}
+SIGNALS = {"check": _checked_signals}
 """Metadata of a field that is a signal, and of one that is a tuple of signals."""
 
 

@@ -123,7 +123,8 @@ def cut(curve: Automation, duration: float) -> Automation:
     """The curve from 0 to ``duration`` seconds."""
     inside = (curve.times > 0.0) & (curve.times < duration)
     ends = curve.at(np.array([0.0, np.nextafter(duration, 0.0)]))
-    times, values = curve.times[inside], curve.values[inside]
+    times = curve.times[inside]
+    values = curve.values[inside]
     return Automation(
         np.concatenate([[0.0], times, [duration]]), np.concatenate([ends[:1], values, ends[1:]])
     )

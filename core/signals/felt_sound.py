@@ -112,11 +112,10 @@ def _burst_seconds(feel: Feel) -> float:
 def _bursts(times: FloatArray, strengths: FloatArray, feel: Feel, seconds: float) -> Signal:
     """All bursts as one sine with whole cycles between them, so that each begins at phase 0."""
     length = _burst_seconds(feel)
-    begins, ends = (
-        np.append(times, max(seconds, times[-1] + length)),
-        np.append(0.0, times + length),
-    )
-    zero, one = np.zeros(len(times)), np.ones(len(times))
+    begins = np.append(times, max(seconds, times[-1] + length))
+    ends = np.append(0.0, times + length)
+    zero = np.zeros(len(times))
+    one = np.ones(len(times))
     keys = np.column_stack([times, times, ends[1:], ends[1:]]).ravel()
     levels = np.column_stack([zero, strengths, strengths, zero]).ravel()
     gaps = begins - ends

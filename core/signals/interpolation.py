@@ -64,7 +64,8 @@ def _interpolated(samples: FloatArray, positions: FloatArray, stretch: float) ->
     before = np.floor(wanted)
     phase = wanted - before
     window = before.astype(np.intp) + (1 - reach)
-    first, last = int(np.min(window)), int(np.max(window)) + 2 * reach
+    first = int(np.min(window))
+    last = int(np.max(window)) + 2 * reach
     near = samples[:, max(first, 0) : max(last, 0)]
     if first < 0 or last > samples.shape[1]:
         near = np.pad(near, ((0, 0), (min(max(-first, 0), last - first), last - first)))[

@@ -26,7 +26,8 @@ def needed_keys(
     for turn in range(2 * len(times).bit_length()):
         if len(kept) < 3 or idle == 2:
             break
-        at, level = times[kept], values[kept]
+        at = times[kept]
+        level = values[kept]
         left, here, right = (slice(turn % 2 + k, len(kept) - 2 + k, 2) for k in range(3))
         width = at[right] - at[left]
         share = np.divide(at[here] - at[left], width, out=np.zeros(len(width)), where=width > 0)

@@ -47,7 +47,8 @@ class Noise(Amplified, kind="noise"):
             # Dense times share random values, so each value is drawn only once.
             drawn = _uniform(splitmix64(self.seed, np.arange(first, last + 2, dtype=np.uint64)))
             place = (whole - first).astype(np.intp)
-            lower, upper = drawn[place], drawn[1:][place]
+            lower = drawn[place]
+            upper = drawn[1:][place]
         else:
             index = whole.astype(np.uint64)
             lower = _uniform(splitmix64(self.seed, index))

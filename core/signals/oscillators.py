@@ -123,7 +123,8 @@ class Pulse(Oscillator, kind="pulse"):
         half = self.duty / 2
         from_centre = _distance(cycles - half)
         width = np.maximum(width, 1e-6)
-        low, high = from_centre - width / 2, from_centre + width / 2
+        low = from_centre - width / 2
+        high = from_centre + width / 2
         this = np.maximum(np.minimum(high, half) - np.maximum(low, -half), 0.0)
         following = np.maximum(high - (1.0 - half), 0.0)
         return np.asarray(np.minimum((this + following) / width, 1.0))

@@ -31,7 +31,8 @@ def _autocorrelation(frames: FloatArray, count: int) -> FloatArray:
 def pitches(frames: FloatArray, rate: float) -> FloatArray:
     """The pitch of each of ``frames`` (n, FRAME) at ``rate`` hertz, shape (n,), 0 for frames
     without pitch."""
-    shortest, longest = int(rate / HIGHEST), int(rate / LOWEST)
+    shortest = int(rate / HIGHEST)
+    longest = int(rate / LOWEST)
     correlated = _autocorrelation(
         (frames - frames.mean(axis=1, keepdims=True)) * _WINDOW, longest + 2
     )

@@ -131,7 +131,8 @@ def mixed(clips: tuple[Clip, ...]) -> Steps[Samples]:
     result = np.zeros(math.ceil(length * RATE), dtype=np.float32)
     for clip in clips:
         stream = soxr.ResampleStream(clip.rate, RATE, 1, dtype="float64")
-        place, size = round(max(clip.start, 0.0) * RATE), max(round(_BLOCK * clip.rate / RATE), 1)
+        place = round(max(clip.start, 0.0) * RATE)
+        size = max(round(_BLOCK * clip.rate / RATE), 1)
         first, last = clip.samples
         for begin in range(first, last, size):
             samples = clip.recording.read(begin, min(begin + size, last)).mean(axis=1)
@@ -157,7 +158,9 @@ def block_count(seconds: float) -> int:
 def heard(samples: Samples) -> Steps[Heard]:
     """Analyse a sound, shape (n,), at `RATE` hertz."""
     count = len(samples)
-    power, fluxes, pitched = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)]
+    power = [np.zeros(0)]
+    fluxes = [np.zeros(0)]
+    pitched = [np.zeros(0)]
     for begin in range(0, count, _BLOCK):
         end = min(begin + _BLOCK, -(-count // _HOP) * _HOP)
         power.append(

@@ -51,7 +51,8 @@ class Struck(Modified, kind="struck"):
 
     @property
     def duration(self) -> float:
-        whole, damping = self.of.duration / self.pitch, self._damping
+        whole = self.of.duration / self.pitch
+        damping = self._damping
         return min(whole, -math.log(SILENCE) / damping) if damping else whole
 
     @property
@@ -64,7 +65,8 @@ class Struck(Modified, kind="struck"):
         )
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
-        own, step = times * self.pitch, step * self.pitch
+        own = times * self.pitch
+        step = step * self.pitch
         result = self.of.at(own, step)
         if self.brightness < 1.0:
             _, rate, dull = _analysed(self.of)

@@ -60,7 +60,8 @@ class WavFile:
             raise ValueError("not a WAV file")
         form: bytes | None = None
         while len(chunk := file.read(8)) == 8:
-            name, size = chunk[:4], int.from_bytes(chunk[4:], "little")
+            name = chunk[:4]
+            size = int.from_bytes(chunk[4:], "little")
             if name == b"data":
                 if form is None:
                     raise ValueError("broken WAV file: no format before the samples")
@@ -83,12 +84,11 @@ class WavFile:
             raise ValueError(
                 f"broken WAV file: {channels} channels of {frame_size} bytes at {rate} Hz"
             )
-        self.channels, self.rate, self.count = (
-            channels,
-            float(rate),
-            size // frame_size if frame_size else 0,
-        )
-        self._tag, self._width = tag, frame_size // channels
+        self.channels = channels
+        self.rate = float(rate)
+        self.count = size // frame_size if frame_size else 0
+        self._tag = tag
+        self._width = frame_size // channels
         if self.count == 0:
             raise ValueError("WAV file without samples")
         _numbers(tag, self._width, np.zeros((1, 1, self._width), dtype=np.uint8))

@@ -101,7 +101,8 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
     and by how near they are beside the nearest one."""
     count = len(distance)
     normal = np.tile([[0.0], [0.0], [1.0]], count)
-    centre, area = np.zeros((3, count)), np.zeros(count)
+    centre = np.zeros((3, count))
+    area = np.zeros(count)
     if not found:
         return PairPatches(
             distance,
@@ -136,7 +137,8 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
         whole = length > 0.1 * total
         normal[:, whole] = mean[:, whole] / length[whole]
         alone = np.bincount(owner, minlength=count)[owner] == 1
-        normal[:, owner[alone]], centre[:, owner[alone]] = normals[:, alone], centres[:, alone]
+        normal[:, owner[alone]] = normals[:, alone]
+        centre[:, owner[alone]] = centres[:, alone]
     if not corners:
         return PairPatches(distance, normal, centre, area)
     parts = [c for f in found for c in (f.corners or [])]
@@ -154,7 +156,8 @@ def _outlines(points: list[list[FloatArray]], normal: FloatArray) -> tuple[Float
         [dot(axis[:, of], np.concatenate(each).T) for axis in contact_plane(normal)], axis=1
     )
     rounded = np.round(flat, 5).tolist()
-    outlines, begin = [], 0
+    outlines = []
+    begin = 0
     for every in each:
         first: dict[tuple[float, ...], int] = {}
         for number, place in enumerate(rounded[begin : begin + len(every)]):

@@ -40,7 +40,8 @@ def _arrangement(i: int, j: int) -> list[int]:
     """Rows of rotation, offset and half extents of two boxes arranged for edges ``i`` and ``j``,
     whose axes come first, the others in turn: columns of the rotation, offset, half extents of the
     first and of the second."""
-    of_a, of_b = TURN[i : i + 3].tolist(), TURN[j : j + 3].tolist()
+    of_a = TURN[i : i + 3].tolist()
+    of_b = TURN[j : j + 3].tolist()
     return (
         [3 * m + n for n in of_b for m in of_a]
         + [first + m for first in (9, 12) for m in of_a]
@@ -62,11 +63,9 @@ def best_axes(
     count = offset.shape[1]
     size = np.abs(rotation)
     separation = np.empty((15, count))
-    of_a, of_b, edges = (
-        separation[:3],
-        separation[3:FIRST_EDGE_AXIS],
-        separation[FIRST_EDGE_AXIS:].reshape(3, 3, -1),
-    )
+    of_a = separation[:3]
+    of_b = separation[3:FIRST_EDGE_AXIS]
+    edges = separation[FIRST_EDGE_AXIS:].reshape(3, 3, -1)
     np.abs(offset, out=of_a)
     of_a -= half_a
     of_a -= turned(size, half_b)
@@ -75,11 +74,10 @@ def best_axes(
     of_b -= turned_back(size, half_a)
     # Axis i of the first x axis j of the second: e_i x r_j, with r_j column j of the rotation. Rows
     # repeated in turn, to be sliced.
-    ways, sizes = (
-        rotation.take(TURN[:5], axis=0),
-        size.reshape(9, -1).take(_TURNS, axis=0).reshape(5, 5, -1),
-    )
-    turned_1, turned_2 = ways[1:4], ways[2:]
+    ways = rotation.take(TURN[:5], axis=0)
+    sizes = size.reshape(9, -1).take(_TURNS, axis=0).reshape(5, 5, -1)
+    turned_1 = ways[1:4]
+    turned_2 = ways[2:]
     offset, half_a, half_b = (vector.take(TURN[:5], axis=0) for vector in (offset, half_a, half_b))
     along = offset[2:, None] * turned_1
     along -= offset[1:4, None] * turned_2
@@ -125,16 +123,15 @@ def edge_points(
         half_a: half extents of the first (3, p) [m].
         half_b: half extents of the second (3, p) [m].
     """
-    pair, count = axis - FIRST_EDGE_AXIS, len(axis)
+    pair = axis - FIRST_EDGE_AXIS
+    count = len(axis)
     number = np.arange(count)
     rows = np.concatenate([rotation.reshape(9, -1), offset, half_a, half_b]).reshape(-1)
     arranged = rows.take(_ARRANGED.take(pair, axis=1) * count + number)
-    ways, offset, half_a, half_b = (
-        arranged[:9].reshape(3, 3, -1),
-        arranged[9:12],
-        arranged[12:15],
-        arranged[15:],
-    )
+    ways = arranged[:9].reshape(3, 3, -1)
+    offset = arranged[9:12]
+    half_a = arranged[12:15]
+    half_b = arranged[15:]
     way = ways[0]
     found = np.zeros((3, 3, count))
     normal, on_a, on_b = found
@@ -148,9 +145,12 @@ def edge_points(
     )
     np.add(ways[1] * corner[0] + ways[2] * corner[1], offset, out=on_b)
     between = on_b - on_a
-    along_i, along_j, slant = between[0], dot(between, way), way[0]
+    along_i = between[0]
+    along_j = dot(between, way)
+    slant = way[0]
     area = 1.0 - slant * slant
-    s, t = (along_i - slant * along_j) / area, (slant * along_i - along_j) / area
+    s = (along_i - slant * along_j) / area
+    t = (slant * along_i - along_j) / area
     within = (np.abs(s) <= half_a[0] * (1 + EDGE_TOLERANCE)) & (
         np.abs(t) <= half_b[0] * (1 + EDGE_TOLERANCE)
     )

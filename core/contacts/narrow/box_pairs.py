@@ -70,7 +70,8 @@ class BoxPairs:
         # By body, for those that are boxes.
         self._sizes = np.concatenate([table.half, table.radius[:, None]], axis=1)[..., first]
         self._authored = table.is_box[first]
-        self._turn, self._shift = table.rotation[..., first], table.offset[:, first]
+        self._turn = table.rotation[..., first]
+        self._shift = table.offset[:, first]
         self._outline = table.outline[:, first]
 
     def chosen(self, pairs: IntArray, rotation: FloatArray, offset: FloatArray) -> Boxes | None:
@@ -83,18 +84,14 @@ class BoxPairs:
             rows = (self.is_box[first] & self.is_box[second]).nonzero()[0]
             if len(rows) == 0:
                 return None
-            first, second, rotation, offset = (
-                first[rows],
-                second[rows],
-                rotation[..., rows],
-                offset[:, rows],
-            )
+            first = first[rows]
+            second = second[rows]
+            rotation = rotation[..., rows]
+            offset = offset[:, rows]
         if self._placed:
-            shift, turn_a, turn_b = (
-                self._shift[:, second],
-                self._turn[..., first],
-                self._turn[..., second],
-            )
+            shift = self._shift[:, second]
+            turn_a = self._turn[..., first]
+            turn_b = self._turn[..., second]
             offset = turned_back(turn_a, offset + turned(rotation, shift) - self._shift[:, first])
             rotation = relative(turn_a, product(rotation, turn_b))
         sharp = self._authored[first] & self._authored[second]
@@ -148,8 +145,10 @@ class BoxPairs:
         patches."""
         first, second = pairs.T
         if self._placed:
-            turn, shift = self._turn[..., first], self._shift[:, first]
-            normal, centre = turned_back(turn, normal), turned_back(turn, centre - shift)
+            turn = self._turn[..., first]
+            shift = self._shift[:, first]
+            normal = turned_back(turn, normal)
+            centre = turned_back(turn, centre - shift)
         face_a = box_face(normal, self._outline[:, first]) - centre[:, None]
         face_b = turned(
             boxes.rotation, box_face(-turned_back(boxes.rotation, normal), self._outline[:, second])
@@ -170,7 +169,8 @@ class BoxPairs:
     ) -> FloatArray:
         """Area (k,) of the smaller of the two faces divided by that of its core, so that rounded
         edges within a box do not reduce the area."""
-        ratios, areas = [], []
+        ratios = []
+        areas = []
         for body, half, way in (
             (first, boxes.half_a, normal),
             (second, boxes.half_b, turned_back(boxes.rotation, normal)),

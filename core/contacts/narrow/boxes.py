@@ -54,7 +54,8 @@ def _arrangement(axis: int, facing: int) -> list[int]:
     and its box's place in the frame of the first.
     """
     k = axis % 3
-    own, other = TURN[k + 1 : k + 4].tolist(), TURN[facing + 1 : facing + 4].tolist()
+    own = TURN[k + 1 : k + 4].tolist()
+    other = TURN[facing + 1 : facing + 4].tolist()
     if axis < 3:
         seen = [3 * m + n for n in other for m in own] + [_OFFSET + m for m in own]
         halves = [_HALF_A + m for m in own] + [_HALF_B + n for n in other]
@@ -162,7 +163,8 @@ def _near_contacts(distance: FloatArray, axis: IntArray, boxes: _Boxes) -> BoxCo
     found, thin, lifted = _faces(distance, axis, edges, boxes)
     # Each centre is moved by ``share`` of the way from where the faces overlap to the mean of the
     # nearest corners.
-    share, lying = thin * found.exact, found.centre
+    share = thin * found.exact
+    lying = found.centre
     if len(edges):
         patched = aligned & (found.area[edges] > 0)
         # How much the patch of the faces counts: 0 where they overlap elsewhere than at the edges.
@@ -196,11 +198,9 @@ def _faces(
     flat = rows.reshape(-1)
     facing = np.abs(flat.take(_ACROSS.take(axis, axis=1) * count + number)).argmax(axis=0)
     arranged = flat.take(_ARRANGED.take(3 * axis + facing, axis=1) * count + number)
-    seen, halves, ways = (
-        arranged[:12].reshape(4, 3, -1),
-        arranged[12:18].reshape(2, 3, -1),
-        arranged[18:27].reshape(3, 3, -1),
-    )
+    seen = arranged[:12].reshape(4, 3, -1)
+    halves = arranged[12:18].reshape(2, 3, -1)
+    ways = arranged[18:27].reshape(3, 3, -1)
     face, other = halves
     slope = np.hypot(seen[2, 0], seen[2, 1]) / np.maximum(np.abs(seen[2, 2]), 1e-9)
     side = np.copysign(1.0, seen[3, 2])
@@ -314,7 +314,8 @@ class _Corners:
     def depth(self, normal: FloatArray) -> FloatArray:
         """How far (2, 8, p) the corners are outside the other boxes along the ``normal`` (3, p)."""
         outward = np.stack([normal, -turned_back(self.rotation, normal)])
-        height, extent = outward[:, :, None] * self.place, np.abs(outward) * self.half
+        height = outward[:, :, None] * self.place
+        extent = np.abs(outward) * self.half
         height[:, 0] += height[:, 1]
         height[:, 0] += height[:, 2]
         return height[:, 0] - (extent[:, 0] + extent[:, 1] + extent[:, 2])[:, None]
@@ -360,12 +361,11 @@ def _with_nearest_corners(
     if len(rows) == 0:
         return centre
     corners = _Corners.of(*_rows(rows, boxes))
-    least, normal, middle = (
-        found.distance[rows],
-        found.normal.take(rows, axis=1),
-        found.centre.take(rows, axis=1),
-    )
-    exact, part = found.exact[rows], share[rows]
+    least = found.distance[rows]
+    normal = found.normal.take(rows, axis=1)
+    middle = found.centre.take(rows, axis=1)
+    exact = found.exact[rows]
+    part = share[rows]
     if not exact.all():
         least = np.where(exact, least, corners.distance.min(axis=(0, 1)))
         way = corners.ways(

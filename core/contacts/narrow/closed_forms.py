@@ -104,12 +104,15 @@ def point_to_cone(
     the same, half height)."""
     local = turned_back(rotation, point - centre)
     radius, direction = _radial(local)
-    z, base, height = local[2], half[0], half[2]
+    z = local[2]
+    base = half[0]
+    height = half[2]
     # In the half plane (distance from the axis, z): the slant from the rim (base, -height) to the
     # tip (0, height).
     slant = np.hypot(base, 2 * height)
     along = np.clip(((radius - base) * -base + (z + height) * 2 * height) / slant**2, 0.0, 1.0)
-    slant_radius, slant_z = base * (1 - along), height * (2 * along - 1)
+    slant_radius = base * (1 - along)
+    slant_z = height * (2 * along - 1)
     floor_radius = np.minimum(radius, base)
     above_slant = ((radius - base) * 2 * height + (z + height) * base) / slant
     to_floor = np.hypot(radius - floor_radius, z + height)
@@ -141,9 +144,16 @@ def segment_to_segment(
 ) -> Separation:
     """Two segments given by their ends. The nearest points of two lines, moved into the segments
     one after the other."""
-    u, v, w = a1 - a0, b1 - b0, a0 - b0
-    uu, vv, uv, uw, vw = dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w)
-    uu1, vv1 = np.where(uu > 0, uu, 1.0), np.where(vv > 0, vv, 1.0)
+    u = a1 - a0
+    v = b1 - b0
+    w = a0 - b0
+    uu = dot(u, u)
+    vv = dot(v, v)
+    uv = dot(u, v)
+    uw = dot(u, w)
+    vw = dot(v, w)
+    uu1 = np.where(uu > 0, uu, 1.0)
+    vv1 = np.where(vv > 0, vv, 1.0)
     area = uu * vv - uv * uv
     crossing = area > 1e-12 * uu * vv
     s = np.where(
@@ -158,7 +168,8 @@ def segment_to_segment(
 def _perpendicular(vector: FloatArray, along: FloatArray) -> FloatArray:
     """Unit vectors of ``vector`` (3, n), or any unit vector perpendicular to ``along`` where it
     vanishes."""
-    length, extent = np.sqrt(dot(vector, vector)), np.sqrt(dot(along, along))
+    length = np.sqrt(dot(vector, vector))
+    extent = np.sqrt(dot(along, along))
     other = cross(
         along,
         np.where(np.abs(along[0]) < 0.7 * extent, [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]),
@@ -204,7 +215,8 @@ def segment_to_box(
     late = np.argmax(slope >= 0, axis=0)
     late = np.where((slope >= 0).any(axis=0), late, len(times) - 1)
     early = np.maximum(late - 1, 0)
-    low, high = pick(slope, early), pick(slope, late)
+    low = pick(slope, early)
+    high = pick(slope, late)
     falling = high - low
     share = np.where(falling > 0, -low / np.where(falling > 0, falling, 1.0), 1.0)
     begin = pick(times, early)
@@ -214,7 +226,9 @@ def segment_to_box(
 
 def nearest_on_triangle(point: FloatArray, corners: FloatArray) -> FloatArray:
     """Point (3, n) of each triangle (3, 3, n) nearest to each point."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    a = corners[:, 0]
+    b = corners[:, 1]
+    c = corners[:, 2]
     normal = cross(b - a, c - a)
     squared = dot(normal, normal)
     solid = squared > 0
@@ -245,13 +259,16 @@ def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray)
     """Segments and triangles (3, 3, n). A segment through the triangle is as deep as the shortest
     way out: back over the triangle's plane, or sideways over one of its edges (the faces of the
     prism that is their Minkowski difference)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    a = corners[:, 0]
+    b = corners[:, 1]
+    c = corners[:, 2]
     edges = [segment_to_segment(start, end, p, q) for p, q in ((a, b), (b, c), (c, a))]
     best = between(start, nearest_on_triangle(start, corners))
     for other in (between(end, nearest_on_triangle(end, corners)), *edges):
         best = _merged(best, other, other.distance < best.distance - 1e-12)
     normal = _perpendicular(cross(b - a, c - a), b - a)
-    h0, h1 = dot(start - a, normal), dot(end - a, normal)
+    h0 = dot(start - a, normal)
+    h1 = dot(end - a, normal)
     span = h0 - h1
     crossing = start + (end - start) * (h0 / np.where(np.abs(span) > 0, span, 1.0))
     through = h0 * h1 < 0

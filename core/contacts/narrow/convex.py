@@ -190,10 +190,8 @@ def separations(
     import fcl
 
     request = fcl.DistanceRequest(enable_nearest_points=True)
-    rotation, offset = (
-        np.ascontiguousarray(rotation.transpose(2, 0, 1)),
-        np.ascontiguousarray(offset.T),
-    )
+    rotation = np.ascontiguousarray(rotation.transpose(2, 0, 1))
+    offset = np.ascontiguousarray(offset.T)
     count = len(first)
     distance = np.empty(count)
     nearest = np.empty((count, 2, 3))

@@ -148,7 +148,8 @@ class CoreDistances:
             normals, offsets = self._convex.core(core, Size.USUAL).some_planes()
             heights = np.einsum("fi,ikn->fkn", normals, local).min(axis=1) - offsets[:, None]
             bound[mine] = heights.max(axis=0, initial=-np.inf)
-        numbers, found = [], []
+        numbers = []
+        found = []
 
         def examine(part: IntArray) -> tuple[IntArray, FloatArray]:
             numbers.append(part)
@@ -166,10 +167,8 @@ class CoreDistances:
         table = self._table
         centre_a = rows.centre_a + turned(rows.rotation_a, table.bound_centre[:, rows.first])
         centre_b = rows.centre_b + turned(rows.rotation_b, table.bound_centre[:, rows.second])
-        turn, offset = (
-            relative(rows.rotation_a, rows.rotation_b),
-            turned_back(rows.rotation_a, centre_b - centre_a),
-        )
+        turn = relative(rows.rotation_a, rows.rotation_b)
+        offset = turned_back(rows.rotation_a, centre_b - centre_a)
         bound = best_axes(
             turn, offset, table.bound_half[:, rows.first], table.bound_half[:, rows.second]
         )[0]

@@ -83,7 +83,8 @@ class _Placing(NamedTuple):
     def onto_second(self, first: CoreSurface, reach: FloatArray) -> FloatArray:
         """Boxes (m, 2, 3) around the first surface, grown by ``reach`` (m,), in the second one's
         frames."""
-        middle, half = (first.low + first.high) / 2, (first.high - first.low) / 2
+        middle = (first.low + first.high) / 2
+        half = (first.high - first.low) / 2
         centre = turned(self.turn, middle[:, None]) + self.shift
         extent = turned(np.abs(self.turn), half[:, None] + reach)
         return np.stack([centre - extent, centre + extent]).transpose(2, 0, 1)
@@ -106,7 +107,9 @@ class CorePairing:
         flipped = table.kind[first] > table.kind[second]
         first, second = np.where(flipped, second, first), np.where(flipped, first, second)
         # The first body of a pair is at the origin.
-        turn, place, upright = rotation[..., owner], offset[:, owner], np.eye(3)[:, :, None]
+        turn = rotation[..., owner]
+        place = offset[:, owner]
+        upright = np.eye(3)[:, :, None]
         rotation_a, centre_a = self._world(
             first, np.where(flipped, turn, upright), np.where(flipped, place, 0.0)
         )
@@ -133,7 +136,8 @@ class CorePairing:
                 if np.any(kinds != value)
                 else everything
             )
-            kind_a, kind_b = Kind(value // len(Kind)), Kind(value % len(Kind))
+            kind_a = Kind(value // len(Kind))
+            kind_b = Kind(value % len(Kind))
             if kind_b is Kind.MESH and kind_a is Kind.BOX:
                 rows.radius_a = table.radius[Size.THICK, rows.first]
             if kind_b is Kind.MESH and kind_a is Kind.POINT:
@@ -170,7 +174,8 @@ class CorePairing:
         half = turned(np.abs(turn), table.bound_half[:, rows.first])
         half += rows.radius_a + rows.radius_b + np.maximum(reach, 0.0)
         bounds = np.stack([middle - half, middle + half]).transpose(2, 0, 1)
-        row, triangle = [], []
+        row = []
+        triangle = []
         for core in np.unique(rows.second).tolist():
             mine = np.flatnonzero(rows.second == core)
             box, near = self.mesh(core).near(bounds[mine])
@@ -290,11 +295,13 @@ class CorePairing:
         for part in chunks(len(every[0])):
             mine, theirs = (numbers[part] for numbers in every)
             counted = counts[pair[mine], theirs].nonzero()[0]
-            mine, theirs = mine[counted], theirs[counted]
+            mine = mine[counted]
+            theirs = theirs[counted]
             against = dot(taken(normal, mine), taken(second.normals, theirs))
             if first.depth == 0 or second.depth == 0:  # either side of a shell can face others
                 against = -np.abs(against)
-            mine, theirs = mine[against < _OPPOSITE], theirs[against < _OPPOSITE]
+            mine = mine[against < _OPPOSITE]
+            theirs = theirs[against < _OPPOSITE]
             way = taken(middle_b, theirs) - taken(middle_a, mine)
             both = radius_a[near[mine]] + radius_b[theirs]
             over = ~beside(way, both, taken(normal, mine))

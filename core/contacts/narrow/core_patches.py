@@ -83,11 +83,9 @@ class CorePatches:
             self._table.kind[rows.first], (Kind.BOX, Kind.HULL)
         )
         if faceted.any():
-            some, place, around = (
-                chosen_of(rows, faceted),
-                middle[:, faceted],
-                directions(normal[:, faceted]),
-            )
+            some = chosen_of(rows, faceted)
+            place = middle[:, faceted]
+            around = directions(normal[:, faceted])
             reaches = [
                 reach(self._table, core, rotation, centre, place, around)
                 for core, rotation, centre in (

@@ -234,7 +234,8 @@ def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatAr
     """Three axes (rows) in the order and senses that are nearest to x, y, z and right-handed, with
     their lengths."""
     order = max(permutations(range(3)), key=lambda o: sum(abs(unit[o[k], k]) for k in range(3)))
-    unit, lengths = unit[list(order)], lengths[list(order)]
+    unit = unit[list(order)]
+    lengths = lengths[list(order)]
     unit = unit * np.where(np.diag(unit) < 0, -1.0, 1.0)[:, None]
     if np.linalg.det(unit) < 0:
         unit[2] = -unit[2]

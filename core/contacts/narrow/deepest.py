@@ -44,4 +44,6 @@ def examine_deepest(
         for part in chunks(int(asked.sum())):
             valid, distance = examine(waiting[asked][part])
             np.minimum.at(found, group[valid], distance)
-        waiting, rank, many = waiting[counts & ~asked], rank[counts & ~asked], 4 * many
+        waiting = waiting[counts & ~asked]
+        rank = rank[counts & ~asked]
+        many = 4 * many

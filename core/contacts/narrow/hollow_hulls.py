@@ -52,7 +52,8 @@ class HollowHulls:
         most = np.minimum(depth, self._size[pairs].min(axis=1) / 2)
         for k in np.flatnonzero(np.isfinite(depth) & (found.distance < _SAME - most)).tolist():
             found.distance[k] = -most[k]
-            turn, place = rotation[..., k], offset[:, k]
+            turn = rotation[..., k]
+            place = offset[:, k]
             for outer, inner, way, shift, sign in (
                 (*pairs[k].tolist(), turn, place, 1.0),
                 (*pairs[k, ::-1].tolist(), turn.T, -turn.T @ place, -1.0),
@@ -103,17 +104,17 @@ class HollowHulls:
     def _end(self, body: int, direction: FloatArray) -> FloatArray:
         """The middle of what of a body is farthest along a unit direction: of its corners, those
         that are hardly less far count less."""
-        places, heights = [], []
+        places = []
+        heights = []
         for core in self._cores(body):
-            turn, place, radius = (
-                self._table.rotation[..., core],
-                self._table.offset[:, core],
-                self._table.radius[Size.USUAL, core],
-            )
+            turn = self._table.rotation[..., core]
+            place = self._table.offset[:, core]
+            radius = self._table.radius[Size.USUAL, core]
             corners = self._bodies.core(core, Size.USUAL).corners(turn.T @ direction)
             at = corners @ turn.T + place + radius * direction
             places.append(at)
             heights.append(at @ direction)
-        every, height = np.concatenate(places), np.concatenate(heights)
+        every = np.concatenate(places)
+        height = np.concatenate(heights)
         weight = np.clip(1.0 - (height.max() - height) / PATCH_GAP, 0.0, None) ** 2
         return np.asarray(weight @ every / weight.sum())

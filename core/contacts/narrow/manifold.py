@@ -86,7 +86,8 @@ def patches(
     """
     u, v = contact_plane(normal)
     frame = np.stack([u, v, normal])
-    a, b = turned(frame, first), turned(frame, second)
+    a = turned(frame, first)
+    b = turned(frame, second)
     # The gap between the two as a linear function over the plane, counted from the least that their
     # farthest corners would leave.
     slope_a, level_a = _plane(a)
@@ -115,14 +116,13 @@ def patches(
     reach = patch_gap(np.sqrt(dot(slope, slope)), gap)
     top = np.where(np.isinf(least_gap), 0.0, least_gap) + reach
     rise = to_gap - from_gap
-    leaves, enters = (
-        used & (from_gap <= top) & (to_gap > top),
-        used & (from_gap > top) & (to_gap <= top),
-    )
+    leaves = used & (from_gap <= top) & (to_gap > top)
+    enters = used & (from_gap > top) & (to_gap <= top)
     share = np.divide(top - from_gap, rise, out=np.zeros_like(rise), where=leaves | enters)
     used &= (from_gap <= top) | (to_gap <= top)
     cut = start + (end - start) * share
-    start, end = np.where(enters, cut, start), np.where(leaves, cut, end)
+    start = np.where(enters, cut, start)
+    end = np.where(leaves, cut, end)
     area, centre = _area_and_centre(start, end, used, leaves, enters)
     # The half-planes of a polygon seen edge-on enclose a strip without end.
     found = used.any(axis=0) & (area > 0) & ~_edge_on(a) & ~_edge_on(b)
@@ -146,7 +146,8 @@ def _area_and_centre(
     """Area (n,) and centre (2, n) inside the boundary pieces that are ``used`` (k, n), from
     ``start`` to ``end`` (2, k, n), with a straight line from the one that ``leaves`` to the one
     that ``enters``."""
-    out, back = added(end * leaves), added(start * enters)
+    out = added(end * leaves)
+    back = added(start * enters)
     closing = out[0] * back[1] - out[1] * back[0]
     turns = np.where(used, start[0] * end[1] - start[1] * end[0], 0.0)
     area = (added(turns) + closing) / 2
@@ -203,7 +204,8 @@ def _clipped(
     """The part of each segment (2, k, n) that satisfies all lines (3, m, n), and whether there is
     one (k, n)."""
     f0, f1 = (dot(ends[:, :, None], lines[:2, None]) + lines[2] for ends in (start, end))
-    out0, out1 = f0 < 0, f1 < 0
+    out0 = f0 < 0
+    out1 = f1 < 0
     crossing = out0 != out1
     t = np.divide(f0, f0 - f1, out=np.zeros_like(f0), where=crossing)
     begin = np.where(out0 & crossing, t, 0.0).max(axis=1)

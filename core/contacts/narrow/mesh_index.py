@@ -32,11 +32,13 @@ class MeshIndex:
         cell = np.minimum((centre - centre.min(axis=0)) / extent * 1024, 1023).astype(np.int64)
         order = np.argsort(_interleaved(cell), kind="stable")
         corners = corners[order]
-        low, high = corners.min(axis=1), corners.max(axis=1)
+        low = corners.min(axis=1)
+        high = corners.max(axis=1)
         if spheres:
             middle = corners.mean(axis=1)
             radius = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=2).max(axis=1))[:, None]
-            low, high = middle - radius, middle + radius
+            low = middle - radius
+            high = middle + radius
         size = max(8, int(len(corners) ** 0.5 / 2))
         filled = ((0, -len(corners) % size), (0, 0))
         low, high = (
@@ -55,7 +57,8 @@ class MeshIndex:
     def near(self, bounds: FloatArray) -> tuple[IntArray, IntArray]:
         """Pairs of boxes ``bounds`` (n, 2, 3) [local space] and triangles with overlapping bounds:
         numbers of both, sorted."""
-        boxes, triangles = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+        boxes = [np.zeros(0, dtype=np.int64)]
+        triangles = [np.zeros(0, dtype=np.int64)]
         step = max(1, _CHUNK // max(len(self.block_low), 1))
         for begin in range(0, len(bounds), step):
             box, block = _overlapping(bounds[begin : begin + step], self.block_low, self.block_high)

@@ -51,7 +51,8 @@ class NarrowPhase:
             if len(shapes)
             else self.is_box
         )
-        surfaces, bodies = Surfaces(table), ConvexDistances(table)
+        surfaces = Surfaces(table)
+        bodies = ConvexDistances(table)
         self._kept = surfaces
         if before is not None:
             surfaces.take_over(before._kept)
@@ -119,7 +120,8 @@ class NarrowPhase:
             normal: of the patches (3, p).
             centre: of the patches (3, p) [m].
         """
-        parts, others = [], np.arange(len(pairs))
+        parts = []
+        others = np.arange(len(pairs))
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is not None:
             number, places = self._boxes.corners(
@@ -237,10 +239,8 @@ class NarrowPhase:
             rows = joined(others)
             closed.append((rows, exact(self._distances.near_by_fcl(rows, limit))))
         if closed:
-            rows, separated = (
-                joined([group for group, _ in closed]),
-                joined([separated for _, separated in closed]),
-            )
+            rows = joined([group for group, _ in closed])
+            separated = joined([separated for _, separated in closed])
             is_point = self._table.kind[rows.first] == Kind.POINT
             for chosen in (is_point.nonzero()[0], (~is_point).nonzero()[0]):
                 if len(chosen):
@@ -280,7 +280,8 @@ class NarrowPhase:
         if not near.any():
             return
         chosen = near.nonzero()[0]
-        rows, separated = chosen_of(rows, chosen), chosen_of(separated, chosen)
+        rows = chosen_of(rows, chosen)
+        separated = chosen_of(separated, chosen)
         patch = self._patches.patches(rows, separated)
         unsure = ~separated.exact & (patch.gap > _CERTAIN)
         if unsure.any():
@@ -288,11 +289,9 @@ class NarrowPhase:
             self._finish(
                 again, exact(self._distances.by_fcl(again)), limit, distance, found, corners
             )
-            rows, separated, patch = (
-                chosen_of(rows, ~unsure),
-                chosen_of(separated, ~unsure),
-                chosen_of(patch, ~unsure),
-            )
+            rows = chosen_of(rows, ~unsure)
+            separated = chosen_of(separated, ~unsure)
+            patch = chosen_of(patch, ~unsure)
         if len(rows):
             gap = (
                 separated.distance

@@ -58,7 +58,8 @@ def _edges(centre: FloatArray, sides: FloatArray) -> tuple[FloatArray, FloatArra
     np.add(centre, sides[::-1], out=middles[1])
     borders = _BORDERS - middles[:, :, :2]
     borders *= 1.0 / (sides[:, :2] + _LEAST)
-    enter, leave = np.minimum(borders[0], borders[1]), np.maximum(borders[0], borders[1])
+    enter = np.minimum(borders[0], borders[1])
+    leave = np.maximum(borders[0], borders[1])
     enter = np.maximum(np.maximum(enter[:, :, 0], enter[:, :, 1]), -1.0)
     leave = np.minimum(np.minimum(leave[:, :, 0], leave[:, :, 1]), 1.0)
     return middles, np.minimum(enter, 2.0, out=enter), leave
@@ -108,7 +109,8 @@ def _integrals(corners: FloatArray, origin: FloatArray) -> FloatArray:
     """Twice the area inside an outline (2, 6, p) and the square, and six times its moments about
     ``origin`` (2, p); all three (3, p) negative where the outline is clockwise."""
     count = corners.shape[2]
-    begin, way = corners[:, :-1], corners[:, 1:] - corners[:, :-1]
+    begin = corners[:, :-1]
+    way = corners[:, 1:] - corners[:, :-1]
     borders = _SQUARE - begin
     borders *= 1.0 / (way + _LEAST)
     (enter_u, enter_v), (leave_u, leave_v) = (
@@ -120,10 +122,8 @@ def _integrals(corners: FloatArray, origin: FloatArray) -> FloatArray:
     parts[:, 0] = 0.0
     np.minimum(enter_u, enter_v, out=parts[:, 1])
     np.maximum(leave_u, leave_v, out=parts[:, 4])
-    later, sooner = (
-        np.maximum(enter_u, enter_v, out=enter_u),
-        np.minimum(leave_u, leave_v, out=leave_u),
-    )
+    later = np.maximum(enter_u, enter_v, out=enter_u)
+    sooner = np.minimum(leave_u, leave_v, out=leave_u)
     np.minimum(later, sooner, out=parts[:, 2])
     np.maximum(later, sooner, out=parts[:, 3])
     np.maximum(parts, 0.0, out=parts)

@@ -40,7 +40,8 @@ _MOST_CORNERS = 30
 
 _AXES = np.concatenate([np.eye(3), -np.eye(3)])
 
-_NEXT, _AFTER_NEXT = np.array([1, 2, 0]), np.array([2, 0, 1])
+_NEXT = np.array([1, 2, 0])
+_AFTER_NEXT = np.array([2, 0, 1])
 
 Farthest = Callable[[FloatArray], FloatArray]
 """The points (..., 3) of a convex body that are farthest along unit directions (..., 3)."""
@@ -91,9 +92,11 @@ the first body that they come from."""
 def _simplex(supports: _Supports) -> _Polytope | Penetration:
     """A tetrahedron of boundary points, or the penetration of a flat difference."""
     points, sources = supports(_AXES)
-    a, source_a = points[0], sources[0]
+    a = points[0]
+    source_a = sources[0]
     k = int(row_dots(points - a, points - a).argmax())
-    b, source_b = points[k], sources[k]
+    b = points[k]
+    source_b = sources[k]
     axis = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
     u = row_cross(axis, _AXES[0 if abs(axis[0]) < 0.7 else 1])
     u /= np.linalg.norm(u)
@@ -102,7 +105,8 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     across = points - a
     across -= np.outer(across @ axis, axis)
     k = int(row_dots(across, across).argmax())
-    c, source_c = points[k], sources[k]
+    c = points[k]
+    source_c = sources[k]
     normal = row_cross(b - a, c - a)
     length = float(np.linalg.norm(normal))
     normal = normal / length if length > 0 else u
@@ -167,7 +171,8 @@ def _deepest(
             break
         points = np.stack([points[(k + 1) % 3], points[k], corner])
         sources = np.stack([sources[(k + 1) % 3], sources[k], source])
-    ahead, before = points[_NEXT], points[_AFTER_NEXT]
+    ahead = points[_NEXT]
+    before = points[_AFTER_NEXT]
     areas = row_dots(row_cross(before - ahead, foot - ahead), normal).clip(0.0)
     return np.asarray(areas / areas.sum() @ sources if areas.sum() > 0 else sources.mean(axis=0))
 
@@ -193,13 +198,22 @@ class _Polytope:
 
     def add_face(self, i: int, j: int, k: int) -> None:
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self._points[i], self._points[j], self._points[k]
-        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
-        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        ux = bx - ax
+        uy = by - ay
+        uz = bz - az
+        vx = cx - ax
+        vy = cy - ay
+        vz = cz - az
+        x = uy * vz - uz * vy
+        y = uz * vx - ux * vz
+        z = ux * vy - uy * vx
         length = math.sqrt(x * x + y * y + z * z)
         number, offset = self._made, math.inf  # a sliver has no normal and is never the nearest
         self._made += 1
         if length > 1e-18:
-            x, y, z = x / length, y / length, z / length
+            x = x / length
+            y = y / length
+            z = z / length
             offset = x * ax + y * ay + z * az
             heapq.heappush(self._by_offset, (offset, number))
         self.faces[number] = _Face((i, j, k), (x, y, z), offset)
@@ -218,7 +232,8 @@ class _Polytope:
         self._points.append(point)
         self._sources.append(source)
         x, y, z = point
-        visible, seen = [start], {start}
+        visible = [start]
+        seen = {start}
         border: list[tuple[int, int]] = []
         for number in visible:
             i, j, k = self.faces[number].corners

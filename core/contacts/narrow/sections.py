@@ -74,7 +74,8 @@ def reach(
         point: one in each (3, n) [m].
         around: the directions (3, k, n).
     """
-    local, ways = turned_back(rotation, point - centre), turned_back(rotation, around)
+    local = turned_back(rotation, point - centre)
+    ways = turned_back(rotation, around)
     result = np.zeros(ways.shape[1:])
     boxes = np.flatnonzero(table.kind[core] == Kind.BOX)
     if len(boxes):

@@ -44,12 +44,11 @@ def box_to_box(
         centre_b: of the second (3, n) [m].
         half_b: half extents of the second (3, n) [m], which may be 0.
     """
-    rotation, offset = (
-        relative(rotation_a, rotation_b),
-        turned_back(rotation_a, centre_b - centre_a),
-    )
+    rotation = relative(rotation_a, rotation_b)
+    offset = turned_back(rotation_a, centre_b - centre_a)
     distance, axis = best_axes(rotation, offset, half_a, half_b)
-    of_a, of_b = axis < 3, (axis >= 3) & (axis < FIRST_EDGE_AXIS)
+    of_a = axis < 3
+    of_b = (axis >= 3) & (axis < FIRST_EDGE_AXIS)
     normal = np.where(of_a, axis == COLUMN, pick(rotation.reshape(9, -1), 3 * COLUMN + axis % 3))
     normal *= np.where(dot(normal, offset) < 0, -1.0, 1.0)
     # Face of the first: the second's supporting point must lie over that face; and the other way
@@ -62,21 +61,21 @@ def box_to_box(
         )
         + offset
     )
-    over_a, over_b = second - normal * distance, first + normal * distance
+    over_a = second - normal * distance
+    over_b = first + normal * distance
     inside_a = (np.abs(over_a) <= half_a + _ON_FACE).all(axis=0)
     inside_b = (np.abs(turned_back(rotation, over_b - offset)) <= half_b + _ON_FACE).all(axis=0)
-    first, second = np.where(of_a, over_a, first), np.where(of_b, over_b, second)
+    first = np.where(of_a, over_a, first)
+    second = np.where(of_b, over_b, second)
     exact = (of_a & inside_a) | (of_b & inside_b)
     edges = np.flatnonzero(axis >= FIRST_EDGE_AXIS)
     if len(edges):
         points = edge_points(
             axis[edges], rotation[..., edges], offset[:, edges], half_a[:, edges], half_b[:, edges]
         )
-        normal[:, edges], first[:, edges], second[:, edges] = (
-            points.normal,
-            points.first,
-            points.second,
-        )
+        normal[:, edges] = points.normal
+        first[:, edges] = points.first
+        second[:, edges] = points.second
         exact[edges] = points.within
     first, second = (turned(rotation_a, end) + centre_a for end in (first, second))
     return AxisSeparation(
@@ -112,9 +111,11 @@ def box_to_triangle(
     axes /= np.where(usable, length, 1.0)
     heights = dot(axes[:, :, None], local[:, None])
     extent = dot(np.abs(axes), half[:, None])
-    low, high = heights.min(axis=1), heights.max(axis=1)
+    low = heights.min(axis=1)
+    high = heights.max(axis=1)
     # From the box to the triangle along +axis and along -axis.
-    ahead, behind = low - extent, -high - extent
+    ahead = low - extent
+    behind = -high - extent
     distance = np.where(usable, np.maximum(ahead, behind), -np.inf)
     sign = np.where(ahead >= behind, 1.0, -1.0)
     preferred = distance.copy()
@@ -133,7 +134,8 @@ def box_to_triangle(
     over_triangle = np.ones(count, dtype=np.bool_)
     for k in range(3):
         over_triangle &= dot(cross(edges[:, k], foot - local[:, k]), plane) >= -1e-9 * scale**3
-    of_plane, of_box = best == 0, (best > 0) & (best < 4)
+    of_plane = best == 0
+    of_box = (best > 0) & (best < 4)
     exact = (of_plane & over_triangle) | (of_box & over_box) | (distance <= 0)
     second = np.where(of_plane, foot, second)
     first = np.where(of_box, near_box, first)

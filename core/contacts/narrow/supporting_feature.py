@@ -57,7 +57,8 @@ def polygons(
     local = turned_back(rotation, direction)
     for value in np.unique(kind).tolist():
         rows = np.flatnonzero(kind == value)
-        towards, outline = local[:, rows], table.outline[:, core[rows]]
+        towards = local[:, rows]
+        outline = table.outline[:, core[rows]]
         match Kind(value):
             case Kind.BOX:
                 corners[:, :FEW, rows] = box_face(towards, outline)
@@ -164,7 +165,8 @@ def _line(middle: FloatArray, along: FloatArray, direction: FloatArray) -> Float
         tip = along * np.where(dot(along, direction) < 0, -1.0, 1.0)
         u, v = contact_plane(direction)
         middle = np.where(pointing, middle + tip, middle)
-        along, across = np.where(pointing, u * _WIDTH, along), np.where(pointing, v, across)
+        along = np.where(pointing, u * _WIDTH, along)
+        across = np.where(pointing, v, across)
         length = np.where(pointing, 1.0, length)
     across = across * (_WIDTH / np.where(length > 0, length, 1.0))
     return np.stack(

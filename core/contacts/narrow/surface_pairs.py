@@ -96,7 +96,8 @@ class _Faces:
     ) -> _Faces:
         """Of triangles by their corners; ``shell_a`` (n,): the first belongs to a shell, of which
         either side can face the other surface."""
-        normal_a, normal_b = unit_normals(first), unit_normals(second)
+        normal_a = unit_normals(first)
+        normal_b = unit_normals(second)
         turned = dot(normal_a, normal_b) > 0
         normal_a = np.where(turned & shell_a, -normal_a, normal_a)
         normal_b = np.where(turned & ~shell_a, -normal_b, normal_b)
@@ -154,7 +155,8 @@ class SurfacePairs:
         result = fcl.DistanceResult()
         request = fcl.DistanceRequest(enable_nearest_points=True)
         distance = float(fcl.distance(mesh, other, request, result))
-        turn, place = rows.rotation_b[..., k], rows.centre_b[:, k]
+        turn = rows.rotation_b[..., k]
+        place = rows.centre_b[:, k]
         on_mesh, on_other = (turn @ np.asarray(point) + place for point in result.nearest_points)
         return _Gap(
             max(distance, 0.0),
@@ -178,7 +180,8 @@ class SurfacePairs:
         other: Any = (
             self._convex(first) if solid or not self._is_surface(first) else self._surfaces[first]
         ).second
-        turn, place = rows.rotation_b[..., k], rows.centre_b[:, k]
+        turn = rows.rotation_b[..., k]
+        place = rows.centre_b[:, k]
         other.setRotation(np.ascontiguousarray(turn.T @ rows.rotation_a[..., k]))
         other.setTranslation(turn.T @ (rows.centre_a[:, k] - place))
         return self._surfaces[int(rows.second[k])].first, other
@@ -213,13 +216,17 @@ class SurfacePairs:
         apart: dict[int, tuple[float, float]] = {}
         deep: dict[int, float] = {}
         for k in range(len(rows)):
-            a, b = self._surfaces[int(rows.first[k])], self._surfaces[int(rows.second[k])]
-            owner, radius = int(rows.owner[k]), float(rows.radius_a[k] + rows.radius_b[k])
-            gap, most = self._distance(rows, k), _most(a, b)
+            a = self._surfaces[int(rows.first[k])]
+            b = self._surfaces[int(rows.second[k])]
+            owner = int(rows.owner[k])
+            radius = float(rows.radius_a[k] + rows.radius_b[k])
+            gap = self._distance(rows, k)
+            most = _most(a, b)
             if gap <= _TOUCHING and most > 0:
                 deep[k] = most
                 continue
-            least, around = gap - radius, 0.0
+            least = gap - radius
+            around = 0.0
             if most > 0 and least - most <= limit[owner]:
                 around = self._around(chosen_of(rows, np.array([k])))
             sunk = 0.0
@@ -271,7 +278,8 @@ class SurfacePairs:
         for k in np.flatnonzero(np.isfinite(self.least_distances(rows))).tolist():
             row = chosen_of(rows, np.array([k]))
             mesh = self._surfaces[int(row.second[0])]
-            turn, place = row.rotation_b[..., 0], row.centre_b[:, 0]
+            turn = row.rotation_b[..., 0]
+            place = row.centre_b[:, 0]
             centre = (row.centre_a[:, 0] - place) @ turn
             if not (
                 (centre > mesh.low).all()
@@ -280,7 +288,8 @@ class SurfacePairs:
             ):
                 continue
             chosen[k] = True
-            owner, radius = int(row.owner[0]), float(row.radius_a[0] + row.radius_b[0])
+            owner = int(row.owner[0])
+            radius = float(row.radius_a[0] + row.radius_b[0])
             least = max(self._gap(row, 0).distance - radius, 0.0) + float(
                 self.least_distances(row)[0]
             )
@@ -314,7 +323,8 @@ class SurfacePairs:
         way = np.where(length > _TOUCHING, way / np.maximum(length, _TOUCHING), normal[:, sunk])
         part = share[sunk]
         mixed = normal[:, sunk] * (1 - part) + way * part
-        normal, centre = normal.copy(), patch.centre.copy()
+        normal = normal.copy()
+        centre = patch.centre.copy()
         normal[:, sunk] = mixed / np.sqrt(dot(mixed, mixed)).clip(1e-300)
         centre[:, sunk] += (nearest - centre[:, sunk]) * part
         area = patch.area * (1 - share)
@@ -323,7 +333,8 @@ class SurfacePairs:
     def _nearest_to_middle(self, row: CorePairs) -> FloatArray:
         """The point of a mesh (3,) that is nearest to the middle of the core of the single pair
         ``row``."""
-        turn, place = row.rotation_b[..., 0], row.centre_b[:, 0]
+        turn = row.rotation_b[..., 0]
+        place = row.centre_b[:, 0]
         corners = self._surfaces[int(row.second[0])].index.corners.transpose(2, 1, 0)
         middle = ((row.centre_a[:, 0] - place) @ turn)[:, None]
         nearest = nearest_on_triangle(np.repeat(middle, corners.shape[2], axis=1), corners)
@@ -400,7 +411,8 @@ class SurfacePairs:
         most = np.minimum(limit, deepest + WITHIN)
         near = (gap <= most[rows.owner]).nonzero()[0]
         if len(near):
-            rows, separation = chosen_of(rows, near), chosen_of(separation, near)
+            rows = chosen_of(rows, near)
+            separation = chosen_of(separation, near)
             patch = self._patches.patches(rows, separation)
             normal = np.where(sunk[near] > 0, -separation.normal, separation.normal)
             found.append(core_contacts(rows, normal, gap[near], patch, corners))
@@ -466,16 +478,19 @@ class SurfacePairs:
             return found[-1][0].face, found[-1][0].depth
 
         examine_deepest(way, faces.bound, -most[chosen][faces.pair], examine)
-        lying, patch = joined([faces for faces, _ in found]), joined([patch for _, patch in found])
+        lying = joined([faces for faces, _ in found])
+        patch = joined([patch for _, patch in found])
         order = lying.face.argsort()
-        lying, patch = chosen_of(lying, order), chosen_of(patch, order)
+        lying = chosen_of(lying, order)
+        patch = chosen_of(patch, order)
         under = lying.under.nonzero()[0]
         through = way[lying.face[under]]
         dropped = np.zeros(len(lying.face), dtype=np.bool_)
         for k in np.intersect1d(through[through % 2 == 0], through[through % 2 == 1] - 1).tolist():
             ways = [under[through == side] for side in (k, k + 1)]
             dropped[max(ways, key=lambda side: float(-lying.depth[side].min()))] = True
-        lying, patch = chosen_of(lying, ~dropped), chosen_of(patch, ~dropped)
+        lying = chosen_of(lying, ~dropped)
+        patch = chosen_of(patch, ~dropped)
         rows = self._placed(several, chosen_of(faces, lying.face))
         number = chosen[faces.pair[lying.face]]
         gap = np.maximum(lying.depth, -most[number]) - rows.radius_a - rows.radius_b
@@ -509,7 +524,9 @@ class SurfacePairs:
         faces = chosen_of(faces, chosen)
         separation, axis = facing_axes(faces.first, faces.second, faces.normal_a, faces.normal_b)
         over = over_each_other(faces.first, faces.second, axis)
-        faces, axis, separation = chosen_of(faces, over), axis[:, over], separation[over]
+        faces = chosen_of(faces, over)
+        axis = axis[:, over]
+        separation = separation[over]
         middle = (faces.first.sum(axis=1) + faces.second.sum(axis=1)) / 6
         patch = patches(
             faces.first - middle[:, None], faces.second - middle[:, None], axis, PATCH_GAP
@@ -579,7 +596,8 @@ class SurfacePairs:
         else:
             share = float(smooth_step(2 * depth / most - 1))
         normal = np.where(row.flipped, -crossing.normal, crossing.normal)[:, None]
-        centre, area = crossing.centre[:, None], crossing.area
+        centre = crossing.centre[:, None]
+        area = crossing.area
         corners = None if facing.corners is None else [crossing.centre[None]]
         if share < 1:
             alone = replace(facing, owner=np.zeros_like(facing.owner))
@@ -590,7 +608,8 @@ class SurfacePairs:
             normal = normal / max(float(np.linalg.norm(normal)), 1e-300)
             corners = None if facing.corners is None else list(patch.corners)
         distance = -min(depth, most) - row.radius_a - row.radius_b
-        areas, within = np.full(1, area), np.full(1, _REACH)
+        areas = np.full(1, area)
+        within = np.full(1, _REACH)
         return CoreContacts(row.owner, distance, normal, centre, areas, areas, within, corners)
 
     def _is_deep(self, row: CorePairs, most: float) -> bool:
@@ -614,7 +633,8 @@ class SurfacePairs:
         second: one, the other, and how points (n, 3) of the other are placed in the frame of the
         one, ``points @ turn + place``."""
         a, b = self._both(row)
-        turn_a, turn_b = row.rotation_a[..., 0], row.rotation_b[..., 0]
+        turn_a = row.rotation_a[..., 0]
+        turn_b = row.rotation_b[..., 0]
         way = row.centre_b[:, 0] - row.centre_a[:, 0]
         yield b, a, turn_a.T @ turn_b, -turn_b.T @ way
         yield a, b, turn_b.T @ turn_a, turn_a.T @ way
@@ -625,7 +645,8 @@ class SurfacePairs:
     def _overlap(self, rows: CorePairs, on_a: FloatArray, on_b: FloatArray) -> BoolArray:
         """Which points (3, n) of either surface are inside the other one, if that is a solid."""
         inside = self._contained(rows.first, turned_back(rows.rotation_a, on_b - rows.centre_a))
-        rows, on_a = chosen_of(rows, inside), on_a[:, inside]
+        rows = chosen_of(rows, inside)
+        on_a = on_a[:, inside]
         inside[inside] = self._contained(
             rows.second, turned_back(rows.rotation_b, on_a - rows.centre_b)
         )

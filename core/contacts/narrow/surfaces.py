@@ -76,7 +76,9 @@ class CoreSurface:
         bounds[:, 1, 2] = np.inf
         ray, triangle = self.index.near(bounds)
         corners = self.index.corners[triangle] - points[ray, None]
-        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        a = corners[:, 0]
+        b = corners[:, 1]
+        c = corners[:, 2]
         sides = np.stack([_side(p, q) for p, q in ((a, b), (b, c), (c, a))])
         turns = np.where((sides > 0).all(axis=0), 1, np.where((sides < 0).all(axis=0), -1, 0))
         normal = np.cross(b - a, c - a)

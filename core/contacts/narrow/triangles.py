@@ -33,11 +33,10 @@ def triangle_to_triangle(first: FloatArray, second: FloatArray) -> Separation:
     """Pairs of triangles (3, 3, n) by coordinate and corner: the nearest of edges and edges,
     corners and faces. Of two that cross, the deepest way of an edge of either through the other."""
     count = first.shape[2]
-    one, other = first[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]], second[:, [0, 1, 2] * 3]
-    after, beyond = (
-        np.roll(first, -1, axis=1)[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]],
-        np.roll(second, -1, axis=1)[:, [0, 1, 2] * 3],
-    )
+    one = first[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]]
+    other = second[:, [0, 1, 2] * 3]
+    after = np.roll(first, -1, axis=1)[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]]
+    beyond = np.roll(second, -1, axis=1)[:, [0, 1, 2] * 3]
     edges = segment_to_segment(*(ends.reshape(3, -1) for ends in (one, after, other, beyond)))
     onto_second = nearest_on_triangle(first.reshape(3, -1), np.tile(second, 3))
     onto_first = nearest_on_triangle(second.reshape(3, -1), np.tile(first, 3))
@@ -82,8 +81,11 @@ def _crossed(first: FloatArray, second: FloatArray) -> Separation:
     )
     found = segment_to_triangle(start, end, corners)
     best = found.distance.reshape(6, count).argmin(axis=0)
-    of, flipped = best * count + np.arange(count), best >= 3
-    normal, a, b = found.normal[:, of], found.first[:, of], found.second[:, of]
+    of = best * count + np.arange(count)
+    flipped = best >= 3
+    normal = found.normal[:, of]
+    a = found.first[:, of]
+    b = found.second[:, of]
     return Separation(
         found.distance[of],
         np.where(flipped, -normal, normal),
@@ -97,11 +99,13 @@ def crossing_lines(first: FloatArray, second: FloatArray) -> tuple[FloatArray, F
     from end to end, along the cross product of both normals; 0 where they do not cross."""
     along = cross(unit_normals(first), unit_normals(second))
     squared = dot(along, along)
-    spans, points = [], []
+    spans = []
+    points = []
     for corners, other in ((first, second), (second, first)):
         normal = unit_normals(other)
         height = dot(normal[:, None], corners - other[:, :1])
-        after, end = np.roll(height, -1, axis=0), np.roll(corners, -1, axis=1)
+        after = np.roll(height, -1, axis=0)
+        end = np.roll(corners, -1, axis=1)
         through = (height >= 0) != (after >= 0)
         share = np.divide(height, height - after, out=np.zeros_like(height), where=through)
         place = corners + (end - corners) * share
@@ -113,9 +117,11 @@ def crossing_lines(first: FloatArray, second: FloatArray) -> tuple[FloatArray, F
             )
         )
         points.append(place[:, through.argmax(axis=0), np.arange(place.shape[2])])
-    begin, end = np.maximum(spans[0][0], spans[1][0]), np.minimum(spans[0][1], spans[1][1])
+    begin = np.maximum(spans[0][0], spans[1][0])
+    end = np.minimum(spans[0][1], spans[1][1])
     meets = (end > begin) & (squared > 1e-18)
-    begin, end = np.where(meets, begin, 0.0), np.where(meets, end, 0.0)
+    begin = np.where(meets, begin, 0.0)
+    end = np.where(meets, end, 0.0)
     step = along / np.where(meets, squared, 1.0)
     from_point = np.where(meets, (begin + end) / 2 - dot(along, points[0]), 0.0)
     return points[0] + step * from_point, step * (end - begin)
@@ -138,7 +144,8 @@ def both_ways_apart(
 ) -> tuple[FloatArray, FloatArray]:
     """How far apart triangles are along unit vectors (3, n), signed (n,), the second ahead of the
     first, and behind it."""
-    a, b = dot(axis[:, None], first), dot(axis[:, None], second)
+    a = dot(axis[:, None], first)
+    b = dot(axis[:, None], second)
     return b.min(axis=0) - a.max(axis=0), a.min(axis=0) - b.max(axis=0)
 
 
@@ -152,9 +159,11 @@ def over_each_other(first: FloatArray, second: FloatArray, axis: FloatArray) -> 
     """The numbers (m,) of the pairs of triangles (3, 3, n) that may overlap as seen along unit
     vectors (3, n): the others are apart along one side of either."""
     plane = np.stack(contact_plane(axis))
-    a, b = turned(plane, first), turned(plane, second)
+    a = turned(plane, first)
+    b = turned(plane, second)
     size = np.maximum(np.ptp(a, axis=1), np.ptp(b, axis=1)).max(axis=0)
-    low, high = np.maximum(a.min(axis=1), b.min(axis=1)), np.minimum(a.max(axis=1), b.max(axis=1))
+    low = np.maximum(a.min(axis=1), b.min(axis=1))
+    high = np.minimum(a.max(axis=1), b.max(axis=1))
     found = np.flatnonzero((low - high).max(axis=0) <= _NARROW * size)
     for corners in (a, b):
         for k in range(3):

@@ -56,10 +56,12 @@ class Interface:
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Interface:
         """From hidapi's dictionary. If the bus is unknown, interfaces with a number are USB."""
-        bus, number = int(entry.get("bus_type") or 0), int(entry["interface_number"])
+        bus = int(entry.get("bus_type") or 0)
+        number = int(entry["interface_number"])
         usb = bus == BUS_USB or (bus != BUS_BLUETOOTH and number >= 0)
         values = {name: entry[key] for name, key in _HIDAPI_KEYS.items()}
-        serial, title = entry.get("serial_number") or "", entry.get("product_string") or ""
+        serial = entry.get("serial_number") or ""
+        title = entry.get("product_string") or ""
         return cls(
             **values, serial=serial, title=title, number=number, transport="usb" if usb else "bt"
         )

@@ -17,7 +17,8 @@ from .family import Interface, StreamFamily, is_vendor_defined
 from .pads import pad
 
 VALVE = 0x28DE
-WIRED, DONGLES = 0x1302, (0x1304, 0x1305)
+WIRED = 0x1302
+DONGLES = (0x1304, 0x1305)
 
 FRAMES = 31
 RATE = 8000
@@ -37,7 +38,8 @@ def _stream(command: int, form: int, transport: Transport, sequence: int) -> tup
     return (Report(bytes([0x86, command, _BOTH_INTERNAL, form])),)
 
 
-_KEYBOARD, _MOUSE = (0x01, 0x06), (0x01, 0x02)
+_KEYBOARD = (0x01, 0x06)
+_MOUSE = (0x01, 0x02)
 
 
 def _not_keyboard_or_mouse(interface: Interface) -> bool:

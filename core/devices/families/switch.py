@@ -57,7 +57,8 @@ def actuator_word(low_hz: float, low: float, high_hz: float, high: float) -> byt
     81.8..1252.6 (high); amplitudes in [0, 1]."""
     high_code = 4 * (min(max(frequency_code(high_hz), 0x61), 0xDF) - 0x60)
     low_code = min(max(frequency_code(low_hz), 0x41), 0xBF) - 0x40
-    high_index, low_index = amplitude_index(high), amplitude_index(low)
+    high_index = amplitude_index(high)
+    low_index = amplitude_index(low)
     return bytes(
         [
             high_code & 0xFF,

@@ -9,7 +9,8 @@ from .error import FormatError
 
 LEAST = 64 * 2**20
 PER_BYTE = 50
-_DOCUMENT, _DOCUMENT_PER_BYTE = 8 * 2**20, 25
+_DOCUMENT = 8 * 2**20
+_DOCUMENT_PER_BYTE = 25
 
 
 class Budget:
@@ -19,7 +20,8 @@ class Budget:
     def __init__(self, path: Path, is_json: bool = False) -> None:
         """is_json: the document itself is in memory as well. Raises OSError."""
         size = path.stat().st_size
-        self._path, self._size = path, budget_of(size)
+        self._path = path
+        self._size = budget_of(size)
         self._left = self._size - is_json * (_DOCUMENT + _DOCUMENT_PER_BYTE * size)
 
     def take(self, size: float, pointer: str = "/") -> None:

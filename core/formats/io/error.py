@@ -30,7 +30,8 @@ class FormatError(ValueError):
     """
 
     def __init__(self, file: str | Path, pointer: str, reason: str) -> None:
-        place, why = _shortened(pointer, 200), _shortened(reason, 300)
+        place = _shortened(pointer, 200)
+        why = _shortened(reason, 300)
         text = f"{file}: {why}" if pointer == "/" else f"{file}: {place}: {why}"
         super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in text))
         self.file = str(file)

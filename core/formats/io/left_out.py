@@ -33,7 +33,8 @@ def without_damaged(
                 raise
             *holder, last = place
             if last.isdecimal():
-                number, gone = int(last), removed[tuple(holder)]
+                number = int(last)
+                gone = removed[tuple(holder)]
                 for before in sorted(gone):
                     number += before <= number
                 gone.append(number)

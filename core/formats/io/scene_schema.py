@@ -144,7 +144,8 @@ def _limits(item: Mapping[str, Any]) -> dict[str, Any]:
 
 def _parameter(entry: Field[Any]) -> dict[str, Any]:
     """The schema of a signal's number, or of its number that may change over time."""
-    check, description = entry.metadata["check"], f"{entry.metadata['about']}."
+    check = entry.metadata["check"]
+    description = f"{entry.metadata['about']}."
     if check.func not in _TYPES:
         return {"description": description, "$ref": "#/$defs/parameter"}
     return {
@@ -161,7 +162,8 @@ def _either(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, An
     for item in (first, second):
         if "$ref" in item:
             return {"description": description, "$ref": item["$ref"]}
-    low, high = min(first["minimum"], second["minimum"]), max(first["maximum"], second["maximum"])
+    low = min(first["minimum"], second["minimum"])
+    high = max(first["maximum"], second["maximum"])
     return {"description": description, "type": first["type"], "minimum": low, "maximum": high}
 
 
@@ -172,7 +174,8 @@ def scene_schema() -> dict[str, Any]:
     )
     definitions = document["$defs"]
     for name, cls in DEFINED.items():
-        outline, item = definitions[name], schema_of(cls)
+        outline = definitions[name]
+        item = schema_of(cls)
         definitions[name] = {
             **outline,
             **item,

@@ -245,10 +245,8 @@ def _reason(error: Any) -> tuple[str | None, str]:
             }
             return None, f"must be {words[rule]} {limit:g}, got {_shown(value)}"
         case "minItems" | "maxItems" | "minLength" | "maxLength":
-            least, parts = (
-                "least" if rule[:3] == "min" else "most",
-                "items" if rule[3:] == "Items" else "characters",
-            )
+            least = "least" if rule[:3] == "min" else "most"
+            parts = "items" if rule[3:] == "Items" else "characters"
             parts = parts if limit != 1 else parts[:-1]
             return None, f"must have at {least} {limit} {parts}, has {len(value)}"
         case "propertyNames":

@@ -72,7 +72,8 @@ def without_trailing_commas(data: bytes) -> bytes:
     unescaped = np.frombuffer(_without_escapes(data), dtype=np.uint8)
     outside = np.cumsum(unescaped == ord('"'), dtype=np.uint8) & 1 == 0
     written = np.flatnonzero(~np.isin(codes, np.frombuffer(b" \t\r\n", dtype=np.uint8)) | ~outside)
-    first, second = written[:-1], written[1:]
+    first = written[:-1]
+    second = written[1:]
     closing = ((codes[second] == ord("]")) | (codes[second] == ord("}"))) & outside[second]
     codes[first[(codes[first] == ord(",")) & outside[first] & closing]] = ord(" ")
     return codes.tobytes()

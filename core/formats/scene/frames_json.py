@@ -87,7 +87,8 @@ class _FrameReader:
         self.last = number
         parted = self._parted(form, place)
         self._remove(form, place)
-        objects, listeners = self._objects(form, place), self._listeners(form, place)
+        objects = self._objects(form, place)
+        listeners = self._listeners(form, place)
         sources = self._sources(form, place)
         self._check_names(form, place)
         for name, row in form.get("poses", {}).items():

@@ -65,7 +65,8 @@ def _read(name: str, form: Mapping[str, Any], objects: set[str]) -> ModalityScen
     values: dict[str, Mapping[str, float]] = {}
     forms: dict[str, Mapping[str, Any]] = {}
     for i, item in enumerate(form.get("objects", [])):
-        own, called = (*place, "objects", i), item["object"]
+        own = (*place, "objects", i)
+        called = item["object"]
         require_known(called, objects, "object", (*own, "object"))
         if called in values:
             raise PlacedError((*own, "object"), f"{called!r} occurs twice")
@@ -75,7 +76,8 @@ def _read(name: str, form: Mapping[str, Any], objects: set[str]) -> ModalityScen
             forms[called] = _function(modality, item["propagation"], (*own, "propagation"))
     emitters: dict[str, Emitter] = {}
     for i, item in enumerate(form.get("sources", [])):
-        own, called = (*place, "sources", i), item["name"]
+        own = (*place, "sources", i)
+        called = item["name"]
         require_known(item["object"], objects, "object", (*own, "object"))
         if called in emitters:
             raise PlacedError((*own, "name"), f"there is a source {called!r} already")

@@ -54,7 +54,9 @@ def packed(frames: Sequence[RecordedFrame]) -> tuple[list[dict[str, Any]], Seque
     times = np.array([frame.number for frame in frames], dtype=np.int64)[rows]
     ticks = np.concatenate([poses.ticks for poses in every])
     order = np.lexsort((times, objects))
-    objects, rows, times = objects[order], rows[order], times[order]
+    objects = objects[order]
+    rows = rows[order]
+    times = times[order]
     starts = np.flatnonzero(
         np.concatenate([[True], (np.diff(objects) != 0) | (np.diff(times) != 1)])
     )

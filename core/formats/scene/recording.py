@@ -392,10 +392,8 @@ class SceneRecorder:
         removed = tuple(sorted(self._listeners.keys() - {item.name for item in listeners}))
         appearing = tuple(item for item in objects if item.name not in self._objects)
         hearing = tuple(_placed(item) for item in listeners if item.name not in self._listeners)
-        of_objects, of_listeners = (
-            self._changed_objects(objects),
-            self._changed_listeners(listeners),
-        )
+        of_objects = self._changed_objects(objects)
+        of_listeners = self._changed_listeners(listeners)
         new, of_sources = self._changed_sources(sources)
         if begun:
             self._first = HapticScene(
@@ -465,13 +463,11 @@ class SceneRecorder:
         Mapping[str, PoseRow], dict[str, tuple[float, float]], dict[str, ModulationFunction]
     ]:
         """Poses, (kappa, rho) and functions of the objects that existed before."""
-        before, self._objects = (
-            self._objects,
-            {
-                item.name: (item, None if item.pose is None else _pose_row(item.pose))
-                for item in objects
-            },
-        )
+        before = self._objects
+        self._objects = {
+            item.name: (item, None if item.pose is None else _pose_row(item.pose))
+            for item in objects
+        }
         rows = _changed(self._objects, before, lambda known: known[1])
         poses = Poses.of({name: row for name, row in rows.items() if row is not None})
         properties = _changed(self._objects, before, lambda known: (known[0].kappa, known[0].rho))
@@ -516,7 +512,8 @@ class SceneRecorder:
         self, listeners: Sequence[Listener]
     ) -> tuple[dict[str, Vector], dict[str, float]]:
         """Positions and gains of the listeners that existed before."""
-        before, self._listeners = self._listeners, {item.name: _placed(item) for item in listeners}
+        before = self._listeners
+        self._listeners = {item.name: _placed(item) for item in listeners}
         positions = _changed(self._listeners, before, lambda item: item.position)
         return positions, _changed(self._listeners, before, lambda item: item.gain)
 

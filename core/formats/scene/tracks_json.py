@@ -75,7 +75,8 @@ def tracks_from_dict(document: Mapping[str, Any], file: str | Path) -> Tracks | 
 
 
 def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
-    name, place = form["file"], "/tracks/file"
+    name = form["file"]
+    place = "/tracks/file"
     if name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
         raise FormatError(file, place, f"{name!r} is not the name of a file in the same folder")
     path = Path(file).parent / name

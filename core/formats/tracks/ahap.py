@@ -135,7 +135,8 @@ def _continuous(
     edges = np.flatnonzero(np.diff(np.concatenate([[False], sounding])))
     centres = (np.arange(len(amplitude)) + 0.5) * step
     for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        start, stop = first * step, min(last * step, duration)
+        start = first * step
+        stop = min(last * step, duration)
         while start < stop:
             end = min(start + LONGEST_EVENT, stop)
             yield _event("HapticContinuous", start, 1.0, LOWEST, end - start)
@@ -425,7 +426,8 @@ def _refined(keys: Keys) -> Keys:
     parts[np.diff(times) <= 0] = 1
     owner = np.repeat(np.arange(len(parts)), parts)
     share = (np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[owner]
-    moved, risen = np.diff(times)[owner], np.diff(values)[owner]
+    moved = np.diff(times)[owner]
+    risen = np.diff(values)[owner]
     return np.append(times[owner] + share * moved, times[-1]), np.append(
         values[owner] + share * risen, values[-1]
     )

@@ -63,7 +63,8 @@ class Window:
 
 def analytic_windows(row: Row, bands: Sequence[Band]) -> Iterator[Window]:
     """The windows of a signal in the order of time, at least one."""
-    duration, rate = row.count / row.sample_rate, row.sample_rate
+    duration = row.count / row.sample_rate
+    rate = row.sample_rate
     length = min(WINDOW, 2 * max(math.ceil(duration / 2), 1))
     margin = CONTEXT + _GUARD
     transformed = length + 2 * margin

@@ -41,7 +41,8 @@ def bands_for(row: Row, edges: Sequence[float]) -> tuple[Band, ...]:
 
     Narrow ones around the tones of the samples; the rest is divided at the edges in between.
     """
-    lowest, highest = edges[0], edges[-1]
+    lowest = edges[0]
+    highest = edges[-1]
     cuts: dict[float, float] = {lowest: lowest / 2, highest: HIGHEST_FADE}
     tones = [
         tone for tone in _tones(row) if 2 * lowest <= tone <= highest - HIGHEST_FADE - 2 * HALF_TONE

@@ -70,10 +70,8 @@ class Carrier:
 
         def keys(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
             # Two keys at one time are a jump: the part begins after it, or ends before it.
-            first, last = (
-                np.searchsorted(times, begin, side="right"),
-                np.searchsorted(times, end, side="left"),
-            )
+            first = np.searchsorted(times, begin, side="right")
+            last = np.searchsorted(times, end, side="left")
             low, high = np.interp([begin, end], times, values)
             low = values[first - 1] if first and times[first - 1] == begin else low
             high = values[last] if last < len(times) and times[last] == end else high
@@ -94,7 +92,8 @@ class Carrier:
     def to_signal(self) -> Signal:
         """An oscillator with a keyed frequency times a keyed envelope, which can be edited."""
         oscillator, offset = _OSCILLATORS[self.wave]
-        frequency, is_steady = self.frequencies, (self.frequencies == self.frequencies[0]).all()
+        frequency = self.frequencies
+        is_steady = (self.frequencies == self.frequencies[0]).all()
         hertz = float(frequency[0]) if is_steady else Automation(self.frequency_times, frequency)
         keyed = replace(oscillator, frequency=hertz, phase=self.phase / (2 * math.pi) + offset)
         length = self.end - self.start
@@ -152,7 +151,8 @@ def _counts(keys: FloatArray, times: FloatArray, rate: float) -> IntArray:
     """How many of the evenly spaced ``times`` follow each key; those before the first key count for
     it."""
     borders = np.empty(len(keys) + 1, dtype=np.int64)
-    borders[0], borders[-1] = 0, len(times)
+    borders[0] = 0
+    borders[-1] = len(times)
     borders[1:-1] = np.minimum(
         np.maximum(np.ceil((keys[1:] - times[0]) * rate - 1e-9), 0), len(times)
     )
@@ -172,7 +172,8 @@ def rendered(carriers: Iterable[Carrier], first: int, last: int, rate: float) ->
     samples = np.zeros(last - first)
     times = np.arange(first, last) / rate
     for carrier in carriers:
-        begin, end = max(_index(carrier.start, rate), first), min(_index(carrier.end, rate), last)
+        begin = max(_index(carrier.start, rate), first)
+        end = min(_index(carrier.end, rate), last)
         if begin < end:
             samples[begin - first : end - first] += carrier.sampled(
                 times[begin - first : end - first], rate
@@ -211,7 +212,8 @@ class CarrierPlayer:
         rate = self._original.sample_rate / thinning
         last = count if math.isinf(time) else min(math.floor(time * rate) * thinning, count)
         while self._done < last:
-            first, end = self._done, min(self._done + CHUNK // thinning * thinning, last)
+            first = self._done
+            end = min(self._done + CHUNK // thinning * thinning, last)
             played = rendered(self._carriers, first // thinning, -(-end // thinning), rate)
             self._measured.add(
                 self._listener, self._original.read(first, end), np.clip(played, -1.0, 1.0)

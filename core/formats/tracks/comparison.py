@@ -188,11 +188,9 @@ class Comparison:
         self, tracks: Tracks, measures: Measures, progress: Callable[[float], None] | None = None
     ) -> None:
         self.kind, self.low, self.high = measures.kind, measures.low, measures.high
-        self._progress, self._count, self._total = (
-            progress,
-            0,
-            max(len(tracks.listeners) * tracks.count, 1),
-        )
+        self._progress = progress
+        self._count = 0
+        self._total = max(len(tracks.listeners) * tracks.count, 1)
         self._rate = tracks.sample_rate
         self.thinning = 1 if self.kind is Kind.SAMPLES else max(self._rate // LOWEST_RATE, 1)
         self._listeners = [
@@ -352,7 +350,8 @@ class _Listener:
         return self._sums
 
     def _transform(self) -> None:
-        size, step = len(self._shape), self._thinning
+        size = len(self._shape)
+        step = self._thinning
         hop = size // 2
         count = min(len(self._pending[0]) // hop, len(self._pending[1]) // (hop // step)) - 1
         if count < 1:
@@ -420,7 +419,9 @@ class _Envelope:
     """Root mean squares of every millisecond; none below ``RATE`` samples a second."""
 
     def __init__(self, rate: float) -> None:
-        self._rate, self._count, self._leftover = rate, 0, np.zeros(0)
+        self._rate = rate
+        self._count = 0
+        self._leftover = np.zeros(0)
         self._pieces: list[NDArray[np.float32]] = []
 
     def add(self, samples: FloatArray) -> None:
@@ -463,6 +464,7 @@ def _rises(envelope: FloatArray, onsets: IntArray) -> tuple[FloatArray, BoolArra
     early = _BEFORE + FARTHEST_LAG // 2
     padded = np.pad(envelope, (early, FARTHEST_LAG))
     around = sliding_window_view(padded, early + FARTHEST_LAG)[onsets]
-    before, largest = around[:, :_BEFORE], around[:, _BEFORE:].max(axis=1)
+    before = around[:, :_BEFORE]
+    largest = around[:, _BEFORE:].max(axis=1)
     quietest = sliding_window_view(before, _MOMENT, axis=1).mean(axis=2).min(axis=1)
     return largest - quietest, largest > 2 * before.mean(axis=1)

@@ -189,10 +189,8 @@ def joined(carriers: Iterable[Carrier], duration: float, fit: Fit) -> Carrier:
         begin = end + min(SETTLING, (carrier.end - end) / 2) if follows else max(carrier.start, end)
         local = begin - carrier.start
         passed, total = carrier.cycles(np.array([local, carrier.end - carrier.start]))
-        before, after = (
-            float(frequency_keys[-1][1, -1]),
-            float(np.interp(local, carrier.frequency_times, carrier.frequencies)),
-        )
+        before = float(frequency_keys[-1][1, -1])
+        after = float(np.interp(local, carrier.frequency_times, carrier.frequencies))
         middle = _between(
             before, after, begin - end, carrier.phase / (2 * math.pi) + float(passed) - cycles, fit
         )
@@ -249,7 +247,8 @@ def _cleaned(keys: Sequence[FloatArray], tolerance: float) -> tuple[FloatArray, 
     """Times and values of the keys without redundant ones; the last of several at one time."""
     times, values = np.concatenate(keys, axis=1)
     last = np.append(np.diff(times) > 1e-9, True)
-    times, values = times[last], values[last]
+    times = times[last]
+    values = values[last]
     kept = needed_keys(times, values, np.full(len(times), tolerance))
     return times[kept], values[kept]
 
@@ -302,10 +301,13 @@ def compare_steps(
 def powers(row: Row, step: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """In every ``step`` seconds the sums of the squared samples and of the squared differences over
     half a millisecond, the number of samples, their sum."""
-    rate, lag = row.sample_rate, _lag(row.sample_rate)
+    rate = row.sample_rate
+    lag = _lag(row.sample_rate)
     count = max(math.ceil(row.count / rate / step - 1e-9), 1)
     borders = np.minimum(np.round(np.arange(count + 1) * step * rate).astype(np.int64), row.count)
-    power, change, total = np.zeros(count), np.zeros(count), np.zeros(count)
+    power = np.zeros(count)
+    change = np.zeros(count)
+    total = np.zeros(count)
     steps = max(round(PIECE / (step * rate)), 1)
     for first in range(0, count, steps):
         inside = borders[first : first + steps + 1]

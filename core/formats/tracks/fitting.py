@@ -267,9 +267,11 @@ class _Grid:
             hopeful[hopeful] = self._error(start[hopeful], end[hopeful], SAMPLED) <= allowance
             good[hopeful] = self._error(start[hopeful], end[hopeful]) <= 0
             accepted.append(end[good])
-            start, end = start[~good], end[~good]
+            start = start[~good]
+            end = end[~good]
             middle = (start + end) // 2
-            start, end = np.concatenate([start, middle]), np.concatenate([middle, end])
+            start = np.concatenate([start, middle])
+            end = np.concatenate([middle, end])
         points = np.unique(np.concatenate(accepted))
         lasts = np.searchsorted(points, [last for _, last in runs], side="right")
         firsts = np.searchsorted(points, [first for first, _ in runs])
@@ -293,7 +295,8 @@ class _Grid:
         before, middle = self._halves(length)
         slow = self._middle_offset(start, end, self.phase[start], before, middle)
         time = step / self.rate
-        half, whole = before.repeat(count), (before + middle).repeat(count)
+        half = before.repeat(count)
+        whole = (before + middle).repeat(count)
         first, centre, last = (
             values.repeat(count) for values in (self.offset[start], slow, self.offset[end])
         )
@@ -384,7 +387,8 @@ class _Grid:
         key_parts = np.searchsorted(key_run[needed], bounds).tolist()
         result = []
         for k in range(len(runs)):
-            own, keyed = kept[parts[k] : parts[k + 1]], needed[key_parts[k] : key_parts[k + 1]]
+            own = kept[parts[k] : parts[k + 1]]
+            keyed = needed[key_parts[k] : key_parts[k + 1]]
             if end[k] > start[k] and amplitudes[own].any():
                 ends = float(start[k]), float(end[k])
                 result.append(
@@ -461,12 +465,14 @@ def _tridiagonal(
         to_next = np.zeros_like(right)
         to_last[step:] = lower[step:] / diagonal[:-step]
         to_next[:-step] = upper[:-step] / diagonal[step:]
-        reduced, known = diagonal.copy(), right.copy()
+        reduced = diagonal.copy()
+        known = right.copy()
         reduced[step:] -= to_last[step:] * upper[:-step]
         reduced[:-step] -= to_next[:-step] * lower[step:]
         known[step:] -= to_last[step:] * right[:-step]
         known[:-step] -= to_next[:-step] * right[step:]
-        lower_next, upper_next = np.zeros_like(right), np.zeros_like(right)
+        lower_next = np.zeros_like(right)
+        upper_next = np.zeros_like(right)
         lower_next[step:] = -to_last[step:] * lower[:-step]
         upper_next[:-step] = -to_next[:-step] * upper[step:]
         lower, diagonal, upper, right = lower_next, reduced, upper_next, known

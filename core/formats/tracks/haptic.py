@@ -75,7 +75,8 @@ def write(
 
 
 def _range(options: Mapping[str, Any]) -> tuple[float, float]:
-    low, high = options["frequency_min"], options["frequency_max"]
+    low = options["frequency_min"]
+    high = options["frequency_max"]
     if low >= high:
         raise ValueError(f"frequency_max: must be above frequency_min ({low:g}), not {high:g}")
     return low, high
@@ -126,7 +127,8 @@ def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[dict[st
     it exceeds the envelope by."""
     times, levels = carrier.amplitude_times, carrier.amplitudes
     if len(times) < 2:
-        times, levels = np.array([0.0, max(carrier.end, 1e-3)]), np.zeros(2)
+        times = np.array([0.0, max(carrier.end, 1e-3)])
+        levels = np.zeros(2)
     every = np.unique(np.concatenate([times, [burst.time for burst in bursts]]))
     points = json_points(
         "time", "amplitude", every.round(6), np.interp(every, times, levels).round(6)
@@ -246,7 +248,8 @@ def _carriers(
     if envelopes.get("frequency"):
         key_times, shares = _points(path, envelopes["frequency"], f"{place}/frequency", "frequency")
     else:
-        key_times, shares = np.zeros(1), np.full(1, 0.5)
+        key_times = np.zeros(1)
+        shares = np.full(1, 0.5)
     carriers = [
         Carrier(
             0.0, float(times[-1]), 0.0, times, amplitudes, key_times, low + shares * (high - low)
@@ -283,7 +286,8 @@ def _range_beside(path: Path, losses: dict[str, None]) -> tuple[float, float]:
         return _QUEST
     continuous = configuration.get("continuous") if isinstance(configuration, dict) else None
     if isinstance(continuous, dict):
-        low, high = continuous.get("frequency_min"), continuous.get("frequency_max")
+        low = continuous.get("frequency_min")
+        high = continuous.get("frequency_max")
         if (
             isinstance(low, int | float)
             and isinstance(high, int | float)

@@ -77,7 +77,10 @@ class _ChannelReader:
         losses: dict[str, None],
         budget: Budget,
     ) -> None:
-        self.tick, self.library, self.losses, self.budget = 1 / timescale, library, losses, budget
+        self.tick = 1 / timescale
+        self.library = library
+        self.losses = losses
+        self.budget = budget
 
     def channel(self, form: Mapping[str, Any], unit: float, place: str) -> Channel:
         gain = form["gain"] * unit
@@ -125,7 +128,8 @@ class _ChannelReader:
     def _keyframes(self, keys: list[Keyframe]) -> list[Keyframe]:
         """The keyframes in the order of time, with amplitudes within ±1, which the reference
         encoder exceeds."""
-        name, ordered = "amplitude_modulation", sorted(keys, key=_position)
+        name = "amplitude_modulation"
+        ordered = sorted(keys, key=_position)
         if ordered != keys:
             self.losses["keyframes that are not in the order of time are sorted"] = None
         if all(abs(key.get(name, 0)) <= 1 for key in keys):
@@ -154,10 +158,8 @@ class _ChannelReader:
                 (effect["position"] * self.tick, effect.get("wavelet_stream", ""))
                 for effect in effects
             ]
-            seconds, take = (
-                band.get("block_length", 0) * self.tick,
-                partial(self.budget.take, pointer=place),
-            )
+            seconds = band.get("block_length", 0) * self.tick
+            take = partial(self.budget.take, pointer=place)
             return [WaveletBand.decoded(blocks, seconds, band["upper_frequency_limit"], gain, take)]
         except FormatError:
             raise
@@ -174,7 +176,8 @@ def carriers_of(
 ) -> Iterator[Carrier]:
     """The oscillations of a basis effect in a vectorial or transient band; ``tick``: seconds of a
     unit of time."""
-    start, keyframes = effect["position"] * tick, effect.get("keyframes", [])
+    start = effect["position"] * tick
+    keyframes = effect.get("keyframes", [])
     amplitudes = _keys(keyframes, "amplitude_modulation", tick)
     if kind == "Transient":
         if amplitudes is not None:

@@ -81,7 +81,8 @@ class Row:
     def read(self, first: int, last: int) -> FloatArray:
         """The samples from index ``first`` to before ``last``, shape (last - first,); 0 beyond the
         ends of the track."""
-        begin, end = min(max(first, 0), self.count), min(max(last, 0), self.count)
+        begin = min(max(first, 0), self.count)
+        end = min(max(last, 0), self.count)
         result = np.zeros(last - first)
         np.clip(self._samples[begin:end], -1.0, 1.0, out=result[begin - first : end - first])
         return result

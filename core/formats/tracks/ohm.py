@@ -37,7 +37,8 @@ def write(
 ) -> list[Path]:
     """Write ``<scene>.ohm`` and ``<scene>.wav``."""
     tracks = export.need_tracks()
-    path, recording = scene_file(export.name, folder, "ohm"), scene_file(export.name, folder, "wav")
+    path = scene_file(export.name, folder, "ohm")
+    recording = scene_file(export.name, folder, "wav")
     if len(tracks.listeners) > 32767 or len(recording.name.encode()) > 64:
         raise ValueError(f"{path}: more listeners, or a longer name, than an OHM file can hold")
     wav.write_wav(tracks, recording, _ENCODING, credit(export))

@@ -243,7 +243,8 @@ def read(path: Path) -> VibrationFile:
     length = max((effect["startTime"] + effect["offsetTime"] for effect in effects), default=0)
     if length > LONGEST:
         raise FormatError(path, "/project/tracks", f"longer than {LONGEST // 1000} seconds")
-    budget, steps = Budget(path, is_json=True), 0
+    budget = Budget(path, is_json=True)
+    steps = 0
     channels: list[Channel] = []
     for position in dict.fromkeys(position for effect in effects for position in effect["modes"]):
         if position not in _LAYOUTS:
@@ -318,7 +319,8 @@ class _Player:
             self._play_connected(mode["dotMode"]["feedback"])
         else:
             for feedback in mode["dotMode"]["feedback"]:
-                dots, fade = self._dots(feedback), _FADES[feedback["playbackType"]]
+                dots = self._dots(feedback)
+                fade = _FADES[feedback["playbackType"]]
                 for here, share in self._between(
                     feedback["startTime"], feedback["endTime"], side="left"
                 ):
@@ -338,7 +340,8 @@ class _Player:
         intervals, whose fades do not count."""
         intervals = sorted(feedback, key=lambda interval: interval["startTime"])
         for one, other in pairwise(intervals):
-            before, after = self._dots(one), self._dots(other)
+            before = self._dots(one)
+            after = self._dots(other)
             for here, share in self._between(one["startTime"], other["startTime"]):
                 self._add(here, np.outer(before, 1 - share) + np.outer(after, share))
 
@@ -365,7 +368,8 @@ class _Player:
     ) -> Iterator[tuple[slice, FloatArray]]:
         """The steps that begin from ``start`` to ``end``, included where ``side`` is right, and the
         part of that time that has passed in them; a few thousand at a time."""
-        first, last = np.searchsorted(self._times, start), np.searchsorted(self._times, end, side)
+        first = np.searchsorted(self._times, start)
+        last = np.searchsorted(self._times, end, side)
         for begin in range(first, last, _AT_ONCE):
             here = slice(begin, min(begin + _AT_ONCE, last))
             yield here, (self._times[here] - start) / max(end - start, 1e-9)

@@ -43,7 +43,8 @@ class TrackRecorder:
         """Add a frame. Raises ValueError unless it follows the frame before and has the same
         listeners."""
         if not self._sample_rate:
-            self._listeners, self._sample_rate = result.listeners, round(result.sample_rate)
+            self._listeners = result.listeners
+            self._sample_rate = round(result.sample_rate)
         if [item.name for item in result.listeners] != [item.name for item in self._listeners]:
             raise ValueError(f"listeners: they change in frame {result.number}")
         for row, source in enumerate(result.sources):

@@ -37,7 +37,9 @@ def without_transients(row: Row, impacts: FloatArray, time_step: float) -> tuple
     np.maximum.at(felt, number, impacts[:, 1])
     first = np.ceil(times * row.sample_rate - 1e-9).astype(np.int64)
     within = (first + length <= row.count) & (felt >= LEAST_STRENGTH)
-    times, first, felt = times[within], first[within], felt[within]
+    times = times[within]
+    first = first[within]
+    felt = felt[within]
     bursts = burst((first[:, None] + np.arange(length)) / row.sample_rate - times[:, None])
     shares = np.array(
         [
@@ -79,5 +81,6 @@ def burst(times: FloatArray) -> FloatArray:
 
 def transient_carrier(time: float, strength: float) -> Carrier:
     """A transient at ``time`` seconds as an oscillation."""
-    zero, frequency = np.zeros(1), np.full(1, TRANSIENT_CYCLES / TRANSIENT_SECONDS)
+    zero = np.zeros(1)
+    frequency = np.full(1, TRANSIENT_CYCLES / TRANSIENT_SECONDS)
     return Carrier(time, time + TRANSIENT_SECONDS, 0.0, zero, np.full(1, strength), zero, frequency)

@@ -142,7 +142,8 @@ def at_rate(tracks: Tracks, sample_rate: int) -> Tracks:
 def write_wav(tracks: Tracks, path: Path, encoding: str = "pcm16", comment: str = "") -> None:
     """Write the samples as ``pcm16`` or ``float32``, in pieces, with a comment (``LIST``/``INFO``).
     Raises ValueError for more than a WAV file can hold."""
-    channels, width = len(tracks.listeners), np.dtype(TYPES[encoding]).itemsize
+    channels = len(tracks.listeners)
+    width = np.dtype(TYPES[encoding]).itemsize
     size = channels * tracks.count * width
     header = _header(
         channels, tracks.sample_rate, width, _CODES[encoding], tracks.count, _info(comment)
@@ -275,7 +276,9 @@ class _StoredChannel:
     ndim = 1
 
     def __init__(self, samples: StoredSamples, channel: int) -> None:
-        self._samples, self._channel, self.shape = samples, channel, samples.shape[1:]
+        self._samples = samples
+        self._channel = channel
+        self.shape = samples.shape[1:]
 
     def __len__(self) -> int:
         return self.shape[0]
@@ -321,7 +324,8 @@ def _named(
 ) -> tuple[list[tuple[str, str, FullScale | None]], tuple[str, ...]]:
     """Name, body part and calibration of each channel, from the side-car if it fits; and why it is
     not used."""
-    beside, losses = path.with_name(path.name + ".json"), tuple[str, ...]()
+    beside = path.with_name(path.name + ".json")
+    losses = tuple[str, ...]()
     if beside.is_file():
         try:
             listeners = read_json(beside)["listeners"]

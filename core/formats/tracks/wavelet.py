@@ -19,7 +19,8 @@ import numpy as np
 from ...arrays import FloatArray, IntArray
 from ...signals.interpolation import resample
 
-SMALLEST, LARGEST = 8, 2**14
+SMALLEST = 8
+LARGEST = 2**14
 """Samples of a block, a power of two."""
 
 _SYNTHESIS_LOW = np.array(
@@ -139,7 +140,8 @@ def decoded_block(bits: bytes, size: int) -> FloatArray:
 def _arithmetic_decoder(bits: bytes) -> Callable[[int], int]:
     """A function that returns the next symbol, 0 or 1, in a context. Beyond the end the coded bits
     are 0."""
-    zeros, total = [8] * _CONTEXTS, [16] * _CONTEXTS
+    zeros = [8] * _CONTEXTS
+    total = [16] * _CONTEXTS
     low, high, position = 0, 1024, 10
     code = (
         int.from_bytes(
@@ -169,7 +171,8 @@ def _arithmetic_decoder(bits: bytes) -> Callable[[int], int]:
                 offset = 256
             else:
                 return symbol
-            low, high = (low - offset) << 1, (high - offset) << 1
+            low = (low - offset) << 1
+            high = (high - offset) << 1
             code = ((code - offset) << 1) + (bits[position] if position < count else 0)
             position += 1
 
@@ -220,8 +223,10 @@ def _inverse_transform(coefficients: FloatArray) -> FloatArray:
     signal = coefficients.astype(np.float64)
     length = 2 * 4
     for _ in range(round(math.log2(len(signal) / 4))):
-        low, high = np.zeros(length), np.zeros(length)
-        low[::2], high[1::2] = signal[: length // 2], signal[length // 2 : length]
+        low = np.zeros(length)
+        high = np.zeros(length)
+        low[::2] = signal[: length // 2]
+        high[1::2] = signal[length // 2 : length]
         signal[:length] = _convolved(low, _SYNTHESIS_LOW) + _convolved(high, _SYNTHESIS_HIGH)
         length *= 2
     return signal

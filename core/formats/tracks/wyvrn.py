@@ -220,7 +220,8 @@ def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[
     """A clip of version 6, whose pitch is a share of a range of frequencies, in the form of version
     5."""
     vibration = document["vibration"]
-    low, high = vibration["frequency_range"]["min"], vibration["frequency_range"]["max"]
+    low = vibration["frequency_range"]["min"]
+    high = vibration["frequency_range"]["max"]
     if vibration.get("transients"):
         losses["transients of version 6 are not read: no published clip has one"] = None
 
@@ -273,7 +274,8 @@ def _carriers_of(document: Mapping[str, Any], losses: dict[str, None]) -> Iterat
 
 
 def _carriers(note: Mapping[str, Any], gain: float, losses: dict[str, None]) -> Iterator[Carrier]:
-    start, effect = note["m_startingPoint"], note["m_hapticEffect"]
+    start = note["m_startingPoint"]
+    effect = note["m_hapticEffect"]
     if "m_type" in effect:
         yield transient_carrier(start, gain)
         return
@@ -289,7 +291,8 @@ def _carriers(note: Mapping[str, Any], gain: float, losses: dict[str, None]) -> 
         if (times[1:] < times[:-1]).any():
             losses["keyframes that are not in the order of time are sorted"] = None
             order = np.argsort(times, kind="stable")
-            times, values = times[order], values[order]
+            times = times[order]
+            values = values[order]
         keys.append((times, values))
     if note["m_length"] > 0:
         (times, values), frequencies = keys

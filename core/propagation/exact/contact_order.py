@@ -55,13 +55,15 @@ def _neighbours(ends: IntArray) -> Neighbours:
 def _two_edge_connected(around: Neighbours, start: int) -> set[int]:
     """The objects that stay connected with ``start`` whichever contact is removed (R. E. Tarjan, "A
     note on finding the bridges of a graph", Information Processing Letters 2, 1974)."""
-    number, parent = {start: 0}, {start: (-1, -1)}
+    number = {start: 0}
+    parent = {start: (-1, -1)}
     path = [(start, iter(around.get(start, ())))]
     while path:
         index, ways = path[-1]
         for edge, other in ways:
             if other not in number:
-                number[other], parent[other] = len(number), (edge, index)
+                number[other] = len(number)
+                parent[other] = (edge, index)
                 path.append((other, iter(around[other])))
                 break
         else:

@@ -104,7 +104,8 @@ class Frontier:
         self.width = math.inf if self._crossings is None else width
         self.work = 0.0
         self._place = 0
-        steps, lanes = int(crossings) + 1 if self._limited else 1, len(listeners) * self._lanes
+        steps = int(crossings) + 1 if self._limited else 1
+        lanes = len(listeners) * self._lanes
         self._cost = 1 + steps * lanes / ELEMENTS
         self._states = {SOURCE << SHIFT[slot + FIRST]: slot for slot in range(len(roots))}
         self._values = np.zeros((len(roots), steps, lanes))
@@ -168,7 +169,8 @@ class Frontier:
         which, number = np.nonzero(objects[nodes][:, None] == objects[self._listeners])
         table = np.zeros((len(nodes), len(self._listeners), self._lanes))
         apart = nodes[which] != self._listeners[number]
-        which, number = which[apart], number[apart]
+        which = which[apart]
+        number = number[apart]
         table[which, number] = intra_lanes(self._graph, nodes[which], self._listeners[number])
         return table.reshape(len(nodes), len(self._listeners) * self._lanes)
 
@@ -182,13 +184,12 @@ class Frontier:
             for crossing in crossings
             for node, waiting in zip(crossing.nodes, crossing.waiting, strict=True)
         ]
-        nodes, sizes = (
-            np.array([node for node, _ in sides], dtype=np.int64),
-            [len(waiting) for _, waiting in sides],
-        )
+        nodes = np.array([node for node, _ in sides], dtype=np.int64)
+        sizes = [len(waiting) for _, waiting in sides]
         others = np.array([node for _, waiting in sides for node, _ in waiting], dtype=np.int64)
         joins = np.tile(intra_lanes(graph, nodes.repeat(sizes), others), len(self._listeners))
-        ends, alone = self._ends(nodes), np.ones((1, joins.shape[1]))
+        ends = self._ends(nodes)
+        alone = np.ones((1, joins.shape[1]))
         first = np.cumsum([0, *sizes])
         factors = [
             np.concatenate([joins[first[k] : first[k + 1]], alone, ends[k : k + 1]])
@@ -209,7 +210,8 @@ class Frontier:
             _joins(*side)
             for side in zip(crossing.waiting, crossing.slots, (first, second), strict=True)
         ]
-        states, width = self._states, len(second)
+        states = self._states
+        width = len(second)
         source: list[int] = []
         target: list[int] = []
         factor: list[int] = []

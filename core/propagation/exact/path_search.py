@@ -104,7 +104,8 @@ class PathSearch:
             steps = replace(
                 steps, to=steps.to[order], inside=steps.inside[order], gain=steps.gain[order]
             )
-            paths, self._cost = replace(paths, steps=steps), cost[order]
+            paths = replace(paths, steps=steps)
+            self._cost = cost[order]
         self._paths = paths
         self._bit: SetArray = np.where(
             paths.contact < 0, 0, 1 << (paths.contact & 63).astype(np.uint64)
@@ -115,7 +116,8 @@ class PathSearch:
     def run(self, limits: PathLimits, known: FloatArray) -> PathSums:
         """The sums. ``known`` (l,): lower bounds on them. Without a threshold, partial paths with
         the same continuations are merged."""
-        paths, least = self._paths, limits.threshold * (1 - ROUNDING)
+        paths = self._paths
+        least = limits.threshold * (1 - ROUNDING)
         roots = (paths.contact < 0).nonzero()[0]
         lanes = paths.ends.gain.shape[1]
         states = _States(
@@ -123,11 +125,9 @@ class PathSearch:
             np.ones((len(roots), lanes)),
             np.zeros((len(roots), self._words), dtype=np.uint64),
         )
-        sums, missing, counts = (
-            np.zeros((paths.listeners, lanes)),
-            np.zeros(paths.listeners),
-            np.zeros(paths.listeners, dtype=np.int64),
-        )
+        sums = np.zeros((paths.listeners, lanes))
+        missing = np.zeros(paths.listeners)
+        counts = np.zeros(paths.listeners, dtype=np.int64)
         work, level = 0.0, 0
         while len(states.entry):
             sizes = (
@@ -150,7 +150,8 @@ class PathSearch:
                     missing,
                 )
                 states = _States(states.entry[kept], states.value[kept], states.crossed[kept])
-                sizes, cost = sizes[kept], cost[kept]
+                sizes = sizes[kept]
+                cost = cost[kept]
             work += float(cost.sum())
             counts += self._end(states, least, sums)
             if level >= limits.crossings:
@@ -227,7 +228,8 @@ class PathSearch:
         which, end = ends.expand(states.entry, ends.size[states.entry])
         if least > 0:
             kept = (states.value[:, 0][which] * ends.gain[:, 0][end] >= least).nonzero()[0]
-            which, end = which[kept], end[kept]
+            which = which[kept]
+            end = end[kept]
         for lane in range(sums.shape[1]):
             sums[:, lane] += np.bincount(
                 ends.to[end], states.value[:, lane][which] * ends.gain[:, lane][end], len(sums)
@@ -250,7 +252,9 @@ class PathSearch:
                     states.value[:, 0][which] * steps.inside[step] >= least
                 )
         kept = possible.nonzero()[0]
-        which, step, to = which[kept], step[kept], to[kept]
+        which = which[kept]
+        step = step[kept]
+        to = to[kept]
         sets = states.crossed.take(which, axis=0)
         sets.reshape(-1)[np.arange(0, sets.size, self._words) + self._word[to]] |= self._bit[to]
         return _States(to, states.value.take(which, axis=0) * steps.gain.take(step, axis=0), sets)
@@ -260,7 +264,8 @@ def _merged(states: _States) -> _States:
     """The states with those added up that stand at the same entry and have crossed the same
     contacts."""
     order = np.lexsort((*states.crossed.T, states.entry))
-    entry, crossed = states.entry[order], states.crossed[order]
+    entry = states.entry[order]
+    crossed = states.crossed[order]
     first = np.append(True, (entry[1:] != entry[:-1]) | (crossed[1:] != crossed[:-1]).any(axis=1))
     begin = first.nonzero()[0]
     return _States(

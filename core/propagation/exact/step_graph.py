@@ -108,13 +108,15 @@ def build_step_graph(
         listeners that these are."""
         number = np.full(graph.node_count, -1, dtype=np.int64)
         number[numbered] = np.arange(len(numbered))
-        index, there = graph.node_object[nodes], graph.node_object[targets]
+        index = graph.node_object[nodes]
+        there = graph.node_object[targets]
         first = there.searchsorted(index, side="left")
         size = there.searchsorted(index, side="right") - first
         parts = []
         for chosen in portions(size, CHUNK):
             which = chosen.repeat(size[chosen])
-            a, b = nodes[which], targets[ranges(first[chosen], size[chosen])]
+            a = nodes[which]
+            b = targets[ranges(first[chosen], size[chosen])]
             inside, distance = intra_gains(graph, a, b)
             to, gain = (
                 (graph.partner[b], inside * graph.transmission[graph.contact[b]])
@@ -142,10 +144,8 @@ def build_step_graph(
     contact = np.concatenate(
         [np.unique(graph.contact[entries], return_inverse=True)[1], np.full(len(roots), -1)]
     )
-    over, ends = (
-        steps(np.sort(graph.partner[entries]), nodes, True),
-        steps(np.sort(np.array(listeners, dtype=np.int64)), list(listeners), False),
-    )
+    over = steps(np.sort(graph.partner[entries]), nodes, True)
+    ends = steps(np.sort(np.array(listeners, dtype=np.int64)), list(listeners), False)
     return StepGraph(nodes, contact, over, ends, len(listeners))
 
 
@@ -153,7 +153,8 @@ def walk_bounds(paths: StepGraph, crossings: int) -> tuple[FloatArray, FloatArra
     """Upper bounds (e, l) on the sum over all continuations of a path from each entry to each
     listener, see `walk_sums`, and how important each is (e, l): these bounds, or where they are no
     use what ends at once and the strongest walk over a few contacts."""
-    sums, ends = walk_sums(paths, crossings), _ending_at_once(paths)
+    sums = walk_sums(paths, crossings)
+    ends = _ending_at_once(paths)
     strongest = ends
     for _ in range(min(crossings, FEW)):
         strongest = np.maximum(strongest, paths.steps.backwards(strongest, np.maximum))
@@ -182,7 +183,8 @@ def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
             return np.minimum(total + following / (1 - ratio), LARGEST)
         if k >= TERMS or (growing > GROWING and crossings > TERMS):
             return np.full(term.shape, LARGEST)
-        total, term = np.minimum(total + following, LARGEST), following
+        total = np.minimum(total + following, LARGEST)
+        term = following
     return total
 
 

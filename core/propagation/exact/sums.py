@@ -40,7 +40,8 @@ NARROW, WIDE = 4, 60
 """Transitions of the frontier per state that its order predicts: in a scene as narrow as a wall,
 and where it is given up (in the families of the benchmarks there are 1 to 170)."""
 
-QUICK, SHARE = 1 / 64, 0.4
+QUICK = 1 / 64
+SHARE = 0.4
 """Parts of the budget for the first attempt with the frontier, and for the second, whose unit of
 work takes longer than the search's."""
 
@@ -214,7 +215,8 @@ def sum_over_paths(
             reached.costs(graph.node_count)[-1] if reached.complete or most <= HOPS else behind
         )
     else:
-        arrival, behind = known[0].forward.cost[known[1]], known[0].behind
+        arrival = known[0].forward.cost[known[1]]
+        behind = known[0].behind
     before = arrival[graph.partner] + np.append(graph.transmission_loss, math.inf)[graph.contact]
     before[list(roots)] = 0.0
     entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
@@ -236,7 +238,9 @@ def _all_paths(
     sizes = np.bincount(graph.node_object[contacts.reshape(-1)])
     search = None
     hopeful = frontier.width * WIDE <= limits.budget
-    budget, spent, none = limits.budget, 0, np.zeros(len(listeners))
+    budget = limits.budget
+    spent = 0
+    none = np.zeros(len(listeners))
     best = PathSums(
         np.zeros((len(listeners), lanes_of(graph))), none + LARGEST, none.astype(np.int64) - 1, 0
     )

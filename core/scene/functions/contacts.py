@@ -103,7 +103,8 @@ class Resilient(ModulationFunction):
 
     def transmissibility(self, frequency: float) -> float:
         """The gain at a frequency in hertz."""
-        ratio, damped = (frequency / self.resonance) ** 2, self.loss_factor**2
+        ratio = (frequency / self.resonance) ** 2
+        damped = self.loss_factor**2
         passed = (1 + damped) / ((1 - ratio) ** 2 + damped) if ratio != 1 or damped else math.inf
         return float(min(1.0, passed) ** (self.fall_off / 24))
 

@@ -165,7 +165,8 @@ def _degree(node: ast.expr, variables: Collection[str]) -> int | None:
             degrees = _degree(left, variables), _degree(right, variables)
             return None if None in degrees else degrees[0] + degrees[1]  # type: ignore[operator]
         case ast.BinOp(op=ast.Div(), left=left, right=right):
-            top, bottom = _degree(left, variables), _degree(right, variables)
+            top = _degree(left, variables)
+            bottom = _degree(right, variables)
             return None if top is None else top - (bottom or 0)
         case ast.BinOp(op=ast.Pow(), left=left, right=right):
             if _degree(left, variables) or _degree(right, variables):

@@ -238,7 +238,8 @@ class Physical(ModulationFunction):
         return (1.0, decay) if decay < math.inf else None
 
     def spreading_law(self) -> Law:
-        start, end = self.reference_distance, self.extent or math.inf
+        start = self.reference_distance
+        end = self.extent or math.inf
         match self.wave:
             case Wave.BOUNDED:
                 width = max(start, self.thickness)
@@ -266,7 +267,8 @@ class Physical(ModulationFunction):
         return () if all(decay * _FAR < _FELT for decay in relative) else relative
 
     def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
-        relative, authored = self._relative_decays(kappa, rho), self.spectrum.band_decays
+        relative = self._relative_decays(kappa, rho)
+        authored = self.spectrum.band_decays
         if not relative:
             return authored
         return (
