@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import field
 
 from ..frozen import frozen
 from ..scene.choices import Strategy
@@ -35,15 +34,13 @@ def joint_gain(values: Mapping[str, float]) -> float:
 class Warmth(Declared):
     """The strength of a source of warmth."""
 
-    value: float = field(
-        default=60.0,
-        metadata=number(
-            "Temperature",
-            "How much warmer than the room the source is, in K",
-            -100.0,
-            1000.0,
-            unit="K",
-        ),
+    value: float = number(
+        60.0,
+        "Temperature",
+        "How much warmer than the room the source is, in K",
+        -100.0,
+        1000.0,
+        unit="K",
     )
 
 

@@ -1,9 +1,9 @@
 """Declarations of the fields of scene values: what a field may be, and how it is presented.
 
-A dataclass declares a field by its metadata:
+A dataclass declares a field by its default and its meaning:
 
-    gain: float = field(default=1.0, metadata=number("Gain", "Factor of this listener's mixed
-        signal", 0.0, 1e9, soft=(0.0, 2.0)))
+    gain: float = number(1.0, "Gain", "Factor of this listener's mixed signal", 0.0, 1e9,
+        soft=(0.0, 2.0))
 
 From the declaration follow the check of its values, its JSON Schema, and in Blender its property,
 its tooltip, and its place in a panel. A field with a label has a property in Blender; one without a
@@ -212,74 +212,85 @@ class Part(Declaration):
         return {"type": "array", "maxItems": self.most, "items": ref} if self.most else ref
 
 
+def _field(default: Any, declaration: Declaration) -> Any:
+    """A dataclass's field with its declaration; `MISSING`: without a default."""
+    return field(default=default, metadata={_KEY: declaration})
+
+
 def number(
-    label: str, about: str, low: float, high: float = MOST, **more: Any
-) -> Mapping[str, Any]:
-    """The metadata of a `Number`."""
-    return {_KEY: Number(label=label, about=about, low=low, high=high, **more)}
+    default: Any, label: str, about: str, low: float, high: float = MOST, **more: Any
+) -> Any:
+    """The field of a number.
+
+    Args:
+        default: the value of new items.
+        label: name in panels, "" for a field without a property.
+        about: meaning, as tooltip and in the schema.
+        low: least value.
+        high: largest value.
+        more: further fields of the declaration.
+    """
+    return _field(default, Number(label=label, about=about, low=low, high=high, **more))
 
 
-def share(label: str, about: str, **more: Any) -> Mapping[str, Any]:
-    """The metadata of a number from 0 to 1."""
-    return number(label, about, 0.0, 1.0, **more)
+def share(default: Any, label: str, about: str, **more: Any) -> Any:
+    """The field of a number from 0 to 1."""
+    return number(default, label, about, 0.0, 1.0, **more)
 
 
 def numbers(
-    label: str, about: str, count: int, low: float = -MOST, high: float = MOST, **more: Any
-) -> Mapping[str, Any]:
-    """The metadata of `Numbers`.
-
-    Args:
-        label: name in panels, "" for a field without a property.
-        about: meaning, as tooltip and in the schema.
-        count: how many.
-        low: least value of each.
-        high: largest value of each.
-        more: further fields of the declaration.
-    """
-    return {_KEY: Numbers(label=label, about=about, count=count, low=low, high=high, **more)}
+    default: Any,
+    label: str,
+    about: str,
+    count: int,
+    low: float = -MOST,
+    high: float = MOST,
+    **more: Any,
+) -> Any:
+    """The field of ``count`` numbers, each from ``low`` to ``high``; the rest as in `number`."""
+    more |= {"label": label, "about": about}
+    return _field(default, Numbers(count=count, low=low, high=high, **more))
 
 
-def curve(label: str, about: str, **more: Any) -> Mapping[str, Any]:
-    """The metadata of a `Curve`."""
-    return {_KEY: Curve(label=label, about=about, **more)}
+def curve(default: Any, label: str, about: str, **more: Any) -> Any:
+    """The field of a `Curve`."""
+    return _field(default, Curve(label=label, about=about, **more))
 
 
-def switch(label: str, about: str, **more: Any) -> Mapping[str, Any]:
-    """The metadata of a `Switch`."""
-    return {_KEY: Switch(label=label, about=about, **more)}
+def switch(default: bool, label: str, about: str, **more: Any) -> Any:
+    """The field of a `Switch`."""
+    return _field(default, Switch(label=label, about=about, **more))
 
 
 def choice(
-    label: str, about: str, items: Mapping[Any, tuple[str, str]], **more: Any
-) -> Mapping[str, Any]:
-    """The metadata of a `Choice`; ``items`` by members of an enumeration, or by texts."""
+    default: Any, label: str, about: str, items: Mapping[Any, tuple[str, str]], **more: Any
+) -> Any:
+    """The field of a `Choice`; ``items`` by members of an enumeration, or by texts. The rest as in
+    `number`."""
     kinds = {type(value) for value in items} - {str}
-    return {
-        _KEY: Choice(label=label, about=about, items=items, kind=next(iter(kinds), None), **more)
-    }
+    more |= {"label": label, "about": about}
+    return _field(default, Choice(items=items, kind=next(iter(kinds), None), **more))
 
 
-def text(label: str, about: str, **more: Any) -> Mapping[str, Any]:
-    """The metadata of a `Text`."""
-    return {_KEY: Text(label=label, about=about, **more)}
+def text(default: Any, label: str, about: str, **more: Any) -> Any:
+    """The field of a `Text`."""
+    return _field(default, Text(label=label, about=about, **more))
 
 
-def name_of(about: str, **more: Any) -> Mapping[str, Any]:
-    """The metadata of a name: of the item, or of another one."""
-    return text("", about, least=1, **more)
+def name_of(about: str, default: Any = MISSING, **more: Any) -> Any:
+    """The field of a name: of the item, or of another one."""
+    return text(default, "", about, least=1, **more)
 
 
-def part(ref: str, about: str, most: int = 0, **more: Any) -> Mapping[str, Any]:
-    """The metadata of a `Part`."""
-    return {_KEY: Part(ref=ref, about=about, most=most, **more)}
+def part(default: Any, ref: str, about: str, most: int = 0, **more: Any) -> Any:
+    """The field of a `Part`."""
+    return _field(default, Part(ref=ref, about=about, most=most, **more))
 
 
 def extras() -> Any:
     """The field of any further data of an item."""
-    return field(
-        default_factory=dict, hash=False, metadata=part("extras", "Anything else: kept as it is")
-    )
+    about = part(MISSING, "extras", "Anything else: kept as it is").metadata
+    return field(default_factory=dict, hash=False, metadata=about)
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import math
 import struct
-from dataclasses import field
+from dataclasses import MISSING, field
 from hashlib import blake2b
 from typing import TYPE_CHECKING
 
@@ -57,28 +57,31 @@ def require_template(key: str, signal: Signal) -> None:
 
 
 LEAST_ENERGY = number(
+    MISSING,
     "Least Energy",
     "Collisions weaker than this, in joules, make no source; 5 J is a light contact",
     0.0,
     soft=(0.0, 100.0),
     unit="J",
-)
+).metadata
 FULL_ENERGY = number(
+    MISSING,
     "Full Energy",
     "A collision of this energy, in joules, plays the impact signal at full strength",
     0.0,
     soft=(0.0, 1000.0),
     unit="J",
     above=True,
-)
+).metadata
 REFRACTORY = number(
+    MISSING,
     "Refractory",
     "Time in seconds after an impact in which the same two objects make no further impact",
     0.0,
     soft=(0.0, 2.0),
     unit="s",
     digits=3,
-)
+).metadata
 
 
 @frozen
@@ -99,78 +102,63 @@ class ImpactRule:
     min(energy / E_max, 1)^``bend``. ``variation`` in [0, 1]: largest relative deviation of single
     impacts, drawn by ``seed``. ``limits``: None for those of the scene."""
 
-    template: ImpactTemplates | Signal = field(
-        default=ImpactTemplates.BY_MATERIAL,
-        metadata=part(
-            "template", "Signal that impacts play: by_material, plain, or a signal that ends"
-        ),
+    template: ImpactTemplates | Signal = part(
+        ImpactTemplates.BY_MATERIAL,
+        "template",
+        "Signal that impacts play: by_material, plain, or a signal that ends",
     )
-    gain: Curve = field(
-        default=(0.0, 1.0),
-        metadata=numbers(
-            "Gain", "Amplitude of the weakest collisions, and of those of full energy", 2, 0.0, 1.0
-        ),
+    gain: Curve = numbers(
+        (0.0, 1.0),
+        "Gain",
+        "Amplitude of the weakest collisions, and of those of full energy",
+        2,
+        0.0,
+        1.0,
     )
-    pitch: Curve = field(
-        default=(1.0, 1.0),
-        metadata=numbers(
-            "Pitch",
-            "How many times as fast the signal plays in the weakest collisions, and in those of "
-            "full energy",
-            2,
-            LEAST_PITCH,
-            MOST_PITCH,
-            context="Haptics",
-        ),
+    pitch: Curve = numbers(
+        (1.0, 1.0),
+        "Pitch",
+        "How many times as fast the signal plays in the weakest collisions, and in those of "
+        "full energy",
+        2,
+        LEAST_PITCH,
+        MOST_PITCH,
+        context="Haptics",
     )
-    decay: Curve = field(
-        default=(1.0, 1.0),
-        metadata=numbers(
-            "Decay",
-            "Part of its decay time that the signal has in the weakest collisions, and in those "
-            "of full energy",
-            2,
-            LEAST_DECAY,
-            1.0,
-        ),
+    decay: Curve = numbers(
+        (1.0, 1.0),
+        "Decay",
+        "Part of its decay time that the signal has in the weakest collisions, and in those "
+        "of full energy",
+        2,
+        LEAST_DECAY,
+        1.0,
     )
-    brightness: Curve = field(
-        default=(1.0, 1.0),
-        metadata=numbers(
-            "Brightness",
-            "Gain above 100 Hz in the weakest collisions, and in those of full energy",
-            2,
-            0.0,
-            1.0,
-        ),
+    brightness: Curve = numbers(
+        (1.0, 1.0),
+        "Brightness",
+        "Gain above 100 Hz in the weakest collisions, and in those of full energy",
+        2,
+        0.0,
+        1.0,
     )
-    bend: float = field(
-        default=1.0,
-        metadata=number(
-            "Bend",
-            "How these values change from weak to full: 1 with the energy, 0.5 with the speed of "
-            "the impact",
-            0.1,
-            10.0,
-        ),
+    bend: float = number(
+        1.0,
+        "Bend",
+        "How these values change from weak to full: 1 with the energy, 0.5 with the speed of "
+        "the impact",
+        0.1,
+        10.0,
     )
-    variation: float = field(
-        default=0.0,
-        metadata=share(
-            "Variation",
-            "Largest relative variation of impacts: higher or lower, shorter and weaker",
-            soft=(0.0, 0.3),
-        ),
+    variation: float = share(
+        0.0,
+        "Variation",
+        "Largest relative variation of impacts: higher or lower, shorter and weaker",
+        soft=(0.0, 0.3),
     )
-    seed: int = field(
-        default=0,
-        metadata=number("Seed", "Another number gives other variations", 0, 10**9, whole=True),
-    )
-    limits: ImpactLimits | None = field(
-        default=None,
-        metadata=part(
-            "impact_limits", "Limits of these impacts; default: those of the scene's rules"
-        ),
+    seed: int = number(0, "Seed", "Another number gives other variations", 0, 10**9, whole=True)
+    limits: ImpactLimits | None = part(
+        None, "impact_limits", "Limits of these impacts; default: those of the scene's rules"
     )
 
     def __post_init__(self) -> None:

@@ -15,21 +15,15 @@ from .values import KAPPA, RHO
 class LibraryMaterial(Declared):
     """A haptic material. Objects refer to it in ``material`` and have a copy of its values."""
 
-    name: str = field(metadata=name_of("Name, unique among materials"))
+    name: str = field(metadata=name_of("Name, unique among materials").metadata)
     kappa: float = field(metadata=KAPPA)
     rho: float = field(metadata=RHO)
-    use_delay: bool = field(
-        default=False,
-        metadata=switch(
-            "Delay", "Delay signals by this material's wave speed; makes tracing slower"
-        ),
+    use_delay: bool = switch(
+        False, "Delay", "Delay signals by this material's wave speed; makes tracing slower"
     )
     wave_speed: float = field(default=0.0, metadata=WAVE_SPEED)
-    use_bands: bool = field(
-        default=False,
-        metadata=switch(
-            "Frequency Bands", "Attenuate each frequency band by its own value per metre"
-        ),
+    use_bands: bool = switch(
+        False, "Frequency Bands", "Attenuate each frequency band by its own value per metre"
     )
     band_decays: tuple[float, ...] = field(default=(0.0,) * BAND_COUNT, metadata=BAND_DECAYS)
     conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)

@@ -55,74 +55,57 @@ class ContactSettings(Declared):
     too few frames show their fall. Without a matching row in a table, an impact plays the
     ``templates`` within `limits`, a contact has gain 1, and nothing sounds that slides or rolls."""
 
-    tolerance: float = field(
-        default=0.01,
-        metadata=number(
-            "Contact Tolerance",
-            "Objects closer than this touch",
-            0.0,
-            soft=(0.0, 0.1),
-            unit="m",
-            digits=4,
-        ),
+    tolerance: float = number(
+        0.01,
+        "Contact Tolerance",
+        "Objects closer than this touch",
+        0.0,
+        soft=(0.0, 0.1),
+        unit="m",
+        digits=4,
     )
-    slack: float = field(
-        default=0.005,
-        metadata=number(
-            "", "Distance beyond the tolerance up to which a contact persists", 0.0, unit="m"
-        ),
+    slack: float = number(
+        0.005, "", "Distance beyond the tolerance up to which a contact persists", 0.0, unit="m"
     )
-    impacts: bool = field(
-        default=True,
-        metadata=switch(
-            "Impacts", "Collisions make temporary sources that play the impact signal once"
-        ),
+    impacts: bool = switch(
+        True, "Impacts", "Collisions make temporary sources that play the impact signal once"
     )
-    templates: ImpactTemplates = field(
-        default=ImpactTemplates.PLAIN,
-        metadata=choice(
-            "Signal", "What impacts feel like", TEMPLATES, shown=ImpactTemplates.BY_MATERIAL
-        ),
+    templates: ImpactTemplates = choice(
+        ImpactTemplates.PLAIN,
+        "Signal",
+        "What impacts feel like",
+        TEMPLATES,
+        shown=ImpactTemplates.BY_MATERIAL,
     )
     least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
     full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
-    energy: ImpactEnergy = field(
-        default=ImpactEnergy.KINETIC,
-        metadata=choice("Energy", "The energy that a collision is judged by", ENERGIES),
+    energy: ImpactEnergy = choice(
+        ImpactEnergy.KINETIC, "Energy", "The energy that a collision is judged by", ENERGIES
     )
     refractory: float = field(default=0.1, metadata=REFRACTORY)
-    gravity: tuple[float, float, float] = field(
-        default=(0.0, 0.0, -9.81),
-        metadata=numbers("", "Acceleration of dynamic objects that fall", 3, unit="m/s^2"),
+    gravity: tuple[float, float, float] = numbers(
+        (0.0, 0.0, -9.81), "", "Acceleration of dynamic objects that fall", 3, unit="m/s^2"
     )
-    time_scale: float = field(
-        default=1.0,
-        metadata=number("", "Seconds of simulation in a second of the scene", 0.0, above=True),
+    time_scale: float = number(
+        1.0, "", "Seconds of simulation in a second of the scene", 0.0, above=True
     )
-    impact_table: RuleTable[ImpactRule] = field(
-        default_factory=RuleTable,
-        metadata=part(
-            "impact_rule",
-            f"Rules of impacts between some objects, instead of those above{_ROWS}",
-            MOST_ROWS,
-        ),
+    impact_table: RuleTable[ImpactRule] = part(
+        RuleTable(),
+        "impact_rule",
+        f"Rules of impacts between some objects, instead of those above{_ROWS}",
+        MOST_ROWS,
     )
-    transmission_table: RuleTable[ModulationFunction] = field(
-        default_factory=RuleTable,
-        metadata=part(
-            "transmission_rule",
-            f"Transmission functions of contacts that are found between some objects{_ROWS} "
-            "(gain 1)",
-            MOST_ROWS,
-        ),
+    transmission_table: RuleTable[ModulationFunction] = part(
+        RuleTable(),
+        "transmission_rule",
+        f"Transmission functions of contacts that are found between some objects{_ROWS} (gain 1)",
+        MOST_ROWS,
     )
-    textures: RuleTable[Texture] = field(
-        default_factory=RuleTable,
-        metadata=part(
-            "texture",
-            f"Textures of objects that slide or roll on each other{_ROWS} (silent)",
-            MOST_ROWS,
-        ),
+    textures: RuleTable[Texture] = part(
+        RuleTable(),
+        "texture",
+        f"Textures of objects that slide or roll on each other{_ROWS} (silent)",
+        MOST_ROWS,
     )
 
     @property

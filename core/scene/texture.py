@@ -9,7 +9,6 @@ Vibration", 2009). The power of the force is chosen.
 from __future__ import annotations
 
 import math
-from dataclasses import field
 from typing import TYPE_CHECKING
 
 from .. import signals
@@ -40,69 +39,52 @@ class Texture(Declared):
     full_speed)^(3/2) where they roll, with F newtons between them; at most sliding or rolling.
     """
 
-    period: float = field(
-        default=0.005,
-        metadata=number(
-            "Period",
-            "From one ridge or grain of the surface to the next: at 1 m/s, 5 mm give 200 Hz",
-            1e-5,
-            10.0,
-            unit="m",
-            digits=4,
-        ),
+    period: float = number(
+        0.005,
+        "Period",
+        "From one ridge or grain of the surface to the next: at 1 m/s, 5 mm give 200 Hz",
+        1e-5,
+        10.0,
+        unit="m",
+        digits=4,
     )
-    sliding: float = field(
-        default=0.5, metadata=share("Sliding", "Amplitude of sliding at full force and speed")
+    sliding: float = share(0.5, "Sliding", "Amplitude of sliding at full force and speed")
+    rolling: float = share(0.2, "Rolling", "Amplitude of rolling at full force and speed")
+    noise: float = share(
+        0.5,
+        "Noise",
+        "Fraction of the power that is noise around the tone; higher for irregular surfaces",
     )
-    rolling: float = field(
-        default=0.2, metadata=share("Rolling", "Amplitude of rolling at full force and speed")
+    bandwidth: float = number(
+        0.5, "Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.05, 4.0
     )
-    noise: float = field(
-        default=0.5,
-        metadata=share(
-            "Noise",
-            "Fraction of the power that is noise around the tone; higher for irregular surfaces",
-        ),
+    stick_speed: float = number(
+        0.0,
+        "Stick Below",
+        "Below this speed the surfaces stick and slip, the slower the more; 0: they do not",
+        0.0,
+        100.0,
+        unit="m/s",
+        digits=3,
     )
-    bandwidth: float = field(
-        default=0.5,
-        metadata=number(
-            "Bandwidth", "How wide the noise is, relative to the frequency of the tone", 0.05, 4.0
-        ),
+    full_force: float = number(
+        100.0,
+        "Full Force",
+        "Force in newtons at which the amplitude reaches its full value; it grows with the "
+        "square root of the force",
+        1e-3,
+        1e9,
+        soft=(1e-3, 1e4),
+        unit="N",
     )
-    stick_speed: float = field(
-        default=0.0,
-        metadata=number(
-            "Stick Below",
-            "Below this speed the surfaces stick and slip, the slower the more; 0: they do not",
-            0.0,
-            100.0,
-            unit="m/s",
-            digits=3,
-        ),
-    )
-    full_force: float = field(
-        default=100.0,
-        metadata=number(
-            "Full Force",
-            "Force in newtons at which the amplitude reaches its full value; it grows with the "
-            "square root of the force",
-            1e-3,
-            1e9,
-            soft=(1e-3, 1e4),
-            unit="N",
-        ),
-    )
-    full_speed: float = field(
-        default=1.0,
-        metadata=number(
-            "Full Speed",
-            "Speed at which the amplitude reaches its full value; it grows with the speed to the "
-            "power 3/4 for sliding, 3/2 for rolling",
-            1e-3,
-            1e3,
-            unit="m/s",
-        ),
+    full_speed: float = number(
+        1.0,
+        "Full Speed",
+        "Speed at which the amplitude reaches its full value; it grows with the speed to the "
+        "power 3/4 for sliding, 3/2 for rolling",
+        1e-3,
+        1e3,
+        unit="m/s",
     )
 
     def amplitude(self, speed: float, force: float, rolls: bool) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import KW_ONLY, field
+from dataclasses import KW_ONLY, MISSING, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import signals
@@ -110,60 +110,52 @@ STRATEGIES = {
 class Settings(Declared):
     """Settings of propagation. The fields' declarations say what they are."""
 
-    mode: Mode = field(default=Mode.HT, metadata=choice("Mode", "The rendering", MODES))
-    strategy: Strategy = field(
-        default=Strategy.AUTO,
-        metadata=choice(
-            "Strategy", "How the gain from a source to a listener is computed", STRATEGIES
-        ),
+    mode: Mode = choice(Mode.HT, "Mode", "The rendering", MODES)
+    strategy: Strategy = choice(
+        Strategy.AUTO,
+        "Strategy",
+        "How the gain from a source to a listener is computed",
+        STRATEGIES,
     )
-    max_connections: int | None = field(
-        default=32,
-        metadata=number(
-            "Max Connections",
-            "Longest path, in connections through and between objects; 0 sets no limit",
-            0,
-            1_000_000,
-            soft=(0, 128),
-            whole=True,
-            optional=True,
-        ),
+    max_connections: int | None = number(
+        32,
+        "Max Connections",
+        "Longest path, in connections through and between objects; 0 sets no limit",
+        0,
+        1_000_000,
+        soft=(0, 128),
+        whole=True,
+        optional=True,
     )
-    threshold: float = field(
-        default=0.001,
-        metadata=share(
-            "Threshold",
-            "A path ends where its gain falls below this part of the source; 0 sets no limit",
-            soft=(0.0, 0.1),
-            digits=4,
-        ),
+    threshold: float = share(
+        0.001,
+        "Threshold",
+        "A path ends where its gain falls below this part of the source; 0 sets no limit",
+        soft=(0.0, 0.1),
+        digits=4,
     )
-    epsilon: float = field(
-        default=0.1,
-        metadata=number(
-            "Epsilon (ε)",
-            "Least attenuation per metre, also of materials that would transmit without loss. "
-            "The paper's ε",
-            0.0,
-            soft=(0.0, 1.0),
-            unit="1/m",
-            digits=3,
-        ),
+    epsilon: float = number(
+        0.1,
+        "Epsilon (ε)",
+        "Least attenuation per metre, also of materials that would transmit without loss. "
+        "The paper's ε",
+        0.0,
+        soft=(0.0, 1.0),
+        unit="1/m",
+        digits=3,
     )
-    tolerance: float = field(
-        default=0.01,
-        metadata=number(
-            "", "Relative error requested of a sum over paths whose exact value is infeasible", 0.0
-        ),
+    tolerance: float = number(
+        0.01,
+        "",
+        "Relative error requested of a sum over paths whose exact value is infeasible",
+        0.0,
     )
-    localise: float = field(
-        default=0.0,
-        metadata=share(
-            "Localise",
-            "Blends from propagation through touching objects (0) to the nearest listener of "
-            "each source alone (1). "
-            "Some participants of the paper's study preferred to feel a source in one place",
-        ),
+    localise: float = share(
+        0.0,
+        "Localise",
+        "Blends from propagation through touching objects (0) to the nearest listener of "
+        "each source alone (1). "
+        "Some participants of the paper's study preferred to feel a source in one place",
     )
 
 
@@ -189,20 +181,22 @@ class Pose:
 
 
 KAPPA = share(
+    MISSING,
     "Kappa (κ)",
     "A higher κ passes on less, but over a longer distance; 1 passes on nothing. The paper's "
     "transmissibility: as its "
     "function is published, only (1 - κ) ρ counts",
     digits=3,
     shown=0.1,
-)
+).metadata
 RHO = share(
+    MISSING,
     "Rho (ρ)",
     "A higher ρ passes on more but fades faster with distance; 0 passes on nothing. The paper's "
     "density coefficient",
     digits=3,
     shown=0.9,
-)
+).metadata
 MOTIONS = {
     Motion.STATIC: ("", "Nothing"),
     Motion.KINEMATIC: ("", "Animation"),
@@ -215,50 +209,36 @@ class HapticObject:
     """An object that transmits haptic signals. ``shape``: see `core.contacts.shapes`.
     ``impact_material``: a key of `IMPACT_MATERIALS`."""
 
-    name: str = field(metadata=name_of("Name, unique among objects"))
+    name: str = field(metadata=name_of("Name, unique among objects").metadata)
     kappa: float = field(metadata=KAPPA)
     rho: float = field(metadata=RHO)
-    propagation: ModulationFunction = field(
-        default_factory=HapticTracing,
-        metadata=part("function", "Gain between two points of the object; default haptic_tracing"),
+    propagation: ModulationFunction = part(
+        HapticTracing(), "function", "Gain between two points of the object; default haptic_tracing"
     )
-    shape: Any = field(
-        default=None,
-        metadata=part(
-            "body_shape", "Collision shape from which contacts are found; none are found without it"
-        ),
+    shape: Any = part(
+        None,
+        "body_shape",
+        "Collision shape from which contacts are found; none are found without it",
     )
-    pose: Pose | None = field(
-        default=None,
-        metadata=part(
-            "pose", "Position and rotation in the world; default: at the origin, not rotated"
-        ),
+    pose: Pose | None = part(
+        None, "pose", "Position and rotation in the world; default: at the origin, not rotated"
     )
-    mass: float | None = field(
-        default=None,
-        metadata=number("", "Mass, for the energy of impacts", 0.0, 1e15, unit="kg", optional=True),
+    mass: float | None = number(
+        None, "", "Mass, for the energy of impacts", 0.0, 1e15, unit="kg", optional=True
     )
-    medium: bool = field(
-        default=False,
-        metadata=switch(
-            "Medium",
-            "A volume such as air or water: it touches everything that it overlaps",
-            context="Haptics",
-        ),
+    medium: bool = switch(
+        False,
+        "Medium",
+        "A volume such as air or water: it touches everything that it overlaps",
+        context="Haptics",
     )
     extras: Mapping[str, Any] = extras()
-    motion: Motion = field(
-        default=Motion.DYNAMIC, metadata=choice("", "What moves the object", MOTIONS)
+    motion: Motion = choice(Motion.DYNAMIC, "", "What moves the object", MOTIONS)
+    impact_material: str = part(
+        "", "impact_material", "Material of the signal of the object's impacts; empty: unknown"
     )
-    impact_material: str = field(
-        default="",
-        metadata=part(
-            "impact_material", "Material of the signal of the object's impacts; empty: unknown"
-        ),
-    )
-    material: str = field(
-        default="",
-        metadata=text("", "Name of the material that the object is made of, for tables of rules"),
+    material: str = text(
+        "", "", "Name of the material that the object is made of, for tables of rules"
     )
 
     def __post_init__(self) -> None:
@@ -284,38 +264,31 @@ class Contact:
     first object to the second.
     """
 
-    objects: tuple[str, str] = field(metadata=part("pair", "Names of the two objects that touch"))
+    objects: tuple[str, str] = field(
+        metadata=part(MISSING, "pair", "Names of the two objects that touch").metadata
+    )
     positions: tuple[Vector, Vector] = field(
-        metadata=part("positions", "Position of the contact on the first and on the second object")
-    )
-    transmission: ModulationFunction = field(
-        default=_IDENTITY,
         metadata=part(
-            "function", "Gain between the two positions, by their distance; default identity"
-        ),
+            MISSING, "positions", "Position of the contact on the first and on the second object"
+        ).metadata
     )
-    area: float = field(
-        default=0.0, metadata=number("", "Area of the patch", 0.0, 1e15, unit="m^2")
+    transmission: ModulationFunction = part(
+        _IDENTITY, "function", "Gain between the two positions, by their distance; default identity"
     )
-    normal: Vector = field(
-        default=(0.0, 0.0, 1.0),
-        metadata=numbers("", "Direction from the first object to the second", 3),
+    area: float = number(0.0, "", "Area of the patch", 0.0, 1e15, unit="m^2")
+    normal: Vector = numbers(
+        (0.0, 0.0, 1.0), "", "Direction from the first object to the second", 3
     )
-    depth: float = field(default=0.0, metadata=number("", "Penetration", -MOST, unit="m"))
-    share: float = field(
-        default=1.0,
-        metadata=number(
-            "", "Fraction of its patch; the shares of a pair's contacts add up to 1", 0.0, 1.0
-        ),
+    depth: float = number(0.0, "", "Penetration", -MOST, unit="m")
+    share: float = number(
+        1.0, "", "Fraction of its patch; the shares of a pair's contacts add up to 1", 0.0, 1.0
     )
-    weight: float = field(
-        default=1.0,
-        metadata=number(
-            "",
-            "Factor of the contact's gain; less than 1 if the surfaces are near but do not touch",
-            0.0,
-            1.0,
-        ),
+    weight: float = number(
+        1.0,
+        "",
+        "Factor of the contact's gain; less than 1 if the surfaces are near but do not touch",
+        0.0,
+        1.0,
     )
     extras: Mapping[str, Any] = extras()
 
@@ -378,67 +351,50 @@ class Source:
     ``second_object``, the other side of its contact. A source with ``triggers`` plays its signal
     only once per trigger; None: it plays without triggers."""
 
-    name: str = field(metadata=name_of("Name, unique among sources"))
-    object: str = field(metadata=name_of("Name of the source's object"))
-    position: Vector = field(
-        default=(0.0, 0.0, 0.0),
-        metadata=numbers("", "Position of the source", 3, unit="m", required=True),
+    name: str = field(metadata=name_of("Name, unique among sources").metadata)
+    object: str = field(metadata=name_of("Name of the source's object").metadata)
+    position: Vector = numbers(
+        (0.0, 0.0, 0.0), "", "Position of the source", 3, unit="m", required=True
     )
-    amplitude: float = field(
-        default=1.0, metadata=share("Amplitude", "Strength of the emitted signal; can be animated")
+    amplitude: float = share(1.0, "Amplitude", "Strength of the emitted signal; can be animated")
+    kind: SourceKind = choice(SourceKind.PERSISTENT, "", "How long it lasts", SOURCE_KINDS)
+    signal: Signal | None = part(
+        None,
+        "signal",
+        "Its signal; default a hum for persistent sources, a knock for temporary ones",
     )
-    kind: SourceKind = field(
-        default=SourceKind.PERSISTENT, metadata=choice("", "How long it lasts", SOURCE_KINDS)
+    second_object: str | None = name_of(
+        "The other side of the contact that made the source: by an impact (temporary), or by "
+        "sliding or rolling (persistent)",
+        None,
+        optional=True,
     )
-    signal: Signal | None = field(
-        default=None,
-        metadata=part(
-            "signal", "Its signal; default a hum for persistent sources, a knock for temporary ones"
-        ),
+    second_position: Vector | None = numbers(
+        None,
+        "",
+        "Position of the source on its second object; default that on the first",
+        3,
+        unit="m",
+        optional=True,
     )
-    second_object: str | None = field(
-        default=None,
-        metadata=name_of(
-            "The other side of the contact that made the source: by an impact (temporary), or by "
-            "sliding or rolling (persistent)",
-            optional=True,
-        ),
+    onset: float = number(
+        0.0, "", "When its signal begins; before the first frame, it is negative", -MOST, unit="s"
     )
-    second_position: Vector | None = field(
-        default=None,
-        metadata=numbers(
-            "",
-            "Position of the source on its second object; default that on the first",
-            3,
-            unit="m",
-            optional=True,
-        ),
-    )
-    onset: float = field(
-        default=0.0,
-        metadata=number(
-            "", "When its signal begins; before the first frame, it is negative", -MOST, unit="s"
-        ),
-    )
-    priority: float = field(
-        default=1.0,
-        metadata=number(
-            "Priority",
-            "Weight of this source where a listener mixes by priority; where one ducks, higher "
-            "ones turn lower ones down",
-            0.0,
-            soft=(0.0, 10.0),
-        ),
+    priority: float = number(
+        1.0,
+        "Priority",
+        "Weight of this source where a listener mixes by priority; where one ducks, higher "
+        "ones turn lower ones down",
+        0.0,
+        soft=(0.0, 10.0),
     )
     extras: Mapping[str, Any] = extras()
-    triggers: tuple[Trigger, ...] | None = field(
-        default=None,
-        metadata=part(
-            "trigger",
-            "Triggers, each of which plays its signal once; without any, the source is always "
-            "active. The signal lasts a minute at most",
-            1000,
-        ),
+    triggers: tuple[Trigger, ...] | None = part(
+        None,
+        "trigger",
+        "Triggers, each of which plays its signal once; without any, the source is always "
+        "active. The signal lasts a minute at most",
+        1000,
     )
 
     def __post_init__(self) -> None:
@@ -509,100 +465,72 @@ PARTS = {
 class Listener:
     """Receives signals at a point of the body. The fields' declarations say what they are."""
 
-    name: str = field(metadata=name_of("Name, unique among listeners"))
-    object: str = field(metadata=name_of("Name of the listener's object"))
-    position: Vector = field(
-        default=(0.0, 0.0, 0.0),
-        metadata=numbers("", "Position of the listener", 3, unit="m", required=True),
+    name: str = field(metadata=name_of("Name, unique among listeners").metadata)
+    object: str = field(metadata=name_of("Name of the listener's object").metadata)
+    position: Vector = numbers(
+        (0.0, 0.0, 0.0), "", "Position of the listener", 3, unit="m", required=True
     )
-    body_part: str = field(
-        default="",
-        metadata=choice(
-            "Body Part", "The place on the body that this listener stands for", PARTS, open=True
-        ),
+    body_part: str = choice(
+        "", "Body Part", "The place on the body that this listener stands for", PARTS, open=True
     )
     _: KW_ONLY
-    extent: Extent = field(
-        default=Extent.NONE,
-        metadata=choice(
-            "Extent",
-            "What the listener feels of its bounding volume. New listeners feel the strongest; "
-            "those of earlier files are points",
-            EXTENTS,
-        ),
+    extent: Extent = choice(
+        Extent.NONE,
+        "Extent",
+        "What the listener feels of its bounding volume. New listeners feel the strongest; "
+        "those of earlier files are points",
+        EXTENTS,
     )
-    radius: float = field(
-        default=0.05,
-        metadata=number(
-            "Radius", "Radius of the listener's bounding volume", 0.0, soft=(0.0, 0.5), unit="m"
-        ),
+    radius: float = number(
+        0.05, "Radius", "Radius of the listener's bounding volume", 0.0, soft=(0.0, 0.5), unit="m"
     )
-    mixing: str = field(
-        default="cumulative",
-        metadata=choice("Mixing", "How signals that arrive together are combined", MIXING),
+    mixing: str = choice(
+        "cumulative", "Mixing", "How signals that arrive together are combined", MIXING
     )
-    mixing_expression: str = field(
-        default="",
-        metadata=text(
-            "Formula",
-            "The mix, sample by sample, of sum, weighted, strongest and power (what the other "
-            "methods give) and s_max (the ceiling)",
-            most=500,
-            shown="s_max * tanh(sum / s_max)",
-        ),
+    mixing_expression: str = text(
+        "",
+        "Formula",
+        "The mix, sample by sample, of sum, weighted, strongest and power (what the other "
+        "methods give) and s_max (the ceiling)",
+        most=500,
+        shown="s_max * tanh(sum / s_max)",
     )
-    ducking: float = field(
-        default=0.0,
-        metadata=number(
-            "Ducking",
-            "Decibels by which sources are turned down while one of higher priority arrives here",
-            0.0,
-            60.0,
-            soft=(0.0, 24.0),
-            unit="dB",
-        ),
+    ducking: float = number(
+        0.0,
+        "Ducking",
+        "Decibels by which sources are turned down while one of higher priority arrives here",
+        0.0,
+        60.0,
+        soft=(0.0, 24.0),
+        unit="dB",
     )
-    gain: float = field(
-        default=1.0,
-        metadata=number(
-            "Gain", "Factor of this listener's mixed signal; can be animated", 0.0, soft=(0.0, 2.0)
-        ),
+    gain: float = number(
+        1.0, "Gain", "Factor of this listener's mixed signal; can be animated", 0.0, soft=(0.0, 2.0)
     )
-    s_max: float = field(
-        default=1.0,
-        metadata=number(
-            "Ceiling", "No sample of the mixed signal is stronger than this", 0.0, 1.0, above=True
-        ),
+    s_max: float = number(
+        1.0, "Ceiling", "No sample of the mixed signal is stronger than this", 0.0, 1.0, above=True
     )
-    limiter: bool = field(
-        default=False,
-        metadata=switch(
-            "Limiter",
-            "Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of "
-            "cutting it off, which distorts. "
-            "All listeners then feel 5 ms later",
-        ),
+    limiter: bool = switch(
+        False,
+        "Limiter",
+        "Turns a mix that would exceed the ceiling down, ahead of its peaks, instead of "
+        "cutting it off, which distorts. "
+        "All listeners then feel 5 ms later",
     )
-    full_scale: tuple[tuple[float, float], ...] = field(
-        default=(),
-        metadata=curve(
-            "Full Scale",
-            "What the device of this listener does at full scale: pairs of hertz and the peak of a "
-            "sine there, such as 40 3.2, 160 14. Empty: margins assume that 250 Hz are felt from "
-            "-45 dB of full scale on",
-            optional=True,
-            animated=False,
-        ),
+    full_scale: tuple[tuple[float, float], ...] = curve(
+        (),
+        "Full Scale",
+        "What the device of this listener does at full scale: pairs of hertz and the peak of a "
+        "sine there, such as 40 3.2, 160 14. Empty: margins assume that 250 Hz are felt from "
+        "-45 dB of full scale on",
+        optional=True,
+        animated=False,
     )
-    full_scale_unit: str = field(
-        default="m/s^2",
-        metadata=choice(
-            "Unit of Full Scale", "What its numbers are", FULL_SCALE_UNITS, animated=False
-        ),
+    full_scale_unit: str = choice(
+        "m/s^2", "Unit of Full Scale", "What its numbers are", FULL_SCALE_UNITS, animated=False
     )
-    full_scale_source: str = field(
-        default="",
-        metadata=text("Calibrated By", "Where the numbers of Full Scale are from", animated=False),
+    full_scale_source: str = text(
+        "", "Calibrated By", "Where the numbers of Full Scale are from", animated=False
     )
     extras: Mapping[str, Any] = extras()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -50,50 +50,42 @@ class Resilient(ModulationFunction):
         "Transmissibility of a mass on a spring: everything up to its resonance, less and "
         "less above it"
     )
-    stiffness: float = field(
-        default=1e5,
-        metadata=number(
-            "Stiffness",
-            "Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000",
-            0.0,
-            1e15,
-            soft=(1e-3, 1e8),
-            unit="N/m",
-            above=True,
-        ),
+    stiffness: float = number(
+        1e5,
+        "Stiffness",
+        "Stiffness of the layer: a foam mat under a chair's leg 10,000, a rubber pad 1,000,000",
+        0.0,
+        1e15,
+        soft=(1e-3, 1e8),
+        unit="N/m",
+        above=True,
     )
-    load: float = field(
-        default=10.0,
-        metadata=number(
-            "Load",
-            "Mass that the layer carries",
-            0.0,
-            1e15,
-            soft=(1e-6, 1e4),
-            unit="kg",
-            above=True,
-        ),
+    load: float = number(
+        10.0,
+        "Load",
+        "Mass that the layer carries",
+        0.0,
+        1e15,
+        soft=(1e-6, 1e4),
+        unit="kg",
+        above=True,
     )
-    loss_factor: float = field(
-        default=0.2,
-        metadata=number(
-            "Loss Factor",
-            "Damping of the layer: rubber 0.1, foam 0.2; a greater one softens the resonance and "
-            "passes more far above it",
-            0.0,
-            soft=(0.0, 1.0),
-        ),
+    loss_factor: float = number(
+        0.2,
+        "Loss Factor",
+        "Damping of the layer: rubber 0.1, foam 0.2; a greater one softens the resonance and "
+        "passes more far above it",
+        0.0,
+        soft=(0.0, 1.0),
     )
-    fall_off: float = field(
-        default=12.0,
-        metadata=number(
-            "Fall-Off",
-            "Loss per octave far above the resonance, in decibels; 12 for a spring",
-            0.0,
-            1e3,
-            soft=(0.0, 48.0),
-            unit="dB",
-        ),
+    fall_off: float = number(
+        12.0,
+        "Fall-Off",
+        "Loss per octave far above the resonance, in decibels; 12 for a spring",
+        0.0,
+        1e3,
+        soft=(0.0, 48.0),
+        unit="dB",
     )
 
     @property
@@ -129,28 +121,24 @@ class NormalForce(ModulationFunction):
     about = (
         "(F / reference)^exponent, at most 1, with the force that presses resting objects together"
     )
-    reference: float = field(
-        default=10.0,
-        metadata=number(
-            "Reference",
-            "Force in newtons from which on everything passes",
-            0.0,
-            1e15,
-            soft=(1e-6, 1e4),
-            unit="N",
-            above=True,
-        ),
+    reference: float = number(
+        10.0,
+        "Reference",
+        "Force in newtons from which on everything passes",
+        0.0,
+        1e15,
+        soft=(1e-6, 1e4),
+        unit="N",
+        above=True,
     )
-    exponent: float = field(
-        default=1 / 3,
-        metadata=number(
-            "Exponent",
-            "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones",
-            0.0,
-            1e3,
-            soft=(0.0, 4.0),
-            digits=3,
-        ),
+    exponent: float = number(
+        1 / 3,
+        "Exponent",
+        "1/3: stiffness of smooth round bodies (Hertz); 1: of rough ones",
+        0.0,
+        1e3,
+        soft=(0.0, 4.0),
+        digits=3,
     )
 
     @property

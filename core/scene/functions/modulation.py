@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from typing import Any, ClassVar
 
@@ -29,6 +29,7 @@ OnContact = Mapping[str, Value] | None
 
 
 BAND_DECAYS = numbers(
+    MISSING,
     "Band Attenuation",
     "Extra attenuation per metre in this band of frequencies; 0 adds none",
     BAND_COUNT,
@@ -36,21 +37,23 @@ BAND_DECAYS = numbers(
     soft=(0.0, 5.0),
     digits=3,
     optional=True,
-)
+).metadata
 WAVE_SPEED = number(
+    MISSING,
     "Wave Speed",
     "Speed of vibration in this material; 0 passes signals on without delay",
     0.0,
     soft=(0.0, 5000.0),
     unit="m/s",
-)
+).metadata
 CONDUCTIVITY = number(
+    MISSING,
     "Conductivity",
     "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
     0.01,
     500.0,
     unit="W/(m·K)",
-)
+).metadata
 
 
 @frozen
@@ -63,16 +66,14 @@ class Spectrum(Declared):
     wave_speed``. 0 means no delay.
     """
 
-    band_gains: tuple[float, ...] = field(
-        default=(),
-        metadata=numbers(
-            "",
-            "Factor per frequency band, applied once per connection; default 1 each",
-            BAND_COUNT,
-            0.0,
-            1.0,
-            optional=True,
-        ),
+    band_gains: tuple[float, ...] = numbers(
+        (),
+        "",
+        "Factor per frequency band, applied once per connection; default 1 each",
+        BAND_COUNT,
+        0.0,
+        1.0,
+        optional=True,
     )
     band_decays: tuple[float, ...] = field(default=(), metadata=BAND_DECAYS)
     wave_speed: float = field(default=0.0, metadata=WAVE_SPEED)
@@ -204,9 +205,8 @@ class Constant(ModulationFunction):
     """The same gain over any distance."""
 
     name, label, about = "constant", "Constant", "The same gain over any distance"
-    gain_value: float = field(
-        default=0.5,
-        metadata=number("Gain", "The gain over any distance", 0.0, soft=(0.0, 1.0), key="gain"),
+    gain_value: float = number(
+        0.5, "Gain", "The gain over any distance", 0.0, soft=(0.0, 1.0), key="gain"
     )
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
@@ -218,16 +218,14 @@ class Exponential(ModulationFunction):
     """``exp(-alpha d)``; alpha = 0.2 is the distance-only function of the paper (equation 4)."""
 
     name, label, about = "exponential", "Exponential", "e^(-α d): fades with distance alone"
-    alpha: float = field(
-        default=0.2,
-        metadata=number(
-            "Alpha",
-            "Attenuation per metre; 0.2 is the paper's distance-only function",
-            0.0,
-            soft=(0.0, 5.0),
-            unit="1/m",
-            digits=3,
-        ),
+    alpha: float = number(
+        0.2,
+        "Alpha",
+        "Attenuation per metre; 0.2 is the paper's distance-only function",
+        0.0,
+        soft=(0.0, 5.0),
+        unit="1/m",
+        digits=3,
     )
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
@@ -272,16 +270,14 @@ class Linear(ModulationFunction):
     """``max(0, 1 - d / range)``."""
 
     name, label, about = "linear", "Linear", "1 - d / range: silent from the range on"
-    range: float = field(
-        default=10.0,
-        metadata=number(
-            "Range",
-            "Distance from which on nothing is felt",
-            0.0,
-            soft=(0.001, 100.0),
-            unit="m",
-            above=True,
-        ),
+    range: float = number(
+        10.0,
+        "Range",
+        "Distance from which on nothing is felt",
+        0.0,
+        soft=(0.001, 100.0),
+        unit="m",
+        above=True,
     )
 
     def gain(
@@ -307,15 +303,13 @@ class Expression(ModulationFunction):
 
     name, label, about = "expression", "Expression", "Your own formula of x, d, kappa, rho, epsilon"
     may_amplify: ClassVar[bool] = True
-    expression: str = field(
-        default="x * exp(-0.2 * d)",
-        metadata=text(
-            "Expression",
-            "Formula of x (the signal), d (metres), kappa, rho, epsilon. "
-            "Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
-            least=1,
-            most=MAX_LENGTH,
-        ),
+    expression: str = text(
+        "x * exp(-0.2 * d)",
+        "Expression",
+        "Formula of x (the signal), d (metres), kappa, rho, epsilon. "
+        "Functions: exp, log, sqrt, tanh, atan, sin, cos, abs, min, max, where",
+        least=1,
+        most=MAX_LENGTH,
     )
     compiled: CompiledExpression = field(init=False, repr=False, compare=False)
 
@@ -366,21 +360,16 @@ class Conduction(ModulationFunction):
         "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"
     )
     conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)
-    thickness: float = field(
-        default=0.1,
-        metadata=number(
-            "Thickness", "Extent perpendicular to the heat flow", 0.001, 10.0, unit="m"
-        ),
+    thickness: float = number(
+        0.1, "Thickness", "Extent perpendicular to the heat flow", 0.001, 10.0, unit="m"
     )
-    exchange: float = field(
-        default=10.0,
-        metadata=number(
-            "Heat Loss",
-            "What a face gives off to air: 5 still, 10 a calm room, 25 wind, in W/(m²·K)",
-            0.1,
-            200.0,
-            unit="W/(m²·K)",
-        ),
+    exchange: float = number(
+        10.0,
+        "Heat Loss",
+        "What a face gives off to air: 5 still, 10 a calm room, 25 wind, in W/(m²·K)",
+        0.1,
+        200.0,
+        unit="W/(m²·K)",
     )
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -84,111 +84,91 @@ class Physical(ModulationFunction):
 
     name, label = "physical", "Physical"
     about = "Spreading and damping of measured materials, by loss factor, wave speed and wave type"
-    wave: Wave = field(
-        default=Wave.SOLID, metadata=choice("Wave", "How vibration travels in the body", WAVES)
+    wave: Wave = choice(Wave.SOLID, "Wave", "How vibration travels in the body", WAVES)
+    loss_factor: float = number(
+        0.01,
+        "Loss Factor",
+        "Part of the energy that a cycle turns into heat, over 2π: steel 0.0002, wood 0.01, "
+        "rubber 0.15",
+        0.0,
+        soft=(0.0, 1.0),
+        digits=5,
     )
-    loss_factor: float = field(
-        default=0.01,
-        metadata=number(
-            "Loss Factor",
-            "Part of the energy that a cycle turns into heat, over 2π: steel 0.0002, wood 0.01, "
-            "rubber 0.15",
-            0.0,
-            soft=(0.0, 1.0),
-            digits=5,
-        ),
+    phase_speed: float = number(
+        1000.0,
+        "Speed (m/s)",
+        "Speed of the waves in metres per second, for plates that of extensional waves: "
+        "steel 5100, soil 200",
+        0.0,
+        soft=(0.1, 6000.0),
+        above=True,
     )
-    phase_speed: float = field(
-        default=1000.0,
-        metadata=number(
-            "Speed (m/s)",
-            "Speed of the waves in metres per second, for plates that of extensional waves: "
-            "steel 5100, soil 200",
-            0.0,
-            soft=(0.1, 6000.0),
-            above=True,
-        ),
+    density: float = number(
+        1000.0,
+        "Density",
+        "With the speed it gives the impedance that contacts may depend on: steel 7850, "
+        "water 1000, foam 40",
+        0.0,
+        soft=(0.1, 20000.0),
+        unit="kg/m³",
+        above=True,
     )
-    density: float = field(
-        default=1000.0,
-        metadata=number(
-            "Density",
-            "With the speed it gives the impedance that contacts may depend on: steel 7850, "
-            "water 1000, foam 40",
-            0.0,
-            soft=(0.1, 20000.0),
-            unit="kg/m³",
-            above=True,
-        ),
+    thickness: float = number(
+        0.1,
+        "Thickness",
+        "Thickness of the plate, or of the wall of a hollow body",
+        0.0,
+        soft=(1e-4, 100.0),
+        unit="m",
+        digits=4,
+        above=True,
     )
-    thickness: float = field(
-        default=0.1,
-        metadata=number(
-            "Thickness",
-            "Thickness of the plate, or of the wall of a hollow body",
-            0.0,
-            soft=(1e-4, 100.0),
-            unit="m",
-            digits=4,
-            above=True,
-        ),
+    absorption: float = number(
+        0.0,
+        "Loss at Joints",
+        "Attenuation per metre that edges and joints add at every frequency; walls and "
+        "floors of a building 0.12 to 0.35",
+        0.0,
+        soft=(0.0, 1.0),
+        unit="1/m",
+        digits=3,
     )
-    absorption: float = field(
-        default=0.0,
-        metadata=number(
-            "Loss at Joints",
-            "Attenuation per metre that edges and joints add at every frequency; walls and "
-            "floors of a building 0.12 to 0.35",
-            0.0,
-            soft=(0.0, 1.0),
-            unit="1/m",
-            digits=3,
-        ),
+    material_k: float = number(
+        0.5,
+        "Holds at (1 - κ) ρ",
+        "Coefficient of the material at which the numbers above hold; a lower one damps more, "
+        "a higher one less",
+        0.001,
+        0.999,
+        soft=(0.01, 0.99),
+        digits=3,
     )
-    material_k: float = field(
-        default=0.5,
-        metadata=number(
-            "Holds at (1 - κ) ρ",
-            "Coefficient of the material at which the numbers above hold; a lower one damps more, "
-            "a higher one less",
-            0.001,
-            0.999,
-            soft=(0.01, 0.99),
-            digits=3,
-        ),
+    reference_distance: float = number(
+        0.5,
+        "Source Radius",
+        "Radius of the region that a source drives; spreading begins there",
+        0.0,
+        soft=(0.001, 10.0),
+        unit="m",
+        above=True,
     )
-    reference_distance: float = field(
-        default=0.5,
-        metadata=number(
-            "Source Radius",
-            "Radius of the region that a source drives; spreading begins there",
-            0.0,
-            soft=(0.001, 10.0),
-            unit="m",
-            above=True,
-        ),
+    extent: float = number(
+        0.0,
+        "Extent",
+        "Distance over which vibration spreads in the body: the width of a bounded one, else "
+        "its length; 0: without end",
+        0.0,
+        soft=(0.0, 100.0),
+        unit="m",
     )
-    extent: float = field(
-        default=0.0,
-        metadata=number(
-            "Extent",
-            "Distance over which vibration spreads in the body: the width of a bounded one, else "
-            "its length; 0: without end",
-            0.0,
-            soft=(0.0, 100.0),
-            unit="m",
-        ),
-    )
-    resonance: float = field(
-        default=20.0,
-        metadata=number(
-            "Resonance",
-            "A limb moves as a whole up to this frequency: trunk 5, elbow 8, knee 25, wrist 30, "
-            "fingertip 200",
-            0.0,
-            soft=(0.0, 300.0),
-            unit="Hz",
-        ),
+    resonance: float = number(
+        20.0,
+        "Resonance",
+        "A limb moves as a whole up to this frequency: trunk 5, elbow 8, knee 25, wrist 30, "
+        "fingertip 200",
+        0.0,
+        soft=(0.0, 300.0),
+        unit="Hz",
     )
 
     def material_damping(self, frequency: float) -> float:

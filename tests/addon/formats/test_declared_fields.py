@@ -2,7 +2,7 @@
 writing follow."""
 
 import json
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import bpy
 import jsonschema
@@ -245,15 +245,11 @@ def test_large_numbers_are_the_same_in_a_file_on_the_command_line_and_in_blender
 class _Listener(Listener):
     """A listener with two fields more than this version has."""
 
-    stiffness: float = field(
-        default=0.5,
-        metadata=number("Skin", "How stiff the skin is", 0.0, 10.0, soft=(0.0, 2.0), unit="N/m"),
+    stiffness: float = number(
+        0.5, "Skin", "How stiff the skin is", 0.0, 10.0, soft=(0.0, 2.0), unit="N/m"
     )
-    side: str = field(
-        default="left",
-        metadata=choice(
-            "Side", "Where it is", {"left": ("Left", "At home"), "right": ("Right", "Away")}
-        ),
+    side: str = choice(
+        "left", "Side", "Where it is", {"left": ("Left", "At home"), "right": ("Right", "Away")}
     )
 
 
