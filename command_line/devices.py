@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.declaration import Curve
 from ..core.devices.calibrating import measured_full_scale, sweep
 from ..core.devices.connection import connected, hid_module, missing_permission
 from ..core.devices.families.family import RumbleFamily
@@ -20,7 +21,6 @@ from ..core.devices.profiles import Actuator, Profile
 from ..core.devices.report import Report, Transport
 from ..core.formats.io.strict_json import read_json
 from ..core.formats.scene.scene_json import current_document, scene_of, write_document
-from ..core.scene.declaration import Curve
 from ..core.scene.references import named
 from ..core.signals.wav import read_wav
 from . import answer

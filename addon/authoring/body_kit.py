@@ -9,8 +9,8 @@ import numpy as np
 from bpy.types import Collection, Object
 from mathutils import Matrix, Vector
 
+from ...core.declaration import shown
 from ...core.scene.body import BODY_PART, BodyPart
-from ...core.scene.declaration import shown
 from ...core.scene.skeleton import Bone, PartPlace, partner, places
 from ...core.scene.values import Listener
 from ..scene_reader.collision_shapes import vertices_of

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
-from ...core.scene.declaration import Curve
+from ...core.declaration import Curve
 from ..blender.extension import profile_folders
 from ..blender.polling import UNDO, Action, OnActive, Refused, is_editable
 from ..blender.words import told

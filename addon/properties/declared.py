@@ -1,4 +1,4 @@
-"""Blender's properties of declared fields (`core.scene.declaration`): their definitions, and what
+"""Blender's properties of declared fields (`core.declaration`): their definitions, and what
 they hold of a value."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...core.scene.declaration import (
+from ...core.declaration import (
     Choice,
     Curve,
     Declaration,

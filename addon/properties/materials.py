@@ -21,8 +21,8 @@ from bpy.props import (
 )
 from bpy.types import Context, Object, PropertyGroup, Scene
 
+from ...core.declaration import shown
 from ...core.scene.bands import BAND_COUNT
-from ...core.scene.declaration import shown
 from ...core.scene.functions import Spectrum
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS

@@ -8,8 +8,8 @@ from typing import Any
 from bpy.props import PointerProperty
 from bpy.types import PropertyGroup
 
+from ...core.declaration import shown
 from ...core.modalities import MODALITIES, Modality
-from ...core.scene.declaration import shown
 from .callbacks import changed, updating
 from .declared import holding
 from .function import FunctionParameters, function_property

@@ -15,13 +15,13 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, cast
 
+from ...core.declaration import declared
 from ...core.formats.io.scene_schema import DEFINED, SCENE
 from ...core.formats.io.schema import load_schema, validate
 from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import by_pair, pair_of
 from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
 from ...core.formats.scene.values_json import item_to_dict, read_members
-from ...core.scene.declaration import declared
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.impact_rule import ImpactLimits
 from ...core.scene.rules import ContactSettings

@@ -7,9 +7,9 @@ from typing import Any
 
 from bpy.types import Object, Scene
 
+from ...core.declaration import declared
 from ...core.modalities import Modality
 from ...core.modalities.propagation import Emitter, ModalityScene
-from ...core.scene.declaration import declared
 from ...core.scene.functions import ALL_FUNCTIONS
 from ...core.scene.values import HapticObject, Vector
 from ..blender.units import metres_per_unit

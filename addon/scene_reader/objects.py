@@ -8,7 +8,7 @@ import bpy
 from bpy.types import Object, Scene
 
 from ...core.contacts.settings import Motion
-from ...core.scene.declaration import Curve
+from ...core.declaration import Curve
 from ...core.scene.materials import named_in
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import impact_material

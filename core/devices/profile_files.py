@@ -7,11 +7,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from ..declaration import declared
 from ..formats.io.error import FormatError, errors_in
 from ..formats.io.schema import validate
 from ..formats.io.strict_json import parse_json, read_bytes
 from ..scene.body import BODY_PART
-from ..scene.declaration import declared
 from ..scene.references import Place, PlacedError, named
 from ..scene.values import Listener
 from .families.family import AnyFamily, RumbleFamily

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from ..declaration import Number, Numbers, default_of, shown
 from ..frozen import frozen
 from ..scene.choices import Strategy
-from ..scene.declaration import Number, Numbers, default_of, shown
 
 
 @frozen

@@ -13,9 +13,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from ..declaration import Declared, number
 from ..frozen import frozen
 from ..scene.choices import Strategy
-from ..scene.declaration import Declared, number
 from ..scene.functions import Conduction
 from .modality import Modality
 

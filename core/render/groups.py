@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
+from ..declaration import MOST
 from ..frozen import frozen
 from ..scene.bands import BAND_COUNT
-from ..scene.declaration import MOST
 from .gains import Bend, FrameSamples, Gains, any_gain
 from .voices import Stream, Voice
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
 
+from ..declaration import Declared, extras, name_of, number, part
 from ..frozen import frozen
-from .declaration import Declared, extras, name_of, number, part
 
 
 @frozen

@@ -10,8 +10,8 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING
 
 from .. import signals
+from ..declaration import Declared, check, number, numbers, part, share
 from ..frozen import frozen
-from .declaration import Declared, check, number, numbers, part, share
 
 if TYPE_CHECKING:
     from ..signals import Signal

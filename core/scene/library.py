@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import field
 
+from ..declaration import Declared, name_of, switch
 from ..frozen import frozen
 from .bands import BAND_COUNT
-from .declaration import Declared, name_of, switch
 from .functions.modulation import BAND_DECAYS, CONDUCTIVITY, WAVE_SPEED
 from .values import KAPPA, RHO
 

@@ -6,8 +6,8 @@ import enum
 from dataclasses import field
 from functools import lru_cache
 
+from ..declaration import Declared, choice, number, numbers, part, switch
 from ..frozen import frozen
-from .declaration import Declared, choice, number, numbers, part, switch
 from .functions import ModulationFunction
 from .impact_rule import FULL_ENERGY, LEAST_ENERGY, REFRACTORY, TEMPLATES, ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates

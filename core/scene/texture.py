@@ -12,8 +12,8 @@ import math
 from typing import TYPE_CHECKING
 
 from .. import signals
+from ..declaration import Declared, number, share
 from ..frozen import frozen
-from .declaration import Declared, number, share
 
 if TYPE_CHECKING:
     from ..signals import Signal

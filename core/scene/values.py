@@ -13,15 +13,7 @@ from dataclasses import KW_ONLY, MISSING, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import signals
-from ..frozen import frozen
-from ..perception import FullScale
-from .body import BODY_PARTS
-from .choices import Extent as Extent
-from .choices import Mode as Mode
-from .choices import SourceKind as SourceKind
-from .choices import Strategy as Strategy
-from .choices import TriggerKind as TriggerKind
-from .declaration import (
+from ..declaration import (
     MOST,
     Declared,
     check,
@@ -36,6 +28,14 @@ from .declaration import (
     switch,
     text,
 )
+from ..frozen import frozen
+from ..perception import FullScale
+from .body import BODY_PARTS
+from .choices import Extent as Extent
+from .choices import Mode as Mode
+from .choices import SourceKind as SourceKind
+from .choices import Strategy as Strategy
+from .choices import TriggerKind as TriggerKind
 from .functions import (
     MIXING_VARIABLES,
     HapticTracing,

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .limits import MAX_SECONDS, checked_column, checked_number
+from ..declaration import Number, declare
+from .limits import MAX_SECONDS, checked_column, integer_within, number_within
 
 
 class Automation:
@@ -91,14 +95,31 @@ def ramp(start: float, end: float, duration: float) -> Automation:
     return Automation((0.0, duration), (start, end))
 
 
-def checked_parameter(name: str, value: object, low: float, high: float) -> float | Automation:
-    """Return `value`, a number or an automation with every value within [low, high]. Raise
-    ValueError that names `name` otherwise."""
-    if not isinstance(value, Automation):
-        return checked_number(name, value, low, high)
-    checked_number(name, float(np.min(value.values)), low, high)
-    checked_number(name, float(np.max(value.values)), low, high)
-    return value
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter(Number):
+    """A parameter of a signal: a number; infinite, too, where it is optional; where it is
+    ``keyed``, also an automation."""
+
+    keyed: bool = False
+
+    def checked(self, value: Any) -> Any:
+        if self.keyed and isinstance(value, Automation):
+            for end in (value.values.min(), value.values.max()):
+                number_within(float(end), self.low, self.high)
+            return value
+        if self.whole:
+            return integer_within(value, self.low, self.high)
+        if self.optional and value == math.inf:
+            return value
+        return number_within(value, self.low, self.high)
+
+    def schema(self) -> dict[str, Any]:
+        return {"$ref": "#/$defs/parameter"} if self.keyed else Number.schema(self)
+
+
+def parameter(default: Any, about: str, low: float, high: float, **more: Any) -> Any:
+    """The field of a parameter from `low` to `high`; `about`: what it is, for the JSON Schema."""
+    return declare(default, Parameter(about=about, low=low, high=high, **more))
 
 
 def largest(parameter: float | Automation) -> float:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import MISSING, Field, field, fields
-from functools import cache, lru_cache, reduce
+from dataclasses import MISSING, Field, dataclass, field, fields
+from functools import lru_cache, reduce
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..declaration import Declaration, Declared, declare, declared
 from ..frozen import frozen
-from .automation import Automation, checked_parameter, largest, values_of
-from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_integer, checked_number, within
+from .automation import Automation, largest, parameter, values_of
+from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 
 
 def sample_times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
@@ -34,13 +34,13 @@ _SHORT = 8192
 _known_times = lru_cache(maxsize=32)(_times)
 
 
-class Signal(ABC):
+class Signal(Declared, ABC):
     """An immutable function of time in seconds, 0 before its beginning and after its end.
 
     `a * b` is the product (an envelope times an oscillator), `a * 0.5` a gain, `a + b` the sum, `a
     >> b` first `a`, then `b`. A subclass is a frozen dataclass. Its JSON form is its fields and the
-    name `kind`. Its constructor raises ValueError that names the field if the check in the field's
-    metadata rejects a value.
+    name `kind`. Its constructor raises ValueError that names the field if its declaration rejects a
+    value.
     """
 
     __slots__ = ()
@@ -50,13 +50,6 @@ class Signal(ABC):
     def __init_subclass__(cls, kind: str = "") -> None:
         if kind:
             cls.kind = kind
-
-    def __post_init__(self) -> None:
-        for name, check, unlimited in _checks(type(self)):
-            value = getattr(self, name)
-            checked = value if value == unlimited else check(name, value)
-            if checked is not value:
-                object.__setattr__(self, name, checked)
 
     @property
     @abstractmethod
@@ -147,48 +140,37 @@ class Amplified(Signal):
 
 def json_fields(cls: type[Signal]) -> dict[str, Field[Any]]:
     """Return the fields of a kind of signal by their keys in its JSON form."""
-    return {entry.metadata.get("key", entry.name): entry for entry in fields(cls) if entry.init}  # type: ignore[arg-type]
+    keys = {name: item.key for name, item in declared(cls).items()}
+    return {keys.get(entry.name) or entry.name: entry for entry in fields(cls) if entry.init}  # type: ignore[arg-type]
 
 
-@cache
-def _checks(cls: type[Signal]) -> list[tuple[str, Callable[[str, object], Any], Any]]:
-    """The fields of a kind of signal that have a check: name, check, and the default if that is
-    allowed although the check rejects it."""
-    checked = [entry for entry in json_fields(cls).values() if "check" in entry.metadata]
-    return [
-        (
-            entry.name,
-            entry.metadata["check"],
-            entry.default if entry.default in (None, math.inf) else MISSING,
-        )
-        for entry in checked
-    ]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Operands(Declaration):
+    """The signal that another one is made of, or a tuple of ``many``."""
+
+    many: bool = False
+
+    def checked(self, value: Any) -> Any:
+        if self.many and not (isinstance(value, tuple) and value):
+            raise ValueError("must be a tuple of at least one signal")
+        for part in value if self.many else (value,):
+            if not isinstance(part, Signal):
+                raise ValueError(f"must be a signal, not {type(part).__name__}")
+        return value
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "array" if self.many else "object"}
 
 
-def _checked_signal(name: str, value: object) -> Signal:
-    if not isinstance(value, Signal):
-        raise ValueError(f"{name}: must be a signal, not {type(value).__name__}")
-    return value
-
-
-def _checked_signals(name: str, value: object) -> tuple[Signal, ...]:
-    if not isinstance(value, tuple) or not value:
-        raise ValueError(f"{name}: must be a tuple of at least one signal")
-    for number, part in enumerate(value):
-        _checked_signal(f"{name}[{number}]", part)
-    return value
-
-
-SIGNAL = {"check": _checked_signal}
-SIGNALS = {"check": _checked_signals}
-"""Metadata of a field that is a signal, and of one that is a tuple of signals."""
+SIGNAL = declare(MISSING, Operands()).metadata
+"""Metadata of a field that is a signal."""
 
 
 @frozen
 class Combined(Signal):
     """Base of signals that are made of several others."""
 
-    of: tuple[Signal, ...] = field(metadata=SIGNALS)
+    of: tuple[Signal, ...] = field(metadata=declare(MISSING, Operands(many=True)).metadata)
 
 
 def _to_json(value: object) -> object:
@@ -208,9 +190,7 @@ class Gain(Signal, kind="gain"):
     """`of` times `gain`, a number or an automation over the signal's own time."""
 
     of: Signal = field(metadata=SIGNAL)
-    gain: float | Automation = field(
-        default=1.0, metadata=within("Factor of gain", -MAX_PEAK, MAX_PEAK, checked_parameter)
-    )
+    gain: float | Automation = parameter(1.0, "Factor of gain", -MAX_PEAK, MAX_PEAK, keyed=True)
 
     def __post_init__(self) -> None:
         Signal.__post_init__(self)
@@ -319,9 +299,7 @@ def values_inside(signal: Signal, times: FloatArray, step: float) -> FloatArray:
 class Delay(Modified, kind="delay"):
     """`of`, `seconds` later."""
 
-    seconds: float = field(
-        default=0.0, metadata=within("Seconds by which delay starts later", 0.0, MAX_SECONDS)
-    )
+    seconds: float = parameter(0.0, "Seconds by which delay starts later", 0.0, MAX_SECONDS)
 
     @property
     def duration(self) -> float:
@@ -340,9 +318,8 @@ class Loop(Modified, kind="loop"):
     the end of the last.
     """
 
-    count: int | None = field(
-        default=None,
-        metadata=within("Times that loop plays; without it, endlessly", 1, 10**9, checked_integer),
+    count: int | None = parameter(
+        None, "Times that loop plays; without it, endlessly", 1, 10**9, whole=True, optional=True
     )
     crossfade: float = 0.0
 

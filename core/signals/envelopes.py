@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from dataclasses import MISSING, field
 from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..declaration import Declaration, declare
 from ..frozen import frozen
-from .automation import Automation, checked_parameter, largest
+from .automation import Automation, largest, parameter
 from .base import Signal
-from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, within
+from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
 
 SILENCE = 1e-4
 """Fraction of its initial value at which an exponential decay ends (-80 dB)."""
@@ -24,12 +25,13 @@ class Constant(Signal, kind="constant"):
     """One value for `duration` seconds (endless by default); with a duration, a rectangular
     gate."""
 
-    value: float = field(default=1.0, metadata=within("Value of constant", -MAX_PEAK, MAX_PEAK))
-    duration: float = field(
-        default=math.inf,
-        metadata=within(
-            "Seconds that constant lasts; without it, endless", MIN_SECONDS, MAX_SECONDS
-        ),
+    value: float = parameter(1.0, "Value of constant", -MAX_PEAK, MAX_PEAK)
+    duration: float = parameter(
+        math.inf,
+        "Seconds that constant lasts; without it, endless",
+        MIN_SECONDS,
+        MAX_SECONDS,
+        optional=True,
     )
 
     @property
@@ -50,22 +52,16 @@ class Adsr(Signal, kind="adsr"):
 
     peak: ClassVar[float] = 1.0
 
-    attack: float = field(
-        default=0.01, metadata=within("Seconds in which adsr rises to 1", 0.0, MAX_SECONDS / 4)
-    )
-    decay: float = field(
-        default=0.05,
-        metadata=within("Seconds in which adsr falls to sustain", 0.0, MAX_SECONDS / 4),
-    )
-    sustain: float = field(default=0.7, metadata=within("Level that adsr holds", 0.0, 1.0))
-    release: float = field(
-        default=0.1, metadata=within("Seconds in which adsr falls to 0", 0.0, MAX_SECONDS / 4)
-    )
-    hold: float = field(
-        default=math.inf,
-        metadata=within(
-            "Seconds for which adsr stays at sustain; without it, endless", 0.0, MAX_SECONDS / 4
-        ),
+    attack: float = parameter(0.01, "Seconds in which adsr rises to 1", 0.0, MAX_SECONDS / 4)
+    decay: float = parameter(0.05, "Seconds in which adsr falls to sustain", 0.0, MAX_SECONDS / 4)
+    sustain: float = parameter(0.7, "Level that adsr holds", 0.0, 1.0)
+    release: float = parameter(0.1, "Seconds in which adsr falls to 0", 0.0, MAX_SECONDS / 4)
+    hold: float = parameter(
+        math.inf,
+        "Seconds for which adsr stays at sustain; without it, endless",
+        0.0,
+        MAX_SECONDS / 4,
+        optional=True,
     )
 
     def __post_init__(self) -> None:
@@ -96,12 +92,12 @@ def _lines(envelope: Adsr) -> Automation:
 class Keyed(Signal, kind="keyed"):
     """Straight lines between keys, ending at the last one; constant before the first."""
 
-    automation: Automation = field(metadata={"key": "track"})
+    automation: Automation = field(metadata=declare(MISSING, Declaration(key="track")).metadata)
 
     def __post_init__(self) -> None:
         if not isinstance(self.automation, Automation):
             raise ValueError("track: must be an Automation")
-        checked_parameter("track", self.automation, -MAX_PEAK, MAX_PEAK)
+        checked_number("track", self.peak, 0.0, MAX_PEAK)
         if self.duration < MIN_SECONDS:
             raise ValueError("track: its last key must be after the beginning")
 
@@ -123,9 +119,8 @@ class Decay(Signal, kind="decay"):
 
     peak: ClassVar[float] = 1.0
 
-    time_constant: float = field(
-        default=1.0,
-        metadata=within("Seconds in which decay falls by a factor e", MIN_SECONDS, MAX_SECONDS),
+    time_constant: float = parameter(
+        1.0, "Seconds in which decay falls by a factor e", MIN_SECONDS, MAX_SECONDS
     )
 
     @property

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..frozen import frozen
+from .automation import parameter
 from .base import Amplified
 from .envelopes import SILENCE
-from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS, within
+from .limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS, MIN_SECONDS
 from .oscillators import sine
 
 
@@ -20,10 +20,8 @@ class Impulse(Amplified, kind="impulse"):
     """A half-sine shock pulse, the force of a contact that lasts `width` seconds: amplitude · sin(π
     t / width)."""
 
-    width: float = field(
-        default=0.002, metadata=within("Seconds that a shock pulse lasts", 0.0005, MAX_SECONDS)
-    )
-    amplitude: float = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK))
+    width: float = parameter(0.002, "Seconds that a shock pulse lasts", 0.0005, MAX_SECONDS)
+    amplitude: float = parameter(1.0, "Largest value", -MAX_PEAK, MAX_PEAK)
 
     @property
     def duration(self) -> float:
@@ -40,14 +38,11 @@ class DecayingSine(Amplified, kind="decaying_sine"):
     frequency: hertz; silent at and above half the sample rate. decay: seconds, the time constant.
     """
 
-    frequency: float = field(default=150.0, metadata=within("Hertz", 0.0, MAX_FREQUENCY))
-    decay: float = field(
-        default=0.03,
-        metadata=within(
-            "Seconds in which a decaying sine falls by a factor e", MIN_SECONDS, MAX_SECONDS
-        ),
+    frequency: float = parameter(150.0, "Hertz", 0.0, MAX_FREQUENCY)
+    decay: float = parameter(
+        0.03, "Seconds in which a decaying sine falls by a factor e", MIN_SECONDS, MAX_SECONDS
     )
-    amplitude: float = field(default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK))
+    amplitude: float = parameter(1.0, "Largest value", -MAX_PEAK, MAX_PEAK)
 
     @property
     def duration(self) -> float:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from numbers import Integral, Real
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -22,45 +21,40 @@ MIN_SECONDS = 1e-6
 """Shortest duration of a signal that must have one [s]."""
 
 
-def checked_number(name: str, value: object, low: float, high: float) -> float:
-    """Return `value` as a float within [low, high]. Raise ValueError that names `name`
-    otherwise."""
+def number_within(value: object, low: float, high: float) -> float:
+    """Return `value` as a float within [low, high]. Raise ValueError with the reason otherwise."""
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise ValueError(f"{name}: must be a number, not {type(value).__name__}")
+        raise ValueError(f"must be a number, not {type(value).__name__}")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not low <= number <= high:
-        raise ValueError(f"{name}: must be from {low:g} to {high:g}, not {number:g}")
+        raise ValueError(f"must be from {low:g} to {high:g}, not {number:g}")
     return number
 
 
-def checked_integer(name: str, value: object, low: int, high: int) -> int:
-    """Return `value` as an int within [low, high]. Raise ValueError that names `name` otherwise."""
+def checked_number(name: str, value: object, low: float, high: float) -> float:
+    """The same; the error names `name`."""
+    try:
+        return number_within(value, low, high)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def integer_within(value: object, low: float, high: float) -> int:
+    """Return `value` as an int within [low, high]. Raise ValueError with the reason otherwise."""
     whole = (
         value.is_integer()
         if isinstance(value, float)
         else isinstance(value, Integral) and not isinstance(value, bool)
     )
     if not whole:
-        raise ValueError(f"{name}: must be a whole number, not {type(value).__name__}")
+        raise ValueError(f"must be a whole number, not {type(value).__name__}")
     number = int(cast(float, value))
     if not low <= number <= high:
-        raise ValueError(f"{name}: must be from {low} to {high}")
+        raise ValueError(f"must be from {low} to {high}")
     return number
-
-
-def within(
-    about: str, low: float, high: float, check: Callable[..., object] = checked_number
-) -> dict[str, Any]:
-    """The metadata of a signal's field for values from `low` to `high`. A default of None or
-    infinity is allowed as well.
-
-    about: what it is, for the JSON Schema. check: `checked_number`, `checked_integer`, or
-    `checked_parameter` for a number or an automation.
-    """
-    return {"check": partial(check, low=low, high=high), "about": about}
 
 
 def checked_column(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
@@ -11,9 +10,9 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..frozen import frozen
-from .automation import Automation, checked_parameter, values_of
+from .automation import Automation, parameter, values_of
 from .base import Amplified
-from .limits import MAX_PEAK, checked_integer, within
+from .limits import MAX_PEAK
 
 
 @frozen
@@ -28,15 +27,9 @@ class Noise(Amplified, kind="noise"):
 
     duration: ClassVar[float] = math.inf
 
-    amplitude: float | Automation = field(
-        default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK, checked_parameter)
-    )
-    seed: int = field(
-        default=0, metadata=within("Seed of the noise", 0, 2**64 - 1, checked_integer)
-    )
-    rate: float = field(
-        default=8000.0, metadata=within("Values of noise per second", 1.0, 48_000.0)
-    )
+    amplitude: float | Automation = parameter(1.0, "Largest value", -MAX_PEAK, MAX_PEAK, keyed=True)
+    seed: int = parameter(0, "Seed of the noise", 0, 2**64 - 1, whole=True)
+    rate: float = parameter(8000.0, "Values of noise per second", 1.0, 48_000.0)
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         position = times * self.rate

@@ -5,16 +5,15 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..frozen import frozen
-from .automation import Automation, checked_parameter, largest, values_of
+from .automation import Automation, largest, parameter, values_of
 from .base import Amplified
-from .limits import MAX_FREQUENCY, MAX_PEAK, within
+from .limits import MAX_FREQUENCY, MAX_PEAK
 
 # sin(2π q) / q in powers of q², the highest first: Chebyshev's fit on |q| <= 1/4, to 7e-16.
 _SINE_COEFFICIENTS = (
@@ -38,13 +37,9 @@ class Oscillator(Amplified):
     duration: ClassVar[float] = math.inf
     has_edges: ClassVar[bool] = True
 
-    frequency: float | Automation = field(
-        default=60.0, metadata=within("Hertz", 0.0, MAX_FREQUENCY, checked_parameter)
-    )
-    amplitude: float | Automation = field(
-        default=1.0, metadata=within("Largest value", -MAX_PEAK, MAX_PEAK, checked_parameter)
-    )
-    phase: float = field(default=0.0, metadata=within("Initial phase in cycles, 0 to 1", -1e6, 1e6))
+    frequency: float | Automation = parameter(60.0, "Hertz", 0.0, MAX_FREQUENCY, keyed=True)
+    amplitude: float | Automation = parameter(1.0, "Largest value", -MAX_PEAK, MAX_PEAK, keyed=True)
+    phase: float = parameter(0.0, "Initial phase in cycles, 0 to 1", -1e6, 1e6)
 
     def values(self, times: FloatArray, step: float) -> FloatArray:
         aliases = largest(self.frequency) * step >= 0.5
@@ -115,9 +110,7 @@ class Saw(Oscillator, kind="saw"):
 class Pulse(Oscillator, kind="pulse"):
     """A train of pulses: 1 for the first `duty` (0 to 1) of the period, 0 for the rest."""
 
-    duty: float = field(
-        default=0.1, metadata=within("Part of the period for which a pulse is 1", 0.0, 1.0)
-    )
+    duty: float = parameter(0.1, "Part of the period for which a pulse is 1", 0.0, 1.0)
 
     def wave(self, cycles: FloatArray, width: float | FloatArray) -> FloatArray:
         half = self.duty / 2

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..arrays import FloatArray
+from .automation import parameter
 from .base import Signal
 from .interpolation import interpolate
-from .limits import MAX_PEAK, checked_column, within
+from .limits import MAX_PEAK, checked_column
 
 MAX_SAMPLES = 4_000_000
 _OVERSHOOT = 4.0
@@ -23,7 +24,7 @@ class Sampled(Signal, kind="sampled"):
     """
 
     samples: FloatArray
-    rate: float = field(default=8000.0, metadata=within("Sample rate of sampled", 1.0, 192_000.0))
+    rate: float = parameter(8000.0, "Sample rate of sampled", 1.0, 192_000.0)
     peak: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
 from functools import lru_cache
 
 import numpy as np
@@ -11,9 +10,9 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..frozen import frozen
+from .automation import parameter
 from .base import Modified, Signal
 from .envelopes import SILENCE
-from .limits import within
 
 LONGEST = 60.0
 """Longest template [s]."""
@@ -38,11 +37,9 @@ class Struck(Modified, kind="struck"):
     pitch: 0.25 to 4. decay: 0.01 to 1. brightness: 0 to 1. of: ends within `LONGEST` seconds.
     """
 
-    pitch: float = field(default=1.0, metadata=within("Playback speed of struck", 0.25, 4.0))
-    decay: float = field(
-        default=1.0, metadata=within("Factor of the decay time of struck", 0.01, 1.0)
-    )
-    brightness: float = field(default=1.0, metadata=within("Gain of struck above 100 Hz", 0.0, 1.0))
+    pitch: float = parameter(1.0, "Playback speed of struck", 0.25, 4.0)
+    decay: float = parameter(1.0, "Factor of the decay time of struck", 0.01, 1.0)
+    brightness: float = parameter(1.0, "Gain of struck above 100 Hz", 0.0, 1.0)
 
     def __post_init__(self) -> None:
         Modified.__post_init__(self)

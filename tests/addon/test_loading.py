@@ -13,6 +13,7 @@ from haptic_tracing.addon import gateway
 # properties are made.
 LEAVES = {
     "arrays",
+    "declaration",
     "design",
     "devices",
     "diagnosis",

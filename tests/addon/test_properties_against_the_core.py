@@ -3,9 +3,9 @@ has."""
 
 from haptic_tracing.addon.properties.live_output import HapticDeviceProperties
 from haptic_tracing.addon.properties.object import HapticObjectProperties
+from haptic_tracing.core.declaration import declared
 from haptic_tracing.core.devices.profiles import EARLIEST
 from haptic_tracing.core.modalities import MODALITIES
-from haptic_tracing.core.scene.declaration import declared
 from haptic_tracing.core.scene.functions import ALL_FUNCTIONS, FUNCTIONS
 
 

@@ -7,11 +7,10 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING, Field
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ...scene.declaration import schema_of
+from ...declaration import declared, schema_of
 from ...scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...scene.functions import TRANSMISSIONS, Spectrum
 from ...scene.impact_rule import ImpactLimits, ImpactRule
@@ -20,8 +19,8 @@ from ...scene.rules import ContactSettings
 from ...scene.texture import Texture
 from ...scene.values import Contact, HapticObject, Listener, Settings, Source
 from ...signals import SIGNAL_KINDS
-from ...signals.base import SIGNALS, json_fields
-from ...signals.limits import checked_integer, checked_number
+from ...signals.automation import Parameter
+from ...signals.base import json_fields
 
 SCENE = "haptic-scene-1.1"
 """The name of the schema."""
@@ -78,8 +77,12 @@ def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
     kinds = {kind: json_fields(cls) for kind, cls in SIGNAL_KINDS.items()}
     properties: dict[str, Any] = {"signal": {"description": "Kind of signal.", "enum": list(kinds)}}
     numbers = {
-        kind: {key: _parameter(entry) for key, entry in own.items() if _is_number(entry)}
-        for kind, own in kinds.items()
+        kind: {
+            item.key or name: {"description": f"{item.about}.", **item.schema()}
+            for name, item in declared(cls).items()
+            if isinstance(item, Parameter)
+        }
+        for kind, cls in SIGNAL_KINDS.items()
     }
     for found in numbers.values():
         for key, item in found.items():
@@ -93,11 +96,8 @@ def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
             for key, item in numbers[kind].items()
             if _limits(item) != _limits(properties[key])
         }
-        narrow |= {
-            key: {"type": _COMBINED[entry.metadata["check"] is SIGNALS["check"]]}
-            for key, entry in own.items()
-            if key == "of"
-        }
+        if "of" in own:
+            narrow["of"] = declared(SIGNAL_KINDS[kind])["of"].schema()
         required = [key for key, entry in own.items() if entry.default is MISSING]
         then = {
             "propertyNames": {"enum": ["signal", *own]},
@@ -128,32 +128,9 @@ def _defaults_in(key: str, kinds: Mapping[str, Mapping[str, Field[Any]]]) -> str
     return f" Defaults: {'; '.join(parts)}." if parts else ""
 
 
-_COMBINED = {False: "object", True: "array"}
-_TYPES = {checked_number: "number", checked_integer: "integer"}
-
-
-def _is_number(entry: Field[Any]) -> bool:
-    """Whether a signal's field is a number, or one that may change over time."""
-    return isinstance(entry.metadata.get("check"), partial)
-
-
 def _limits(item: Mapping[str, Any]) -> dict[str, Any]:
     """A schema without its description."""
     return {key: value for key, value in item.items() if key != "description"}
-
-
-def _parameter(entry: Field[Any]) -> dict[str, Any]:
-    """The schema of a signal's number, or of its number that may change over time."""
-    check = entry.metadata["check"]
-    description = f"{entry.metadata['about']}."
-    if check.func not in _TYPES:
-        return {"description": description, "$ref": "#/$defs/parameter"}
-    return {
-        "description": description,
-        "type": _TYPES[check.func],
-        "minimum": check.keywords["low"],
-        "maximum": check.keywords["high"],
-    }
 
 
 def _either(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:

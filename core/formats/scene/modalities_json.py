@@ -7,9 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ...declaration import Number
 from ...modalities import MODALITIES, Modality
 from ...modalities.propagation import Emitter, ModalityScene, propagation_function
-from ...scene.declaration import Number
 from ...scene.references import Place, PlacedError, require_known
 from ...scene.values import HapticScene
 from ..io.error import errors_in

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...contacts.shapes import Shape, shape_from_dict
-from ...scene.declaration import declared, default_of
+from ...declaration import declared, default_of
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.references import Place, PlacedError, meant

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...declaration import declared
 from ...perception import FullScale
 from ...regular_file import open_regular
-from ...scene.declaration import declared
 from ...scene.values import Listener
 from ...signals.interpolation import resample
 from ...signals.limits import MAX_PEAK

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
+from ...declaration import number
 from ..bands import BAND_CENTRES
-from ..declaration import number
 from .modulation import ModulationFunction, OnContact, Value
 
 

@@ -16,10 +16,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
+from ...declaration import Declared, declared, number, numbers, text
 from ...frozen import frozen
 from ..bands import BAND_COUNT
 from ..coefficients import transfer_coefficient
-from ..declaration import Declared, declared, number, numbers, text
 from .expression import MAX_LENGTH, CompiledExpression, compile_expression
 from .spreading import NO_SPREADING, Law
 

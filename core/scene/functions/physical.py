@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
+from ...declaration import choice, number
 from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
-from ..declaration import choice, number
 from .modulation import ModulationFunction, OnContact, Value
 from .spreading import NO_SPREADING, Law, Spreading
 

@@ -14,12 +14,7 @@ from haptic_tracing.addon.properties.callbacks import Stored, updating
 from haptic_tracing.addon.properties.declared import holding, read_values, write_values
 from haptic_tracing.addon.scene_reader import digest
 from haptic_tracing.addon.scene_reader.imported import stored_item
-from haptic_tracing.core.formats.haptic_scene import read_export
-from haptic_tracing.core.formats.io import scene_schema, schema
-from haptic_tracing.core.formats.io.error import FormatError
-from haptic_tracing.core.formats.io.schema import load_schema
-from haptic_tracing.core.formats.scene.values_json import item_to_dict, read_value
-from haptic_tracing.core.scene.declaration import (
+from haptic_tracing.core.declaration import (
     Choice,
     Curve,
     Number,
@@ -32,6 +27,11 @@ from haptic_tracing.core.scene.declaration import (
     number,
     shown,
 )
+from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.io import scene_schema, schema
+from haptic_tracing.core.formats.io.error import FormatError
+from haptic_tracing.core.formats.io.schema import load_schema
+from haptic_tracing.core.formats.scene.values_json import item_to_dict, read_value
 from haptic_tracing.core.scene.functions import FUNCTIONS, TRANSMISSIONS
 from haptic_tracing.core.scene.impact_rule import ImpactLimits, ImpactRule
 from haptic_tracing.core.scene.library import LibraryMaterial

@@ -1,4 +1,5 @@
-"""Declarations of the fields of scene values: what a field may be, and how it is presented.
+"""Declarations of the fields of scene values and of signals: what a field may be, and how it is
+presented.
 
 A dataclass declares a field by its default and its meaning:
 
@@ -212,7 +213,7 @@ class Part(Declaration):
         return {"type": "array", "maxItems": self.most, "items": ref} if self.most else ref
 
 
-def _field(default: Any, declaration: Declaration) -> Any:
+def declare(default: Any, declaration: Declaration) -> Any:
     """A dataclass's field with its declaration; `MISSING`: without a default."""
     return field(default=default, metadata={_KEY: declaration})
 
@@ -230,7 +231,7 @@ def number(
         high: largest value.
         more: further fields of the declaration.
     """
-    return _field(default, Number(label=label, about=about, low=low, high=high, **more))
+    return declare(default, Number(label=label, about=about, low=low, high=high, **more))
 
 
 def share(default: Any, label: str, about: str, **more: Any) -> Any:
@@ -249,17 +250,17 @@ def numbers(
 ) -> Any:
     """The field of ``count`` numbers, each from ``low`` to ``high``; the rest as in `number`."""
     more |= {"label": label, "about": about}
-    return _field(default, Numbers(count=count, low=low, high=high, **more))
+    return declare(default, Numbers(count=count, low=low, high=high, **more))
 
 
 def curve(default: Any, label: str, about: str, **more: Any) -> Any:
     """The field of a `Curve`."""
-    return _field(default, Curve(label=label, about=about, **more))
+    return declare(default, Curve(label=label, about=about, **more))
 
 
 def switch(default: bool, label: str, about: str, **more: Any) -> Any:
     """The field of a `Switch`."""
-    return _field(default, Switch(label=label, about=about, **more))
+    return declare(default, Switch(label=label, about=about, **more))
 
 
 def choice(
@@ -269,12 +270,12 @@ def choice(
     `number`."""
     kinds = {type(value) for value in items} - {str}
     more |= {"label": label, "about": about}
-    return _field(default, Choice(items=items, kind=next(iter(kinds), None), **more))
+    return declare(default, Choice(items=items, kind=next(iter(kinds), None), **more))
 
 
 def text(default: Any, label: str, about: str, **more: Any) -> Any:
     """The field of a `Text`."""
-    return _field(default, Text(label=label, about=about, **more))
+    return declare(default, Text(label=label, about=about, **more))
 
 
 def name_of(about: str, default: Any = MISSING, **more: Any) -> Any:
@@ -284,7 +285,7 @@ def name_of(about: str, default: Any = MISSING, **more: Any) -> Any:
 
 def part(default: Any, ref: str, about: str, most: int = 0, **more: Any) -> Any:
     """The field of a `Part`."""
-    return _field(default, Part(ref=ref, about=about, most=most, **more))
+    return declare(default, Part(ref=ref, about=about, most=most, **more))
 
 
 def extras() -> Any:
