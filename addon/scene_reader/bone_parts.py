@@ -87,8 +87,9 @@ class BoneParts:
     def deviation(
         self, motions: FloatArray, obj: Object, depsgraph: Depsgraph, scale: FloatArray
     ) -> float:
-        """How far the parts are at most beside the surface as it is deformed now [m]: that of the
-        hulls at rest, and how far vertices are from where their bone alone would move them."""
+        """A bound on the distance between the parts and the surface as it is deformed now [m]: that
+        of the hulls at rest, plus the largest distance of a vertex from where its bone alone would
+        move it."""
         mesh = obj.evaluated_get(depsgraph).data
         if len(mesh.vertices) < len(self.points):
             return self.concavity

@@ -57,8 +57,8 @@ def text_of(**parts: Any) -> str:
 def text_of_contacts(
     contacts: Iterable[Contact], later: Iterable[Contact], tolerance: float
 ) -> str:
-    """The text for `file_contacts`; ``later``: contacts that begin in later frames, for their
-    functions."""
+    """The text that `file_contacts` reads. Of the contacts that begin in ``later`` frames only the
+    transmission functions count; ``tolerance`` [m]: of contacts in the file."""
     forms = [[item_to_dict(item) for item in items] for items in (contacts, later)]
     if not any(forms):
         return ""

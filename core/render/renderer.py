@@ -93,9 +93,9 @@ class Renderer:
         """Return the samples n with start <= n / sample_rate < end (seconds, at most 60 apart),
         shape (n_listeners, n_samples).
 
-        The lines of the gains reach those of `voices` at `end`. Frames follow each other without a
-        gap, else call `reset` first. Raises ValueError that names the argument; the renderer is
-        then as it was before.
+        Gains change along straight lines and reach those of `voices` at `end`. Frames follow each
+        other without a gap, else call `reset` first. Raises ValueError that names the argument; the
+        renderer is then as it was before.
         """
         frame = self._frame(start, end)
         groups = self._groups.follow(frame, voices)
@@ -107,6 +107,8 @@ class Renderer:
         return self._limiter.process(block) if self._limiter else block
 
     def _frame(self, start: float, end: float) -> FrameSamples:
+        """Return the times of a frame's samples. Raises ValueError if it does not follow the last
+        frame, or is too long."""
         if not (-MAX_TIME <= start <= end <= MAX_TIME and end - start <= MAX_FRAME):
             raise ValueError(
                 f"end: {end!r} must be 0 to {MAX_FRAME:g} seconds after start {start!r}, both "

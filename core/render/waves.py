@@ -158,7 +158,8 @@ class Waves:
         )
 
     def columns(self, edges: FloatArray) -> Columns:
-        """The parts between ``edges`` (c + 1,), frames that rise evenly."""
+        """What is drawn in each of c columns; ``edges`` (c + 1,): evenly spaced frames between
+        which they lie."""
         place = (edges - self.origin) * self.per_frame
         step = (place[-1] - place[0]) / (len(place) - 1)
         level = min(max(math.floor(math.log(max(step, 1.0), _STEP)), 0), len(self._low) - 1)
