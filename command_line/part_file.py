@@ -11,7 +11,7 @@ import json
 import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -27,6 +27,7 @@ from ..core.formats.io.scene_schema import SCENE
 from ..core.formats.io.schema import validate
 from ..core.formats.io.strict_json import parse_json
 from ..core.formats.scene.values_json import item_to_dict, read_listener, read_source
+from ..core.frozen import frozen
 from ..core.propagation import Propagation
 from ..core.regular_file import open_regular
 from ..core.render.frame_result import FrameResult
@@ -41,7 +42,7 @@ _LARGEST, _LONGEST_FRAME = 1e9, 100.0
 _ROW, _FRAME = 800, 2000  # bytes of a source in a frame, and of a frame, in memory
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Origin:
     """Identification of a bake, the same in all its parts. ``frames``: the whole range, ``blend``:
     SHA-256 of the file, ``programs``: the versions that computed it."""
@@ -67,7 +68,7 @@ class Origin:
         return f"part {number} of {self.parts} of {self.name} (frames {first} to {last})"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class HeardFrame:
     """The data of a traced frame that rendering needs, without positions and contacts."""
 
@@ -83,7 +84,7 @@ class HeardFrame:
         return cls(result.number, result.time, result.sources, result.listeners, result.propagation)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Part:
     """Part ``number`` of a bake. ``before``, ``after``: checksums of the tracer before its first
     frame ("" in the first part) and after its last one: a part continues the part whose ``after``

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
 
 import numpy as np
 from bpy.types import Scene
@@ -16,11 +15,12 @@ from ..addon.session import session
 from ..addon.session.timeline import steps
 from ..core.arrays import FloatArray
 from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
+from ..core.frozen import frozen
 from ..core.render.frame_result import FrameResult
 from ..core.scene.values import Source
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ImpactFelt:
     """A temporary source at the frame where it began: the amplitudes with which it arrives at the
     listeners, and the objects of its best paths."""
@@ -30,7 +30,7 @@ class ImpactFelt:
     paths: tuple[tuple[str, ...], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Played:
     """The result of playing a range of frames. ``samples`` (l, n) of ``listeners``; ``start`` [s]
     of the first sample; per frame (f,) Blender's own and the tracer's milliseconds."""

@@ -16,10 +16,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, field, fields
 from enum import StrEnum
 from functools import cache
 from typing import Any
+
+from .frozen import frozen
 
 MOST = 1e9
 """Largest magnitude of a number without a limit of its own."""
@@ -28,7 +30,7 @@ _KEY = "declaration"
 _RANGE = {True: "exclusiveMinimum", False: "minimum"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Declaration:
     """What all kinds of fields have.
 
@@ -57,7 +59,7 @@ class Declaration:
         raise NotImplementedError
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Number(Declaration):
     """A number from ``low``, or ``above`` it, to ``high``; ``whole``: an integer. ``soft``: range
     of sliders. ``digits``: decimal places shown. ``unit``: its unit."""
@@ -88,7 +90,7 @@ class Number(Declaration):
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Numbers(Number):
     """A fixed ``count`` of numbers, such as a position."""
 
@@ -112,7 +114,7 @@ class Numbers(Number):
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Curve(Declaration):
     """Numbers above 0 by rising frequency: pairs ``((hertz, number), ...)``, as a text such as "40
     3.2, 160 14"."""
@@ -150,7 +152,7 @@ class Curve(Declaration):
             ) from None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Switch(Declaration):
     """True or false."""
 
@@ -158,7 +160,7 @@ class Switch(Declaration):
         return {"type": "boolean"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Choice(Declaration):
     """One of ``items``: the label and the meaning of each value. ``kind``: the enumeration that the
     values are converted to. ``open``: other texts are values, too."""
@@ -180,7 +182,7 @@ class Choice(Declaration):
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Text(Declaration):
     """A text of ``least`` to ``most`` characters."""
 
@@ -200,7 +202,7 @@ class Text(Declaration):
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Part(Declaration):
     """A value with its own definition ``ref`` in the schema, which also checks it; with ``most``, a
     list of up to ``most`` of them."""

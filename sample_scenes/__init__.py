@@ -11,11 +11,13 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from ..core.frozen import frozen
+
 if TYPE_CHECKING:
     from bpy.types import Scene
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Sample:
     """A sample scene: its name in commands, its title in menus, one sentence on what it shows.
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from bpy.types import Object, Scene
 from mathutils import Matrix, Vector
 
+from ..core.frozen import frozen
 from ..core.scene.body import BODY_PART, PAPER_LISTENERS
 from ..core.scene.materials import Material as Substance
 from .geometry import SUNK, Geometry, Point, along, joined, limb, sphere, superellipsoid
@@ -51,7 +52,7 @@ OVERLAP = 0.004
 ANKLE_HEIGHT = FOOT_HEIGHT + ANKLE_RADIUS - OVERLAP - SUNK
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Hand:
     """Where a hand is: the middle of the palm's surface, the direction of the fingers and that of
     the back of the hand."""
@@ -69,7 +70,7 @@ HANGING = Hand(Vector((0.29, -0.06, 0.86)), Vector((0.1, -0.2, -1.0)), Vector((1
 """The left hand of one who stands, beside the thigh."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Posture:
     """Where the limbs bend and end: those of the left, mirrored for the right unless ``right_hand``
     says otherwise.
@@ -93,7 +94,7 @@ class Posture:
         return self.hand if side > 0 else (self.right_hand or self.hand.mirrored())
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Mannequin:
     """Relative to the avatar's origin: the shapes of the parts by name (``Hand.L``), the centres of
     the joints (``elbow.L``), and by body part (``hand.L``) the part with its listener, and where.
@@ -112,7 +113,7 @@ class Mannequin:
         return cls(shapes, joints, _anchors(posture, joints))
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Avatar:
     """The root that carries all parts, the parts by name (``Hand.L``), the listeners by body part
     (``hand.L``), the joints (``elbow.L``) relative to the root."""

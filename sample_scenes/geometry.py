@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import bpy
 from bpy.types import Material, Mesh
 from mathutils import Matrix, Vector
+
+from ..core.frozen import frozen
 
 Point = tuple[float, float, float]
 
@@ -20,7 +22,7 @@ SUNK = 0.002
 """Overlap of objects with their supports [m], so that they touch reliably."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Geometry:
     """Faces over vertices; ``paints`` holds the index of each face's material. ``a + b`` is both of
     them, side by side."""

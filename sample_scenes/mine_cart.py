@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from bpy.types import Object, Scene
 
+from ..core.frozen import frozen
 from .animation import animate
 from .geometry import SUNK, Geometry, box, joined, rod
 from .materials import HARDWOOD, STEEL, surface
@@ -29,7 +29,7 @@ BACK_X = -0.52  # where seat and backrest meet
 WHEELSET_MASS, BOARD_MASS = 0.5, 2.0
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Cart:
     """What carries the cart, its haptic parts by name, its haptic wheelsets, and the wheels that
     are seen to roll."""

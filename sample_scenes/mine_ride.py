@@ -9,7 +9,6 @@ the ride is the same in every version.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from random import Random
 
 import bpy
@@ -17,6 +16,7 @@ from bpy.types import Object, Scene
 from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
+from ..core.frozen import frozen
 from .animation import BEZIER, animate
 from .avatar import Avatar, build_avatar, seated
 from .explosion import add_explosion
@@ -44,7 +44,7 @@ GRAVITY = 9.81
 FULL_ENERGY = 40.0  # joules
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Section:
     """A part of the ride, from its first to its last frame."""
 

@@ -7,12 +7,13 @@ The paper gives no numbers for any of this; its results are ratings, which canno
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from ..core.arrays import BoolArray, FloatArray
+from ..core.frozen import frozen
 from ..core.graph.distance_only import DISTANCE_ONLY
 from ..core.perception import are_felt_alike, are_felt_different
 from ..core.scene.values import Mode
@@ -28,7 +29,7 @@ ROUNDING = 1e-6
 """Relative tolerance, for Blender's transforms in single precision."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Check:
     """A statement, the measurement in words, and whether it holds; None if the frames contain
     nothing to measure."""

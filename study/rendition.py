@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..core.arrays import FloatArray, IntArray
 from ..core.formats.tracks.listener_tracks import Tracks
+from ..core.frozen import frozen
 from ..core.scene.values import Mode
 from .measures import mean_margin
 
@@ -24,7 +24,7 @@ TITLES: Mapping[Mode, str] = {
 """The paper's names of the modes."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ActiveSource:
     """An active source in a frame.
 
@@ -58,7 +58,7 @@ class ActiveSource:
         return len(self.objects) == 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Rendition:
     """The ride in one mode. ``rms`` and ``peak`` (f, l) of each frame's samples at each listener,
     ``margin`` (f, l) of the quarter second up to its end [dB]; ``tracks``: the samples."""
@@ -70,7 +70,7 @@ class Rendition:
     tracks: Tracks
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Ride:
     """A range of the ride's frames in all modes.
 

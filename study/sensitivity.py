@@ -7,8 +7,9 @@ Contacts, impacts and sources are unchanged; only gains and levels of haptic tra
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from ..core.frozen import frozen
 from ..core.graph.haptic_graph import HapticGraph, ObjectTable
 from ..core.render.frame_result import FrameResult
 from ..core.scene.materials import MATERIALS, Material
@@ -23,7 +24,7 @@ CHOSEN = tuple(
 library, which are chosen by design, and the paper's function."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Variation:
     """A variant of the ride. ``name`` of what varies, ``label`` of the variant.
 

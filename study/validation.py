@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations, pairwise
 
 import numpy as np
 
 from ..core.arrays import FloatArray
+from ..core.frozen import frozen
 from ..core.perception import FullScale, threshold_level
 from ..core.propagation.conjugate_gradients import PowerBalance, solve
 from ..core.run_time import Scene
@@ -94,7 +94,7 @@ BUILDING = (1.0, 3.0)
 """Decibels per metre measured along walls and floors in place."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Point:
     """One figure of a series: ``measured`` and ``modelled`` in the series' unit; ``judged``: not
     used for a fit; ``spread``: published scatter to either side, within which it agrees."""
@@ -110,7 +110,7 @@ class Point:
         return self.modelled - self.measured
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Series:
     """A published series beside the model.
 
@@ -494,7 +494,7 @@ def buildings() -> Iterator[Series]:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Plates:
     """Equal steel plates of 1 m² and 3 mm, joined along 1 m at right angles; 1 W goes into the
     first. ``printed``: their energies [J]."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 
+from ..core.frozen import frozen
 from .validation import (
     FOUNDATIONS,
     HALL_FREQUENCIES,
@@ -185,7 +185,7 @@ WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 640, 300, 50, 20, 20, 40
 RED, BLUE, GREEN = "#d1495b", "#2e86ab", "#4f8a3d"
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Axes:
     """A plot with a logarithmic x axis: its left and top corner in the picture, the ranges of its
     axes, their labels and ticks."""

@@ -28,7 +28,7 @@ def keep(scene: Scene, track: HapticTrack) -> None:
     text[_STAMP] = uuid.uuid4().hex
     text.clear()
     text.write(_summary(scene, track))
-    _read[text.session_uid] = (text[_STAMP], track, "")
+    _read[text.session_uid] = text[_STAMP], track, ""
 
 
 def drop(scene: Scene) -> None:

@@ -242,7 +242,7 @@ class HapticTrack:
 
     def _source(self, number: int, amplitude: float, place: list[float]) -> Source:
         item = self.sources[number]
-        position = (place[0], place[1], place[2])
+        position = place[0], place[1], place[2]
         return Source(
             item.name,
             item.object,

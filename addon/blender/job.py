@@ -235,7 +235,7 @@ class HAPTIC_OT_run_job(Operator):
             self.cancel(context)
             if not isinstance(error, (Cancelled, ValueError, OSError)):
                 raise
-            cancelled = ({"WARNING"}, told("Cancelled: nothing was written"))
+            cancelled = {"WARNING"}, told("Cancelled: nothing was written")
             self.report(*(cancelled if isinstance(error, Cancelled) else ({"ERROR"}, str(error))))
             return {"CANCELLED"}
         context.workspace.status_text_set(draw_status)  # draws the status bar again

@@ -71,7 +71,7 @@ class glTF2ExportUserExtension:
         """Called for the scene: the settings."""
         self._form("", export_settings)
         if self.properties.use_extras and self._scene is not None:
-            keys = ("mode", "strategy", "max_connections", "threshold", "epsilon", "tolerance")
+            keys = "mode", "strategy", "max_connections", "threshold", "epsilon", "tolerance"
             settings = {key: json_value(getattr(self._scene.settings, key)) for key in keys}
             scene.extras = {**(scene.extras or {}), KEY: {"version": VERSION, "settings": settings}}
 

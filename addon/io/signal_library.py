@@ -73,5 +73,5 @@ def _picture(path: Path, changed: int) -> tuple[float, ...]:
     low, high = np.array([low, high]) / max(high.max(), -low.min(), 1e-9)
     heights: FloatArray = np.linspace(-1.0, 1.0, _SIDE)[:, None]
     pixels = np.zeros((_SIDE, _SIDE, 4))
-    pixels[(heights >= low - 1 / _SIDE) & (heights <= high + 1 / _SIDE)] = (0.95, 0.6, 0.2, 1.0)
+    pixels[(heights >= low - 1 / _SIDE) & (heights <= high + 1 / _SIDE)] = 0.95, 0.6, 0.2, 1.0
     return tuple(pixels.ravel().tolist())

@@ -251,7 +251,7 @@ def _mapping_of(
 ) -> ListenerMapping:
     """The mapping for signals within these ``bands`` [Hz] by listener."""
     listeners = tuple((listener.name, listener.body_part) for listener in result.listeners)
-    key = (outputs.version(), listeners, tuple(sorted(choices.items())), tuple(bands.items()))
+    key = outputs.version(), listeners, tuple(sorted(choices.items())), tuple(bands.items())
     known = _state.mappings.get(bool(bands))
     if known is None or known[0] != key:
         known = _state.mappings[bool(bands)] = key, _mapped(dict(listeners), choices, bands)

@@ -235,7 +235,7 @@ def _value(option: Option, value: Any) -> Value:
 
 
 def _property(option: Option) -> Any:
-    words = (option.label, option.description)
+    words = option.label, option.description
     default = option.default
     match default:
         case bool():

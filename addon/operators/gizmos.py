@@ -54,7 +54,7 @@ class HAPTIC_GGT_extents(GizmoGroup):
         handle.draw_style, handle.length, handle.scale_basis = "BOX", 0.0, 1.2
         handle.use_draw_modal = handle.use_undo = True
         circle.color = handle.color = colour
-        handle.color_highlight = (1.0, 1.0, 1.0)
+        handle.color_highlight = 1.0, 1.0, 1.0
 
         def pulled(value: Any) -> None:
             held = getattr(bpy.context.object.haptics, role)
@@ -87,7 +87,7 @@ class HAPTIC_GT_inspection(Gizmo):
     bl_idname = "HAPTIC_GT_inspection"
 
     def setup(self) -> None:
-        self.mouse = (0.0, 0.0)
+        self.mouse = 0.0, 0.0
         self.link: Any = None
 
     def draw(self, context: Any) -> None:
@@ -99,7 +99,7 @@ class HAPTIC_GT_inspection(Gizmo):
         before = self.link
         self.link = inspection.under(context, location)
         if self.link is not None:
-            self.mouse = (float(location[0]), float(location[1]))
+            self.mouse = float(location[0]), float(location[1])
         if self.link is not before:
             context.region.tag_redraw()
         return -1 if self.link is None else 0

@@ -10,7 +10,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, cast
@@ -22,6 +22,7 @@ from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import by_pair, pair_of
 from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
 from ...core.formats.scene.values_json import item_to_dict, read_members
+from ...core.frozen import frozen
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.impact_rule import ImpactLimits
 from ...core.scene.rules import ContactSettings
@@ -35,7 +36,7 @@ the import, because Blender rounds to single precision."""
 Pair = tuple[str, str]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class FileContacts:
     """Contacts of a scene. ``contacts`` by their objects in alphabetical order, valid while neither
     has moved and the contact tolerance is ``tolerance`` [m]; ``transmissions``: functions of all

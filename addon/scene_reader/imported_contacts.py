@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import compress
 
 import numpy as np
@@ -12,12 +11,13 @@ from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.settings import ContactSettings
 from ...core.contacts.shapes import pose_matrix
+from ...core.frozen import frozen
 from ...core.scene.values import Pose
 from ...core.unchanged import Unchanged
 from .imported import NEAR, FileContacts, file_contacts, stored_item
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class FilePoses:
     """Poses of the bodies in the file that the scene was imported from.
 

@@ -499,7 +499,7 @@ class SceneReader:
             shape = armature and self._bone_shape(obj, armature, depsgraph, scale)
             if shape:
                 return shape
-        key = (tuple(scale.tolist()), shape_settings(obj, depsgraph.scene))
+        key = tuple(scale.tolist()), shape_settings(obj, depsgraph.scene)
         session_id = obj.session_uid
         # None is left of a mesh that has no shape any more.
         known = self._shapes.pop(session_id, None)

@@ -23,7 +23,7 @@ def is_tagged(obj: Object) -> bool:
 
 def solo_roles(objects: Iterable[Object]) -> frozenset[str]:
     """The roles, "source" and "listener", with at least one solo object."""
-    roles = ("source", "listener")
+    roles = "source", "listener"
     found = {
         role
         for obj in objects

@@ -139,7 +139,7 @@ class Derived(Generic[Choice, Value]):
         traced = own.shown
         background = own.derived.setdefault(self, Background())
         background.choice = choice
-        key = (traced.serial, choice)
+        key = traced.serial, choice
         compute = partial(self.compute, traced, choice)
         may_start = self.every_frame or background.is_brief or _no_frame_follows(own)
         return background.latest(key, compute, may_start=may_start)

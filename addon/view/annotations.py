@@ -97,7 +97,7 @@ def _add_cues(
         bottom = min(max(cue.place[1] - height / 2, free[1] + edge), free[3] - edge - height)
         up = 1 if 2 * bottom < free[1] + free[3] else -1
         for _ in range(len(cues) + len(occupied)):
-            plate = (left, bottom, left + width, bottom + height)
+            plate = left, bottom, left + width, bottom + height
             under = [other for other in taken if overlaps(other, plate)]
             if not under:
                 break
@@ -206,7 +206,7 @@ def _placed_legend(
         left = round(free[0] + margin if at_left else free[2] - margin - width)
         bottoms = [free[1], *(top for _, _, _, top in occupied)]
         for bottom in sorted(round(edge + margin) for edge in bottoms):
-            place = (left, bottom, left + width, bottom + height)
+            place = left, bottom, left + width, bottom + height
             inside = (
                 left >= free[0]
                 and place[2] <= free[2]

@@ -171,7 +171,7 @@ def _add_annotations(
     plane.data.materials[0].surface_render_method = "BLENDED"
     plane.parent = camera
     plane.location = (*((shift - 1) * extent / 2), -distance)
-    plane.scale = (extent[0] / size[0], extent[1] / size[1], extent[1] / size[1])
+    plane.scale = extent[0] / size[0], extent[1] / size[1], extent[1] / size[1]
     collection.objects.link(plane)
     _hide_from_light(plane)
     above = 0.02 * scale * (len(items.lines.width) + 8 * len(items.points.size))
@@ -203,8 +203,8 @@ def _add_label(collection: Collection, label: Label, unit: float) -> None:
     obj = _add_text(collection, f"{label.name}  {label_text(label)}", 17 * unit, (*INK, 1.0))
     obj.data.align_x = "CENTER"
     x, y, z = label.position
-    obj.location = (x, y, z + (label.clearance + 5) * unit)
-    obj.rotation_euler = (np.pi / 2, 0, 0)
+    obj.location = x, y, z + (label.clearance + 5) * unit
+    obj.rotation_euler = np.pi / 2, 0, 0
 
 
 def solid_mesh(name: str, solid: Solid) -> Mesh:

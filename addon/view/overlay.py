@@ -196,7 +196,7 @@ def draw_annotations(
         frame: The camera's frame, which the legend does not cover.
         cues: Words about objects out of sight.
     """
-    around = (free, occupied, legend, frame, cues)
+    around = free, occupied, legend, frame, cues
     key = (perspective.tobytes(), size, scale, *around, bpy.app.translations.locale)
     known = drawing.views.get(key)
     if known is None:

@@ -37,7 +37,7 @@ class Picture:
         a new one."""
         if self._previews is None:
             self._previews = previews.new()
-            self._previews.new("picture").image_size = (SIZE, SIZE)
+            self._previews.new("picture").image_size = SIZE, SIZE
             self._shown = None
         preview = self._previews["picture"]
         latest = self._pixels.latest(key, lambda before: draw())

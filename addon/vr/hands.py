@@ -42,7 +42,7 @@ _PATIENCE = 0.005  # seconds for which a frame of the session waits for its trac
 def _hand() -> Compound:
     """A palm and five fingertips in the space of OpenXR's grip: the palm lies along z, from the
     thumb (-z) to the little finger, and the fingers point to -y."""
-    along_y = (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
+    along_y = np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0
     tips = [(0.0, -0.035, -0.055), *((0.0, -0.085, z) for z in (-0.03, -0.01, 0.01, 0.03))]
     return Compound(
         (

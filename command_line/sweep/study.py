@@ -7,7 +7,7 @@ import json
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from typing import Any
 from ...core.formats.io.error import FormatError, errors_in
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import parse_json, read_bytes
+from ...core.frozen import frozen
 from ...core.scene.materials import MATERIALS
 from ...core.scene.references import PlacedError
 from ...core.scene.values import Mode
@@ -26,7 +27,7 @@ _MAX_BYTES = 2**20
 Value = bool | int | float | str
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Variant:
     """One scene with its settings by path and materials by object. ``frames``: None for the
     scene's; ``mode``: None for the file's."""
@@ -57,7 +58,7 @@ class Variant:
         }
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class SweepStudy:
     """Lists of values: every combination is a variant. ``random``: least and greatest value by
     path, of which each seed draws one."""

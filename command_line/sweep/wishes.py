@@ -6,18 +6,18 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ...core.frozen import frozen
 from ...core.least_squares import bounded_least_squares
 
 Row = Mapping[str, Any]
 Variants = Sequence[Mapping[str, Row]]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Between:
     """``settings`` between the variants, the ``levels`` in dB that a linear fit expects of them by
     listener, and the greatest ``error`` of that fit at any variant, in dB."""

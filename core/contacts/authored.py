@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import BoolArray, IntArray
+from ..frozen import frozen
 from ..scene.functions import ModulationFunction
 from ..scene.values import Contact
 from .contact_set import ContactSet
@@ -16,7 +17,7 @@ ARRAYS = ("pairs", "positions", "normal", "depth", "distance", "area", "weight",
 """The arrays of a `ContactSet`, a row per contact."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class AuthoredContacts:
     """Authored ``contacts`` replace those found between two objects that are both ``settled`` (n,),
     which means placed by their author. ``transmissions``: by pair of objects, the smaller number

@@ -8,13 +8,14 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..frozen import frozen
 
 MAX_HULL_POINTS = 2048
 """Most points a hull is computed from exactly; more are first reduced to the extreme ones in as
 many directions."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Hull:
     """``points`` (n, 3): the corners. ``triangles`` (t, 3): the surface, counter-clockwise seen
     from outside; a flat hull has both sides, a line has none."""

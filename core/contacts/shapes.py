@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, fields
 from functools import lru_cache
 from typing import Any, ClassVar
 
@@ -238,7 +238,7 @@ class _PointShape(Shape):
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ConvexHull(_PointShape):
     """The convex hull of ``points`` (n, 3) in metres, which may lie in one plane or on one line,
     but not all in one place. ``rounding`` is the radius of its edges within that hull (Bullet's
@@ -264,7 +264,7 @@ class ConvexHull(_PointShape):
         return np.array([self.points.min(axis=0), self.points.max(axis=0)])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Mesh(_PointShape):
     """A surface of ``triangles`` (t, 3), indices into ``points`` (n, 3) in metres.
     ``sphere_margin`` is its margin where the other shape is a sphere (0 in Bullet), None the same

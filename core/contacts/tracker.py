@@ -85,7 +85,7 @@ class ContactStatistics:
         return max(0, self.candidates - self.queries)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Endpoints:
     """Where signals begin and end: bodies (n,) with a source that sounds (``sounding``), and with a
     listener (``heard``). ``paths``: contacts on dead ends, which no path between these bodies
@@ -246,7 +246,7 @@ class ContactTracker:
         self._low = np.full((3, count), np.inf)
         self._high = np.full((3, count), -np.inf)
         self._wide_low, self._wide_high = self._low.copy(), self._high.copy()
-        self._last_bounds = (self._low.copy(), self._high.copy())
+        self._last_bounds = self._low.copy(), self._high.copy()
         # Keys of the near pairs, whose wide bounds overlap. Those whose bounds overlap in this
         # frame are the candidates.
         self._near, self._near_larger, self._near_smaller = none, none, none
@@ -274,7 +274,7 @@ class ContactTracker:
         recent = np.array(
             [(key, *last) for key, last in sorted(self._last_impact.items()) if last[0] >= since]
         )
-        pair_state = (pairs.key[touching], pairs.struck[touching], pairs.values[:, touching])
+        pair_state = pairs.key[touching], pairs.struck[touching], pairs.values[:, touching]
         return *self._history.history(), *pair_state, self._airborne, recent
 
     def replace_bodies(self, bodies: Sequence[Body], anew: frozenset[str] = frozenset()) -> None:
@@ -463,7 +463,7 @@ class ContactTracker:
         if len(moved) == 0:
             self._history.advance(time, columns, moved)
             return moved, ()
-        self._last_bounds = (self._low.copy(), self._high.copy())
+        self._last_bounds = self._low.copy(), self._high.copy()
         finite = np.isfinite(columns[:, moved]).all(axis=0)
         moved, lost = moved[finite], moved[~finite]
         gone = lost[np.isfinite(self._pose[0, lost])]

@@ -115,7 +115,7 @@ def plan(
     if math.isfinite(before) and (result.amplitudes[:, column] > 0).any():
         # Each takes the frame, the listener's number, the decibels that its margin lacks, and the
         # means; None where it can change nothing.
-        steps = (_with_gain, _with_amplitude, _with_frequency, partial(_with_material, settings))
+        steps = _with_gain, _with_amplitude, _with_frequency, partial(_with_material, settings)
         for step in steps:
             for _ in range(_ROUNDS):
                 if margin >= wanted - _NEAR:

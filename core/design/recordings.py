@@ -70,7 +70,7 @@ class Recordings:
     listener, averaged over windows."""
 
     def __init__(self, source: FloatArray, listener: FloatArray) -> None:
-        self._samples = (source, listener)
+        self._samples = source, listener
         self._size = round(_WINDOW * RATE)
         count = min(len(source), len(listener))
         self.starts = range(0, count - self._size + 1, self._size // 2)

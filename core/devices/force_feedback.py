@@ -140,7 +140,7 @@ FORCE_FEEDBACK = RumbleFamily(
 def force_feedback_profile(node: Interface) -> Profile:
     """The profile of such a gamepad: a strong, slow motor and a weak, fast one, which shake the
     whole pad."""
-    channels = (DriveChannel("left", (10.0, 100.0)), DriveChannel("right", (100.0, 1000.0)))
+    channels = DriveChannel("left", (10.0, 100.0)), DriveChannel("right", (100.0, 1000.0))
     actuator = Actuator(
         "both motors",
         ("hand.L", "hand.R"),

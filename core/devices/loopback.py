@@ -77,7 +77,7 @@ class Connection:
         self._lock = threading.Lock()
         self._closing = threading.Event()
         self._pinging: threading.Thread | None = None
-        self._errors = (exceptions.WebSocketException, OSError, ValueError, EOFError, LookupError)
+        self._errors = exceptions.WebSocketException, OSError, ValueError, EOFError, LookupError
         self._resources = ExitStack()
         try:
             self._raw = self._resources.enter_context(

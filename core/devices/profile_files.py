@@ -116,7 +116,7 @@ def _check_channels(family: AnyFamily, actuators: tuple[Actuator, ...]) -> None:
                 f"{family.name} takes samples, so an actuator has one channel",
             )
         for k, channel in enumerate(actuator.channels):
-            place = ("actuators", i, "channels", k, "name")
+            place = "actuators", i, "channels", k, "name"
             if channel.name not in family.channels:
                 raise PlacedError(
                     place,

@@ -92,7 +92,7 @@ class DeviceWriter(ThreadedOutput):
         sent = time.perf_counter() if sent is None else sent
         with self._wake:
             self._dropped += self._mail is not None
-            self._mail = (checked, sent)
+            self._mail = checked, sent
             self._expected = None
             self._wake.notify()
         return sent

@@ -608,7 +608,7 @@ def _canonical(contacts: ContactSet) -> ContactSet:
         )
         function = np.argsort(by_name)[contacts.transmission]
         flat = positions.reshape(len(pairs), 6)
-        values = (contacts.depth, contacts.weight, contacts.area)
+        values = contacts.depth, contacts.weight, contacts.area
         order = np.lexsort((function, *normal.T, *values, *flat.T[::-1], key))
     return rows_of(replace(contacts, pairs=pairs, positions=positions, normal=normal), order)
 

@@ -4,17 +4,17 @@ poses."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..contacts.shapes import Shape, pose_matrix
+from ..frozen import frozen
 from ..scene.values import HapticObject, Pose
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ObjectFrames:
     """``centre`` (n, 3) of each object's bounding box [m, world], NaN for an object without a
     shape; ``axes`` (n, 3, 3): the object's own axes as columns."""

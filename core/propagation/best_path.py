@@ -381,7 +381,7 @@ def _search_from(
     certain = walks.complete or count == most  # more contacts would make no walk cheaper
     share = budget // (EXPANSION * len(columns))
     for column in columns:
-        pair = (row, column)
+        pair = row, column
         target = int(graph.listener_nodes[column])
         path = walks.walk(graph, target)
         if certain and not (path and crosses_twice(graph, path)):

@@ -151,7 +151,7 @@ class Groups:
 
     def _check(self, voices: Sequence[Voice]) -> None:
         plain = (self._listener_count,)
-        banded = (self._listener_count, BAND_COUNT)
+        banded = self._listener_count, BAND_COUNT
         for key, _, gains, onset, amplitude, delays, priority in voices:
             if gains.shape != plain and gains.shape != banded:
                 raise ValueError(

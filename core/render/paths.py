@@ -51,7 +51,7 @@ class DirectPaths:
         self._factors, self._curves = group.gains.terms(frame)
         sample_brief(group.streams)
         rows = [stream.rows(frame.first, frame.last) for stream in group.streams]
-        shape = (len(group.streams), self._factors.shape[3], frame.count)
+        shape = len(group.streams), self._factors.shape[3], frame.count
         self._rows = np.concatenate(rows).reshape(shape) if rows else np.empty(shape)
 
     def summed(self) -> FloatArray:

@@ -371,7 +371,7 @@ class Run:
     ) -> None:
         """Raise PlacedError unless all are three numbers for something known of this kind."""
         for name, place in positions.items():
-            where = (f"{kind}_positions", name)
+            where = f"{kind}_positions", name
             require_known(name, known, kind, where)
             try:
                 valid = len(place) == 3 and all(abs(value) <= _FARTHEST for value in place)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..declaration import Number, declare
+from ..frozen import frozen
 from .limits import MAX_SECONDS, checked_column, integer_within, number_within
 
 
@@ -24,7 +24,7 @@ class Automation:
     argument.
     """
 
-    __slots__ = ("_areas", "_origin", "_slopes", "times", "values")
+    __slots__ = "_areas", "_origin", "_slopes", "times", "values"
 
     def __init__(
         self, times: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray
@@ -95,7 +95,7 @@ def ramp(start: float, end: float, duration: float) -> Automation:
     return Automation((0.0, duration), (start, end))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Parameter(Number):
     """A parameter of a signal: a number; infinite, too, where it is optional; where it is
     ``keyed``, also an automation."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, Field, field, fields
 from functools import lru_cache, reduce
 from typing import Any, ClassVar
 
@@ -144,7 +144,7 @@ def json_fields(cls: type[Signal]) -> dict[str, Field[Any]]:
     return {keys.get(entry.name) or entry.name: entry for entry in fields(cls) if entry.init}  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Operands(Declaration):
     """The signal that another one is made of, or a tuple of ``many``."""
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..frozen import frozen
 from .automation import parameter
 from .base import Signal
 from .interpolation import interpolate
@@ -16,7 +17,7 @@ MAX_SAMPLES = 4_000_000
 _OVERSHOOT = 4.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Sampled(Signal, kind="sampled"):
     """`samples` at `rate` a second, band-limited between them, 0 outside.
 

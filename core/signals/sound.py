@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
-from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -88,7 +87,7 @@ class Clip:
         return max(self.start, 0.0) + (last - first) / self.rate
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Heard:
     """Result of the analysis of a sound of ``seconds``.
 

@@ -11,7 +11,8 @@ PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 
 
 LAYERS = (
-    ("core.declaration", "core.frozen"),
+    ("core.frozen",),
+    ("core.declaration",),
     ("core.arrays", "core.message", "core.regular_file", "core.unchanged"),
     ("core.least_squares",),
     ("core.signals", "core.perception"),

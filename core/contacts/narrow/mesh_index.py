@@ -40,7 +40,7 @@ class MeshIndex:
             low = middle - radius
             high = middle + radius
         size = max(8, int(len(corners) ** 0.5 / 2))
-        filled = ((0, -len(corners) % size), (0, 0))
+        filled = (0, -len(corners) % size), (0, 0)
         low, high = (
             np.pad(bound, filled, constant_values=beyond).T.reshape(3, -1, size)
             for bound, beyond in ((low, np.inf), (high, -np.inf))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -151,7 +150,7 @@ def answer_of(
     return None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Family:
     """The common fields of rumble and stream families.
 
@@ -192,7 +191,7 @@ class Family:
         return known and interface.transport in self.transports and self.picks(interface)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class RumbleFamily(Family):
     """Devices commanded by amplitude, with or without a frequency.
 
@@ -210,7 +209,7 @@ class RumbleFamily(Family):
         return self.rumble(0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class StreamFamily(Family):
     """Devices driven by samples.
 

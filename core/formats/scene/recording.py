@@ -55,7 +55,7 @@ class Poses(Mapping[str, PoseRow]):
     """Poses by object, stored as integers (n, 7) in units of 1e-5: a seventh of the memory of a
     dictionary of tuples."""
 
-    __slots__ = ("_rows", "names", "ticks")
+    __slots__ = "_rows", "names", "ticks"
 
     def __init__(self, names: tuple[str, ...], ticks: IntArray) -> None:
         self.names, self.ticks = names, ticks

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +44,7 @@ class Band:
         return float(round((self.low - self.low_fade + self.high + self.high_fade) / 2))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Window:
     """Complex amplitudes of all bands in one window.
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...signals import Automation, Delay, Keyed, Saw, Signal, Sine, Square, Triangle
 from ...signals.oscillators import Oscillator
 from .comparison import Comparison
@@ -27,7 +28,7 @@ rises."""
 _OBJECT_BYTES = 800
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Carrier:
     """``a(t) sin(phase + 2π ∫ f dt)``, or another wave of that phase, from ``start`` to ``end``
     (seconds), silent elsewhere.

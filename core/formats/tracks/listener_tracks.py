@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...perception import FullScale
 from ...scene.values import Source
 from ..io.catalogue import MAX_SAMPLE_RATE
@@ -37,7 +38,7 @@ def sorted_impacts(impacts: Iterable[tuple[float, float]]) -> FloatArray:
     ).reshape(-1, 2)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ListenerTrack:
     """The listener of a track.
 
@@ -93,7 +94,7 @@ class Row:
             yield first, self.read(first, min(first + size, self.count))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Tracks:
     """``samples`` (n_listeners, n) at ``sample_rate`` (hertz), nominal range [-1, 1]; the first is
     at ``start`` seconds of the scene.

@@ -64,7 +64,7 @@ def _small_arrays(export: TrackExport) -> dict[str, NDArray[Any]]:
 
 
 def _write_samples(archive: zipfile.ZipFile, tracks: Tracks) -> None:
-    shape = (len(tracks.listeners), tracks.count)
+    shape = len(tracks.listeners), tracks.count
     with archive.open("samples.npy", "w", force_zip64=True) as entry:
         np.lib.format.write_array_header_1_0(
             entry, {"descr": "<f4", "fortran_order": False, "shape": shape}

@@ -66,7 +66,7 @@ class TrackRecorder:
         """The recorded tracks."""
         start = self._first / (self._sample_rate or 1)
         felt = tuple(self._impacts.values())
-        shape = (self._count, len(self._listeners))
+        shape = self._count, len(self._listeners)
         self._file.flush()
         samples = (
             np.memmap(self._file, dtype="<f4", mode="r", shape=shape)

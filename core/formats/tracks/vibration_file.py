@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...frozen import frozen
 from ...perception import FullScale
 from ...signals import Sampled, Signal, Sum
 from ...signals.interpolation import resample
@@ -23,7 +23,7 @@ MOST_SAMPLES = 2**25
 MOST_LAYERS = 64
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class Channel:
     """One vibration of a file: the sum of ``carriers`` and of ``samples`` (n,) at ``sample_rate``
     (hertz), from time 0.
@@ -102,7 +102,7 @@ class Channel:
         return Sampled(samples, self.sample_rate or SAMPLED_RATE)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class VibrationFile:
     """The vibrations of a file; ``losses``: ignored content, one sentence each.
 

@@ -12,11 +12,11 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...frozen import frozen
 from ...signals.interpolation import resample
 
 SMALLEST = 8
@@ -52,7 +52,7 @@ _CONTEXTS = 7
 _HEAD, _SIGN, _SINGLE, _CHILDREN, _CHILD, _GRANDCHILDREN, _REFINEMENT = range(_CONTEXTS)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class WaveletBand:
     """A decoded band: ``samples`` (n,) from time 0 at ``rate`` hertz."""
 

@@ -63,7 +63,7 @@ def _two_edge_connected(around: Neighbours, start: int) -> set[int]:
         for edge, other in ways:
             if other not in number:
                 number[other] = len(number)
-                parent[other] = (edge, index)
+                parent[other] = edge, index
                 path.append((other, iter(around[other])))
                 break
         else:

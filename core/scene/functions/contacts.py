@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...declaration import number
+from ...frozen import frozen
 from ..bands import BAND_CENTRES
 from .modulation import ModulationFunction, OnContact, Value
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Impedance(ModulationFunction):
     """``2 sqrt(Z1 Z2) / (Z1 + Z2)``: the square root of the transmitted power at the interface of
     two materials with impedance ``Z = density speed``. 1 if either is unknown
@@ -35,7 +35,7 @@ class Impedance(ModulationFunction):
         return np.ones(np.shape(distance)) * (contact or {}).get("match", 1.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Resilient(ModulationFunction):
     """A resilient layer under a load: the transmissibility of a mass on a damped spring, ``sqrt((1
     + n^2) / ((1 - (f / f0)^2)^2 + n^2))`` with ``f0 = sqrt(stiffness / load) / (2 pi)`` and loss
@@ -111,7 +111,7 @@ class Resilient(ModulationFunction):
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class NormalForce(ModulationFunction):
     """``(force / reference) ** exponent``, at most 1: an exponent of 1/3 follows the stiffness of
     smooth round bodies (Hertz), 1 that of rough ones (Greenwood and Williamson). reference:

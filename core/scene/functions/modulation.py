@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, field, fields
 from functools import cache
 from typing import Any, ClassVar
 
@@ -106,7 +106,7 @@ def parameters_of(cls: type[ModulationFunction]) -> Mapping[str, str]:
     return {declaration.key or name: name for name, declaration in declared(cls).items()}  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class ModulationFunction(Declared):
     """Base of all modulation functions. Immutable, hashable, compared by content."""
 
@@ -190,7 +190,7 @@ class ModulationFunction(Declared):
         return {"function": self.name, **values, **self.spectrum.to_dict()}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Identity(ModulationFunction):
     """Gain 1. The default of inter-connections."""
 
@@ -200,7 +200,7 @@ class Identity(ModulationFunction):
         return 1.0, 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Constant(ModulationFunction):
     """The same gain over any distance."""
 
@@ -213,7 +213,7 @@ class Constant(ModulationFunction):
         return self.gain_value, 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Exponential(ModulationFunction):
     """``exp(-alpha d)``; alpha = 0.2 is the distance-only function of the paper (equation 4)."""
 
@@ -232,7 +232,7 @@ class Exponential(ModulationFunction):
         return 1.0, self.alpha
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class HapticTracing(ModulationFunction):
     """``K exp(-max(K, epsilon) d)`` with ``K = (1 - kappa) rho``: the paper's propagation function
     (equation 2). The default of objects."""
@@ -265,7 +265,7 @@ class HapticTracing(ModulationFunction):
         return np.full(BAND_COUNT, 1.0 - (k * distance if k > epsilon else 0.0))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Linear(ModulationFunction):
     """``max(0, 1 - d / range)``."""
 
@@ -292,7 +292,7 @@ class Linear(ModulationFunction):
             return np.maximum(0.0, 1.0 - np.asarray(distance, dtype=np.float64) / self.range)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Expression(ModulationFunction):
     """A designer's formula over ``x, d, kappa, rho, epsilon`` and, on a contact, ``area, depth,
     angle, force`` (1 N if it is unknown).
@@ -345,7 +345,7 @@ class Expression(ModulationFunction):
         return gains
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Conduction(ModulationFunction):
     """``exp(-m d)`` with ``m = sqrt(2 h / (k t))``: the excess temperature along a long plate that
     is warm at one end.

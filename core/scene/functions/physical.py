@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...declaration import choice, number
+from ...frozen import frozen
 from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
 from .modulation import ModulationFunction, OnContact, Value
@@ -50,7 +50,7 @@ WAVES = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@frozen(kw_only=True)
 class Physical(ModulationFunction):
     """``(1 + min(d, extent) / r0)^-g exp(-alpha(f) d)``: geometric spreading up to the extent of
     the body, and damping.
