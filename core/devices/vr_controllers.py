@@ -127,7 +127,8 @@ class VrControllers(Output):
         self._queue.dry = True
         self._due = self._sent = -np.inf  # time of the queue's first sample, and of the last block
         self._history = np.zeros((self._rows, round(_FREQUENCY_WINDOW * self._rate)))
-        self._strongest = np.zeros(self._rows)  # power of a part of the last frame
+        # Power of a part of the last frame, or what it was given of it.
+        self._strongest = np.zeros(self._rows)
         self._owed = np.zeros(self._rows)  # energy of peaks beyond that of their frames
         self._high_pass.reset()
 
@@ -276,7 +277,8 @@ class VrControllers(Output):
         peaks = strongest > np.maximum(_PEAK * wanted, self._strongest)
         owed = np.where(peaks | (wanted * frame < self._owed / 10), 0.0, self._owed)
         paid = np.maximum(wanted - owed / frame, wanted / 4)  # a blow has no pause
-        powers = np.where(peaks, np.minimum(strongest, 2.0 * wanted), paid)
+        most = 2.0 * wanted * max(frame / LONGEST, 1.0)  # the call is no longer than that
+        powers = np.where(peaks, np.minimum(strongest, most), paid)
         self._owed = owed + (powers - wanted) * frame
-        self._strongest = strongest
+        self._strongest = np.where(peaks, powers, strongest)
         return powers, np.clip(frequencies, *_BAND)

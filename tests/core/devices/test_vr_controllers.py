@@ -115,6 +115,18 @@ def test_the_peak_of_a_blow_is_kept(frame, decay):
         assert abs(20 * np.log10(heard / meant)) < 2.0
 
 
+@pytest.mark.parametrize("frame", [1 / 20, 1 / 30, 1 / 60])
+def test_a_blow_just_before_the_end_of_a_frame_keeps_its_peak(frame):
+    """At any place in a frame, also where the first frame has only a part of the blow's rise."""
+    t = times()
+    for onset in np.linspace(0.5, 0.5 + frame, 12, endpoint=False):
+        decaying = np.exp(-np.clip(t - onset, 0, None) / 0.05) * (t >= onset)
+        samples = 0.8 * decaying * np.sin(2 * np.pi * 170 * (t - onset))
+        first = int(onset * RATE)
+        meant = np.sqrt(2 * np.mean(samples[first : first + 80] ** 2))
+        assert abs(20 * np.log10(played(samples, frame)[1].max() / meant)) < 3.0
+
+
 @pytest.mark.parametrize("frame", [1 / 60, 1 / 90])
 @pytest.mark.parametrize("hertz", [65.0, 110.0, 223.0, 300.0])
 def test_the_frequency_of_a_tone_is_kept(hertz, frame):
