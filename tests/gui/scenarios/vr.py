@@ -11,7 +11,7 @@ from vr_stage import KEY, Stage
 
 RATE, BLOCK = 8000, 1 / 24
 SECONDS = 4.0
-ONSETS = (0.5, 1.5, 2.5, 3.3)
+ONSETS = (0.3, 0.72, 1.15, 1.63, 2.04, 2.51, 2.97, 3.46)
 
 
 def tracks():
