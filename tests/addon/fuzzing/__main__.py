@@ -70,7 +70,7 @@ def batch(seed: int, first: int, count: int, only: list[str], place: Path) -> in
     signal.signal(signal.SIGVTALRM, hang)
     resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
     with tempfile.TemporaryDirectory() as folder:
-        # What is loaded once is not counted, such as the validator that explains the first fault.
+        # What is loaded once is not counted, such as validators.
         for target in known.values():
             for content in dict.fromkeys(target.seeds):
                 target.run(content, Path(folder))
