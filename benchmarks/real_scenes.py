@@ -1,9 +1,12 @@
-"""Six scenes of concave, skinned and many objects, made by formulas, as content that is imported
-has them; bowls, arms of robots and the walk are those of the samples."""
+"""Scenes of concave, skinned and many objects, as content that is imported has them: six made by
+formulas, of which bowls, arms of robots and the walk are those of the samples, and two of robots
+that `PYBULLET_DATA` describes."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -12,6 +15,8 @@ from haptic_tracing.sample_scenes.avatar import HANGING, standing
 from haptic_tracing.sample_scenes.gait import walk
 from haptic_tracing.sample_scenes.geometry import Geometry, Point, box, lathe, to_mesh
 from haptic_tracing.sample_scenes.real_content import BOWL, BOWL_STEP, add_arm, add_character
+
+from .urdf import add_robot
 
 FRAMES = 60
 
@@ -141,8 +146,23 @@ def house() -> None:
     _moved(_object("Walker", _box("walker", (0.4, 0.4, 1.8)), (-4.65, -4.65, 0.9)), (1, 0, 0))
 
 
+def arms(shapes: str = "collision") -> None:
+    """Panda, A1 and a table of pybullet_data, whose folder ``PYBULLET_DATA`` names: no part of this
+    repository."""
+    folder = Path(os.environ["PYBULLET_DATA"])
+    for seed, (name, height, place) in enumerate(
+        (("table/table", 0.0, 0.0), ("franka_panda/panda", 0.625, 0.0), ("a1/a1", 1.0, 0.6))
+    ):
+        add_robot(folder / f"{name}.urdf", (place, 0, height), shapes, FRAMES, seed)
+
+
+def arms_seen() -> None:
+    """The same by their visual meshes, of up to 28,750 triangles."""
+    arms("visual")
+
+
 SCENES: dict[str, Callable[[], None]] = {
-    scene.__name__: scene for scene in (kitchen, robots, walker, pile, city, house)
+    scene.__name__: scene for scene in (kitchen, robots, walker, pile, city, house, arms, arms_seen)
 }
 
 

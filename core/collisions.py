@@ -132,6 +132,7 @@ class CollisionDetector:
         self._rubbing = SlidingAndRolling(EXACT_FRAMES)
         self._shots = OneShots()
         self._tracker: ContactTracker | None = None
+        self._interrupted: ContactTracker | None = None  # see `take_over`
         self._numbering = Unchanged(_Numbering)
         self._transmissions = Unchanged(_transmissions)
         self._numbered = Unchanged(_numbered)
@@ -166,10 +167,11 @@ class CollisionDetector:
         self._last = None
 
     def take_over(self, interrupted: CollisionDetector) -> None:
-        """Take over the settings and the stored impacts of an interrupted detector, but not its
-        contacts."""
+        """Take over the settings, the stored impacts and what is known of shapes of an interrupted
+        detector, but not its contacts."""
         self.settings, self.lazy = interrupted.settings, interrupted.lazy
         self._stored, self._rules = interrupted._stored, interrupted._rules
+        self._interrupted = interrupted._tracker or interrupted._interrupted
 
     def is_retrace(self, frame: Frame) -> bool:
         """Whether ``frame`` is the one that was traced last, with the same poses and shapes: an
@@ -395,7 +397,8 @@ class CollisionDetector:
             self.forget_impacts()
         self._rules = rules  # known by identity in the next frame
         if tracker is None or tracker.settings != rules[1]:
-            tracker = self._tracker = ContactTracker(bodies, rules[1])
+            before, self._interrupted = tracker or self._interrupted, None
+            tracker = self._tracker = ContactTracker(bodies, rules[1], before)
             self._sources.clear()
             self._rubbing.clear()
         elif tracker.bodies is not bodies or anew:

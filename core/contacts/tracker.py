@@ -191,16 +191,22 @@ class _Pairs:
 
 
 class ContactTracker:
-    """Follows the contacts of ``bodies`` from frame to frame."""
+    """Follows the contacts of ``bodies`` from frame to frame. What is known of their shapes it
+    takes over from the one ``before``."""
 
-    def __init__(self, bodies: Sequence[Body], settings: ContactSettings | None = None) -> None:
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        settings: ContactSettings | None = None,
+        before: ContactTracker | None = None,
+    ) -> None:
         self.settings = settings or ContactSettings()
         limits = self.settings.all_limits()
         self._least = min(item.least_energy for item in limits)
         self._refractory = max(item.refractory for item in limits)
         self.bodies: tuple[Body, ...] = ()
         self._local: list[FloatArray] = []  # bounds (2, 3) of each body in its own space
-        self._set_bodies(tuple(bodies))
+        self._set_bodies(tuple(bodies), None if before is None else before._narrow)
         self.reset()
 
     def _set_bodies(self, bodies: tuple[Body, ...], before: NarrowPhase | None = None) -> None:

@@ -16,6 +16,7 @@ from .core_pairs import BEYOND, CorePairing, CorePairs, bounded
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind
 from .hollow_hulls import HollowHulls
+from .known_patches import KnownPatches
 from .separating_axes import AxisSeparation
 from .surface_pairs import SurfacePairs
 from .surfaces import Surfaces
@@ -44,6 +45,8 @@ class NarrowPhase:
             shapes, solid or [False] * len(shapes), None if before is None else before._table
         )
         table = self._table
+        self._shapes = tuple(shapes)
+        self._known: KnownPatches = KnownPatches() if before is None else before._known
         self._boxes = BoxPairs(table)
         self.is_box = self._boxes.is_box
         self.is_mesh = (
@@ -51,6 +54,7 @@ class NarrowPhase:
             if len(shapes)
             else self.is_box
         )
+        self._is_single = np.diff(table.start) == 1  # the parts of others may move
         surfaces = Surfaces(table)
         bodies = ConvexDistances(table)
         self._kept = surfaces
@@ -92,13 +96,34 @@ class NarrowPhase:
     ) -> PairPatches:
         boxes = self._boxes.chosen(pairs, rotation, offset)
         if boxes is None:
-            return self._general(pairs, rotation, offset, limit)
+            return self._known_or_general(pairs, rotation, offset, limit)
         found = self._boxes.patches(boxes, pairs[boxes.rows], limit[boxes.rows])
         if len(boxes.rows) == len(pairs):
             return found
         others = np.delete(np.arange(len(pairs)), boxes.rows)
-        rest = self._general(pairs[others], rotation[..., others], offset[:, others], limit[others])
+        rest = self._known_or_general(
+            pairs[others], rotation[..., others], offset[:, others], limit[others]
+        )
         return PairPatches.joined(len(pairs), (boxes.rows, found), (others, rest))
+
+    def _known_or_general(
+        self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, limit: FloatArray
+    ) -> PairPatches:
+        """`_general`, which pairs with a mesh are only computed by where they are not known."""
+        kept = self.is_mesh[pairs].any(axis=1) & self._is_single[pairs].all(axis=1)
+        mine, others = kept.nonzero()[0], (~kept).nonzero()[0]
+
+        def general(rows: IntArray) -> PairPatches:
+            return self._general(pairs[rows], rotation[..., rows], offset[:, rows], limit[rows])
+
+        if len(mine) == 0:
+            return general(others)
+        found = self._known.of(
+            [(self._shapes[a], self._shapes[b]) for a, b in pairs[mine].tolist()],
+            (rotation[..., mine], offset[:, mine], limit[mine]),
+            lambda rows: general(mine[rows]),
+        )
+        return PairPatches.joined(len(pairs), (mine, found), (others, general(others)))
 
     def corners(
         self,

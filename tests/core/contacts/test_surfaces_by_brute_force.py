@@ -297,3 +297,27 @@ def test_what_is_inside_a_shell_touches_where_it_is_close():
     assert query(shell, tip, np.eye(4), pose((0.3, 0.2, 1 - 0.005 - 0.02)))[0] == pytest.approx(
         0.005, abs=1e-7
     )
+
+
+def test_what_is_known_of_a_pair_has_the_bits_of_a_fresh_query():
+    """Also after shapes were exchanged, of pairs in either order, of those that stay and of those
+    that move."""
+    random = np.random.default_rng(4)
+    names = sorted(reference.SOLIDS)[:3]
+    shapes = [Mesh(*reference.SOLIDS[name], sunk_in=SUNK_IN) for name in names]
+    shapes += [Box((0.2, 0.1, 0.1)), Mesh(*reference.SOLIDS[names[0]])]
+    places = [pose(random.uniform(-0.06, 0.06, size=3), rotation(random)) for _ in shapes]
+    pairs = np.array(list(itertools.permutations(range(len(shapes)), 2)))
+    warm = None
+    for step in range(4):
+        warm = NarrowPhase(shapes, before=warm)
+        first, second = (
+            np.concatenate([poses_12(places[k]) for k in side], axis=1) for side in pairs.T
+        )
+        asked = pairs, *relative_pose(first, second), np.full(len(pairs), TOLERANCE)
+        for _ in range(2):
+            known, fresh = warm.query(*asked), NarrowPhase(shapes).query(*asked)
+            for name in ("distance", "normal", "centre", "area"):
+                assert np.array_equal(getattr(known, name), getattr(fresh, name)), (step, name)
+        shapes[step], shapes[step + 1] = shapes[step + 1], shapes[step]
+        places[step] = pose(random.uniform(-0.06, 0.06, size=3), rotation(random))
