@@ -20,12 +20,17 @@ _Known = tuple[Shape, Shape, FloatArray]
 
 
 class KnownPatches:
-    """The last patches by the identity of the shapes, which are kept, and the bits of how the pair
-    is placed."""
+    """The last patches by the identity of the ``shapes``, which they keep alive, and the bits of
+    how the pair is placed. Those of shapes that are no longer there are dropped: they would keep
+    every state of a mesh that is edited."""
 
-    def __init__(self) -> None:
+    def __init__(self, shapes: Sequence[Shape], before: KnownPatches | None = None) -> None:
         self._new: dict[_Key, _Known] = {}
         self._old: dict[_Key, _Known] = {}
+        if before is not None:
+            there = {id(shape) for shape in shapes}
+            every = before._old | before._new
+            self._old = {key: known for key, known in every.items() if there.issuperset(key[:2])}
 
     def of(
         self,

@@ -46,7 +46,9 @@ class NarrowPhase:
         )
         table = self._table
         self._shapes = tuple(shapes)
-        self._known: KnownPatches = KnownPatches() if before is None else before._known
+        self._known: KnownPatches = KnownPatches(
+            self._shapes, None if before is None else before._known
+        )
         self._boxes = BoxPairs(table)
         self.is_box = self._boxes.is_box
         self.is_mesh = (

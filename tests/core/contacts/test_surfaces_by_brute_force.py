@@ -3,9 +3,11 @@ forms and continuity."""
 
 from __future__ import annotations
 
+import gc
 import importlib.util
 import itertools
 import sys
+import weakref
 from pathlib import Path
 
 import fcl
@@ -321,3 +323,16 @@ def test_what_is_known_of_a_pair_has_the_bits_of_a_fresh_query():
                 assert np.array_equal(getattr(known, name), getattr(fresh, name)), (step, name)
         shapes[step], shapes[step + 1] = shapes[step + 1], shapes[step]
         places[step] = pose(random.uniform(-0.06, 0.06, size=3), rotation(random))
+
+
+def test_what_is_known_of_a_mesh_goes_with_it():
+    first, second = (Mesh(*map(np.copy, reference.SOLIDS[n])) for n in sorted(reference.SOLIDS)[:2])
+    warm = NarrowPhase([first, second])
+    asked = np.array([[0, 1]]), np.eye(3)[..., None], np.full((3, 1), 0.01), np.array([TOLERANCE])
+    warm.query(*asked)
+    edited = weakref.ref(first.points)
+    warm = NarrowPhase([Mesh(*reference.box((0.1, 0.1, 0.1))), second], before=warm)
+    del first
+    warm.query(*asked)
+    gc.collect()
+    assert edited() is None
