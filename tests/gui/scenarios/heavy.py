@@ -23,6 +23,7 @@ def steps(window):
         bpy.ops.rigidbody.object_add(type="PASSIVE")
         obj.rigid_body.collision_shape = "MESH"
         obj.haptics.enabled = True
+        obj.display_type = "BOUNDS"  # software OpenGL takes a second to draw such a mesh
     scene.objects["left"].haptics.source.enabled = scene.objects[
         "right"
     ].haptics.listener.enabled = True
