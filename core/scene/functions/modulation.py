@@ -93,13 +93,6 @@ class Spectrum(Declared):
         }
 
 
-def require(key: str, value: float) -> None:
-    """Check the parameter ``key``. Raises ValueError unless its value is finite and not
-    negative."""
-    if not (math.isfinite(value) and value >= 0):
-        raise ValueError(f"{key}: must be finite and >= 0, got {value!r}")
-
-
 @cache
 def parameters_of(cls: type[ModulationFunction]) -> Mapping[str, str]:
     """The fields of a function's parameters by their keys in files."""
