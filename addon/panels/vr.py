@@ -28,6 +28,7 @@ class HAPTIC_PT_vr(ScenePanel, Panel):
             icon="VIEW_CAMERA",
             depress=runs,
         )
+        layout.prop(context.window_manager.xr_session_settings, "show_controllers")
         column = layout.column(align=True)
         hands = controllers.hands() if is_loaded(controllers) else None
         column.operator("haptic.vr_hands", icon="VIEW_PAN", depress=hands is not None)
