@@ -464,7 +464,7 @@ class ContactTracker:
     ) -> tuple[IntArray, tuple[Message, ...]]:
         """Store the poses that have changed. Returns the numbers of their bodies, and warnings
         about bodies left out."""
-        columns = transforms[:, :3].reshape(-1, 12).T.take(_COLUMNS, axis=0)
+        columns = transforms.reshape(-1, 16).T.take(_COLUMNS, axis=0)
         moved = (columns != self._pose).any(axis=0).nonzero()[0]
         if len(moved) == 0:
             self._history.advance(time, columns, moved)
@@ -663,7 +663,8 @@ class ContactTracker:
         self._examine_last_frame((examined & ~pairs.examined).nonzero()[0])
         before = pairs.touching & pairs.examined
         apart = ~pairs.touching & pairs.examined
-        last = pairs.values.copy()
+        distance = pairs.values[_DISTANCE].copy()
+        last = pairs.values.copy() if len(able) else pairs.values  # else not asked for
         queried = examined & ~fresh
         free = able[~_among(self._near[able], struck)]
         hits = self._examine(
@@ -676,7 +677,7 @@ class ContactTracker:
         pairs.touching &= examined
         pairs.examined = examined
         new = self._new[pairs.larger] | self._new[pairs.smaller]
-        self._settle(before, last[_DISTANCE], impacts, new)
+        self._settle(before, distance, impacts, new)
         if paths is not None:
             self._disturb(hits, paths)
         reported = pairs.touching & requested & (pairs.values[_DISTANCE] <= self.settings.tolerance)
@@ -1138,6 +1139,8 @@ def _among(keys: IntArray, ordered: IntArray) -> BoolArray:
     """Which ``keys`` (k,) are contained in ``ordered``, which ascend."""
     if len(ordered) == 0:
         return np.zeros(len(keys), dtype=np.bool_)
+    if np.array_equal(keys, ordered):
+        return np.ones(len(keys), dtype=np.bool_)
     return np.asarray(ordered.take(np.searchsorted(ordered, keys), mode="clip") == keys)
 
 
