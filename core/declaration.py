@@ -21,6 +21,7 @@ from enum import StrEnum
 from functools import cache
 from typing import Any
 
+from .forms import JsonObject
 from .frozen import frozen
 
 MOST = 1e9
@@ -54,7 +55,7 @@ class Declaration:
         """The value in its own type. Raises ValueError with the reason if it is not allowed."""
         return value
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         """The JSON Schema of a value other than None."""
         raise NotImplementedError
 
@@ -82,7 +83,7 @@ class Number(Declaration):
             raise ValueError(f"must be {span}{self.unit and ' '}{self.unit}, got {value!r}")
         return int(value) if self.whole else value
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         return {
             "type": "integer" if self.whole else "number",
             _RANGE[self.above]: self.low,
@@ -105,7 +106,7 @@ class Numbers(Number):
                 Number.checked(self, value)
         return numbers
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         return {
             "type": "array",
             "minItems": self.count,
@@ -130,7 +131,7 @@ class Curve(Declaration):
             raise ValueError(f"numbers must be above 0 and at most {_MOST_IN_CURVE:g}")
         return points
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         number = {"type": "number", "exclusiveMinimum": 0, "maximum": _MOST_IN_CURVE}
         point = {"type": "array", "minItems": 2, "maxItems": 2, "items": number}
         return {"type": "array", "maxItems": self.most, "items": point}
@@ -156,7 +157,7 @@ class Curve(Declaration):
 class Switch(Declaration):
     """True or false."""
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         return {"type": "boolean"}
 
 
@@ -174,7 +175,7 @@ class Choice(Declaration):
             raise ValueError(f"must be one of {', '.join(map(str, self.items))}, got {value!r}")
         return value if self.kind is None else self.kind(value)
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         return (
             {"type": "string", "maxLength": 255}
             if self.open
@@ -194,7 +195,7 @@ class Text(Declaration):
             raise ValueError(f"expected a {'name' if self.least else 'text'}, got {value!r}")
         return value
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         return {
             "type": "string",
             **({"minLength": self.least} if self.least else {}),
@@ -210,7 +211,7 @@ class Part(Declaration):
     ref: str
     most: int = 0
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         ref = {"$ref": f"#/$defs/{self.ref}"}
         return {"type": "array", "maxItems": self.most, "items": ref} if self.most else ref
 
@@ -348,7 +349,7 @@ def default_of(cls: type, key: str) -> Any:
     return entry.default if entry.default_factory is MISSING else entry.default_factory()
 
 
-def schema_of(cls: type) -> dict[str, Any]:
+def schema_of(cls: type) -> JsonObject:
     """The JSON Schema of the items of a class: an object with its declared fields."""
     known = declared(cls)
     return {
@@ -366,7 +367,7 @@ def schema_of(cls: type) -> dict[str, Any]:
     }
 
 
-def _described(declaration: Declaration, default: Any) -> dict[str, Any]:
+def _described(declaration: Declaration, default: Any) -> JsonObject:
     """The schema of a field with its description."""
     sentences = [declaration.about]
     if isinstance(declaration, Choice):

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
+from ..forms import Form
 from ..modalities.propagation import ModalityScene
 from ..scene.device_mapping import DeviceMapping
 from ..scene.library import LibraryMaterial
@@ -35,10 +34,10 @@ class Export:
     materials: tuple[LibraryMaterial, ...] = ()
     date: str = field(default_factory=lambda: datetime.date.today().isoformat())
     unknown: tuple[str, ...] = ()
-    origin: Mapping[str, Any] | None = None
+    origin: Form | None = None
 
     @cached_property
-    def provenance(self) -> Mapping[str, Any]:
+    def provenance(self) -> Form:
         """What files say of their origin: `provenance_of` the scene."""
         return provenance_of(self.scene) if self.origin is None else self.origin
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
+from ..forms import Form
 from .export import Export
 from .io.catalogue import FORMATS
 from .io.strict_json import read_json
@@ -29,7 +29,7 @@ from .tracks.track_export import credit, scene_file
 SUFFIX = FORMATS["scene"].suffix
 
 
-def loss(export: Export, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: Export, options: Form) -> Iterator[str]:
     """What the file does not carry, one sentence each."""
     export.need_scene()
     if export.recording is not None and not options["frames"]:
@@ -46,13 +46,13 @@ def loss(export: Export, options: Mapping[str, Any]) -> Iterator[str]:
         yield f"{wav.ROUNDING} in the tracks"
 
 
-def measures(options: Mapping[str, Any]) -> Measures | None:
+def measures(options: Form) -> Measures | None:
     """How the tracks in the file can be compared with the rendered ones; None without any."""
     return None if options["tracks"] == "none" else Measures(Kind.SAMPLES)
 
 
 def write(
-    export: Export, folder: Path, options: Mapping[str, Any], measured: Comparison | None = None
+    export: Export, folder: Path, options: Form, measured: Comparison | None = None
 ) -> list[Path]:
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
     if export.tracks is not None and measured is not None:
@@ -115,7 +115,7 @@ def read_export(path: str | Path) -> Export:
     return export_of(*current_document(read_json(path), path), Path(path))
 
 
-def export_of(document: Mapping[str, Any], unknown: Sequence[str], path: Path) -> Export:
+def export_of(document: Form, unknown: Sequence[str], path: Path) -> Export:
     """The content of a document of this version, which was read from ``path``; ``unknown``: the
     keys of a newer version that it had. Raises FormatError."""
     scene = scene_of(document, path)

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from .. import __version__
+from ..forms import Form, JsonObject
 from ..scene.values import MODES, STRATEGIES, HapticScene, Settings
 from .io.json_text import compact
 from .scene.scene_json import scene_to_dict
@@ -17,7 +16,7 @@ from .tracks.listener_tracks import Tracks
 from .tracks.track_export import EDITOR
 
 
-def provenance_of(scene: HapticScene | None) -> dict[str, Any]:
+def provenance_of(scene: HapticScene | None) -> JsonObject:
     """Program and version, and of a scene its settings of propagation and its digest: the first 12
     hexadecimal digits of the SHA-256 of its JSON without spaces and extras."""
     program = {"program": EDITOR, "version": __version__}
@@ -28,12 +27,12 @@ def provenance_of(scene: HapticScene | None) -> dict[str, Any]:
     return {**program, **document["settings"], "scene": digest[:12]}
 
 
-def _in_one_form(document: Mapping[str, Any]) -> str:
+def _in_one_form(document: Form) -> str:
     """JSON text that is the same whether a number is written as 1 or as 1.0."""
     return compact(json.loads(compact(document), parse_int=float))
 
 
-def methods(provenance: Mapping[str, Any], scene: HapticScene, tracks: Tracks | None) -> str:
+def methods(provenance: Form, scene: HapticScene, tracks: Tracks | None) -> str:
     """A paragraph on how the tracks were made, for the methods section of a paper."""
     settings, rules = scene.settings, scene.rules
     counts = ", ".join(

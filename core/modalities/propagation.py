@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
+from ..forms import Form
 from ..frozen import frozen
 from ..graph.haptic_graph import ObjectTable, build_graph
 from ..propagation import objects_on, propagate
@@ -44,7 +44,7 @@ class Felt:
 
 
 def propagation_function(
-    modality: Modality, values: Mapping[str, float], form: Mapping[str, Any] | None = None
+    modality: Modality, values: Mapping[str, float], form: Form | None = None
 ) -> ModulationFunction:
     """The function of an object: ``form`` as in a scene file, None for the modality's default.
 
@@ -95,7 +95,7 @@ class ModalityScene:
 
     modality: Modality
     values: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    forms: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    forms: Mapping[str, Form] = field(default_factory=dict)
     emitters: tuple[Emitter, ...] = ()
     enabled: bool = True
 

@@ -8,10 +8,10 @@ of the figure seen from the front.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
+from ..forms import Form
 from ..frozen import frozen
 
 HEIGHT, HALF_WIDTH = 2.0, 0.62
@@ -46,7 +46,7 @@ _TABLE = json.loads(Path(__file__).with_name("body_map.json").read_text("utf-8")
 side is x < 0."""
 
 
-def _limb(row: Mapping[str, Any], side: str, mirror: float) -> Limb:
+def _limb(row: Form, side: str, mirror: float) -> Limb:
     start, end = ((mirror * x, y) for x, y in (row["start"], row["end"]))
     return Limb(row["part"] + side, start, end, row["width"])
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import field
-from typing import Any
 
 from ..declaration import Declared, extras, name_of, number, part
+from ..forms import Form
 from ..frozen import frozen
 
 
@@ -28,4 +27,4 @@ class DeviceMapping(Declared):
     actuators: tuple[ActuatorMapping, ...] = part(
         (), "actuator", "What its actuators play; others are silent", 1000
     )
-    extras: Mapping[str, Any] = extras()
+    extras: Form = extras()

@@ -27,8 +27,8 @@ import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
+from ..forms import Form
 from ..frozen import frozen
 from .bands import BAND_CENTRES
 from .coefficients import transfer_coefficient
@@ -76,13 +76,13 @@ def absorption(loss_factor: float, wave_speed: float) -> float:
     return math.pi * _REFERENCE * loss_factor / wave_speed
 
 
-TABLE: Mapping[str, Mapping[str, Any]] = json.loads(
+TABLE: Mapping[str, Form] = json.loads(
     Path(__file__).with_name("materials.json").read_text("utf-8")
 )
 """The rows of `materials.json` by name of the material."""
 
 
-def _material(name: str, row: Mapping[str, Any]) -> Material:
+def _material(name: str, row: Form) -> Material:
     """A material from its row; absorption follows from wave speed and loss factor, or is given if
     there is no single wave speed."""
     return Material(

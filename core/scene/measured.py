@@ -29,8 +29,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
+from ..forms import Form
 from ..frozen import frozen
 from .functions import Physical, Wave
 from .materials import MATERIALS, TABLE
@@ -55,7 +55,7 @@ class Damping:
     estimated: bool = True
 
 
-def _damping(row: Mapping[str, Any]) -> Damping:
+def _damping(row: Form) -> Damping:
     return Damping(
         **{**row, "loss_range": tuple(row["loss_range"]), "speed_range": tuple(row["speed_range"])}
     )

@@ -8,7 +8,7 @@ is valid.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import KW_ONLY, MISSING, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -28,6 +28,7 @@ from ..declaration import (
     switch,
     text,
 )
+from ..forms import Form
 from ..frozen import frozen
 from ..perception import FullScale
 from .body import BODY_PARTS
@@ -232,7 +233,7 @@ class HapticObject:
         "A volume such as air or water: it touches everything that it overlaps",
         context="Haptics",
     )
-    extras: Mapping[str, Any] = extras()
+    extras: Form = extras()
     motion: Motion = choice(Motion.DYNAMIC, "", "What moves the object", MOTIONS)
     impact_material: str = part(
         "", "impact_material", "Material of the signal of the object's impacts; empty: unknown"
@@ -290,7 +291,7 @@ class Contact:
         0.0,
         1.0,
     )
-    extras: Mapping[str, Any] = extras()
+    extras: Form = extras()
 
     def __post_init__(self) -> None:
         first, second = self.objects
@@ -388,7 +389,7 @@ class Source:
         0.0,
         soft=(0.0, 10.0),
     )
-    extras: Mapping[str, Any] = extras()
+    extras: Form = extras()
     triggers: tuple[Trigger, ...] | None = part(
         None,
         "trigger",
@@ -532,7 +533,7 @@ class Listener:
     full_scale_source: str = text(
         "", "Calibrated By", "Where the numbers of Full Scale are from", animated=False
     )
-    extras: Mapping[str, Any] = extras()
+    extras: Form = extras()
 
     def __post_init__(self) -> None:
         check(self)
@@ -566,7 +567,7 @@ class HapticScene:
     sources: tuple[Source, ...] = ()
     listeners: tuple[Listener, ...] = ()
     settings: Settings = field(default_factory=Settings)
-    extras: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    extras: Form = field(default_factory=dict, hash=False)
     rules: ContactSettings = field(default_factory=ContactSettings)
 
     def __post_init__(self) -> None:

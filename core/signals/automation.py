@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..declaration import Number, declare
+from ..forms import JsonObject
 from ..frozen import frozen
 from .limits import MAX_SECONDS, checked_column, integer_within, number_within
 
@@ -113,7 +114,7 @@ class Parameter(Number):
             return value
         return number_within(value, self.low, self.high)
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         return {"$ref": "#/$defs/parameter"} if self.keyed else Number.schema(self)
 
 

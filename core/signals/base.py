@@ -12,6 +12,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..declaration import Declaration, Declared, declare, declared
+from ..forms import JsonObject
 from ..frozen import frozen
 from .automation import Automation, largest, parameter, values_of
 from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
@@ -104,10 +105,10 @@ class Signal(Declared, ABC):
             result[first:last] = self.values(times[first:last], 1.0 / sample_rate)
         return result
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Return the JSON form: {"signal": kind, field: value, ...}. Infinite values are left
         out."""
-        result: dict[str, Any] = {"signal": self.kind}
+        result: JsonObject = {"signal": self.kind}
         for key, entry in json_fields(type(self)).items():
             value = getattr(self, entry.name)
             if value is not None and not (isinstance(value, float) and value == math.inf):
@@ -158,7 +159,7 @@ class Operands(Declaration):
                 raise ValueError(f"must be a signal, not {type(part).__name__}")
         return value
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonObject:
         return {"type": "array" if self.many else "object"}
 
 

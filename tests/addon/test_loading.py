@@ -20,6 +20,7 @@ LEAVES = {
     "formats",
     "formats.io",
     "formats.io.catalogue",
+    "forms",
     "frozen",
     "message",
     "modalities",

@@ -11,7 +11,7 @@ PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
 
 
 LAYERS = (
-    ("core.frozen",),
+    ("core.forms", "core.frozen"),
     ("core.declaration",),
     ("core.arrays", "core.message", "core.regular_file", "core.unchanged"),
     ("core.least_squares",),

@@ -8,8 +8,8 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
+from ...forms import JsonObject
 from ...frozen import frozen
 from ...scene import references
 
@@ -69,7 +69,7 @@ class Option:
         return f"{kind} from {self.minimum:g} to {self.maximum:g}"
 
 
-def complete(options: Sequence[Option], chosen: Mapping[str, Value]) -> dict[str, Any]:
+def complete(options: Sequence[Option], chosen: Mapping[str, Value]) -> JsonObject:
     """The value of every option: the chosen one, checked, or the default. Raises ValueError for an
     unknown option."""
     known = {option.name: option for option in options}
@@ -100,7 +100,7 @@ class Format:
     options: tuple[Option, ...] = ()
 
 
-def _format(form: dict[str, Any]) -> Format:
+def _format(form: JsonObject) -> Format:
     options = [
         Option(**{**item, "choices": tuple(item.get("choices", ()))})
         for item in form.pop("options", ())

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ...declaration import declared, schema_of
+from ...forms import Form, JsonObject
 from ...scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...scene.functions import TRANSMISSIONS, Spectrum
 from ...scene.impact_rule import ImpactLimits, ImpactRule
@@ -42,10 +43,10 @@ DEFINED: dict[str, type] = {
 """The classes of the items by the names of their definitions."""
 
 
-def function_schema() -> dict[str, Any]:
+def function_schema() -> JsonObject:
     """The definition of modulation functions: each has its own parameters, and all have those of
     the spectrum."""
-    properties: dict[str, Any] = {}
+    properties: JsonObject = {}
     owners: dict[str, list[str]] = {}
     for name, cls in TRANSMISSIONS.items():
         for key, item in schema_of(cls)["properties"].items():
@@ -71,11 +72,11 @@ def function_schema() -> dict[str, Any]:
     }
 
 
-def signal_schema(outline: Mapping[str, Any]) -> dict[str, Any]:
+def signal_schema(outline: Form) -> JsonObject:
     """The definition of signals: each kind has its own parameters. ``outline``: those that are not
     numbers."""
     kinds = {kind: json_fields(cls) for kind, cls in SIGNAL_KINDS.items()}
-    properties: dict[str, Any] = {"signal": {"description": "Kind of signal.", "enum": list(kinds)}}
+    properties: JsonObject = {"signal": {"description": "Kind of signal.", "enum": list(kinds)}}
     numbers = {
         kind: {
             item.key or name: {"description": f"{item.about}.", **item.schema()}
@@ -128,12 +129,12 @@ def _defaults_in(key: str, kinds: Mapping[str, Mapping[str, Field[Any]]]) -> str
     return f" Defaults: {'; '.join(parts)}." if parts else ""
 
 
-def _limits(item: Mapping[str, Any]) -> dict[str, Any]:
+def _limits(item: Form) -> JsonObject:
     """A schema without its description."""
     return {key: value for key, value in item.items() if key != "description"}
 
 
-def _either(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
+def _either(first: Form, second: Form) -> JsonObject:
     """The schema of a parameter that two kinds of signals have, with the limits of both."""
     description = " ".join(dict.fromkeys((first["description"], second["description"])))
     for item in (first, second):
@@ -144,9 +145,9 @@ def _either(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, An
     return {"description": description, "type": first["type"], "minimum": low, "maximum": high}
 
 
-def scene_schema() -> dict[str, Any]:
+def scene_schema() -> JsonObject:
     """The schema as a JSON document."""
-    document: dict[str, Any] = json.loads(
+    document: JsonObject = json.loads(
         Path(__file__).with_name("scene_outline.json").read_text("utf-8")
     )
     definitions = document["$defs"]

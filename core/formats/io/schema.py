@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ...forms import JsonObject
 from ...frozen import frozen
 from ...scene.references import meant
 from .error import FormatError, json_pointer
@@ -38,8 +39,8 @@ def validate(document: Any, schema: str, file: str | Path) -> None:
 
 
 def without_unknown_keys(
-    document: dict[str, Any], schema: str, file: str | Path
-) -> tuple[dict[str, Any], tuple[str, ...]]:
+    document: JsonObject, schema: str, file: str | Path
+) -> tuple[JsonObject, tuple[str, ...]]:
     """A copy of the document without the keys that the schema does not define, and JSON pointers to
     these (``*``: all items of a list).
 
@@ -98,7 +99,7 @@ def _fault(document: Any, schema: str) -> _Fault | None:
     return None
 
 
-def load_schema(schema: str) -> dict[str, Any]:
+def load_schema(schema: str) -> JsonObject:
     """The schema as a JSON document. ``haptic-scene-1.1#NAME``: that of an object with any of the
     properties of the definition NAME; ``run-time-1#NAME``: that of a message, whose parts are those
     of scenes."""
@@ -114,13 +115,13 @@ def load_schema(schema: str) -> dict[str, Any]:
             if part
             else scene
         )
-    document: dict[str, Any] = json.loads((SCHEMAS / f"{schema}.schema.json").read_text("utf-8"))
+    document: JsonObject = json.loads((SCHEMAS / f"{schema}.schema.json").read_text("utf-8"))
     return document
 
 
-def _alone(schema: dict[str, Any], definitions: dict[str, Any]) -> dict[str, Any]:
+def _alone(schema: JsonObject, definitions: JsonObject) -> JsonObject:
     """A schema with those of the definitions that it refers to."""
-    used: dict[str, Any] = {}
+    used: JsonObject = {}
     new = [schema]
     while new:
         names = set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(new))) - used.keys()
@@ -167,14 +168,14 @@ def _validator(schema: str) -> Callable[[Any], Any]:
     return validator
 
 
-def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
+def _with_inlined_leaves(definition: JsonObject) -> JsonObject:
     """The schema with the definitions of numbers, texts and arrays of these instead of references
     to them.
 
     The validator calls a function and formats a name for every reference, which is most of its
     time.
     """
-    defined: dict[str, Any] = definition.get("$defs", {})
+    defined: JsonObject = definition.get("$defs", {})
 
     def inlined(value: Any) -> Any:
         if isinstance(value, list):
@@ -193,7 +194,7 @@ def _with_inlined_leaves(definition: dict[str, Any]) -> dict[str, Any]:
             inside["enum"] = [inside.pop("const")]
         return inside
 
-    inline: dict[str, Any] = inlined(definition)
+    inline: JsonObject = inlined(definition)
     return inline
 
 

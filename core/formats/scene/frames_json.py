@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from ...forms import Form, JsonObject
 from ...scene.references import Place, PlacedError, require_known, require_new
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
 from ..io.error import errors_in
 from .motion import unpacked
-from .recording import Poses, RecordedFrame, Recording, is_on, pair_of
+from .recording import CHANGES, Poses, RecordedFrame, Recording, is_on, pair_of
 from .values_json import (
     json_value,
     read_contact,
@@ -24,7 +25,7 @@ from .values_json import (
 )
 
 
-def frame_to_dict(frame: RecordedFrame) -> dict[str, Any]:
+def frame_to_dict(frame: RecordedFrame) -> JsonObject:
     """The JSON object of a frame, without unchanged values."""
     changes = {key.name: getattr(frame, key.name) for key in fields(frame) if key.name != "number"}
     return {
@@ -40,9 +41,7 @@ def _as_tuples(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def recording_from_dict(
-    document: Mapping[str, Any], scene: HapticScene, file: str | Path
-) -> Recording | None:
+def recording_from_dict(document: Form, scene: HapticScene, file: str | Path) -> Recording | None:
     """The frames of a validated document, or None where it has none. Raises FormatError."""
     with errors_in(file):
         frames = document.get("frames", [])
@@ -80,7 +79,7 @@ class _FrameReader:
         self.touching = {pair_of(contact) for contact in scene.contacts}
         self.last: int | None = None
 
-    def frame(self, form: Mapping[str, Any], place: Place) -> RecordedFrame:
+    def frame(self, form: Form, place: Place) -> RecordedFrame:
         number = int(form["frame"])
         if self.last is not None and number <= self.last:
             raise PlacedError((*place, "frame"), f"must come after {self.last}, the frame before")
@@ -130,7 +129,7 @@ class _FrameReader:
                 )
         return replace(frame, poses={**poses, **frame.poses} if frame.poses else poses)
 
-    def _remove(self, form: Mapping[str, Any], place: Place) -> None:
+    def _remove(self, form: Form, place: Place) -> None:
         """Remove objects with the sources and listeners on them, and listeners."""
         for kind, known in (("object", self.objects), ("listener", self.listeners)):
             for i, name in enumerate(form.get(f"removed_{kind}s", ())):
@@ -144,7 +143,7 @@ class _FrameReader:
             del self.sources[name]
         self.touching -= {pair for pair in self.touching if gone and not gone.isdisjoint(pair)}
 
-    def _objects(self, form: Mapping[str, Any], place: Place) -> tuple[HapticObject, ...]:
+    def _objects(self, form: Form, place: Place) -> tuple[HapticObject, ...]:
         """The objects that appear."""
         objects = read_items(form, "objects", read_object, place)
         for i, item in enumerate(objects):
@@ -152,7 +151,7 @@ class _FrameReader:
             self.objects.add(item.name)
         return objects
 
-    def _listeners(self, form: Mapping[str, Any], place: Place) -> tuple[Listener, ...]:
+    def _listeners(self, form: Form, place: Place) -> tuple[Listener, ...]:
         """The listeners that appear."""
         listeners = read_items(form, "listeners", read_listener, place)
         for i, item in enumerate(listeners):
@@ -161,7 +160,7 @@ class _FrameReader:
             self.listeners[item.name] = item.object
         return listeners
 
-    def _sources(self, form: Mapping[str, Any], place: Place) -> tuple[Source, ...]:
+    def _sources(self, form: Form, place: Place) -> tuple[Source, ...]:
         """The sources that begin; they exist from now on."""
         sources = read_items(form, "sources", read_source, place)
         for i, source in enumerate(sources):
@@ -173,18 +172,13 @@ class _FrameReader:
                     require_known(name, self.objects, "object", (*place, "sources", i, key))
         return sources
 
-    def _check_names(self, form: Mapping[str, Any], place: Place) -> None:
-        named: tuple[tuple[str, Collection[str], tuple[str, ...]], ...] = (
-            ("object", self.objects, ("poses", "properties", "functions")),
-            ("source", self.sources, ("amplitudes", "source_positions")),
-            ("listener", self.listeners, ("listener_positions", "gains")),
-        )
-        for kind, known, keys in named:
-            for key in keys:
-                for name in form.get(key, {}):
-                    require_known(name, known, kind, (*place, key, name))
+    def _check_names(self, form: Form, place: Place) -> None:
+        for key, (kind, _) in CHANGES.items():
+            for name in form.get(key, {}):
+                known: Collection[str] = getattr(self, kind)
+                require_known(name, known, kind.removesuffix("s"), (*place, key, name))
 
-    def _contacts(self, form: Mapping[str, Any], place: Place) -> tuple[Contact, ...]:
+    def _contacts(self, form: Form, place: Place) -> tuple[Contact, ...]:
         contacts = read_items(form, "contacts", read_contact, place)
         for i, contact in enumerate(contacts):
             for k, name in enumerate(contact.objects):
@@ -192,7 +186,7 @@ class _FrameReader:
         self.touching.update(pair_of(contact) for contact in contacts)
         return contacts
 
-    def _parted(self, form: Mapping[str, Any], place: Place) -> tuple[tuple[str, str], ...]:
+    def _parted(self, form: Form, place: Place) -> tuple[tuple[str, str], ...]:
         """The pairs that part."""
         parted = tuple((min(pair), max(pair)) for pair in form.get("parted", []))
         for i, pair in enumerate(parted):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from ...declaration import Number
+from ...forms import Form, JsonObject
 from ...modalities import MODALITIES, Modality
 from ...modalities.propagation import Emitter, ModalityScene, propagation_function
 from ...scene.references import Place, PlacedError, require_known
@@ -20,7 +20,7 @@ CARRIED: Mapping[str, Modality] = {
 """The modalities that have a section in files."""
 
 
-def modalities_to_dict(scenes: Iterable[ModalityScene]) -> dict[str, Any]:
+def modalities_to_dict(scenes: Iterable[ModalityScene]) -> JsonObject:
     """The JSON objects of the modalities that are not empty."""
     return {
         item.modality.name: _form(item)
@@ -29,8 +29,8 @@ def modalities_to_dict(scenes: Iterable[ModalityScene]) -> dict[str, Any]:
     }
 
 
-def _form(scene: ModalityScene) -> dict[str, Any]:
-    form: dict[str, Any] = {} if scene.enabled else {"enabled": False}
+def _form(scene: ModalityScene) -> JsonObject:
+    form: JsonObject = {} if scene.enabled else {"enabled": False}
     names = sorted({*scene.values, *scene.forms})
     order = scene.modality.quantities
     form["objects"] = [
@@ -47,7 +47,7 @@ def _form(scene: ModalityScene) -> dict[str, Any]:
 
 
 def modalities_from_dict(
-    document: Mapping[str, Any], scene: HapticScene, file: str | Path
+    document: Form, scene: HapticScene, file: str | Path
 ) -> tuple[ModalityScene, ...]:
     """The modalities of a validated document. Raises FormatError."""
     objects = {item.name for item in scene.objects}
@@ -57,13 +57,13 @@ def modalities_from_dict(
         )
 
 
-def _read(name: str, form: Mapping[str, Any], objects: set[str]) -> ModalityScene:
+def _read(name: str, form: Form, objects: set[str]) -> ModalityScene:
     place: Place = ("modalities", name)
     modality = CARRIED.get(name)
     if modality is None:
         raise PlacedError(place, f"there is no modality {name!r}; known are {', '.join(CARRIED)}")
     values: dict[str, Mapping[str, float]] = {}
-    forms: dict[str, Mapping[str, Any]] = {}
+    forms: dict[str, Form] = {}
     for i, item in enumerate(form.get("objects", [])):
         own = (*place, "objects", i)
         called = item["object"]
@@ -93,7 +93,7 @@ def _read(name: str, form: Mapping[str, Any], objects: set[str]) -> ModalityScen
     )
 
 
-def _function(modality: Modality, form: Mapping[str, Any], place: Place) -> Mapping[str, Any]:
+def _function(modality: Modality, form: Form, place: Place) -> Form:
     """The JSON object of a function; its parameters must not be values of the object."""
     for key in modality.defaults():
         if key in form:

@@ -15,11 +15,11 @@ import base64
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from ...arrays import IntArray
+from ...forms import Form, JsonObject
 from ...scene.references import PlacedError, require_known
 from .recording import PER_UNIT, PoseRow, Poses, RecordedFrame, pose_row
 
@@ -35,7 +35,7 @@ _FARTHEST = 10**9 * PER_UNIT
 _LEVEL = 6
 
 
-def packed(frames: Sequence[RecordedFrame]) -> tuple[list[dict[str, Any]], Sequence[RecordedFrame]]:
+def packed(frames: Sequence[RecordedFrame]) -> tuple[list[JsonObject], Sequence[RecordedFrame]]:
     """Motions in the order of the objects' names, and the frames without the poses in these
     motions.
 
@@ -60,7 +60,7 @@ def packed(frames: Sequence[RecordedFrame]) -> tuple[list[dict[str, Any]], Seque
     starts = np.flatnonzero(
         np.concatenate([[True], (np.diff(objects) != 0) | (np.diff(times) != 1)])
     )
-    motions: list[dict[str, Any]] = []
+    motions: list[JsonObject] = []
     left: dict[int, dict[str, PoseRow]] = {}
     for first, last in zip(starts.tolist(), [*starts[1:].tolist(), len(objects)], strict=True):
         name = names[objects[first]]
@@ -90,7 +90,7 @@ def _is_rounded(poses: Mapping[str, PoseRow]) -> bool:
     )
 
 
-def unpacked(forms: Sequence[Mapping[str, Any]], objects: set[str]) -> dict[int, Poses]:
+def unpacked(forms: Sequence[Form], objects: set[str]) -> dict[int, Poses]:
     """The poses of validated motions by frame. Raises PlacedError."""
     total = 0
     tables = []

@@ -14,6 +14,7 @@ from ...contacts.contact_set import ContactSet
 from ...contacts.one_shots import Shot
 from ...contacts.settings import Body
 from ...contacts.shapes import pose_matrix
+from ...forms import JsonObject
 from ...frozen import frozen
 from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
@@ -115,6 +116,19 @@ class RecordedFrame:
     listeners: tuple[Listener, ...] = ()
     removed_objects: tuple[str, ...] = ()
     removed_listeners: tuple[str, ...] = ()
+
+
+CHANGES: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "poses": ("objects", ("pose",)),
+    "properties": ("objects", ("kappa", "rho")),
+    "functions": ("objects", ("propagation",)),
+    "amplitudes": ("sources", ("amplitude",)),
+    "source_positions": ("sources", ("position", "second_position")),
+    "listener_positions": ("listeners", ("position",)),
+    "gains": ("listeners", ("gain",)),
+}
+"""By field of `RecordedFrame`: which items change, and what of them. Of several values the first
+ones may stand alone."""
 
 
 @frozen
@@ -260,25 +274,20 @@ class _SceneState:
         for pair in change.parted:
             self._contacts.pop(pair, None)
         self._remove(change)
-        objects, sources, listeners = self._objects, self._sources, self._listeners
-        objects.update((item.name, item) for item in change.objects)
-        listeners.update((item.name, item) for item in change.listeners)
-        for name, (x, y, z, qw, qx, qy, qz) in change.poses.items():
-            objects[name] = replace(objects[name], pose=Pose((x, y, z), (qw, qx, qy, qz)))
-        for name, (kappa, rho) in change.properties.items():
-            objects[name] = replace(objects[name], kappa=kappa, rho=rho)
-        for name, function in change.functions.items():
-            objects[name] = replace(objects[name], propagation=function)
-        sources.update((source.name, source) for source in change.sources)
-        for name, amplitude in change.amplitudes.items():
-            sources[name] = replace(sources[name], amplitude=amplitude)
-        for name, positions in change.source_positions.items():
-            second = positions[1] if len(positions) > 1 else sources[name].second_position
-            sources[name] = replace(sources[name], position=positions[0], second_position=second)
-        for name, position in change.listener_positions.items():
-            listeners[name] = replace(listeners[name], position=position)
-        for name, gain in change.gains.items():
-            listeners[name] = replace(listeners[name], gain=gain)
+        kinds: dict[str, JsonObject] = {
+            "objects": self._objects,
+            "sources": self._sources,
+            "listeners": self._listeners,
+        }
+        for kind, items in kinds.items():
+            items.update((item.name, item) for item in getattr(change, kind))
+        for key, (kind, fields) in CHANGES.items():
+            items = kinds[kind]
+            for name, value in getattr(change, key).items():
+                if key == "poses":
+                    value = Pose(value[:3], value[3:])
+                values = value if len(fields) > 1 else (value,)
+                items[name] = replace(items[name], **dict(zip(fields, values, strict=False)))
         self._contacts.update(by_pair(change.contacts))
 
     def _remove(self, change: RecordedFrame) -> None:

@@ -6,12 +6,13 @@ from __future__ import annotations
 import gzip
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from ...forms import Form, JsonObject
 from ...scene.rules import ContactSettings
 from ...scene.values import HapticScene, Settings
 from ..io.atomic import atomic_file
@@ -48,7 +49,7 @@ CONVENTION = {
 _NEWER = re.compile(r"1\.[0-9]{1,4}")
 
 
-def _from_1_0(document: dict[str, Any]) -> dict[str, Any]:
+def _from_1_0(document: JsonObject) -> JsonObject:
     """A 1.0 document as 1.1, with the same meaning: ``auto``, the default strategy of 1.0, is
     ``as_in_the_paper`` in 1.1."""
     settings = document.get("settings", {})
@@ -83,7 +84,7 @@ def _is_valid(rule: str, value: Any) -> bool:
     return isinstance(value, str) or abs(value) <= 1e9
 
 
-def _with_rules(document: dict[str, Any]) -> dict[str, Any]:
+def _with_rules(document: JsonObject) -> JsonObject:
     """A document with the valid ones of the rules that earlier versions wrote into its extras."""
     extras = document.get("extras")
     known = extras.get("blender") if isinstance(extras, dict) else None
@@ -98,7 +99,7 @@ def _with_rules(document: dict[str, Any]) -> dict[str, Any]:
     return {**document, "rules": rules, "extras": {**extras, "blender": left}}
 
 
-MIGRATIONS: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"1.0": _from_1_0}
+MIGRATIONS: dict[str, Callable[[JsonObject], JsonObject]] = {"1.0": _from_1_0}
 """By version, the function that converts a document to a later version (it sets ``version``)."""
 
 
@@ -112,7 +113,7 @@ def write_scene(scene: HapticScene, path: str | Path) -> None:
     write_document(scene_to_dict(scene), path)
 
 
-def write_document(document: Mapping[str, Any], path: str | Path) -> None:
+def write_document(document: Form, path: str | Path) -> None:
     """Write a scene's document in one step, one list item per line. The same document gives the
     same bytes."""
     is_packed = Path(path).suffix.lower() == ".gz"
@@ -134,7 +135,7 @@ PROVENANCE = "provenance"
 """Where a scene file has its provenance among its extras."""
 
 
-def scene_of(document: Mapping[str, Any], file: str | Path) -> HapticScene:
+def scene_of(document: Form, file: str | Path) -> HapticScene:
     """The scene of a document from `current_document`, without the provenance among its extras:
     the next file has its own. Raises FormatError."""
     with errors_in(file):
@@ -158,7 +159,7 @@ def scene_of(document: Mapping[str, Any], file: str | Path) -> HapticScene:
         )
 
 
-def current_document(document: Any, file: str | Path) -> tuple[dict[str, Any], tuple[str, ...]]:
+def current_document(document: Any, file: str | Path) -> tuple[JsonObject, tuple[str, ...]]:
     """The valid document in the current version, and the JSON pointers of keys of a newer version,
     which are not read.
 
@@ -184,7 +185,7 @@ def current_document(document: Any, file: str | Path) -> tuple[dict[str, Any], t
     return document, ()
 
 
-def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
+def scene_to_dict(scene: HapticScene) -> JsonObject:
     """The document of a scene, keys in the order of the definition; defaults are left out, except
     positions and settings."""
     head = {"format": FORMAT, "version": VERSION, "convention": CONVENTION}
@@ -197,7 +198,7 @@ def scene_to_dict(scene: HapticScene) -> dict[str, Any]:
     return {**document, "extras": json_value(scene.extras)} if scene.extras else document
 
 
-def _all_values(item: Settings | ContactSettings) -> dict[str, Any]:
+def _all_values(item: Settings | ContactSettings) -> JsonObject:
     """The JSON object of an item with all its values but empty optional ones."""
     values = {key.name: json_value(getattr(item, key.name)) for key in fields(item)}
     return {name: value for name, value in values.items() if value or name not in _OPTIONAL}
@@ -206,7 +207,7 @@ def _all_values(item: Settings | ContactSettings) -> dict[str, Any]:
 _OPTIONAL = ("localise", "impact_table", "transmission_table", "textures")
 
 
-def _lines(document: Mapping[str, Any]) -> Iterator[str]:
+def _lines(document: Form) -> Iterator[str]:
     """The text of a document; its lists, which may be iterators, with one item per line."""
     separator = "{\n"
     for key, value in document.items():

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...forms import Form, JsonObject
 from ..io.error import FormatError
 from ..tracks.listener_tracks import ListenerTrack, Tracks
 from ..tracks.wav import FULL_SCALE, TYPES, StoredSamples, encoded
@@ -18,14 +18,14 @@ MAX_INLINE = 192 * 2**20
 """Maximum number of bytes of samples in a scene file itself."""
 
 
-def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[str, Any]:
+def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> JsonObject:
     """The JSON object of the tracks, with the name of the WAV file beside it, or with their
     samples.
 
     Raises ValueError for more than ``MAX_INLINE`` bytes of samples.
     """
-    form: dict[str, Any] = {"sample_rate": tracks.sample_rate, "start": tracks.start}
-    listeners: list[dict[str, Any]] = [
+    form: JsonObject = {"sample_rate": tracks.sample_rate, "start": tracks.start}
+    listeners: list[JsonObject] = [
         {"name": track.name, "body_part": track.body_part, "impacts": track.impacts.tolist()}
         for track in tracks.listeners
     ]
@@ -45,7 +45,7 @@ def tracks_to_dict(tracks: Tracks, encoding: str, sidecar: str | None) -> dict[s
     return {**form, "encoding": encoding, "listeners": listeners}
 
 
-def tracks_from_dict(document: Mapping[str, Any], file: str | Path) -> Tracks | None:
+def tracks_from_dict(document: Form, file: str | Path) -> Tracks | None:
     """The tracks of a validated document, or None where it has none. Raises FormatError or
     OSError."""
     if "tracks" not in document:
@@ -74,7 +74,7 @@ def tracks_from_dict(document: Mapping[str, Any], file: str | Path) -> Tracks | 
         raise FormatError(file, "/tracks", str(error)) from None
 
 
-def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
+def _beside(form: Form, file: str | Path) -> NDArray[np.floating]:
     name = form["file"]
     place = "/tracks/file"
     if name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
@@ -95,7 +95,7 @@ def _beside(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
     return np.asarray(stored[:, :count])
 
 
-def _inline(form: Mapping[str, Any], file: str | Path) -> NDArray[np.floating]:
+def _inline(form: Form, file: str | Path) -> NDArray[np.floating]:
     kind = np.dtype(TYPES[form["encoding"]])
     rows: list[NDArray[Any]] = []
     for i, listener in enumerate(form["listeners"]):

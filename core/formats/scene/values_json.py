@@ -15,6 +15,8 @@ import numpy as np
 
 from ...contacts.shapes import Shape, shape_from_dict
 from ...declaration import declared, default_of
+from ...forms import Form, JsonObject
+from ...scene.device_mapping import ActuatorMapping
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.references import Place, PlacedError, meant
@@ -27,7 +29,7 @@ from ...signals import Signal, signal_from_dict
 T = TypeVar("T")
 
 
-def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) -> T:
+def read_value(make: Callable[..., T], form: Form, place: Place) -> T:
     """``make`` with the members of ``form`` as arguments."""
     known, required = _arguments(make)
     if not required <= form.keys() <= known:
@@ -39,7 +41,7 @@ def read_value(make: Callable[..., T], form: Mapping[str, Any], place: Place) ->
     return _placed(lambda _: make(**members), form, place)
 
 
-def read_members(form: Mapping[str, Any], place: Place) -> dict[str, Any]:
+def read_members(form: Form, place: Place) -> JsonObject:
     """The members of an item as arguments of its class: some converted by `_READERS`, other lists
     as tuples."""
     members = {
@@ -66,7 +68,7 @@ read_listener = partial(read_value, Listener)
 read_rules = partial(read_value, ContactSettings)
 
 
-def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
+def read_object(form: Form, place: Place) -> HapticObject:
     """An object; version 1.0 wrote its material into its extras."""
     extras = dict(form.get("extras", {}))
     if "material" not in form and isinstance(extras.get("material"), str):
@@ -75,7 +77,7 @@ def read_object(form: Mapping[str, Any], place: Place) -> HapticObject:
 
 
 def read_function(
-    form: Mapping[str, Any],
+    form: Form,
     place: Place,
     functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS,
 ) -> ModulationFunction:
@@ -83,7 +85,7 @@ def read_function(
     return _placed(partial(function_from_dict, functions=functions), form, place)
 
 
-def _placed(make: Callable[[Any], T], form: Mapping[str, Any], place: Place) -> T:
+def _placed(make: Callable[[Any], T], form: Form, place: Place) -> T:
     """Call ``make`` with a form. Its ValueError "key: reason" or "key/key: reason" becomes a
     `PlacedError` at that key of the form, which is at ``place`` in the document."""
     try:
@@ -118,7 +120,7 @@ def read_list(read: Callable[[Any, Place], T], forms: Sequence[Any], place: Plac
 
 
 def read_items(
-    form: Mapping[str, Any], key: str, read: Callable[[Any, Place], T], place: Place = ()
+    form: Form, key: str, read: Callable[[Any, Place], T], place: Place = ()
 ) -> tuple[T, ...]:
     """The items of the list ``key`` of an object; none where it is absent."""
     return read_list(read, form.get(key, ()), (*place, key))
@@ -127,9 +129,7 @@ def read_items(
 read_triggers = partial(read_list, partial(read_value, Trigger))
 
 
-def _read_table(
-    make: Callable[..., T], forms: Sequence[Mapping[str, Any]], place: Place
-) -> RuleTable[T]:
+def _read_table(make: Callable[..., T], forms: Sequence[Form], place: Place) -> RuleTable[T]:
     """A table of rules; ``make`` makes the value of a row from its keys other than ``between``,
     which has none, one or both sides."""
     rows = []
@@ -145,6 +145,7 @@ def _read_table(
 
 
 _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
+    "actuators": partial(read_list, partial(read_value, ActuatorMapping)),
     "impact_table": partial(_read_table, ImpactRule),
     "limits": partial(read_value, ImpactLimits),
     "normal": _read_normal,
@@ -162,7 +163,7 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
 item."""
 
 
-def item_to_dict(item: Any) -> dict[str, Any]:
+def item_to_dict(item: Any) -> JsonObject:
     """The JSON object of an item: required values, and others where they differ from their
     default."""
     values = (
@@ -172,7 +173,7 @@ def item_to_dict(item: Any) -> dict[str, Any]:
 
 
 @cache
-def _defaults(cls: type) -> Mapping[str, Any]:
+def _defaults(cls: type) -> Form:
     """The defaults of the fields of a class, `MISSING` for a field that is always written."""
     required = {name for name, declaration in declared(cls).items() if declaration.required}
     return {
@@ -181,7 +182,7 @@ def _defaults(cls: type) -> Mapping[str, Any]:
     }
 
 
-def _rule_value_to_dict(does: ImpactRule | ModulationFunction | Texture) -> dict[str, Any]:
+def _rule_value_to_dict(does: ImpactRule | ModulationFunction | Texture) -> JsonObject:
     return (
         {"transmission": does.to_dict()}
         if isinstance(does, ModulationFunction)
@@ -189,7 +190,7 @@ def _rule_value_to_dict(does: ImpactRule | ModulationFunction | Texture) -> dict
     )
 
 
-def scene_items(scene: HapticScene) -> dict[str, list[dict[str, Any]]]:
+def scene_items(scene: HapticScene) -> dict[str, list[JsonObject]]:
     """The JSON lists of a scene."""
     return {
         key: [item_to_dict(item) for item in getattr(scene, key)]

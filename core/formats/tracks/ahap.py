@@ -23,8 +23,10 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
+from ...forms import Form, JsonObject
 from ...scene.references import Place, PlacedError
-from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
+from ...signals import Automation, ramp
+from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST, cut
 from ...signals.keys import needed_keys
 from ..io.budget import Budget
 from ..io.error import FormatError, errors_in
@@ -59,7 +61,7 @@ _KNOWN = ("HapticIntensity", "HapticSharpness", *_ENVELOPE)
 _CONTROLS = ("HapticIntensityControl", "HapticSharpnessControl")
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     yield from common_losses(export.need_tracks(), body=False)
     yield "the place on the body: a phone has one actuator; the file name gives the listener"
@@ -69,14 +71,12 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     )
 
 
-def measures(options: Mapping[str, Any]) -> Measures:
+def measures(options: Form) -> Measures:
     """How the files can be compared with the tracks."""
     return Measures(Kind.SPECTRUM, LOWEST, HIGHEST)
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.ahap`` and, for impacts beside continuous vibration,
     ``.transients.ahap``."""
     files = []
@@ -108,7 +108,7 @@ def write(
 
 
 def _write(
-    path: Path, export: TrackExport, listener: ListenerTrack, pattern: list[dict[str, Any]]
+    path: Path, export: TrackExport, listener: ListenerTrack, pattern: list[JsonObject]
 ) -> Path:
     metadata = {
         "Project": export.name,
@@ -120,7 +120,7 @@ def _write(
 
 def _continuous(
     amplitude: FloatArray, frequency: FloatArray, step: float, duration: float, error: float
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[JsonObject]:
     """Events of full intensity wherever there is vibration, each with its curves.
 
     Args:
@@ -158,7 +158,7 @@ def _continuous(
 
 def _event(
     kind: str, time: float, amplitude: float, frequency: float, duration: float | None = None
-) -> dict[str, Any]:
+) -> JsonObject:
     """An event of a pattern.
 
     Args:
@@ -189,7 +189,7 @@ def _event(
     }
 
 
-def _curves(name: str, times: FloatArray, values: FloatArray) -> Iterator[dict[str, Any]]:
+def _curves(name: str, times: FloatArray, values: FloatArray) -> Iterator[JsonObject]:
     """Curves of at most 16 points, each starting with the last point of the one before. Times of
     points are relative to their curve."""
     for first in range(0, max(len(times) - 1, 1), MOST_POINTS - 1):
@@ -262,9 +262,9 @@ def carriers_of(
         envelope = (
             _envelope(values, duration)
             if event == "HapticContinuous"
-            else (np.array([0.0, EMPHASIS_SECONDS]), np.ones(2))
+            else ramp(1.0, 1.0, EMPHASIS_SECONDS)
         )
-        if envelope[0][-1] > 0 and start >= 0:
+        if envelope.times[-1] > 0 and start >= 0:
             carriers.append(_carrier(start, values, envelope, controls))
             take(carriers[-1].size)
         else:
@@ -272,7 +272,7 @@ def carriers_of(
     return tuple(carriers)
 
 
-def _entries(pattern: list[Any]) -> Iterator[tuple[Place, str, Mapping[str, Any]]]:
+def _entries(pattern: list[Any]) -> Iterator[tuple[Place, str, Form]]:
     """Place, kind and content of each entry."""
     for i, entry in enumerate(pattern):
         if not isinstance(entry, dict):
@@ -283,23 +283,21 @@ def _entries(pattern: list[Any]) -> Iterator[tuple[Place, str, Mapping[str, Any]
             yield ("Pattern", i, kind), kind, body if isinstance(body, dict) else {}
 
 
-def _number(form: Mapping[str, Any], key: str, default: float, place: Place) -> float:
+def _number(form: Form, key: str, default: float, place: Place) -> float:
     value = form.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e6:
         raise PlacedError((*place, key), "must be a number from -1e6 to 1e6")
     return float(value)
 
 
-def _list(form: Mapping[str, Any], key: str, place: Place) -> list[Mapping[str, Any]]:
+def _list(form: Form, key: str, place: Place) -> list[Form]:
     values = form.get(key, [])
     if not isinstance(values, list) or not all(isinstance(value, dict) for value in values):
         raise PlacedError((*place, key), "must be an array of objects")
     return values
 
 
-def _parameters(
-    event: Mapping[str, Any], place: Place, losses: dict[str, None]
-) -> Iterator[tuple[str, float]]:
+def _parameters(event: Form, place: Place, losses: dict[str, None]) -> Iterator[tuple[str, float]]:
     for k, parameter in enumerate(_list(event, "EventParameters", place)):
         name = parameter.get("ParameterID")
         if name in _KNOWN:
@@ -311,7 +309,7 @@ def _parameters(
             losses[f"the event parameter {name} is not read"] = None
 
 
-def _envelope(values: Mapping[str, float], duration: float) -> Keys:
+def _envelope(values: Mapping[str, float], duration: float) -> Automation:
     """Times (seconds from the start) and shares of the intensity."""
     attack, decay, release = (max(values.get(name, 0.0), 0.0) for name in _ENVELOPE[:3])
     keys = [(0.0, 0.0 if attack else 1.0)]
@@ -322,11 +320,10 @@ def _envelope(values: Mapping[str, float], duration: float) -> Keys:
         keys += [(min(attack, duration), level), (duration, level)]
         if release:
             keys.append((duration + release, 0.0))
-    times, shares = np.array(keys).T
-    return times, shares
+    return Automation(*np.array(keys).T)
 
 
-def _control(pattern: list[Any], name: str, default: float) -> Keys:
+def _control(pattern: list[Any], name: str, default: float) -> Automation:
     """Times and values of one control: it holds its default before the first curve or parameter,
     and each last value until the next."""
     pieces: list[tuple[float, list[tuple[float, float]]]] = []
@@ -351,24 +348,27 @@ def _control(pattern: list[Any], name: str, default: float) -> Keys:
     for _, piece in sorted(pieces, key=lambda piece: piece[0]):
         keys += [(piece[0][0], keys[-1][1]), *piece]
     times, values = np.array(keys).T
-    return np.maximum.accumulate(times), values
+    return Automation(np.maximum.accumulate(times), values)
 
 
 def _carrier(
-    start: float, values: Mapping[str, float], envelope: Keys, controls: Mapping[str, Keys]
+    start: float,
+    values: Mapping[str, float],
+    envelope: Automation,
+    controls: Mapping[str, Automation],
 ) -> Carrier:
-    times, shares = _product(
-        envelope, _within(controls["HapticIntensityControl"], start, envelope[0][-1])
+    length = float(envelope.times[-1])
+    louder, sharper = (
+        cut(Automation(controls[name].times - start, controls[name].values), length)
+        for name in _CONTROLS
     )
+    times, shares = _product(envelope, louder)
     times, intensities = _refined(_limited(times, values.get("HapticIntensity", 1.0) * shares))
-    key_times, offsets = _within(controls["HapticSharpnessControl"], start, envelope[0][-1])
     key_times, sharpness = _refined(
-        _limited(key_times, values.get("HapticSharpness", 0.5) + offsets)
+        _limited(sharper.times, values.get("HapticSharpness", 0.5) + sharper.values)
     )
     frequencies = LOWEST + (HIGHEST - LOWEST) * sharpness**2
-    return Carrier(
-        start, start + float(envelope[0][-1]), 0.0, times, intensities**2, key_times, frequencies
-    )
+    return Carrier(start, start + length, 0.0, times, intensities**2, key_times, frequencies)
 
 
 def _limited(times: FloatArray, values: FloatArray) -> Keys:
@@ -387,33 +387,17 @@ def _limited(times: FloatArray, values: FloatArray) -> Keys:
     return times, np.clip(values, 0.0, 1.0)
 
 
-def _within(keys: Keys, start: float, length: float) -> Keys:
-    """The keys from ``start`` for ``length`` seconds, with times from the start."""
-    times, values = keys
-    first, last = np.searchsorted(times, [start, start + length], side="right")
-    before = (
-        values[max(first - 1, 0)]
-        if first == len(times)
-        else np.interp(start, times[first - 1 : first + 1], values[first - 1 : first + 1])
-    )
-    after = np.interp(start + length, times, values)
-    return np.concatenate(
-        [[0.0], np.minimum(times[first:last] - start, length), [length]]
-    ), np.concatenate([[before], values[first:last], [after]])
-
-
-def _product(first: Keys, second: Keys) -> Keys:
+def _product(first: Automation, second: Automation) -> Keys:
     """The product of two curves at the keys of both; between them it is refined, since it is not
     linear."""
-    times = np.unique(np.concatenate([first[0], second[0]]))
+    for one, other in ((first, second), (second, first)):
+        if (other.values == other.values[0]).all():
+            return one.times, one.values * other.values[0]
+    times = np.unique(np.concatenate([first.times, second.times]))
     times = np.unique(
         np.concatenate([times, *(times[:-1] + np.diff(times) * k / 4 for k in (1, 2, 3))])
     )
-    if len(second[0]) == 2 and second[1][0] == second[1][1]:
-        return first[0], first[1] * second[1][0]
-    if (first[1] == 1.0).all():
-        return second
-    return times, np.interp(times, *first) * np.interp(times, *second)
+    return times, first.at(times) * second.at(times)
 
 
 def _refined(keys: Keys) -> Keys:

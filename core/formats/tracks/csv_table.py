@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...forms import Form
 from ..io.atomic import atomic_file
 from . import wav
 from .comparison import Comparison
@@ -24,7 +24,7 @@ _AT_ONCE = 2**10
 """Lines whose text stays in the processor's cache while it is made."""
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the file does not carry, one sentence each."""
     yield from common_losses(export.need_tracks(), body=False)
     yield wav.ROUNDING
@@ -34,9 +34,7 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
 measures = wav.measures
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.csv``: seconds with six decimals, values with five."""
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, "csv")

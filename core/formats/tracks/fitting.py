@@ -422,8 +422,7 @@ class _Grid:
         own = before * (1 + np.append(1.0, np.where(together, share, 1.0))) / 2
         own += after * (1 + np.append(np.where(together, 1 - share, 1.0), 1.0)) / 2
         cycles = (self.phase[keys[segment + 1]] - self.phase[keys[segment]]) / (2 * math.pi)
-        longest = int(np.bincount(key_run).max())
-        frequencies = _tridiagonal(from_last, own, from_next, cycles, longest) + self.centre
+        frequencies = _tridiagonal(from_last, own, from_next, cycles) + self.centre
         weights = own + np.append(from_last[1:], 0.0) + np.append(0.0, from_next[:-1])
         return key_run, times[segment] + before, self._rounded(frequencies, weights, key_run)
 
@@ -451,30 +450,17 @@ class _Grid:
 
 
 def _tridiagonal(
-    lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray, longest: int
+    lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray
 ) -> FloatArray:
-    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]`` by parallel cyclic
-    reduction.
-
-    ``longest``: maximum number of consecutive coupled equations. Each round eliminates the
-    neighbours of every equation, which then depends on those twice as far away.
-    """
-    step = 1
-    while step < longest:
-        to_last = np.zeros_like(right)
-        to_next = np.zeros_like(right)
-        to_last[step:] = lower[step:] / diagonal[:-step]
-        to_next[:-step] = upper[:-step] / diagonal[step:]
-        reduced = diagonal.copy()
-        known = right.copy()
-        reduced[step:] -= to_last[step:] * upper[:-step]
-        reduced[:-step] -= to_next[:-step] * lower[step:]
-        known[step:] -= to_last[step:] * right[:-step]
-        known[:-step] -= to_next[:-step] * right[step:]
-        lower_next = np.zeros_like(right)
-        upper_next = np.zeros_like(right)
-        lower_next[step:] = -to_last[step:] * lower[:-step]
-        upper_next[:-step] = -to_next[:-step] * upper[step:]
-        lower, diagonal, upper, right = lower_next, reduced, upper_next, known
-        step *= 2
-    return right / diagonal
+    """Solve ``lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1] = right[k]``: each equation
+    loses its unknown before, from the first to the last, then the one after, on the way back."""
+    reduced: list[tuple[float, float]] = []
+    after, known = 0.0, 0.0
+    rows = zip(*(column.tolist() for column in (lower, diagonal, upper, right)), strict=True)
+    for to_last, own, to_next, value in rows:
+        pivot = own - to_last * after
+        after, known = to_next / pivot, (value - to_last * known) / pivot
+        reduced.append((after, known))
+    solution = 0.0
+    found = [solution := known - after * solution for after, known in reversed(reduced)]
+    return np.array(found[::-1])

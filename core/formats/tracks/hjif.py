@@ -7,16 +7,14 @@ Times are in milliseconds: the reference renderer counts phases in them whatever
 from __future__ import annotations
 
 import math
-import tempfile
 from bisect import bisect
-from collections.abc import Iterator, Mapping
-from contextlib import ExitStack
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...forms import Form, JsonObject
 from ..io.atomic import write_text
 from ..io.json_text import compact
 from .bands import bands_for
@@ -36,7 +34,6 @@ HIGHEST = 1000
 EDGES = (5, 40, 80, 160, 320, 640, 860)
 """Edges of the bands (hertz). With the transient band, they are the number that level 1 allows per
 channel."""
-_PIECE = 2**20
 
 _DEVICES = {
     "Head": "Razer Kraken V4 Pro",
@@ -47,7 +44,7 @@ _DEVICES = {
 }
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
+def loss(export: TrackExport, options: Form) -> tuple[str, ...]:
     """What the file does not carry, one sentence each."""
     return (
         *common_losses(export.need_tracks(), body=True),
@@ -56,14 +53,12 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def measures(options: Mapping[str, Any]) -> Measures:
+def measures(options: Form) -> Measures:
     """How the file can be compared with the tracks."""
     return Measures(Kind.WAVE, EDGES[0], EDGES[-1])
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.hjif``."""
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, "hjif")
@@ -71,7 +66,7 @@ def write(
 
 
 def _document(
-    export: TrackExport, tracks: Tracks, options: Mapping[str, Any], measured: Comparison
+    export: TrackExport, tracks: Tracks, options: Form, measured: Comparison
 ) -> Iterator[str]:
     devices = _reference_devices(tracks)
     head = {
@@ -100,7 +95,7 @@ def _document(
     yield '\n]}],"syncs":[{"timestamp":0}]}\n'
 
 
-def _reference_devices(tracks: Tracks) -> list[dict[str, Any]]:
+def _reference_devices(tracks: Tracks) -> list[JsonObject]:
     names = dict.fromkeys(
         _DEVICES[part.wyvrn_target]
         for listener in tracks.listeners
@@ -122,8 +117,8 @@ def _channel(
     number: int,
     listener: ListenerTrack,
     tracks: Tracks,
-    devices: list[dict[str, Any]],
-    options: Mapping[str, Any],
+    devices: list[JsonObject],
+    options: Form,
     measured: Comparison,
 ) -> Iterator[str]:
     """The lines of a listener's channel.
@@ -137,7 +132,7 @@ def _channel(
         measured: takes over the decoded signal.
     """
     part = body_part_of(listener)
-    channel: dict[str, Any] = {
+    channel: JsonObject = {
         "id": number,
         "description": listener.name,
         "gain": 1,
@@ -159,111 +154,87 @@ def _channel(
     transients = np.zeros((0, 2))
     if options["transients"]:
         row, transients = without_transients(row, listener.impacts, 1 / TIMESCALE)
-    separator = ""
-    with ExitStack() as files:
-        bands = _Bands(row, options["error"], files)
-        bands.fit(original, number, transients, measured)
-        for text in bands.texts():
-            yield separator
-            yield from text
-            separator = ","
+    bands = _bands(row, original, options["error"], number, transients, measured)
+    texts = [band.text() for _, band in sorted(bands.items())]
     if len(transients):
-        yield separator + compact(_transient_band(transients))
-    yield "]}"
+        texts.append(compact(_transient_band(transients)))
+    yield ",".join(texts) + "]}"
 
 
-class _Bands:
-    """The vectorial bands of a channel, whose effects are written to temporary ``files`` while the
-    signal is fitted."""
+def _bands(
+    row: Row,
+    original: Row,
+    error: float,
+    listener: int,
+    transients: FloatArray,
+    measured: Comparison,
+) -> dict[int, _Band]:
+    """The vectorial bands of a channel by their place among `EDGES`.
 
-    def __init__(self, row: Row, error: float, files: ExitStack) -> None:
-        self._row, self._files = row, files
-        self._fit = Fit(
-            error=error,
-            lowest=1,
-            highest=HIGHEST,
-            frequency_step=1,
-            time_step=1 / TIMESCALE,
-            signed=True,
-        )
-        self._bands: dict[int, _BandFile] = {}
-
-    def fit(
-        self, original: Row, listener: int, transients: FloatArray, measured: Comparison
-    ) -> None:
-        """Fit the signal; the written carriers are compared with the ``original``."""
-        narrow = bands_for(self._row, EDGES)
-        player = CarrierPlayer(original, listener, measured)
-        player.add(transient_carrier(time, strength) for time, strength in transients.tolist())
-        for complete, fitted in fit_bands(self._row, narrow, self._fit):
-            for band, carriers in zip(narrow, fitted, strict=True):
-                group = min(bisect(EDGES, band.centre), len(EDGES) - 1)
-                for carrier in carriers:
-                    effect = self._band(group).add(carrier)
-                    player.add(carriers_of("VectorialWave", effect, 1 / TIMESCALE))
-            for band_file in self._bands.values():
-                band_file.flush(complete)
-            player.play_until(complete)
-
-    def texts(self) -> Iterator[Iterator[str]]:
-        """The JSON text of each band in pieces."""
-        return (band.text() for _, band in sorted(self._bands.items()))
-
-    def _band(self, group: int) -> _BandFile:
-        if group not in self._bands:
-            self._bands[group] = _BandFile(EDGES[group - 1], EDGES[group], self._files)
-        return self._bands[group]
+    Args:
+        row: the samples without transients.
+        original: the samples that what is written is compared with.
+        error: of the fit.
+        listener: its number.
+        transients: (k, 2) times and strengths.
+        measured: takes the comparison.
+    """
+    fit = Fit(
+        error=error,
+        lowest=1,
+        highest=HIGHEST,
+        frequency_step=1,
+        time_step=1 / TIMESCALE,
+        signed=True,
+    )
+    found: dict[int, _Band] = {}
+    narrow = bands_for(row, EDGES)
+    player = CarrierPlayer(original, listener, measured)
+    player.add(transient_carrier(time, strength) for time, strength in transients.tolist())
+    for complete, fitted in fit_bands(row, narrow, fit):
+        for band, carriers in zip(narrow, fitted, strict=True):
+            place = min(bisect(EDGES, band.centre), len(EDGES) - 1)
+            for carrier in carriers:
+                effect = _effect(carrier)
+                found.setdefault(place, _Band(EDGES[place - 1], EDGES[place])).add(carrier, effect)
+                player.add(carriers_of("VectorialWave", effect, 1 / TIMESCALE))
+        player.play_until(complete)
+    return found
 
 
-class _BandFile:
-    """The effects of a band. Carriers that sound at the same time are effects that overlap: players
-    add them up."""
+class _Band:
+    """The effects of a band as text. Carriers that sound at the same time are effects that overlap:
+    players add them up."""
 
-    def __init__(self, low: float, high: float, files: ExitStack) -> None:
+    def __init__(self, low: float, high: float) -> None:
         self._low, self._high = low, high
-        self._file = files.enter_context(
-            tempfile.TemporaryFile("w+", encoding="utf-8", prefix="haptic-bands-")  # noqa: SIM115
-        )
-        self._waiting: list[dict[str, Any]] = []
-        self._separator = ""
+        self._effects: list[tuple[int, str]] = []
 
-    def add(self, carrier: Carrier) -> dict[str, Any]:
-        """The effect of a carrier."""
+    def add(self, carrier: Carrier, effect: Form) -> None:
+        """Add a carrier as this effect."""
         self._low = min(self._low, float(np.min(carrier.frequencies)))
         self._high = max(self._high, float(np.max(carrier.frequencies)))
-        self._waiting.append(_effect(carrier))
-        return self._waiting[-1]
+        self._effects.append((effect["position"], compact(effect)))
 
-    def flush(self, until: float) -> None:
-        """Write the effects that begin before ``until`` (seconds) in the order of time."""
-        self._waiting.sort(key=lambda effect: effect["position"])
-        count = bisect(self._waiting, until * TIMESCALE - 1, key=lambda effect: effect["position"])
-        for effect in self._waiting[:count]:
-            self._file.write(self._separator + compact(effect))
-            self._separator = ","
-        del self._waiting[:count]
-
-    def text(self) -> Iterator[str]:
-        """The JSON text of the band in pieces."""
+    def text(self) -> str:
+        """The JSON text of the band, with its effects in the order of time."""
         limits = {
             "lower_frequency_limit": math.floor(self._low),
             "upper_frequency_limit": math.ceil(self._high),
         }
-        yield compact({"band_type": "VectorialWave", **limits})[:-1] + ',"effects":['
-        self._file.seek(0)
-        while piece := self._file.read(_PIECE):
-            yield piece
-        yield "]}"
+        effects = sorted(self._effects, key=lambda effect: effect[0])
+        head = compact({"band_type": "VectorialWave", **limits})[:-1]
+        return f'{head},"effects":[{",".join(text for _, text in effects)}]}}'
 
 
-def _effect(carrier: Carrier) -> dict[str, Any]:
+def _effect(carrier: Carrier) -> JsonObject:
     """The effect of a carrier. Frequency keys reach from its start to its end, since players differ
     beyond the last key.
 
     It lasts less than 65.535 s, so that positions of keyframes have 16 bits in the binary form.
     """
     length = round((carrier.end - carrier.start) * TIMESCALE)
-    keyframes: dict[int, dict[str, Any]] = {}
+    keyframes: dict[int, JsonObject] = {}
 
     def key(name: str, times: FloatArray, values: FloatArray) -> None:
         positions = np.rint(times * TIMESCALE).astype(np.int64)
@@ -288,7 +259,7 @@ def _effect(carrier: Carrier) -> dict[str, Any]:
     }
 
 
-def _transient_band(transients: FloatArray) -> dict[str, Any]:
+def _transient_band(transients: FloatArray) -> JsonObject:
     frequency = round(TRANSIENT_CYCLES / TRANSIENT_SECONDS)
     return {
         "band_type": "Transient",

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
+from ...forms import Form
 from ...scene.body import BODY_PARTS
 from ..io.budget import Budget
 from ..io.error import FormatError
@@ -40,7 +41,7 @@ _WAVES = {
     "SawToothDown": ("saw", -1),
 }
 
-Keyframe = Mapping[str, Any]
+Keyframe = Form
 
 
 def read(path: Path) -> VibrationFile:
@@ -61,7 +62,7 @@ def read(path: Path) -> VibrationFile:
     return VibrationFile(tuple(channels), tuple(losses))
 
 
-def _body_part(channel: Mapping[str, Any]) -> str:
+def _body_part(channel: Form) -> str:
     """The body part with this mask and target, or none."""
     place = channel["body_part_mask"], tuple(channel.get("body_part_target", ()))
     return next(
@@ -82,7 +83,7 @@ class _ChannelReader:
         self.losses = losses
         self.budget = budget
 
-    def channel(self, form: Mapping[str, Any], unit: float, place: str) -> Channel:
+    def channel(self, form: Form, unit: float, place: str) -> Channel:
         gain = form["gain"] * unit
         carriers: list[Carrier] = []
         wavelets = []
@@ -110,7 +111,7 @@ class _ChannelReader:
             form["description"], duration, tuple(carriers), samples, rate, _body_part(form)
         )
 
-    def _effects(self, band: Mapping[str, Any], place: str) -> Iterator[Mapping[str, Any]]:
+    def _effects(self, band: Form, place: str) -> Iterator[Form]:
         """The basis effects of a band, with references to the library resolved."""
         for e, form in enumerate(band["effects"]):
             effect = form
@@ -139,9 +140,7 @@ class _ChannelReader:
             {**key, name: min(max(key[name], -1), 1)} if name in key else key for key in ordered
         ]
 
-    def _carriers(
-        self, band: Mapping[str, Any], effect: Mapping[str, Any], gain: float
-    ) -> Iterator[Carrier]:
+    def _carriers(self, band: Form, effect: Form, gain: float) -> Iterator[Carrier]:
         if band["band_type"] != "Curve":
             yield from carriers_of(band["band_type"], effect, self.tick, gain)
             return
@@ -151,7 +150,7 @@ class _ChannelReader:
         yield from _curve(effect, self.tick, gain, curve in ("Unknown", "Cubic"))
 
     def _wavelet_band(
-        self, band: Mapping[str, Any], effects: Sequence[Mapping[str, Any]], gain: float, place: str
+        self, band: Form, effects: Sequence[Form], gain: float, place: str
     ) -> list[WaveletBand]:
         try:
             blocks = [
@@ -171,9 +170,7 @@ class _ChannelReader:
         self.losses[f"{place} is left out: {reason}"] = None
 
 
-def carriers_of(
-    kind: str, effect: Mapping[str, Any], tick: float, gain: float = 1.0
-) -> Iterator[Carrier]:
+def carriers_of(kind: str, effect: Form, tick: float, gain: float = 1.0) -> Iterator[Carrier]:
     """The oscillations of a basis effect in a vectorial or transient band; ``tick``: seconds of a
     unit of time."""
     start = effect["position"] * tick
@@ -196,9 +193,7 @@ def carriers_of(
     yield Carrier(start, end, phase, times, values * (sign * gain), *frequencies, wave)
 
 
-def _curve(
-    effect: Mapping[str, Any], tick: float, gain: float, is_cubic: bool
-) -> Iterator[Carrier]:
+def _curve(effect: Form, tick: float, gain: float, is_cubic: bool) -> Iterator[Carrier]:
     """A curve is the vibration itself: an oscillation of frequency 0 at its crest. Cubic ones are
     level at each key."""
     start = effect["position"] * tick

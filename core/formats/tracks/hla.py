@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from ...forms import Form
 from ..io.json_text import write_compact
 from .comparison import Comparison, Kind, Measures
 from .envelopes import compare_steps, vibration_envelope
 from .track_export import TrackExport, common_losses, listener_files
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     yield from common_losses(export.need_tracks(), body=False)
     yield "the place on the body: a phone has one actuator; the file name gives the listener"
@@ -22,14 +22,12 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     yield "impacts between two steps"
 
 
-def measures(options: Mapping[str, Any]) -> Measures:
+def measures(options: Form) -> Measures:
     """How the files can be compared with the tracks."""
     return Measures(Kind.LEVEL)
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.hla``."""
     step = options["step"] / 1000
     files = []

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...forms import Form
 from ..io.atomic import atomic_file
 from ..io.json_text import compact
 from . import wav
@@ -18,7 +19,7 @@ from .listener_tracks import CHUNK, Tracks
 from .track_export import TrackExport, scene_file
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the file does not carry, one sentence each."""
     yield from wav.loss(export, {"encoding": "float32", "sample_rate": 0})
 
@@ -26,9 +27,7 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
 measures = wav.measures
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.npz``.
 
     Arrays: ``samples`` (n_listeners, n) of float32, ``sample_rate``, ``start``, ``names``,

@@ -4,10 +4,10 @@ with the WAV file."""
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
+from ...forms import Form
 from ..io.atomic import write_bytes
 from . import wav
 from .comparison import Comparison
@@ -17,7 +17,7 @@ from .track_export import TrackExport, body_part_of, credit, scene_file
 _ENCODING = "pcm16"
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     long = [
         listener.name
@@ -32,9 +32,7 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
 measures = wav.measures
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.ohm`` and ``<scene>.wav``."""
     tracks = export.need_tracks()
     path = scene_file(export.name, folder, "ohm")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
+from ...forms import Form
 from ...scene.body import BODY_PART, BodyPart
 from ..io.catalogue import FORMATS
 from ..io.file_names import file_stem, file_stems
@@ -22,7 +23,7 @@ class TrackExport(Protocol):
     @property
     def date(self) -> str: ...
     @property
-    def provenance(self) -> Mapping[str, Any]: ...
+    def provenance(self) -> Form: ...
     def need_tracks(self) -> Tracks:
         """The rendered tracks. Raises ValueError where there are none."""
         ...

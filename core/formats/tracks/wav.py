@@ -4,7 +4,7 @@ listeners."""
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...declaration import declared
+from ...forms import Form, JsonObject
 from ...perception import FullScale
 from ...regular_file import open_regular
 from ...scene.values import Listener
@@ -40,7 +41,7 @@ MAX_SAMPLE = MAX_PEAK / 4
 MAX_RIFF = 2**32 - 1
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     tracks = export.need_tracks()
     is_rounded = options["encoding"] == "pcm16"
@@ -53,14 +54,12 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
         yield f"what lies above {options['sample_rate'] / 2:g} Hz"
 
 
-def measures(options: Mapping[str, Any]) -> Measures:
+def measures(options: Form) -> Measures:
     """How the files can be compared with the tracks."""
     return Measures(Kind.SAMPLES)
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
     original = export.need_tracks()
     tracks = at_rate(original, options["sample_rate"])
@@ -92,7 +91,7 @@ def write(
     ]
 
 
-def described(tracks: Tracks) -> dict[str, Any]:
+def described(tracks: Tracks) -> JsonObject:
     """The JSON description of tracks: listeners, their impacts and calibrations."""
     return {
         "sample_rate": tracks.sample_rate,
@@ -111,14 +110,14 @@ def described(tracks: Tracks) -> dict[str, Any]:
     }
 
 
-def _mpeg(listener: ListenerTrack) -> dict[str, Any]:
+def _mpeg(listener: ListenerTrack) -> JsonObject:
     part = body_part_of(listener)
     return (
         {} if part is None else {"mpeg_mask": part.mpeg_mask, "mpeg_target": list(part.mpeg_target)}
     )
 
 
-def _calibration(device: FullScale | None) -> dict[str, Any]:
+def _calibration(device: FullScale | None) -> JsonObject:
     if device is None:
         return {}
     unit = "N" if device.is_force else "m/s^2"
@@ -347,7 +346,7 @@ def _named(
     ], losses
 
 
-def _device(form: Mapping[str, Any]) -> FullScale | None:
+def _device(form: Form) -> FullScale | None:
     """The calibration that a side-car gives a listener. Raises ValueError."""
     unit = form.get("full_scale_unit", "m/s^2")
     points = declared(Listener)["full_scale"].checked(form.get("full_scale", ()))

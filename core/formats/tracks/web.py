@@ -8,14 +8,14 @@ import html
 import json
 import re
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...forms import Form
 from ...render import lane
 from ...scene.body_map import figure
 from ...signals.interpolation import resample
@@ -32,7 +32,7 @@ _STEPS = 127
 _LAW = 255.0
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the page does not carry, one sentence each."""
     yield from common_losses(export.need_tracks(), body=True)
     yield (
@@ -41,14 +41,12 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     )
 
 
-def measures(options: Mapping[str, Any]) -> Measures:
+def measures(options: Form) -> Measures:
     """How the page can be compared with the tracks."""
     return Measures(Kind.WAVE, 0.0, HIGHEST)
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.html``."""
     tracks = export.need_tracks()
     rate = min(RATE, tracks.sample_rate)

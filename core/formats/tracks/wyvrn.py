@@ -6,11 +6,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...forms import Form, JsonObject
 from ..io.catalogue import FORMATS
 from ..io.error import FormatError
 from ..io.file_names import file_stem, file_stems
@@ -44,7 +44,7 @@ _PARTS = (
 )
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the folder does not carry, one sentence each."""
     tracks = export.need_tracks()
     shared: dict[tuple[str, str], list[str]] = {}
@@ -61,14 +61,12 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
             yield f"that {', '.join(names)} are different places: {target}, {side} is one target"
 
 
-def measures(options: Mapping[str, Any]) -> Measures:
+def measures(options: Form) -> Measures:
     """How the clips can be compared with the tracks."""
     return Measures(Kind.WAVE, BANDS[0].low, BANDS[-1].high)
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>/haptic.config``, ``<scene>/Wyvrn.config`` and
     ``<scene>/<scene>.<listener>.haps``."""
     tracks = export.need_tracks()
@@ -108,7 +106,7 @@ def _target(listener: ListenerTrack) -> tuple[str, str]:
     return ("All", "Global") if part is None else (part.wyvrn_target, part.wyvrn_side)
 
 
-def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> dict[str, Any]:
+def _clip(row: Row, listener: ListenerTrack, options: Form) -> JsonObject:
     """A melody of transients, and one for each band."""
     transients = np.zeros((0, 2))
     if options["transients"]:
@@ -142,7 +140,7 @@ def _clip(row: Row, listener: ListenerTrack, options: Mapping[str, Any]) -> dict
 _MELODIES = {"m_loop": 0, "m_maximum": 1.0, "m_gain": 1.0, "m_signalEvaluationMethod": 3}
 
 
-def _burst(time: float, strength: float) -> dict[str, Any]:
+def _burst(time: float, strength: float) -> JsonObject:
     note = {
         "m_startingPoint": round(time, 6),
         "m_length": TRANSIENT_SECONDS,
@@ -166,10 +164,10 @@ def from_zero_phase(carrier: Carrier) -> Carrier | None:
     return carrier.part(begin, carrier.end - carrier.start) if cycles[-1] > missing else None
 
 
-def _note(carrier: Carrier) -> dict[str, Any]:
+def _note(carrier: Carrier) -> JsonObject:
     length = round(carrier.end - carrier.start, 6)
 
-    def modulation(times: FloatArray, values: FloatArray, digits: int) -> dict[str, Any]:
+    def modulation(times: FloatArray, values: FloatArray, digits: int) -> JsonObject:
         inside = times < length
         first = times[:1] > 0
         every = np.concatenate([np.zeros(1)[first], times[inside], [length]])
@@ -216,7 +214,7 @@ def read(path: Path) -> VibrationFile:
     )
 
 
-def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[str, Any]:
+def _as_version_5(document: Form, losses: dict[str, None]) -> JsonObject:
     """A clip of version 6, whose pitch is a share of a range of frequencies, in the form of version
     5."""
     vibration = document["vibration"]
@@ -225,7 +223,7 @@ def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[
     if vibration.get("transients"):
         losses["transients of version 6 are not read: no published clip has one"] = None
 
-    def modulation(curve: Mapping[str, Any], least: float, scale: float) -> dict[str, Any]:
+    def modulation(curve: Form, least: float, scale: float) -> JsonObject:
         if curve["interpolation_function"] != "Linear":
             losses[f"{curve['interpolation_function'][:20]} curves are read as straight lines"] = (
                 None
@@ -236,7 +234,7 @@ def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[
         ]
         return {"m_keyframes": keys}
 
-    def note(form: Mapping[str, Any]) -> dict[str, Any]:
+    def note(form: Form) -> JsonObject:
         effect = {
             "m_amplitudeModulation": modulation(form["amplitude"], 0.0, 1.0),
             "m_frequencyModulation": modulation(form["pitch"], low, high - low),
@@ -264,7 +262,7 @@ def _as_version_5(document: Mapping[str, Any], losses: dict[str, None]) -> dict[
     }
 
 
-def _carriers_of(document: Mapping[str, Any], losses: dict[str, None]) -> Iterator[Carrier]:
+def _carriers_of(document: Form, losses: dict[str, None]) -> Iterator[Carrier]:
     """The oscillations and transients of a clip."""
     gain = document["m_gain"] * document["m_vibration"]["m_gain"]
     for melody in document["m_vibration"]["m_melodies"]:
@@ -273,7 +271,7 @@ def _carriers_of(document: Mapping[str, Any], losses: dict[str, None]) -> Iterat
                 yield from _carriers(note, gain * melody["m_gain"] * note["m_gain"], losses)
 
 
-def _carriers(note: Mapping[str, Any], gain: float, losses: dict[str, None]) -> Iterator[Carrier]:
+def _carriers(note: Form, gain: float, losses: dict[str, None]) -> Iterator[Carrier]:
     start = note["m_startingPoint"]
     effect = note["m_hapticEffect"]
     if "m_type" in effect:

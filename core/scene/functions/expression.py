@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import FloatArray
+from ...forms import Form, JsonObject
 from ...frozen import frozen
 from ...message import Argument, Cause, Message, Names, sentence
 
@@ -93,7 +94,7 @@ class CompiledExpression:
     ) -> FloatArray:
         """The gain (the formula at x = 1) at each distance (metres). May contain NaN or infinity,
         which the caller must handle."""
-        variables: dict[str, Any] = {
+        variables: JsonObject = {
             "x": 1.0,
             "d": np.asarray(distance, dtype=np.float64),
             **values,
@@ -234,7 +235,7 @@ def _same_degree(node: ast.expr, parts: list[ast.expr], variables: Collection[st
     return degrees.pop() if degrees else None
 
 
-def _evaluate(node: ast.expr, variables: Mapping[str, Any]) -> Any:
+def _evaluate(node: ast.expr, variables: Form) -> Any:
     match node:
         case ast.Constant(value=value):
             return np.float64(value)  # type: ignore[arg-type]

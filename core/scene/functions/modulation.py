@@ -11,12 +11,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import MISSING, field, fields
 from functools import cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
 from ...declaration import Declared, declared, number, numbers, text
+from ...forms import JsonObject
 from ...frozen import frozen
 from ..bands import BAND_COUNT
 from ..coefficients import transfer_coefficient
@@ -83,7 +84,7 @@ class Spectrum(Declared):
         """True if neither bands nor delay are used."""
         return not self.band_gains and not self.band_decays and self.wave_speed == 0
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """The non-default values by the keys of the scene file."""
         values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return {
@@ -177,7 +178,7 @@ class ModulationFunction(Declared):
         ``ln K``, K = (1 - kappa) rho; 0 if the formula does not depend on K."""
         return np.zeros(BAND_COUNT)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """The form of the scene file: ``{"function": name, parameters...}``."""
         values = {key: getattr(self, name) for key, name in parameters_of(type(self)).items()}  # type: ignore[arg-type]
         return {"function": self.name, **values, **self.spectrum.to_dict()}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
+from ...forms import Form, JsonObject
 from .contacts import Impedance, NormalForce, Resilient
 from .modulation import (
     Conduction,
@@ -36,7 +36,7 @@ _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 
 
 def function_from_dict(
-    form: Mapping[str, Any], functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS
+    form: Form, functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS
 ) -> ModulationFunction:
     """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those of
     its modality.
@@ -49,7 +49,7 @@ def function_from_dict(
     if cls is None:
         raise ValueError(f"function: unknown {name!r}; one of {', '.join(functions)}")
     parameters = parameters_of(cls)  # type: ignore[arg-type]
-    arguments: dict[str, Any] = {}
+    arguments: JsonObject = {}
     for key, value in form.items():
         if key in parameters:
             arguments[parameters[key]] = value
