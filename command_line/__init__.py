@@ -21,6 +21,7 @@ from types import FrameType
 from typing import Any, NoReturn, TextIO
 
 from .. import __version__
+from ..core.forms import Form
 from . import standard_streams
 from .arguments import SUBCOMMANDS
 
@@ -138,13 +139,13 @@ def run(args: argparse.Namespace) -> int:
     return code
 
 
-def answer(args: argparse.Namespace, result: Mapping[str, Any]) -> None:
+def answer(args: argparse.Namespace, result: Form) -> None:
     """Print the result of a command, of JSON values, if ``--json`` asks for it."""
     if args.json:
         print_json(result, args.stdout)
 
 
-def print_json(result: Mapping[str, Any], file: TextIO | None = None) -> None:
+def print_json(result: Form, file: TextIO | None = None) -> None:
     """Print one JSON object."""
     print(json.dumps(result, indent=1, ensure_ascii=False, allow_nan=False), file=file)
 

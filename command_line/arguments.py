@@ -29,6 +29,20 @@ class Subcommand(NamedTuple):
     example: str
 
 
+def _add(
+    parser: Parser, name: str, metavar: str | tuple[str, ...], about: str, **more: Any
+) -> None:
+    """Add an argument; a number has the type of its default. ``more``: as in argparse."""
+    if isinstance(more.get("default"), int | float):
+        more = {"type": type(more["default"]), **more}
+    parser.add_argument(name, metavar=metavar, help=about, **more)
+
+
+def _flag(parser: Parser, name: str, about: str) -> None:
+    """Add an option without a value."""
+    parser.add_argument(name, action="store_true", help=about)
+
+
 def _propagate(parser: Parser) -> None:
     _add_scene(parser)
     strategies = ("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance")
@@ -40,163 +54,157 @@ def _propagate(parser: Parser) -> None:
         choices=("HT", "SD", "MD", "MN"),
         help="haptic graph, nearest listener, distance, no decay (the scene's)",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "--max-connections",
+        "N|none",
+        "most connections on a path (the scene's)",
         type=_connections,
         default=argparse.SUPPRESS,
-        metavar="N|none",
-        help="most connections on a path (the scene's)",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "--threshold",
+        "X",
+        "a path ends where its gain falls below; 0: no limit (the scene's)",
         type=_share,
-        metavar="X",
-        help="a path ends where its gain falls below; 0: no limit (the scene's)",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "--tolerance",
+        "X",
+        "relative error of a sum that is too large to be exact (0.01)",
         type=_not_negative,
-        metavar="X",
-        help="relative error of a sum that is too large to be exact (0.01)",
     )
-    parser.add_argument(
-        "--felt",
-        action="store_true",
-        help="also which sources each listener feels, and which are masked by others",
+    _flag(
+        parser, "--felt", "also which sources each listener feels, and which are masked by others"
     )
 
 
 def _fit(parser: Parser) -> None:
     _add_scene(parser)
-    parser.add_argument(
-        "recorded_source", metavar="SOURCE.wav", type=Path, help="recorded at the source"
-    )
-    parser.add_argument(
+    _add(parser, "recorded_source", "SOURCE.wav", "recorded at the source", type=Path)
+    _add(
+        parser,
         "recorded_listener",
-        metavar="LISTENER.wav",
+        "LISTENER.wav",
+        "recorded at the listener at the same time",
         type=Path,
-        help="recorded at the listener at the same time",
     )
-    parser.add_argument("--source", required=True, metavar="NAME", help="the source in the scene")
-    parser.add_argument(
-        "--listener", required=True, metavar="NAME", help="the listener in the scene"
-    )
-    parser.add_argument(
+    _add(parser, "--source", "NAME", "the source in the scene", required=True)
+    _add(parser, "--listener", "NAME", "the listener in the scene", required=True)
+    _add(
+        parser,
         "--object",
+        "NAME",
+        "the object, of function physical, whose loss is fitted",
         required=True,
-        metavar="NAME",
-        help="the object, of function physical, whose loss is fitted",
     )
-    parser.add_argument(
-        "--contact", nargs=2, metavar=("A", "B"), help="the contact whose gain is fitted, too"
-    )
-    parser.add_argument(
+    _add(parser, "--contact", ("A", "B"), "the contact whose gain is fitted, too", nargs=2)
+    _flag(
+        parser,
         "--uncalibrated",
-        action="store_true",
-        help="the recordings differ by an unknown factor; no contact is fitted then",
+        "the recordings differ by an unknown factor; no contact is fitted then",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "--out",
+        "NEW.json",
+        "write the scene with the fitted values; -: print it instead of what was fitted",
         type=Path,
-        metavar="NEW.json",
-        help="write the scene with the fitted values; -: print it instead of what was fitted",
     )
 
 
 def _sound(parser: Parser) -> None:
-    parser.add_argument("sound", metavar="IN.wav", type=Path, help="the sound; -: standard input")
-    parser.add_argument(
+    _add(parser, "sound", "IN.wav", "the sound; -: standard input", type=Path)
+    _add(
+        parser,
         "--output",
+        "OUT.json",
+        "the signal, as in a source of a haptic scene; -: standard output",
         required=True,
-        metavar="OUT.json",
         type=Path,
-        help="the signal, as in a source of a haptic scene; -: standard output",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "--carrier",
+        "HERTZ|pitch|DEVICE",
+        "a frequency, the sound's pitch, or a device's best (160)",
         default="160",
-        metavar="HERTZ|pitch|DEVICE",
-        help="a frequency, the sound's pitch, or a device's best (160)",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "--gate",
+        "DB",
+        "what is quieter makes no vibration (-40)",
         type=_number,
         default=-40.0,
-        metavar="DB",
-        help="what is quieter makes no vibration (-40)",
     )
-    parser.add_argument(
-        "--gain", type=_not_negative, default=1.0, metavar="X", help="factor on the amplitude (1)"
-    )
+    _add(parser, "--gain", "X", "factor on the amplitude (1)", type=_not_negative, default=1.0)
 
 
 def _contacts(parser: Parser) -> None:
     _add_scene(parser)
-    parser.add_argument(
+    _add(
+        parser,
         "--tolerance",
+        "M",
+        "greatest signed distance of a contact (the file's, else 0.01 m)",
         type=_not_negative,
-        metavar="M",
-        help="greatest signed distance of a contact (the file's, else 0.01 m)",
     )
 
 
 def _serve(parser: Parser) -> None:
-    parser.add_argument(
+    _add(
+        parser,
         "scene",
-        metavar="SCENE.json",
+        "SCENE.json",
+        "haptic scene; without it each client sends its own",
         type=Path,
         nargs="?",
-        help="haptic scene; without it each client sends its own",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "--listen",
+        "HOST:PORT",
+        "address of the WebSocket (127.0.0.1:7710)",
         default="127.0.0.1:7710",
-        metavar="HOST:PORT",
-        help="address of the WebSocket (127.0.0.1:7710)",
     )
-    parser.add_argument(
-        "--osc",
-        type=int,
-        metavar="PORT",
-        help="also answer OSC over UDP on this port, such as 7711",
-    )
+    _add(parser, "--osc", "PORT", "also answer OSC over UDP on this port, such as 7711", type=int)
     _add_devices(parser)
-    parser.add_argument(
-        "--osc-devices", action="store_true", help="the devices play for OSC, in place of clients"
-    )
-    parser.add_argument(
-        "--token", metavar="TEXT", help="what clients say to play on devices (drawn and printed)"
-    )
-    parser.add_argument(
+    _flag(parser, "--osc-devices", "the devices play for OSC, in place of clients")
+    _add(parser, "--token", "TEXT", "what clients say to play on devices (drawn and printed)")
+    _add(
+        parser,
         "--allow-origin",
+        "ORIGIN",
+        "a web page that may connect",
         action="append",
         default=[],
-        metavar="ORIGIN",
-        help="a web page that may connect",
     )
 
 
 def _conformance(parser: Parser) -> None:
-    parser.add_argument("url", metavar="URL", help="a run-time server, such as ws://127.0.0.1:7710")
-    parser.add_argument(
+    _add(parser, "url", "URL", "a run-time server, such as ws://127.0.0.1:7710")
+    _add(
+        parser,
         "file",
-        metavar="FILE.json",
+        "FILE.json",
+        "conversations to play (those of the repository)",
         type=Path,
         nargs="*",
-        help="conversations to play (those of the repository)",
     )
-    parser.add_argument("--token", metavar="TEXT", help="what the server wants to hear")
-    parser.add_argument(
-        "--most", type=int, default=10, metavar="N", help="differences printed for each file (10)"
-    )
+    _add(parser, "--token", "TEXT", "what the server wants to hear")
+    _add(parser, "--most", "N", "differences printed for each file (10)", default=10)
 
 
 def _devices(parser: Parser) -> None:
-    parser.add_argument(
+    _add(
+        parser,
         "--profiles",
-        metavar="FOLDER",
+        "FOLDER",
+        "folder with device profiles of your own (*.json)",
         type=Path,
-        help="folder with device profiles of your own (*.json)",
     )
     actions = parser.add_subparsers(dest="action", metavar="ACTION")
 
@@ -204,13 +212,13 @@ def _devices(parser: Parser) -> None:
         "test",
         help="play a sweep on each actuator of a device in turn, then silence and release it",
     )
-    test.add_argument("name", metavar="NAME", help="a device's name as listed, such as dualsense")
+    _add(test, "name", "NAME", "a device's name as listed, such as dualsense")
     test.add_argument("--serial", default="", help="of one device among several of the same kind")
     test.add_argument(
         "--seconds", type=float, default=3.0, help="length of the sweep, 0.1 to 60 (default 3)"
     )
 
-    test.add_argument("--actuator", metavar="NAME", help="play on this actuator only")
+    _add(test, "--actuator", "NAME", "play on this actuator only")
 
     calibrate = actions.add_parser(
         "calibrate",
@@ -219,30 +227,26 @@ def _devices(parser: Parser) -> None:
         "--actuator NAME` plays, then give the recording; or take the values of a profile.",
     )
     calibrate.add_argument("recording", metavar="RECORDING.wav", type=Path, nargs="?")
-    calibrate.add_argument(
+    _add(
+        calibrate,
         "--unit",
-        type=float,
+        "M/S2",
+        "acceleration that the recording's full scale stands for [m/s^2] (default 1)",
         default=1.0,
-        metavar="M/S2",
-        help="acceleration that the recording's full scale stands for [m/s^2] (default 1)",
     )
     calibrate.add_argument(
         "--seconds", type=float, default=3.0, help="length of the sweep played (default 3)"
     )
-    calibrate.add_argument(
-        "--played", metavar="FILE.wav", type=Path, help="what was played instead of the sweep"
-    )
-    calibrate.add_argument("--device", metavar="NAME", help="take the values of this profile")
-    calibrate.add_argument("--actuator", metavar="NAME", help="its actuator (the first)")
-    calibrate.add_argument(
-        "--scene", metavar="SCENE.json", type=Path, help="write the values into this haptic scene"
-    )
-    calibrate.add_argument("--listener", metavar="NAME", default="", help="its listener")
+    _add(calibrate, "--played", "FILE.wav", "what was played instead of the sweep", type=Path)
+    _add(calibrate, "--device", "NAME", "take the values of this profile")
+    _add(calibrate, "--actuator", "NAME", "its actuator (the first)")
+    _add(calibrate, "--scene", "SCENE.json", "write the values into this haptic scene", type=Path)
+    _add(calibrate, "--listener", "NAME", "its listener", default="")
 
     encode = actions.add_parser(
         "encode", help="print the report that drives a device, as hexadecimal"
     )
-    encode.add_argument("device", metavar="DEVICE", help="dualsense, switch-pro, xbox, ...")
+    _add(encode, "device", "DEVICE", "dualsense, switch-pro, xbox, ...")
     encode.add_argument("--transport", choices=("usb", "bt"), help="default: the device's first")
     encode.add_argument(
         "--left",
@@ -263,44 +267,35 @@ def _devices(parser: Parser) -> None:
 
 def _export(parser: Parser) -> None:
     _add_scene(parser)
-    parser.add_argument("--to", default="", metavar="FORMAT,...", help=FORMAT_NAMES)
+    _add(parser, "--to", "FORMAT,...", FORMAT_NAMES, default="")
     _add_folder(parser, "where the files are written; -: one file, to standard output")
     _add_format_options(parser)
     _add_old_format_options(parser)
-    parser.add_argument(
-        "--seconds",
-        type=float,
-        default=10.0,
-        metavar="X",
-        help="how long a scene without frames is rendered (10)",
-    )
-    parser.add_argument(
-        "--sample-rate", type=int, default=8000, metavar="HZ", help="of the rendered tracks (8000)"
-    )
-    parser.add_argument(
-        "--losses", action="store_true", help="only say what the formats can't carry"
-    )
+    _add(parser, "--seconds", "X", "how long a scene without frames is rendered (10)", default=10.0)
+    _add(parser, "--sample-rate", "HZ", "of the rendered tracks (8000)", default=8000)
+    _flag(parser, "--losses", "only say what the formats can't carry")
     _add_methods(parser, "only print")
-    parser.add_argument(
+    _flag(
+        parser,
         "--picture",
-        action="store_true",
-        help="a picture beside each format that is read back: waves, spectra, difference",
+        "a picture beside each format that is read back: waves, spectra, difference",
     )
 
 
 def _convert(parser: Parser) -> None:
-    parser.add_argument(
+    _add(
+        parser,
         "source",
-        metavar="IN",
+        "IN",
+        f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
         type=Path,
-        help=f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "target",
-        metavar="OUT",
+        "OUT",
+        "its ending tells the format; some formats take one file per channel; -: standard output",
         type=Path,
-        help="its ending tells the format; some formats take one file per channel; -: standard "
-        "output",
     )
     _add_from(parser)
     parser.add_argument("--to", choices=tuple(FORMATS), help="the format of - as a target")
@@ -313,21 +308,16 @@ def _add_from(parser: Parser) -> None:
 
 
 def _play(parser: Parser) -> None:
-    parser.add_argument(
+    _add(
+        parser,
         "file",
-        metavar="FILE",
+        "FILE",
+        f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
         type=Path,
-        help=f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
     )
     _add_from(parser)
     _add_devices(parser, " (all)")
-    parser.add_argument(
-        "--seconds",
-        type=float,
-        default=10.0,
-        metavar="X",
-        help="how long a scene without frames is played (10)",
-    )
+    _add(parser, "--seconds", "X", "how long a scene without frames is played (10)", default=10.0)
 
 
 def _sample(parser: Parser) -> None:
@@ -338,21 +328,13 @@ def _sample(parser: Parser) -> None:
         f"samples:\n{names}",
         argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "name", metavar="NAME", choices=tuple(SAMPLES), help="one of the samples below"
-    )
-    parser.add_argument(
-        "--output", type=Path, metavar="FILE.blend", help="where to save it (NAME.blend)"
-    )
+    _add(parser, "name", "NAME", "one of the samples below", choices=tuple(SAMPLES))
+    _add(parser, "--output", "FILE.blend", "where to save it (NAME.blend)", type=Path)
     counted = " and ".join(
         f"{sample.name} ({sample.count})" for sample in SAMPLES.values() if sample.count
     )
-    parser.add_argument("--count", type=int, metavar="N", help=f"number of objects, for {counted}")
-    parser.add_argument(
-        "--no-bake",
-        action="store_true",
-        help="leave the rigid bodies to be simulated when the file is played",
-    )
+    _add(parser, "--count", "N", f"number of objects, for {counted}", type=int)
+    _flag(parser, "--no-bake", "leave the rigid bodies to be simulated when the file is played")
 
 
 def _trace(parser: Parser) -> None:
@@ -361,40 +343,41 @@ def _trace(parser: Parser) -> None:
 
 
 def _engine(parser: Parser) -> None:
-    parser.add_argument("file", metavar="FILE.blend", help="Blender file with haptic objects")
+    _add(parser, "file", "FILE.blend", "Blender file with haptic objects")
     _add_folder(parser)
     _add_frames(parser)
-    parser.add_argument("--no-pack", action="store_true", help="write no baked pack")
+    _flag(parser, "--no-pack", "write no baked pack")
 
 
 def _bake(parser: Parser) -> None:
-    parser.add_argument(
-        "file", metavar="FILE.blend", help="Blender file with haptic objects, sources and listeners"
-    )
+    _add(parser, "file", "FILE.blend", "Blender file with haptic objects, sources and listeners")
     _add_frames(parser)
-    parser.add_argument(
+    _add(
+        parser,
         "--modes",
+        "MODE,...",
+        "HT, SD, MD, MN: played once in each (the scene's)",
         default="",
-        metavar="MODE,...",
-        help="HT, SD, MD, MN: played once in each (the scene's)",
     )
-    parser.add_argument("--to", default="wav", metavar="FORMAT,...", help=f"{FORMAT_NAMES} (wav)")
+    _add(parser, "--to", "FORMAT,...", f"{FORMAT_NAMES} (wav)", default="wav")
     _add_folder(parser)
-    parser.add_argument(
+    _add(
+        parser,
         "--set",
+        "PATH=VALUE",
+        'a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.threshold=0',
         action="append",
         default=[],
-        metavar="PATH=VALUE",
-        help='a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.threshold=0',
     )
     _add_format_options(parser)
     _add_methods(parser, "also print")
-    parser.add_argument(
+    _add(
+        parser,
         "--part",
-        type=_part,
-        metavar="K/N|K-L/N",
-        help="only the K-th of N parts, or the K-th to the L-th, for merge: NAME.K-of-N.npz in the "
+        "K/N|K-L/N",
+        "only the K-th of N parts, or the K-th to the L-th, for merge: NAME.K-of-N.npz in the "
         "folder",
+        type=_part,
     )
     parser.add_argument(
         "--job-template",
@@ -407,124 +390,117 @@ def _bake(parser: Parser) -> None:
         default="bar",
         help="a bar, if stderr is a terminal, or lines for workers of Open Job Description",
     )
-    parser.add_argument(
+    _flag(
+        parser,
         "--from-start",
-        action="store_true",
-        help="trace a part from the first frame of the range, if merge demands it",
+        "trace a part from the first frame of the range, if merge demands it",
     )
 
 
 def _add_methods(parser: Parser, does: str) -> None:
-    parser.add_argument(
+    _flag(
+        parser,
         "--methods",
-        action="store_true",
-        help=f"{does} a paragraph for a paper: program, settings, scene and its digest",
+        f"{does} a paragraph for a paper: program, settings, scene and its digest",
     )
 
 
 def _merge(parser: Parser) -> None:
-    parser.add_argument(
+    _add(
+        parser,
         "parts",
-        metavar="PARTS",
+        "PARTS",
+        "all parts of one bake or of several, or folders with them",
         nargs="+",
         type=Path,
-        help="all parts of one bake or of several, or folders with them",
     )
-    parser.add_argument("--to", default="wav", metavar="FORMAT,...", help=f"{FORMAT_NAMES} (wav)")
+    _add(parser, "--to", "FORMAT,...", f"{FORMAT_NAMES} (wav)", default="wav")
     _add_folder(parser)
     _add_format_options(parser)
 
 
 def _sweep(parser: Parser) -> None:
     wanted = "the study, or the table of a sweep to plot"
-    parser.add_argument("study", nargs="+", metavar="STUDY.toml | plot TABLE.parquet", help=wanted)
-    parser.add_argument(
+    _add(parser, "study", "STUDY.toml | plot TABLE.parquet", wanted, nargs="+")
+    _add(
+        parser,
         "--on",
+        "local | tcp://SCHEDULER",
+        "this machine, or a Dask cluster (local)",
         default="local",
-        metavar="local | tcp://SCHEDULER",
-        help="this machine, or a Dask cluster (local)",
     )
-    parser.add_argument(
+    _add(
+        parser,
         "--workers",
-        type=int,
+        "N",
+        "processes on this machine (one per core)",
         default=os.cpu_count() or 1,
-        metavar="N",
-        help="processes on this machine (one per core)",
     )
-    parser.add_argument(
-        "--tracks", action="store_true", help="keep the tracks of every variant as WAV files, too"
-    )
+    _flag(parser, "--tracks", "keep the tracks of every variant as WAV files, too")
     _add_folder(parser, "where results, table and pictures are written")
-    parser.add_argument(
+    _add(
+        parser,
         "--over",
-        metavar="COLUMN",
-        help="plot: the parameter along the axis (the first with several numbers)",
+        "COLUMN",
+        "plot: the parameter along the axis (the first with several numbers)",
     )
     wish = "plot: print the variant nearest to these levels in dB; may be repeated"
-    parser.add_argument("--wish", action="append", default=[], metavar="LISTENER=LEVEL", help=wish)
+    _add(parser, "--wish", "LISTENER=LEVEL", wish, action="append", default=[])
 
 
 def _demo(parser: Parser) -> None:
     _add_folder(parser, "where the results are written")
     parser.add_argument("--start", type=int, help="first frame (the scene's)")
     parser.add_argument("--end", type=int, help="last frame (the scene's)")
-    parser.add_argument(
-        "--whole", action="store_true", help="all frames in the haptic scene, not only the last one"
-    )
-    parser.add_argument("--no-picture", action="store_true", help="draw no picture")
+    _flag(parser, "--whole", "all frames in the haptic scene, not only the last one")
+    _flag(parser, "--no-picture", "draw no picture")
 
 
 def _study(parser: Parser) -> None:
     _add_folder(parser, "where the results are written", "out/study")
-    parser.add_argument(
+    _add(
+        parser,
         "--frames",
+        "FIRST:LAST",
+        "only these frames, counted from 1 (all 3,600)",
         type=_frame_range,
-        metavar="FIRST:LAST",
-        help="only these frames, counted from 1 (all 3,600)",
     )
-    parser.add_argument(
-        "--pictures",
-        type=int,
-        default=3,
-        metavar="N",
-        help="pictures of the ride in each section (3)",
-    )
-    parser.add_argument(
+    _add(parser, "--pictures", "N", "pictures of the ride in each section (3)", default=3)
+    _flag(
+        parser,
         "--sensitivity",
-        action="store_true",
-        help="render with other values and strategies as well, and say what still holds",
+        "render with other values and strategies as well, and say what still holds",
     )
-    parser.add_argument(
+    _flag(
+        parser,
         "--no-materials",
-        action="store_true",
-        help="leave out the ride with measured materials, two thirds of the time",
+        "leave out the ride with measured materials, two thirds of the time",
     )
-    parser.add_argument("--no-tracks", action="store_true", help="write no WAV files")
+    _flag(parser, "--no-tracks", "write no WAV files")
     actions = parser.add_subparsers(metavar="run | analyse")
 
     run = actions.add_parser("run", help="let people feel it and ask them, on two local pages")
     run.set_defaults(command="study_run")
-    run.add_argument("--participants", type=int, required=True, metavar="N", help="how many")
-    run.add_argument(
+    _add(run, "--participants", "N", "how many", type=int, required=True)
+    _add(
+        run,
         "--out",
+        "DIR",
+        "folder with study.toml, which is put there to be filled in, and the answers",
         type=Path,
         required=True,
-        metavar="DIR",
-        help="folder with study.toml, which is put there to be filled in, and the answers",
     )
     _add_devices(run, " (all that are connected)")
     run.add_argument("--port", type=int, default=7720, help="of the pages (7720)")
-    run.add_argument("--prepare", action="store_true", help="only render films and tracks")
+    _flag(run, "--prepare", "only render films and tracks")
 
     analyse = actions.add_parser("analyse", help="the statistics of a study with people")
     analyse.set_defaults(command="study_analyse")
-    analyse.add_argument("folder", metavar="DIR", type=Path, help="the folder of the study")
+    _add(analyse, "folder", "DIR", "the folder of the study", type=Path)
 
 
 def _validate(parser: Parser) -> None:
-    parser.add_argument(
-        "--out", type=Path, metavar="FOLDER", help="write the page and its picture here"
-    )
+    _add(parser, "--out", "FOLDER", "write the page and its picture here", type=Path)
 
 
 SUBCOMMANDS: Mapping[str, Subcommand] = {
@@ -658,41 +634,38 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
 
 
 def _add_scene(parser: Parser) -> None:
-    parser.add_argument(
+    _add(
+        parser,
         "scene",
-        metavar="SCENE.json",
+        "SCENE.json",
+        "haptic scene; without contacts they are found from shapes and poses; -: standard input",
         type=Path,
-        help="haptic scene; without contacts they are found from shapes and poses; -: standard "
-        "input",
     )
 
 
 def _add_folder(
     parser: Parser, about: str = "where the files are written", folder: str = "out"
 ) -> None:
-    parser.add_argument(
-        "--out", default=folder, type=Path, metavar="FOLDER", help=f"{about} ({folder})"
-    )
+    _add(parser, "--out", "FOLDER", f"{about} ({folder})", default=folder, type=Path)
 
 
 def _add_devices(parser: Parser, default: str = "") -> None:
     about = f"a device to play on, as `devices` lists it{default}"
-    parser.add_argument("--device", action="append", default=[], metavar="NAME", help=about)
+    _add(parser, "--device", "NAME", about, action="append", default=[])
 
 
 def _add_frames(parser: Parser) -> None:
-    parser.add_argument(
-        "--frames", type=_frame_range, metavar="FIRST:LAST", help="only these frames (the scene's)"
-    )
+    _add(parser, "--frames", "FIRST:LAST", "only these frames (the scene's)", type=_frame_range)
 
 
 def _add_format_options(parser: Parser) -> None:
-    parser.add_argument(
+    _add(
+        parser,
         "--option",
+        "FORMAT.OPTION=VALUE",
+        "an option of a format",
         action="append",
         default=[],
-        metavar="FORMAT.OPTION=VALUE",
-        help="an option of a format",
         dest="options",
     )
 

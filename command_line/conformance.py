@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from websockets.exceptions import InvalidHandshake, InvalidURI, WebSocketExcepti
 from websockets.sync.client import ClientConnection, connect
 
 from ..core.formats.io.strict_json import read_json
+from ..core.forms import Form
 from . import answer
 
 FOLDER = Path(__file__).parents[1] / "conformance"
@@ -46,9 +47,7 @@ def run(args: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def differences(
-    document: Mapping[str, Any], client: ClientConnection, token: str | None
-) -> Iterator[str]:
+def differences(document: Form, client: ClientConnection, token: str | None) -> Iterator[str]:
     """Where the answers of a server to a conversation are not as expected, one sentence each."""
     tolerances = TOLERANCES | document.get("tolerances", {})
     for number, one in enumerate(document["exchange"]):
@@ -64,62 +63,47 @@ def differences(
 
 
 def _differences(
-    answer: Mapping[str, Any], expected: Mapping[str, Any], tolerances: Mapping[str, float]
+    answer: Form, expected: Form, tolerances: Mapping[str, float]
 ) -> Iterator[tuple[str, str]]:
-    for key, value in expected.items():
-        got = answer.get(key)
-        if key == "levels":
-            for listener, felt in value.items():
-                yield from _levels(f"levels of {listener}", (got or {}).get(listener, {}), felt)
-        elif key == "impacts":
-            yield from _impacts(got or [], value, tolerances)
-        elif got != value:
-            yield key, f"expected {value!r}, got {got!r}"
+    """Places of an answer, and what is there instead of what is expected."""
+    given, wanted = dict(_values(answer)), dict(_values(expected))
+    for place, value in wanted.items():
+        *within, key = place
+        got = given.get((*within, "level" if key == "felt" else key))
+        if key == "felt":
+            alike = got is not None or not value
+        else:
+            alike = _alike(place, got, value, tolerances)
+        if not alike:
+            yield " ".join(place), f"expected {value!r}, got {got!r}"
+    more = len(answer.get("impacts", ())) - len(expected.get("impacts", ()))
+    if "impacts" in expected and more > 0:
+        yield "impacts", f"{more} more than expected"
 
 
-def _levels(
-    where: str, got: Mapping[str, Any], expected: Mapping[str, Any]
-) -> Iterator[tuple[str, str]]:
-    level = got.get("level")
-    if expected.get("felt") and level is None:
-        yield where, "expected a level, got silence"
-    if "level" in expected and not _alike(level, expected["level"], DECIBELS):
-        yield where, f"expected {expected['level']} dB, got {level}"
-    for source, gain in expected.get("gains", {}).items():
-        yield from _gain(f"{where}, gain of {source}", got.get("gains", {}).get(source), gain)
-
-
-def _gain(where: str, got: float | None, expected: float) -> Iterator[tuple[str, str]]:
-    """Compare gains in decibels."""
-    if not (
-        got == expected == 0
-        or (got and expected and abs(20 * math.log10(got / expected)) <= DECIBELS)
-    ):
-        yield where, f"expected {expected:.6g}, got {got}"
-
-
-def _impacts(
-    got: Sequence[Mapping[str, Any]],
-    expected: Sequence[Mapping[str, Any]],
-    tolerances: Mapping[str, float],
-) -> Iterator[tuple[str, str]]:
-    if len(got) != len(expected):
-        yield "impacts", f"expected {len(expected)}, got {len(got)}"
+def _values(value: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """The values in a message with the keys that lead to each; impacts are numbered."""
+    if isinstance(value, list) and place == ("impacts",):
+        value = {str(number): one for number, one in enumerate(value)}
+    if not isinstance(value, dict):
+        yield place, sorted(value) if "impacts" in place and place[-1] == "objects" else value
         return
-    for one, wanted in zip(got, expected, strict=True):
-        if "objects" in wanted and sorted(one["objects"]) != sorted(wanted["objects"]):
-            yield "objects of an impact", f"expected {wanted['objects']}, got {one['objects']}"
-        if "time" in wanted and not _alike(one["time"], wanted["time"], tolerances["seconds"]):
-            yield "time of an impact", f"expected {wanted['time']:.5f} s, got {one['time']}"
-        if not _alike(one["energy"], wanted["energy"], tolerances["energy"] * wanted["energy"]):
-            yield "energy of an impact", f"expected {wanted['energy']:.2f} J, got {one['energy']}"
-        if "amplitude" in wanted:
-            yield from _gain("amplitude of an impact", one.get("amplitude"), wanted["amplitude"])
-        for listener, gain in wanted.get("gains", {}).items():
-            yield from _gain(f"gain of an impact at {listener}", one["gains"].get(listener), gain)
+    for key, inside in value.items():
+        yield from _values(inside, (*place, key))
 
 
-def _alike(got: Any, expected: float | None, tolerance: float) -> bool:
-    return bool(
-        got == expected if got is None or expected is None else abs(got - expected) <= tolerance
-    )
+def _alike(
+    place: tuple[str, ...], got: Any, expected: Any, tolerances: Mapping[str, float]
+) -> bool:
+    """Whether a value is as expected: gains, amplitudes and levels in decibels, times in seconds,
+    energies relative to what is expected."""
+    if got == expected or None in (got, expected) or isinstance(expected, str | list):
+        return bool(got == expected)
+    if "gains" in place or place[-1] == "amplitude":
+        return got * expected > 0 and abs(20 * math.log10(got / expected)) <= DECIBELS
+    limits = {
+        "level": DECIBELS,
+        "time": tolerances["seconds"],
+        "energy": tolerances["energy"] * expected,
+    }
+    return bool(abs(got - expected) <= limits.get(place[-1], 0.0))

@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from typing import Any
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from ..core.devices.profiles import Actuator, Profile
 from ..core.devices.report import Report, Transport
 from ..core.formats.io.strict_json import read_json
 from ..core.formats.scene.scene_json import current_document, scene_of, write_document
+from ..core.forms import JsonObject
 from ..core.scene.references import named
 from ..core.signals.wav import read_wav
 from . import answer
@@ -150,7 +150,7 @@ def run_calibrate(args: argparse.Namespace) -> int:
     return 0
 
 
-def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
+def _of_recording(args: argparse.Namespace) -> JsonObject:
     if not args.unit > 0:
         raise ValueError(f"--unit {args.unit}: must be above 0")
     played = sweep(args.seconds, _RATE) if args.played is None else read_wav(args.played).samples
@@ -162,7 +162,7 @@ def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _of_profile(args: argparse.Namespace) -> dict[str, Any]:
+def _of_profile(args: argparse.Namespace) -> JsonObject:
     profile = named(args.device, _profiles(args), "device")
     actuator = _actuator(profile, args.actuator or profile.actuators[0].name)
     if not actuator.full_scale:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 from ..core.diagnosis.doubts import doubts
 from ..core.formats import registry
@@ -16,6 +16,7 @@ from ..core.formats.export import Export
 from ..core.formats.io.catalogue import Value, named
 from ..core.formats.io.file_names import file_stem
 from ..core.formats.tracks.track_recorder import TrackRecorder
+from ..core.forms import JsonObject
 from ..core.run_time import Scene, load
 from . import print_json, say, warn_of_unknown
 from .picture import check_matplotlib, write_picture
@@ -57,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
         return _put_out(export, names, chosen, args)
     args.out.mkdir(parents=True, exist_ok=True)
     if args.picture:
-        check_matplotlib()
+        check_matplotlib("--picture")
     written = {
         name: registry.write(name, export, args.out, chosen[name], may_replace) for name in names
     }
@@ -128,7 +129,7 @@ def write_all(
     export: Export,
     args: argparse.Namespace,
     options: Mapping[str, Mapping[str, Value]],
-) -> dict[str, Any]:
+) -> JsonObject:
     """Write an export in each format, and print the files and what is not in them; `in_json`."""
     written = {}
     for name in writable(args.to, list(options), export, options):
@@ -168,7 +169,7 @@ def print_written(written: Mapping[str, registry.Written], file: TextIO) -> None
     print_json(in_json(written), file)
 
 
-def in_json(written: Mapping[str, registry.Written]) -> dict[str, Any]:
+def in_json(written: Mapping[str, registry.Written]) -> JsonObject:
     """The files of an export, their losses, and what each listener loses, as JSON values."""
     files = [str(path) for result in written.values() for path in result.files]
     losses = {name: result.losses for name, result in written.items()}

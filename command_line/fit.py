@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
-from typing import Any
 
 from ..core.design.recordings import Question, fit, read_recordings
 from ..core.formats.scene.scene_json import write_scene
+from ..core.forms import JsonObject
 from ..core.message import sentence
 from ..core.run_time import load
 from ..core.scene.coefficients import coefficients_of
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     kappa, rho = coefficients_of(
         found.k, next(item.rho for item in scene.objects if item.name == args.object)
     )
-    printed: dict[str, Any] = {
+    printed: JsonObject = {
         "object": {
             "name": args.object,
             "damping": found.damping,

@@ -4,16 +4,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from bpy.types import Scene
 
 from ..addon.io.capture import Capture
 from ..addon.session import session, timeline
 from ..core.formats.io.error import FormatError
+from ..core.forms import Form
 from .frame_bar import frame_bar
 from .part_file import HeardFrame, Origin, Part, checksum_of, programs, read_part, write_part
 
@@ -83,7 +82,7 @@ def _baked(scene: Scene, origin: Origin, number: int, start: int, progress: str 
     """
     first, last = origin.range_of(number)
     before, heard, rate = "", [], 0.0
-    provenance: Mapping[str, Any] | None = None
+    provenance: Form | None = None
     own = session.of(scene)
     with frame_bar(last - start + 1, origin.title(number), progress) as advance:
         for step in timeline.steps(scene, start, last, looks_back=False):

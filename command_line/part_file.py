@@ -27,6 +27,7 @@ from ..core.formats.io.scene_schema import SCENE
 from ..core.formats.io.schema import validate
 from ..core.formats.io.strict_json import parse_json
 from ..core.formats.scene.values_json import item_to_dict, read_listener, read_source
+from ..core.forms import Form, JsonObject
 from ..core.frozen import frozen
 from ..core.propagation import Propagation
 from ..core.regular_file import open_regular
@@ -36,7 +37,7 @@ from ..core.scene.values import Listener, Source
 
 _SCHEMA = "bake_part"
 _VERSION = 1
-_BARE_SCENE: Mapping[str, Any] = {"format": "haptic-scene", "version": "1.1", "objects": []}
+_BARE_SCENE: Form = {"format": "haptic-scene", "version": "1.1", "objects": []}
 _NOWHERE = (0.0, 0.0, 0.0)
 _LARGEST, _LONGEST_FRAME = 1e9, 100.0
 _ROW, _FRAME = 800, 2000  # bytes of a source in a frame, and of a frame, in memory
@@ -97,7 +98,7 @@ class Part:
     before: str
     after: str
     frames: tuple[HeardFrame, ...]
-    provenance: Mapping[str, Any] | None = None
+    provenance: Form | None = None
 
 
 def checksum_of(file: Path) -> str:
@@ -176,7 +177,7 @@ def read_part(path: Path) -> Part:
         return _part(header, arrays)
 
 
-def _form(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> dict[str, Any]:
+def _form(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> JsonObject:
     """Type and shape of an array, as its entry begins."""
     if entry.flag_bits & 1:
         raise ValueError(f"{entry.filename} is encrypted")
@@ -246,7 +247,7 @@ class _Table:
         return number
 
 
-def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part:
+def _part(header: Form, arrays: Mapping[str, NDArray[Any]]) -> Part:
     """A part from its validated content. Raises PlacedError where that does not fit together."""
     given = header["origin"]
     origin = Origin(
@@ -301,7 +302,7 @@ def _part(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Part
     )
 
 
-def _check(header: Mapping[str, Any], origin: Origin, arrays: Mapping[str, NDArray[Any]]) -> None:
+def _check(header: Form, origin: Origin, arrays: Mapping[str, NDArray[Any]]) -> None:
     """Raise PlacedError unless the numbers of the header and the arrays fit together."""
     first, last = origin.frames
     if not 1 <= header["number"] <= origin.parts <= last - first + 1:

@@ -22,11 +22,11 @@ SHOWN_HERTZ = 1000.0
 WINDOW = 4096
 
 
-def check_matplotlib() -> None:
-    """Raise ValueError if matplotlib is missing."""
+def check_matplotlib(option: str) -> None:
+    """Raise ValueError that names the option if matplotlib is missing."""
     if importlib.util.find_spec("matplotlib") is None:
         raise ValueError(
-            "--picture: matplotlib is not installed (pip install 'haptic-tracing[report]')"
+            f"{option}: matplotlib is not installed (pip install 'haptic-tracing[report]')"
         )
 
 

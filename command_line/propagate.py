@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import math
 import time
-from typing import Any
 
 import numpy as np
 
 from ..core.diagnosis.doubts import doubts
+from ..core.forms import JsonObject
 from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
 from ..core.modalities.propagation import Felt
@@ -75,9 +75,7 @@ def _unreached(scene: Scene, result: Propagation) -> list[str]:
     ]
 
 
-def who_is_felt(
-    sounding: Sounding, listener: int, sample_rate: float = 8000.0
-) -> list[dict[str, Any]]:
+def who_is_felt(sounding: Sounding, listener: int, sample_rate: float = 8000.0) -> list[JsonObject]:
     """The sources that reach a listener: margin [dB] of each alone above the threshold of feeling,
     whether that is assumed because the device isn't calibrated, and its masker."""
     found = felt_sources(sounding, listener, sample_rate)
@@ -94,7 +92,7 @@ def who_is_felt(
     ]
 
 
-def felt_report(felt: Felt) -> dict[str, Any]:
+def felt_report(felt: Felt) -> JsonObject:
     """The values of a modality other than vibration at the listeners, in its unit."""
     values = [
         {"listener": name, "value": float(value)}
@@ -105,7 +103,7 @@ def felt_report(felt: Felt) -> dict[str, Any]:
 
 def report(
     scene: HapticScene, graph: HapticGraph, result: Propagation, seconds: dict[str, float]
-) -> dict[str, Any]:
+) -> JsonObject:
     """The printed object, with all pairs. ``gain`` includes the source's amplitude, ``path_gain``
     does not; ``level`` [dB of full scale] is the RMS of the first second that the listener would be
     played of this source alone, None for silence. Band gains (in the order of `core.scene.bands`),
@@ -116,7 +114,7 @@ def report(
     for row, source in enumerate(graph.sources):
         for column, listener in enumerate(scene.listeners):
             paths = int(result.paths[row, column])
-            pair: dict[str, Any] = {
+            pair: JsonObject = {
                 "source": source.name,
                 "listener": listener.name,
                 "gain": source.amplitude * float(result.gain[row, column]),
@@ -141,7 +139,7 @@ def report(
                     for delay, gain in result.taps.get((row, column), ())
                 ]
             pairs.append(pair)
-    statistics: dict[str, Any] = {**seconds, **result.statistics}
+    statistics: JsonObject = {**seconds, **result.statistics}
     if result.warnings:
         statistics["warnings"] = [sentence(warning) for warning in result.warnings]
     return {"gains": pairs, "strategy": scene.settings.strategy.value, "statistics": statistics}

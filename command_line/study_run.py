@@ -26,6 +26,7 @@ from websockets.sync.server import Server, ServerConnection, serve
 from ..core.arrays import FloatArray
 from ..core.devices.mapping import Place, map_listeners
 from ..core.formats.tracks.wav import read
+from ..core.forms import Form, JsonObject
 from ..core.scene.body_map import View
 from ..study.people.body import svg
 from ..study.people.exposure import daily, limits_of
@@ -64,9 +65,7 @@ class Study:
     [m/s^2], None without a calibration, and from where action is due and the limit.
     """
 
-    def __init__(
-        self, folder: Path, form: Mapping[str, Any], participants: int, stage: DeviceStage
-    ) -> None:
+    def __init__(self, folder: Path, form: Form, participants: int, stage: DeviceStage) -> None:
         """Raises ValueError if tracks are missing or differ in their listeners, or if a device of
         the form is not connected."""
         self._folder, self._form, self._outputs = folder, form, stage.outputs
@@ -239,7 +238,7 @@ class Study:
             with suppress(ConnectionClosed):
                 connection.send(state)
 
-    def _state(self) -> dict[str, Any]:
+    def _state(self) -> JsonObject:
         sitting = self._sitting
         everybody = [Sitting(self._folder, name, self._plan) for name in self._plan["orders"]]
         return {

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import bpy
 
 from ..addon.changes.suspension import suspended
+from ..core.forms import Form
 from ..pictures.picture import starts_gpu
 from ..study.people.plan import stimuli
 from .setting import assign
@@ -24,7 +24,7 @@ _WEBM = (
 )
 
 
-def prepare(folder: Path, form: Mapping[str, Any]) -> None:
+def prepare(folder: Path, form: Form) -> None:
     """Write the films and tracks that are missing: films in this process, tracks by `haptic-tracing
     bake`. Raises ValueError."""
     start_blender()
@@ -56,7 +56,7 @@ def _haptic_tracing(*arguments: Any) -> None:
         raise ValueError(" ".join(command[2:]) + " has failed")
 
 
-def _render(blend: Path, film: Path, settings: list[str], section: Mapping[str, Any]) -> None:
+def _render(blend: Path, film: Path, settings: list[str], section: Form) -> None:
     """Render a film of a section, as its camera and engine show it."""
     scene = open_file(str(blend))
     render = scene.render

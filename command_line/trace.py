@@ -6,9 +6,8 @@ from __future__ import annotations
 import argparse
 import atexit
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -22,6 +21,7 @@ from ..addon.session import session
 from ..core.formats.haptic_scene import read_export, write_export
 from ..core.formats.tracks.track_export import credit
 from ..core.formats.tracks.wav import write_wav
+from ..core.forms import Form, JsonObject
 from ..core.render.masking import shown_sounding
 from ..pictures.picture import draw_picture
 from . import answer, note_interrupts, temporary_folder
@@ -105,7 +105,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     return 0
 
 
-def in_json(played: Played, written: Sequence[Path]) -> dict[str, Any]:
+def in_json(played: Played, written: Sequence[Path]) -> JsonObject:
     """What was printed, as JSON values: gains and margins of the last frame, all impacts with the
     amplitudes that arrive at the listeners, and the files."""
     last = played.last
@@ -141,7 +141,7 @@ def in_json(played: Played, written: Sequence[Path]) -> dict[str, Any]:
     }
 
 
-def print_gains(gains: Sequence[Mapping[str, Any]]) -> None:
+def print_gains(gains: Sequence[Form]) -> None:
     """Print the table (source, listener, gain of the paths, dB, best path) of a frame."""
     rows = [
         (
@@ -155,7 +155,7 @@ def print_gains(gains: Sequence[Mapping[str, Any]]) -> None:
     _print_table(("source", "listener", "gain", "dB", "best path"), rows)
 
 
-def print_felt(felt: Sequence[Mapping[str, Any]]) -> None:
+def print_felt(felt: Sequence[Form]) -> None:
     """Print the felt and the masked sources of each listener of a frame, with their maskers."""
     rows = [
         (

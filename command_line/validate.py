@@ -8,6 +8,7 @@ import argparse
 from ..study.validation import all_series
 from ..study.validation_page import body_picture, page, picture
 from . import answer
+from .picture import check_matplotlib
 
 
 def run(args: argparse.Namespace) -> int:
@@ -17,6 +18,7 @@ def run(args: argparse.Namespace) -> int:
     for series in series_of_all:
         print(f"{series.verdict:7}  {series.kind:10}  {series.name}")
     if args.out is not None:
+        check_matplotlib("--out")
         (args.out / "pictures").mkdir(parents=True, exist_ok=True)
         pictures = args.out / "pictures"
         for path, text in (

@@ -15,13 +15,14 @@ import pyarrow as pa
 from matplotlib import pyplot as plt
 
 from ...core.formats.io.atomic import atomic_file
+from ...core.forms import Form, JsonObject
 from ...core.perception import BEST_LEVEL
 from .. import answer
 from . import wishes
 from .table import read_table, varied_columns
 
 mpl.use("svg")
-Row = Mapping[str, Any]
+Row = Form
 
 
 def run(args: argparse.Namespace, path: Path) -> int:
@@ -44,7 +45,7 @@ def run(args: argparse.Namespace, path: Path) -> int:
             figure.savefig(file, format="svg")
         plt.close(figure)
         print(f"wrote {args.out / name}")
-    result: dict[str, Any] = {"files": [str(args.out / name) for name, _ in pictures]}
+    result: JsonObject = {"files": [str(args.out / name) for name, _ in pictures]}
     result["fastest"] = best = pareto(rows)
     result["assumed"] = sorted({row["listener"] for row in rows if row.get("threshold") is None})
     if result["assumed"]:
@@ -219,7 +220,7 @@ def _words(row: Row, varied: Sequence[str]) -> str:
     return _named({name: row[name] for name in varied if row[name] is not None})
 
 
-def _named(values: Mapping[str, Any]) -> str:
+def _named(values: Form) -> str:
     return ", ".join(
         f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
         for name, value in values.items()

@@ -7,7 +7,7 @@ import json
 import logging
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
@@ -16,6 +16,7 @@ from typing import Any
 from distributed import Client, LocalCluster, as_completed
 from distributed.scheduler import KilledWorker
 
+from ...core.forms import Form
 from ..part_file import programs
 
 _AHEAD = 4
@@ -56,7 +57,7 @@ def connected(on: str, workers: int) -> Iterator[Client]:
         yield client
 
 
-def run_all(on: str, workers: int, tasks: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
+def run_all(on: str, workers: int, tasks: Sequence[Form]) -> Iterator[tuple[str, str]]:
     """Run all tasks; yields the key of each completed one with the reason of its failure, or "".
     The task of a worker that dies goes to another one. See `connected`."""
     rest = iter(tasks)
@@ -88,7 +89,7 @@ def run_all(on: str, workers: int, tasks: Sequence[Mapping[str, Any]]) -> Iterat
             waiting.update(submitted(1))
 
 
-def work(task: Mapping[str, Any]) -> str:
+def work(task: Form) -> str:
     """Run one task in its own process; called on a worker. Returns the reason of its failure, or
     ""."""
     command = [sys.executable, "-m", "haptic_tracing.command_line.sweep.task"]

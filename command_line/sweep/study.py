@@ -15,6 +15,7 @@ from typing import Any
 from ...core.formats.io.error import FormatError, errors_in
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import parse_json, read_bytes
+from ...core.forms import Form
 from ...core.frozen import frozen
 from ...core.scene.materials import MATERIALS
 from ...core.scene.references import PlacedError
@@ -122,7 +123,7 @@ def _finite(text: str) -> float:
     return value
 
 
-def _study(form: Mapping[str, Any], folder: Path) -> SweepStudy:
+def _study(form: Form, folder: Path) -> SweepStudy:
     """A study from its validated document. Raises PlacedError."""
     scenes = tuple(dict.fromkeys((folder / name).resolve() for name in form["scenes"]))
     for number, scene in enumerate(scenes):

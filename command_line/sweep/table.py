@@ -6,12 +6,12 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ...core.formats.io.atomic import atomic_file
+from ...core.forms import JsonObject
 from .study import Value, Variant
 
 _ROWS = 10_000
@@ -81,7 +81,7 @@ def _wider(known: pa.DataType | None, value: Value) -> pa.DataType:
 
 def _rows(
     folder: Path, keyed: Iterable[tuple[str, Variant]], varied: dict[str, pa.DataType]
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[JsonObject]:
     for key, variant in keyed:
         path = folder / "results" / f"{key}.json"
         if not path.exists():

@@ -12,7 +12,6 @@ import os
 import sys
 import threading
 from collections import defaultdict
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,7 @@ from ...core.formats.export import Export
 from ...core.formats.io.atomic import write_bytes
 from ...core.formats.tracks.listener_tracks import Tracks
 from ...core.formats.tracks.track_recorder import TrackRecorder
+from ...core.forms import Form, JsonObject
 from ...core.perception import threshold_level
 from ...core.render.frame_result import FrameResult
 from ...core.render.levels import vibration_rms
@@ -61,7 +61,7 @@ def _end_with_the_asker() -> None:
     os._exit(1)
 
 
-def vary(scene: Scene, variant: Mapping[str, Any]) -> None:
+def vary(scene: Scene, variant: Form) -> None:
     """Apply the mode, materials and settings of a variant to the open scene. Raises ValueError,
     which names the value that cannot be set."""
     if variant["mode"] is not None:
@@ -78,13 +78,13 @@ def vary(scene: Scene, variant: Mapping[str, Any]) -> None:
             raise ValueError(str(error).removeprefix("--set ")) from None
 
 
-def frames_of(scene: Scene, variant: Mapping[str, Any]) -> tuple[int, int]:
+def frames_of(scene: Scene, variant: Form) -> tuple[int, int]:
     """First and last frame of a variant of the open scene."""
     first, last = variant["frames"] or (scene.frame_start, scene.frame_end)
     return first, last
 
 
-def _trace(task: Mapping[str, Any]) -> None:
+def _trace(task: Form) -> None:
     """Trace a variant; write its tracks if requested, then its result."""
     variant, folder, key = task["variant"], Path(task["folder"]), task["key"]
     if checksum_of(Path(variant["scene"])) != variant["blend"]:
@@ -116,7 +116,7 @@ class _VariantGains:
     silence."""
 
     def __init__(self) -> None:
-        self._gains: dict[str, Any] = defaultdict(float)
+        self._gains: JsonObject = defaultdict(float)
         self._error: Any = 0.0
         self._silenced: Any = False
         self._milliseconds: list[float] = []
@@ -134,7 +134,7 @@ class _VariantGains:
                 if source.kind is SourceKind.PERSISTENT:
                     self._error = np.maximum(self._error, source.amplitude * found.error_bound[row])
 
-    def result(self, tracks: Tracks) -> dict[str, Any]:
+    def result(self, tracks: Tracks) -> JsonObject:
         """The median time of a frame; per listener RMS (without its steady part) and peak of its
         samples, impacts, mean gains of persistent sources (amplitudes included), the greatest error
         bound of any of these gains in any frame, None where there is no bound, whether a setting

@@ -6,14 +6,14 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
+from ...core.forms import Form
 from ...core.frozen import frozen
 from ...core.least_squares import bounded_least_squares
 
-Row = Mapping[str, Any]
+Row = Form
 Variants = Sequence[Mapping[str, Row]]
 
 

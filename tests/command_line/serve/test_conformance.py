@@ -46,7 +46,7 @@ def test_what_differs_is_named():
     level = document["exchange"][-1]["expect"]["levels"]["hand"]
     level["level"] += 0.02
     (fault,) = conformance.differences(document, Spoken(), None)
-    assert fault.startswith("message 40 (step): levels of hand: expected")
+    assert fault.startswith("message 40 (step): levels hand level: expected")
     level["gains"]["drill"] *= 1.01
     assert len(list(conformance.differences(document, Spoken(), None))) == 2
 
