@@ -1,34 +1,19 @@
-"""The ten actuators on a figure seen from behind, as SVG."""
+"""The actuators on a figure seen from behind, as SVG."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
 
 from ..addon.view.colour_map import colour_table
 from ..core.arrays import FloatArray
+from ..core.scene.body_map import figure
+from .people.body import BOX, line
 
 FLOOR = -46.0
 """Decibels of full scale at the dark end of the colours."""
-
-PLACES: Mapping[str, tuple[float, float, float]] = {
-    "ear": (11.5, 15.0, 5.0),
-    "upper_back": (10.5, 42.0, 7.5),
-    "middle_back": (9.5, 60.0, 7.5),
-    "hand": (31.0, 81.0, 6.5),
-    "upper_leg": (9.5, 92.0, 7.5),
-}
-"""By part, without its side: distance from the midline, height from above, radius, in a picture of
-100 x 128."""
-
-_FIGURE = (
-    '<circle cx="50" cy="15" r="11"/><path d="M50 24V34"/>'
-    '<path class="trunk" d="M33 34Q50 28 67 34L64 76Q50 82 36 76Z"/>'
-    '<path class="limb" d="M32 38L24 60L19 80M68 38L76 60L81 80"/><path class="leg" d="M41 '
-    '78V122M59 78V122"/>'
-)
 
 
 def shades() -> list[str]:
@@ -46,23 +31,13 @@ def shade_numbers(level: FloatArray) -> np.ndarray:
 
 
 def body_map(listeners: Sequence[str], level: FloatArray | None = None) -> str:
-    """An SVG element with a disc per listener that has a place on the map, coloured by ``level``
-    (l,)."""
-    colours = shades()
+    """An SVG element of the body from behind with a stroke per listener that has a place on it,
+    coloured by ``level`` (l,)."""
+    colours, limbs = shades(), {limb.part: limb for limb in figure("back")}
     numbers = np.zeros(len(listeners), dtype=np.uint8) if level is None else shade_numbers(level)
-    discs = []
+    strokes = [line(limb, 'class="limb"') for part, limb in limbs.items() if part not in listeners]
     for listener, number in zip(listeners, numbers, strict=True):
-        part, _, side = listener.partition(".")
-        if part not in PLACES:
-            continue
-        reach, y, radius = PLACES[part]
-        x = 50 + (reach if side == "R" else -reach)
-        title = escape(listener.replace("_", " "))
-        discs.append(
-            f'<circle class="disc" cx="{x:g}" cy="{y:g}" r="{radius:g}" '
-            f'fill="{colours[number]}"><title>{title}</title></circle>'
-        )
-    return (
-        '<svg class="body" viewBox="0 0 100 128" role="img"><g '
-        f'class="figure">{_FIGURE}</g>{"".join(discs)}</svg>'
-    )
+        if listener in limbs:
+            title = f"<title>{escape(listener.replace('_', ' '))}</title>"
+            strokes.append(line(limbs[listener], f'class="disc" stroke="{colours[number]}"', title))
+    return f'<svg class="body" viewBox="{BOX}" role="img">{"".join(strokes)}</svg>'

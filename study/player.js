@@ -10,7 +10,7 @@ let began = 0;
 
 function show(k) {
   maps.forEach((discs, mode) =>
-    discs.forEach((disc, listener) => disc.setAttribute("fill", ride.shades[shades[(k * maps.length + mode) * ride.listeners + listener]])),
+    discs.forEach((disc, listener) => disc.setAttribute("stroke", ride.shades[shades[(k * maps.length + mode) * ride.listeners + listener]])),
   );
   const frame = ride.first + k;
   const picture = pictures.filter((p) => p <= frame).pop() ?? pictures[0];

@@ -4,14 +4,14 @@ report."""
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from io import BytesIO
 from typing import Any
 
 import numpy as np
 
+from ..core.scene.body_map import figure as body_figure
 from ..core.scene.values import Mode
-from .body_map import PLACES
 from .checks import MATERIALS, shock_rows, stalactites, wall_amplitudes
 from .measures import (
     balance,
@@ -113,6 +113,21 @@ def _png(figure: Any) -> bytes:
     return file.getvalue()
 
 
+def _bars(axis: Any, by_mode: Mapping[Mode, Sequence[float]], names: Sequence[str]) -> None:
+    """A bar of each mode beside each other for every name."""
+    for number, (mode, values) in enumerate(by_mode.items()):
+        places = np.arange(len(values)) + 0.2 * (number - 1.5)
+        axis.bar(places, values, 0.2, color=COLOURS[mode], label=str(mode))
+    axis.set_xticks(range(len(names)), names, fontsize=7)
+    _plain(axis)
+
+
+def _head(axis: Any, mode: Mode) -> None:
+    axis.set_title(
+        f"{mode}  {TITLES[mode]}", loc="left", fontsize=9, color=COLOURS[mode], fontweight="bold"
+    )
+
+
 def _plain(axes: Any) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(alpha=0.25, linewidth=0.6)
@@ -143,13 +158,7 @@ def _section(ride: Ride, first: int, last: int) -> bytes:
             interpolation="nearest",
         )
         axis.set_yticks(range(len(labels)), labels, fontsize=7)
-        axis.set_title(
-            f"{mode}  {TITLES[mode]}",
-            loc="left",
-            fontsize=9,
-            color=COLOURS[mode],
-            fontweight="bold",
-        )
+        _head(axis, mode)
     figure.colorbar(image, ax=axes[:4], label="peak [dB of full scale]", pad=0.01, fraction=0.03)
     # Coincident lines differ in width.
     for width, mode in zip((1.2, 1.6, 2.4, 3.6), MODES, strict=True):
@@ -179,16 +188,18 @@ def _over_time(ride: Ride) -> bytes:
     """The margins over time at every actuator, beside its place on the body."""
     figure, _ = _figure(1, 9.5)
     figure.clear()
-    parts = list(PLACES)
+    heights = {limb.part: limb.start[1] for limb in body_figure("back")}
+    shown = sorted((name for name in ride.listeners if name in heights), key=lambda n: -heights[n])
+    parts = list(dict.fromkeys(name.partition(".")[0] for name in shown))
     grid = figure.add_gridspec(len(parts), 3, width_ratios=[3, 1, 3])
     body = figure.add_subplot(grid[:, 1])
-    _draw_body(body)
+    _draw_body(body, ride.listeners)
     per = max(round(ride.frame_rate), 1)
     starts = np.arange(0, len(ride.frames), per)
     seconds = (ride.frames[starts] - 1) / ride.frame_rate
     for number, listener in enumerate(ride.listeners):
         part, _, side = listener.partition(".")
-        if part not in PLACES:
+        if part not in parts:
             continue
         axis = figure.add_subplot(grid[parts.index(part), 0 if side == "L" else 2])
         axis.axhspan(LEAST_MARGIN, 0, color="#e8e8ec", zorder=0)
@@ -225,19 +236,19 @@ def _mark_sections(ride: Ride, axis: Any, labelled: bool) -> None:
             axis.text(second, place, f" {title.split(' ')[0]}", fontsize=6, va="top")
 
 
-def _draw_body(axis: Any) -> None:
-    """The body from behind with the places of the actuators, as in the body maps."""
-    for width, lines in (
-        (26, [[(50, 34), (50, 76)]]),
-        (8, [[(33, 38), (24, 60), (19, 80)], [(67, 38), (76, 60), (81, 80)]]),
-        (13, [[(41, 78), (41, 122)], [(59, 78), (59, 122)]]),
-    ):
-        for line in lines:
-            axis.plot(*zip(*line, strict=True), color="#d5d5dc", linewidth=width, zorder=0)
-    axis.scatter([50], [15], s=900, color="#d5d5dc", zorder=0)
-    for reach, y, _ in PLACES.values():
-        axis.scatter([50 - reach, 50 + reach], [y, y], s=60, color=COLOURS[Mode.HT], zorder=2)
-    axis.set(xlim=(0, 100), ylim=(150, -4))
+def _draw_body(axis: Any, listeners: Sequence[str]) -> None:
+    """The body from behind with the places of the listeners, as in the body maps."""
+    for limb in body_figure("back"):
+        axis.plot(
+            *zip(limb.start, limb.end, strict=True),
+            color=COLOURS[Mode.HT] if limb.part in listeners else "#d5d5dc",
+            linewidth=80 * limb.width,
+            solid_capstyle="round",
+            marker="o",  # a line without length isn't drawn
+            markersize=80 * limb.width,
+            markeredgewidth=0,
+        )
+    axis.set(aspect="equal", xlim=(-0.62, 0.62), ylim=(-0.4, 2.0))
     axis.set_title("from behind", fontsize=8)
     axis.axis("off")
 
@@ -277,24 +288,13 @@ def _intensity(ride: Ride) -> bytes:
         ("patterns [bits]", patterns),
     )
     for axis, (label, measure) in zip(axes, measures, strict=True):
-        for number, mode in enumerate(MODES):
-            values = [measure(ride.margins(mode, first, last)) for _, first, last in groups]
-            axis.bar(
-                np.arange(len(groups)) + 0.2 * (number - 1.5),
-                values,
-                0.2,
-                color=COLOURS[mode],
-                label=str(mode),
-            )
-        axis.set_xticks(
-            range(len(groups)),
-            [title.split(" ")[0] for title, *_ in groups],
-            rotation=35,
-            ha="right",
-            fontsize=7,
-        )
+        values = {
+            mode: [measure(ride.margins(mode, first, last)) for _, first, last in groups]
+            for mode in MODES
+        }
+        _bars(axis, values, [title.split(" ")[0] for title, *_ in groups])
+        axis.tick_params("x", rotation=35)
         axis.set_title(label, fontsize=9)
-        _plain(axis)
     axes[0].legend(fontsize=7, ncols=2)
     return _png(figure)
 
@@ -317,13 +317,7 @@ def _spectrograms(ride: Ride) -> bytes:
                 extent=extent,
             )
         axis.set(ylabel="Hz")
-        axis.set_title(
-            f"{mode}  {TITLES[mode]}",
-            loc="left",
-            fontsize=9,
-            color=COLOURS[mode],
-            fontweight="bold",
-        )
+        _head(axis, mode)
     axes[-1].set(xlabel="time [s]")
     if len(seconds):
         figure.colorbar(image, ax=axes, label="dB", pad=0.01, fraction=0.03)
@@ -359,19 +353,12 @@ def _walls(ride: Ride) -> bytes:
     names = [f"{material} Wall {number}" for material in MATERIALS for number in (1, 2, 3)]
     present = [name for name in names if name in walls]
     figure, axes = _figure(2, 5.6, gridspec_kw={"height_ratios": [1, 1.3]})
-    for number, mode in enumerate(MODES):
-        values = [walls[name][number].mean() for name in present]
-        axes[0].bar(
-            np.arange(len(present)) + 0.2 * (number - 1.5),
-            values,
-            0.2,
-            color=COLOURS[mode],
-            label=str(mode),
-        )
-    axes[0].set_xticks(range(len(present)), [name.replace(" Wall", "") for name in present])
+    values = {
+        mode: [walls[name][number].mean() for name in present] for number, mode in enumerate(MODES)
+    }
+    _bars(axes[0], values, [name.replace(" Wall", "") for name in present])
     axes[0].set(ylabel="mean amplitude")
     axes[0].legend(ncols=4, fontsize=8, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    _plain(axes[0])
     shown = np.concatenate([[walls[name][number] for name in present] for number in range(4)]).T
     image = axes[1].imshow(shown, aspect="auto", cmap="magma", vmin=0)
     axes[1].set_yticks(
@@ -392,22 +379,16 @@ def _stalactites(ride: Ride) -> bytes:
     figure, axes = _figure(1, 3.2, ncols=2, sharey=True)
     for axis, side in zip(axes, "LR", strict=True):
         column = ride.listeners.index(f"upper_leg.{side}")
-        for number, mode in enumerate(MODES):
-            values = [fall.amplitudes[number][column] for fall in falls]
-            axis.bar(
-                np.arange(len(falls)) + 0.2 * (number - 1.5),
-                values,
-                0.2,
-                color=COLOURS[mode],
-                label=str(mode),
-            )
+        values = {
+            mode: [fall.amplitudes[number][column] for fall in falls]
+            for number, mode in enumerate(MODES)
+        }
         numbers = [
             next(name for name in fall.objects if name.startswith("Stalactite")).split(" ")[1]
             for fall in falls
         ]
-        axis.set_xticks(range(len(falls)), numbers, fontsize=7)
+        _bars(axis, values, numbers)
         axis.set_title(f"{'left' if side == 'L' else 'right'} leg", fontsize=9)
-        _plain(axis)
     axes[0].set(ylabel="amplitude that arrives")
     axes[1].legend(ncols=4, fontsize=8, frameon=False)
     return _png(figure)

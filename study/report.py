@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
 from ..core.formats.io.atomic import write_bytes
+from ..core.forms import JsonObject
 from ..core.render import lane
 from .body_map import body_map, shade_numbers, shades
 from .checks import FINDINGS, LIMITS, Check, felt_anywhere, measured_checks
@@ -34,7 +34,7 @@ MEASURES = (
 )
 
 
-def measures_of(ride: Ride) -> list[dict[str, Any]]:
+def measures_of(ride: Ride) -> list[JsonObject]:
     """A row per section (and one for all of them) and mode, with the `MEASURES`."""
     parts = [(title, first, last) for _, title, first, last in ride.sections]
     if len(parts) > 1:
@@ -158,7 +158,7 @@ def write_report(
         "<h2>Not reproducible here: what people said</h2>",
         "<p>The paper's results are ratings by 40 people. No rendering can compute them; they "
         "stand here as published.</p>",
-        _pairs_table(("", "The paper"), FINDINGS),
+        _table(("", "The paper"), FINDINGS),
         "<h2>Limits</h2>",
         f"<ul>{''.join(f'<li>{escape(limit)}</li>' for limit in LIMITS)}</ul>",
     ]
@@ -175,20 +175,21 @@ def write_report(
 
 def _lanes(ride: Ride) -> str:
     """The level of every listener over the ride, by mode."""
-    heads = "".join(f"<th>{mode}" for mode in MODES)
     tracks = [ride.renditions[mode].tracks for mode in MODES]
-    rows = (
-        f"<tr><th>{escape(name)}"
-        + "".join(
-            f"<td>{lane.svg(one.row(number).read(0, one.count), one.sample_rate)}" for one in tracks
-        )
+    rows: list[list[Cell]] = [
+        [
+            name,
+            *(
+                ("", lane.svg(one.row(number).read(0, one.count), one.sample_rate))
+                for one in tracks
+            ),
+        ]
         for number, name in enumerate(ride.listeners)
-    )
-    return (
-        f"<table class=lanes><tr><th>{heads}</tr>{''.join(rows)}</table><p class=note>Level of the "
-        f"last quarter second from {lane.FLOOR:g} to 0 dB of full scale, lines at "
-        f"{' and '.join(f'{level:g}' for level in lane.GRID)} dB; dashed: the threshold of "
-        "feeling; filled: what is felt.</p>"
+    ]
+    return _table(("", *MODES), rows, "lanes") + (
+        f"<p class=note>Level of the last quarter second from {lane.FLOOR:g} to 0 dB of full "
+        f"scale, lines at {' and '.join(f'{level:g}' for level in lane.GRID)} dB; dashed: the "
+        "threshold of feeling; filled: what is felt.</p>"
     )
 
 
@@ -200,56 +201,56 @@ def _figure(figure: tuple[str, str, bytes]) -> str:
     )
 
 
+Cell = str | tuple[str, str]
+"""A cell of a table: its text, or its class and HTML."""
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[Cell]], kind: str = "") -> str:
+    """An HTML table of the class ``kind``."""
+    head = "".join(f"<th>{escape(name)}" for name in heads)
+    lines = "".join(f"<tr>{''.join(map(_cell, cells))}</tr>" for cells in rows)
+    return f'<table class="{kind}"><tr>{head}</tr>{lines}</table>'
+
+
+def _cell(cell: Cell) -> str:
+    kind, html = ("", escape(cell)) if isinstance(cell, str) else cell
+    return f'<td class="{kind}">{html}'
+
+
 def _checks_table(checks: Sequence[Check]) -> str:
-    sign = {True: "<td class=yes>holds", False: "<td class=no>does not hold", None: "<td>no data"}
-    rows = (
-        f"<tr>{sign[c.holds]}<td><b>{escape(c.name)}</b><td>{escape(c.statement)}<td>{escape(c.measured)}</tr>"
-        for c in checks
+    sign = {True: ("yes", "holds"), False: ("no", "does not hold"), None: ("", "no data")}
+    return _table(
+        ("", "", "Statement", "Measured"),
+        (
+            (sign[c.holds], ("", f"<b>{escape(c.name)}</b>"), c.statement, c.measured)
+            for c in checks
+        ),
     )
-    return f"<table><tr><th><th><th>Statement<th>Measured</tr>{''.join(rows)}</table>"
-
-
-def _pairs_table(heads: tuple[str, str], rows: Sequence[tuple[str, str]]) -> str:
-    lines = (f"<tr><td><b>{escape(one)}</b><td>{escape(other)}</tr>" for one, other in rows)
-    return f"<table><tr><th>{escape(heads[0])}<th>{escape(heads[1])}</tr>{''.join(lines)}</table>"
 
 
 def _materials(rides: Mapping[str, Ride]) -> list[str]:
     """The ride with different materials: checks, walls and levels of each variant."""
-    heads = "".join(f"<th>{escape(WAYS[way])}" for way in rides)
-    sign = {True: "<td>", False: "<td class=fails>does not hold: ", None: "<td>"}
+    ways = [WAYS[way] for way in rides]
+    sign = {True: "", False: "does not hold: ", None: ""}
     columns = [measured_checks(ride) for ride in rides.values()]
     checks = [
-        f"<tr><td><b>{escape(row[0].name)}</b><br>{escape(row[0].statement)}"
-        f"{''.join(sign[c.holds] + escape(c.measured) for c in row)}</tr>"
+        (
+            ("", f"<b>{escape(row[0].name)}</b><br>{escape(row[0].statement)}"),
+            *(
+                ("" if c.holds is not False else "fails", escape(sign[c.holds] + c.measured))
+                for c in row
+            ),
+        )
         for row in zip(*columns, strict=True)
     ]
-
-    def table(first: str, rows: list[list[tuple[str, str]]]) -> str:
-        lines = (
-            f"<tr><td>{escape(row[0][0])}"
-            f"{''.join(f'<td>{escape(verdict)}' for _, verdict in row)}</tr>"
-            for row in rows
-        )
-        return f"<table><tr><th>{first}{heads}</tr>{''.join(lines)}</table>"
-
-    felt = zip(
-        *(
-            [(title, felt_verdict(levels)) for title, levels in sensations(ride)]
-            for ride in rides.values()
-        ),
-        strict=True,
-    )
-    walls = zip(
-        *(
-            [
-                (pair, wall_verdict(apart, felt_anywhere(ride)[1]))
-                for pair, apart in walls_apart(ride)
-            ]
-            for ride in rides.values()
-        ),
-        strict=True,
-    )
+    felt = [[felt_verdict(levels) for _, levels in sensations(ride)] for ride in rides.values()]
+    walls = [
+        [wall_verdict(apart, felt_anywhere(ride)[1]) for _, apart in walls_apart(ride)]
+        for ride in rides.values()
+    ]
+    first = next(iter(rides.values()))
+    sections = [title for title, _ in sensations(first)]
+    pairs = [pair for pair, _ in walls_apart(first)]
     return [
         "<h2>By material: the paper's function and measured materials</h2>",
         "<p>The same ride with the library's κ and ρ, with measured loss factors and speeds of "
@@ -259,12 +260,12 @@ def _materials(rides: Mapping[str, Ride]) -> list[str]:
         "either way.</p>",
         "<p>What is felt: the strongest actuator above the threshold of feeling, and at how many "
         "of them anything is:</p>",
-        table("Section", [list(row) for row in felt]),
+        _table(("Section", *ways), zip(sections, *felt, strict=True)),
         "<p>Walls of different materials, where they are felt (most: three of four people "
         "notice; few: one of four):</p>",
-        table("Walls", [list(row) for row in walls]),
+        _table(("Walls", *ways), zip(pairs, *walls, strict=True)),
         "<p>The checks by measurement:</p>",
-        f"<table><tr><th>Statement{heads}</tr>{''.join(checks)}</table>",
+        _table(("Statement", *ways), checks),
         "<p>Why:</p>",
         f"<ul>{''.join(f'<li>{escape(reason)}</li>' for reason in reasons())}</ul>",
     ]
@@ -276,15 +277,12 @@ def _sensitivity(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> list[s
     if not varied:
         return []
     names = [check.name for check in measured_checks(ride)]
-    sign = {True: "<td class=yes>yes", False: "<td class=no>no", None: "<td>-"}
-    lines = []
-    for one, label, other in [
-        ("as it is", "", ride),
-        *((variation.name, variation.label, changed) for variation, changed in varied),
-    ]:
-        cells = "".join(sign[check.holds] for check in measured_checks(other))
-        lines.append(f"<tr><td>{escape(one)}<td>{escape(label)}{cells}</tr>")
-    heads = "".join(f"<th>{escape(name)}" for name in names)
+    sign = {True: ("yes", "yes"), False: ("no", "no"), None: ("", "-")}
+    rows = [("as it is", "", ride), *((one.name, one.label, other) for one, other in varied)]
+    lines: list[tuple[Cell, ...]] = [
+        (name, label, *(sign[check.holds] for check in measured_checks(other)))
+        for name, label, other in rows
+    ]
     chosen = [
         (
             item.title,
@@ -296,10 +294,10 @@ def _sensitivity(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> list[s
         "<h2>Sensitivity</h2>",
         "<p>No material was tuned for this ride. Those of the library are chosen by design, so "
         "that neighbours differ:</p>",
-        _pairs_table(("Material", "Value"), chosen),
+        _table(("Material", "Value"), chosen),
         "<p>Which checks by measurement hold where a material takes half or double as many "
         "decibels, with other values of what was arranged, and by strategy:</p>",
-        f"<table class=numbers><tr><th>Varied<th>To{heads}</tr>{''.join(lines)}</table>",
+        _table(("Varied", "To", *names), lines, "numbers"),
         "<p>Levels at the listeners over the whole range in decibels of full scale:</p>",
         _levels_table(ride, varied),
     ]
@@ -318,57 +316,44 @@ def _levels_table(ride: Ride, varied: Sequence[tuple[Variation, Ride]]) -> str:
     for label, other in rows:
         with np.errstate(divide="ignore"):
             levels = 10 * np.log10((other.renditions[MODES[0]].rms ** 2).mean(axis=0))
-        lines.append(
-            f"<tr><td>{escape(label)}{''.join(f'<td>{level:.1f}' for level in levels)}</tr>"
-        )
-    heads = "".join(f"<th>{escape(name)}" for name in ride.listeners)
-    return f"<table class=numbers><tr><th>Strategy{heads}</tr>{''.join(lines)}</table>"
+        lines.append([label, *(f"{level:.1f}" for level in levels)])
+    return _table(("Strategy", *ride.listeners), lines, "numbers")
 
 
 def _measures_table(ride: Ride) -> str:
-    lines = [
-        "<table class=numbers><tr><th>Section<th>Mode",
-        *(f"<th>{escape(name)}" for name in MEASURES),
-        "</tr>",
-    ]
-    for row in measures_of(ride):
-        first = row["mode"] == MODES[0]
-        lines.append(
-            f"<tr{' class=first' if first else ''}>"
-            f"<td>{escape(row['section']) if first else ''}<td>{row['mode']}"
+    rows = [
+        (
+            row["section"] if row["mode"] == MODES[0] else "",
+            row["mode"],
+            *(f"{row[name]:.{0 if isinstance(row[name], int) else 2}f}" for name in MEASURES),
         )
-        for name in MEASURES:
-            value = row[name]
-            lines.append(f"<td>{value}" if isinstance(value, int) else f"<td>{value:.2f}")
-        lines.append("</tr>")
-    return "".join(lines) + "</table>"
+        for row in measures_of(ride)
+    ]
+    return _table(("Section", "Mode", *MEASURES), rows, "numbers measures")
 
 
 def _strip(ride: Ride, pictures: Mapping[int, bytes]) -> str:
     """The liveliest frame of every section, or those that there are pictures of: picture and body
     maps."""
-    rows = []
+    rows: list[Sequence[Cell]] = []
     for _, title, first, last in ride.sections:
         chosen = [frame for frame in sorted(pictures) if first <= frame <= last] or [
             _liveliest(ride, first, last)
         ]
         for frame in chosen:
             row = int(np.searchsorted(ride.frames, frame))
-            maps = "".join(
-                f"<td>{body_map(ride.listeners, ride.renditions[mode].peak[row])}" for mode in MODES
-            )
+            maps = [
+                ("", body_map(ride.listeners, ride.renditions[mode].peak[row])) for mode in MODES
+            ]
             picture = (
                 f"<img src='{_data(pictures[frame])}' alt='frame {frame}'>"
                 if frame in pictures
                 else ""
             )
-            seconds = (frame - 1) / ride.frame_rate
-            rows.append(
-                f"<tr><th>{escape(title)}<br><small>{seconds:.1f} s, frame {frame}</small><td "
-                f"class=picture>{picture}{maps}</tr>"
-            )
-    heads = "".join(f"<th>{mode}" for mode in MODES)
-    return f"<table class=strip><tr><th><th>{heads}</tr>{''.join(rows)}</table>{_legend()}"
+            seconds = f"{(frame - 1) / ride.frame_rate:.1f} s, frame {frame}"
+            place = f"<b>{escape(title)}</b><br><small>{seconds}</small>"
+            rows.append((("", place), ("picture", picture), *maps))
+    return _table(("", "", *MODES), rows, "strip") + _legend()
 
 
 def _liveliest(ride: Ride, first: int, last: int) -> int:

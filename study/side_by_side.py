@@ -10,11 +10,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
 from ..core.arrays import FloatArray
+from ..core.forms import JsonObject
 from ..core.perception import are_felt_alike, are_felt_different
 from ..core.scene.materials import MATERIALS
 from ..core.scene.measured import DAMPING, physical
@@ -136,7 +136,7 @@ _BLOWS = (
 )
 
 
-def numbers(rides: Mapping[str, Ride]) -> dict[str, Any]:
+def numbers(rides: Mapping[str, Ride]) -> JsonObject:
     """All results as JSON, with None for minus infinity and undefined values."""
     return {
         way: {

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from io import StringIO
+from typing import Any
 
-from ..core.frozen import frozen
 from .validation import (
     FOUNDATIONS,
     HALL_FREQUENCIES,
@@ -181,75 +182,35 @@ def _written(series: Series, error: float) -> str:
     return f"{error:.0f} pairs" if series.unit == "pairs" else f"{error:.2f} {series.unit}"
 
 
-WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 640, 300, 50, 20, 20, 40
-RED, BLUE, GREEN = "#d1495b", "#2e86ab", "#4f8a3d"
+BLUE, RED, GREEN, GREY = "#2e86ab", "#d1495b", "#4f8a3d", "#333333"
 
 
-@frozen
-class Axes:
-    """A plot with a logarithmic x axis: its left and top corner in the picture, the ranges of its
-    axes, their labels and ticks."""
+def _figure(columns: int, width: float) -> tuple[Any, Any]:
+    """A figure and its axes, whose horizontal scale is logarithmic."""
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 
-    corner: tuple[float, float]
-    across: tuple[float, float]
-    up: tuple[float, float]
-    labels: tuple[str, str]
-    ticks: tuple[Sequence[float], Sequence[float]]
-    size: tuple[float, float] = (400, 300)
+    figure = Figure(figsize=(width, 5.4), layout="constrained")
+    axes = figure.subplots(1, columns, squeeze=False)[0]
+    for axis in axes:
+        axis.set_xscale("log")
+        axis.xaxis.set_minor_formatter(NullFormatter())
+        axis.grid(alpha=0.3)
+    return figure, axes
 
-    def x(self, value: float) -> float:
-        low, high = self.across
-        return self.corner[0] + self.size[0] * math.log(value / low) / math.log(high / low)
 
-    def y(self, value: float) -> float:
-        low, high = self.up
-        return self.corner[1] + self.size[1] * (high - min(max(value, low), high)) / (high - low)
+def _svg(figure: Any, ticks: Sequence[Sequence[float]]) -> str:
+    """The picture with a legend below each of its axes, which have ``ticks``; the same text in
+    every run."""
+    from matplotlib import rc_context
 
-    def frame(self) -> str:
-        """The grid with the numbers and names of the axes."""
-        (left, top), (width, height) = self.corner, self.size
-        parts = [
-            f'<path d="M{left} {self.y(v):.1f}h{width}" stroke="#ddd"/>'
-            f'<text x="{left - 6}" y="{self.y(v) + 4:.1f}" text-anchor="end">{v:g}</text>'
-            for v in self.ticks[1]
-        ]
-        parts += [
-            f'<path d="M{self.x(v):.1f} {top}v{height}" stroke="#eee"/>'
-            f'<text x="{self.x(v):.1f}" y="{top + height + 16}" text-anchor="middle">{v:g}</text>'
-            for v in self.ticks[0]
-        ]
-        middle = top + height / 2
-        parts.append(
-            f'<path d="M{left} {top}v{height}h{width}" fill="none" stroke="#333"/>'
-            f'<text x="{left + width / 2}" y="{top + height + 34}" text-anchor="middle">'
-            f"{self.labels[0]}</text>"
-            f'<text x="{left - 40}" y="{middle}" text-anchor="middle" '
-            f'transform="rotate(-90 {left - 40} {middle})">{self.labels[1]}</text>'
-        )
-        return "".join(parts)
-
-    def line(self, points: Sequence[tuple[float, float]], colour: str, dash: str = "") -> str:
-        path = "L".join(f"{self.x(a):.1f} {self.y(b):.1f}" for a, b in points)
-        style = f' stroke-dasharray="{dash}"' if dash else ""
-        return f'<path d="M{path}" fill="none" stroke="{colour}" stroke-width="2"{style}/>'
-
-    def dots(self, series: Series, colour: str) -> str:
-        """Published figures, hollow where they were used for a fit or as reference, with bars of
-        their scatter."""
-        parts = []
-        for point in series.points:
-            x, y = self.x(_place(point)), self.y(point.measured)
-            if point.spread:
-                ends = [self.y(point.measured + k * point.spread) for k in (1, -1)]
-                parts.append(
-                    f'<path d="M{x - 4:.1f} {ends[0]:.1f}h8m-4 0V{ends[1]:.1f}m-4 0h8" '
-                    f'fill="none" stroke="{colour}"/>'
-                )
-            fill = colour if point.judged else "#fff"
-            parts.append(
-                f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{fill}" stroke="{colour}"/>'
-            )
-        return "".join(parts)
+    for axis, places in zip(figure.axes, ticks, strict=True):
+        axis.set_xticks(places, [f"{place:g}" for place in places])
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=len(figure.axes) % 2 + 1)
+    file = StringIO()
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "validation"}):
+        figure.savefig(file, format="svg", metadata={"Date": None})
+    return file.getvalue()
 
 
 def _place(point: Point) -> float:
@@ -257,91 +218,71 @@ def _place(point: Point) -> float:
     return float(point.at.split(" ")[0])
 
 
-def _model(series: Series) -> list[tuple[float, float]]:
-    return [(_place(point), point.modelled) for point in series.points]
+def _draw(axis: Any, series: Series, colour: str, published: str, model: str = "") -> None:
+    """Published figures with bars of their scatter, hollow where they were used for a fit or as
+    reference, and the ``model`` as a line."""
+    for judged, inside in ((True, colour), (False, "white")):
+        points = [point for point in series.points if point.judged is judged]
+        axis.errorbar(
+            [_place(point) for point in points],
+            [point.measured for point in points],
+            [point.spread or math.nan for point in points],
+            fmt="o",
+            color=colour,
+            markerfacecolor=inside,
+            capsize=4,
+            label=published if judged else None,
+        )
+    if model:
+        axis.plot(*_curve(series), color=colour, label=model)
+
+
+def _curve(series: Series) -> tuple[list[float], list[float]]:
+    """The model over distance or frequency."""
+    return [_place(point) for point in series.points], [point.modelled for point in series.points]
 
 
 def picture() -> str:
     """Attenuation on the ground over distance, and from the ground into foundations over frequency,
     as SVG: published figures with their scatter as dots, the model as lines."""
     found = {series.name: series for series in (*ground(), *into_buildings())}
-    far = Axes(
-        (60, 34),
-        (7.0, 90.0),
-        (-45.0, 0.0),
-        ("distance [m]", "level, first place of each series 0 [dB]"),
-        ((10, 20, 40, 80), (0, -10, -20, -30, -40)),
+    figure, (far, into) = _figure(2, 12.0)
+    far.set(
+        title="On the ground",
+        xlabel="distance [m]",
+        ylabel="level, first place of each series 0 [dB]",
     )
-    into = Axes(
-        (540, 34),
-        (3.6, 90.0),
-        (-18.0, 6.0),
-        ("frequency [Hz]", "foundation relative to the ground [dB]"),
-        ((4, 8, 16, 31.5, 63), (5, 0, -5, -10, -15)),
+    into.set(
+        title="From the ground into a house",
+        xlabel="frequency [Hz]",
+        ylabel="foundation relative to the ground [dB]",
     )
-    machines, hall = found["Construction machines"], found["Outside a machine hall"]
-    soil = [found[f"The same by the library's soil at {f:g} Hz"] for f in HALL_FREQUENCIES]
-    edges = [*_model(soil[0]), *reversed(_model(soil[-1]))]
-    area = "L".join(f"{far.x(a):.1f} {far.y(b):.1f}" for a, b in edges)
-    foundations = [found[f"Ground to foundation, {place}"] for place in FOUNDATIONS]
-    legend = (
-        (60, "dot", BLUE, "construction machines (FTA 0123), published"),
-        (60, "line", BLUE, "model, body wave, absorption fitted to the hollow dots"),
-        (60, "dot", RED, "outside a machine hall (DIN 4150-1, figure A.19), measured"),
-        (60, "line", RED, "model, surface wave, absorption fitted to the hollow dots"),
-        (60, "area", RED, "model, the library's soil at 30 to 50 Hz, nothing fitted"),
-        (540, "bar", BLUE, "basement, mean and scatter over buildings (E DIN 45672-3)"),
-        (540, "bar", GREEN, "ground floor, mean and scatter over buildings"),
-        (540, "line", "#333", "model, soil touches concrete, by impedance, nothing fitted"),
-        (540, "dash", "#333", "model, the default contact"),
+    _draw(
+        far,
+        found["Construction machines"],
+        BLUE,
+        "construction machines (FTA 0123), published",
+        "model, body wave, absorption fitted to the hollow dots",
     )
-    rows = {60: 0, 540: 0}
-    words = []
-    for left, kind, colour, text in legend:
-        y = 400 + 18 * rows[left]
-        rows[left] += 1
-        words.append(_sample(kind, left, y, colour))
-        words.append(f'<text x="{left + 34}" y="{y + 4}">{text}</text>')
-    return "\n".join(
-        [
-            '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 960 490" '
-            'font-family="sans-serif" font-size="12">',
-            '<rect width="960" height="490" fill="#fff"/>',
-            '<text x="60" y="20" font-weight="bold">On the ground</text>',
-            '<text x="540" y="20" font-weight="bold">From the ground into a house</text>',
-            far.frame(),
-            into.frame(),
-            f'<path d="M{area}Z" fill="{RED}" opacity="0.25"/>',
-            far.line(_model(machines), BLUE),
-            far.line(_model(hall), RED),
-            far.dots(machines, BLUE),
-            far.dots(hall, RED),
-            into.line(_model(foundations[0]), "#333"),
-            into.line([(_place(point), 0.0) for point in foundations[0].points], "#333", "6 4"),
-            *(
-                into.dots(series, colour)
-                for series, colour in zip(foundations, (BLUE, GREEN), strict=True)
-            ),
-            *words,
-            "</svg>\n",
-        ]
+    _draw(
+        far,
+        found["Outside a machine hall"],
+        RED,
+        "outside a machine hall (DIN 4150-1, figure A.19), measured",
+        "model, surface wave, absorption fitted to the hollow dots",
     )
-
-
-def _sample(kind: str, x: float, y: float, colour: str) -> str:
-    """A sample of a mark in the legend."""
-    match kind:
-        case "dot":
-            return f'<circle cx="{x + 14}" cy="{y}" r="4" fill="{colour}" stroke="{colour}"/>'
-        case "area":
-            return f'<path d="M{x} {y - 6}h28v12h-28Z" fill="{colour}" opacity="0.25"/>'
-        case "bar":
-            return (
-                f'<path d="M{x + 10} {y - 7}h8m-4 0v14m-4 0h8" fill="none" stroke="{colour}"/>'
-                f'<circle cx="{x + 14}" cy="{y}" r="4" fill="{colour}"/>'
-            )
-    dash = ' stroke-dasharray="6 4"' if kind == "dash" else ""
-    return f'<path d="M{x} {y}h28" stroke="{colour}" stroke-width="2"{dash}/>'
+    (places, least), *_, (_, most) = (
+        _curve(found[f"The same by the library's soil at {f:g} Hz"]) for f in HALL_FREQUENCIES
+    )
+    soil = "model, the library's soil at 30 to 50 Hz, nothing fitted"
+    far.fill_between(places, least, most, color=RED, alpha=0.25, label=soil)
+    basement, ground_floor = (found[f"Ground to foundation, {place}"] for place in FOUNDATIONS)
+    _draw(into, basement, BLUE, "basement, mean and scatter over buildings (E DIN 45672-3)")
+    _draw(into, ground_floor, GREEN, "ground floor, mean and scatter over buildings")
+    touching = "model, soil touches concrete, by impedance, nothing fitted"
+    into.plot(*_curve(basement), color=GREY, label=touching)
+    into.axhline(0.0, color=GREY, linestyle="--", label="model, the default contact")
+    return _svg(figure, ((10, 20, 40, 80), (4, 8, 16, 31.5, 63)))
 
 
 BODY_CURVES: tuple[tuple[str, str, Callable[[float], float]], ...] = (
@@ -373,74 +314,33 @@ _RANGES = {
 
 def body_picture() -> str:
     """Levels at parts of a body over frequency: the model as lines; published levels as dots, upper
-    limits with a line downwards; published resonances as bars on top."""
-
-    def x(frequency: float) -> float:
-        return LEFT + (WIDTH - LEFT - RIGHT) * math.log(frequency / LOW) / math.log(HIGH / LOW)
-
-    def y(level: float) -> float:
-        return TOP + 30 + (HEIGHT - TOP - 30 - BOTTOM) * max(level, DEEPEST) / DEEPEST
-
-    lines = [
-        f'<path d="M{LEFT} {y(grid):.1f}H{WIDTH - RIGHT}" stroke="#ddd"/>'
-        f'<text x="{LEFT - 8}" y="{y(grid) + 4:.1f}" text-anchor="end">{grid}</text>'
-        for grid in (0, -10, -20, -30, -40, -50)
-    ]
-    lines += [
-        f'<text x="{x(f):.1f}" y="{HEIGHT - 22}" text-anchor="middle">{f} Hz</text>'
-        for f in (5, 10, 20, 50, 100, 200, 400)
-    ]
+    limits with an arrow downwards; published resonances as bars on top."""
+    figure, (axis,) = _figure(1, 9.0)
     frequencies = [LOW * (HIGH / LOW) ** (k / 120) for k in range(121)]
-    for number, (name, colour, level) in enumerate(BODY_CURVES):
-        points = [(x(f), y(level(f))) for f in frequencies if level(f) > DEEPEST]
-        path = "L".join(f"{a:.1f} {b:.1f}" for a, b in points)
-        lines.append(f'<path d="M{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
-        lines.append(
-            f'<text x="{LEFT + 8}" y="{y(-17) + 13 * number:.1f}" fill="{colour}">{name}</text>'
-        )
+    for name, colour, level in BODY_CURVES:
+        axis.plot(frequencies, list(map(level, frequencies)), color=colour, label=name)
     for place, _, low, high in RESONANCES:
         if place in _RANGES:
-            row = TOP + 5 * (_RANGES[place] % 6)
-            colour = BODY_CURVES[_RANGES[place]][1]
-            lines.append(
-                f'<path d="M{x(low) - 2:.1f} {row}H{x(high) + 2:.1f}" stroke="{colour}" '
-                'stroke-width="4"/>'
-            )
+            height, colour = 2 + _RANGES[place], BODY_CURVES[_RANGES[place]][1]
+            axis.plot([low / 1.02, high * 1.02], [height, height], color=colour, linewidth=4)
     for _, count, frequency, known in HANDLE:
-        colour = BODY_CURVES[count - 1][1]
-        lines.append(
-            f'<circle cx="{x(frequency):.1f}" cy="{y(known):.1f}" r="4" fill="#fff" '
-            f'stroke="{colour}" stroke-width="2"/>'
+        axis.errorbar(
+            frequency,
+            known,
+            3.0 if count > 1 else math.nan,
+            fmt="o",
+            color=BODY_CURVES[count - 1][1],
+            markerfacecolor="white",
+            uplims=True,
         )
-        if count > 1:
-            lines.append(
-                f'<path d="M{x(frequency):.1f} {y(known) + 4:.1f}v14" stroke="{colour}" '
-                'stroke-width="2"/>'
-            )
-    for frequency, known in HANDLE_TO_HEAD:
-        if known > DEEPEST:
-            lines.append(
-                f'<circle cx="{x(frequency):.1f}" cy="{y(known):.1f}" r="4" '
-                f'fill="{BODY_CURVES[8][1]}"/>'
-            )
-    lines.append(
-        f'<path d="M{x(15):.1f} {y(-3.1):.1f}H{x(20):.1f}V{y(-6.02):.1f}H{x(15):.1f}Z" '
-        f'fill="none" stroke="{BODY_CURVES[3][1]}"/>'
+    axis.plot(*zip(*HANDLE_TO_HEAD, strict=True), "o", color=BODY_CURVES[8][1])
+    axis.plot([15, 20, 20, 15, 15], [-3.1, -3.1, -6.02, -6.02, -3.1], color=BODY_CURVES[3][1])
+    axis.set(
+        title="Lines: model. Bars on top: published resonances. Dots: published levels.\n"
+        "Rings and box: the same, as recalled; with an arrow: at most.",
+        xlabel="frequency [Hz]",
+        ylabel="level [dB]",
+        xlim=(LOW, HIGH),
+        ylim=(DEEPEST, 11),
     )
-    captions = (
-        "dB against frequency. Lines: model. Bars on top: published resonances.",
-        "Dots: published levels. Rings and box: the same, as recalled; with a tail: at most.",
-    )
-    return "\n".join(
-        [
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT + 20}" '
-            'font-family="sans-serif" font-size="12">',
-            f'<rect width="{WIDTH}" height="{HEIGHT + 20}" fill="#fff"/>',
-            *lines,
-            *(
-                f'<text x="{LEFT}" y="{HEIGHT - 4 + 15 * number}">{text}</text>'
-                for number, text in enumerate(captions)
-            ),
-            "</svg>\n",
-        ]
-    )
+    return _svg(figure, ((5, 10, 20, 50, 100, 200, 400),))

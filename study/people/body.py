@@ -5,7 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-from ...core.scene.body_map import HALF_WIDTH, HEIGHT, View, figure
+from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Limb, View, figure
+
+BOX = f"{-HALF_WIDTH} 0 {2 * HALF_WIDTH} {HEIGHT}"
+"""What a picture of the body shows of its coordinates."""
+
+
+def line(limb: Limb, attributes: str, inside: str = "") -> str:
+    """A limb as an SVG element."""
+    return (
+        f'<line {attributes} stroke-width="{limb.width:g}" x1="{limb.start[0]:g}" '
+        f'y1="{HEIGHT - limb.start[1]:g}" x2="{limb.end[0]:g}" y2="{HEIGHT - limb.end[1]:g}">'
+        f"{inside}</line>"
+    )
 
 
 def svg(
@@ -16,11 +28,11 @@ def svg(
     """The figure from the front or from behind. ``shares``: how red each part is, 0 to 1; ``dots``:
     places in the picture's coordinates. The page's style sheet colours them."""
     marks = [
-        f'<line class="limb" data-part="{limb.part}" style="--share:{shares.get(limb.part, 0):.1%}"'
-        f' stroke-width="{limb.width:g}" x1="{limb.start[0]:g}" y1="{HEIGHT - limb.start[1]:g}" '
-        f'x2="{limb.end[0]:g}" y2="{HEIGHT - limb.end[1]:g}"/>'
+        line(
+            limb,
+            f'class="limb" data-part="{limb.part}" style="--share:{shares.get(limb.part, 0):.1%}"',
+        )
         for limb in figure(view)
     ]
     marks += [f'<circle cx="{x:.3f}" cy="{y:.3f}" r=".015"/>' for x, y in dots]
-    box = f"{-HALF_WIDTH} 0 {2 * HALF_WIDTH} {HEIGHT}"
-    return f'<svg data-view="{view}" viewBox="{box}">{"".join(marks)}</svg>'
+    return f'<svg data-view="{view}" viewBox="{BOX}">{"".join(marks)}</svg>'

@@ -14,13 +14,14 @@ from typing import Any
 from ...core.formats.io.error import FormatError
 from ...core.formats.io.json_text import write_json
 from ...core.formats.io.schema import validate
+from ...core.forms import Form, JsonObject
 from .record import PLAN, read_plan
 
 FORM = "study.toml"
 _TEMPLATE = Path(__file__).with_name("template.toml")
 
 
-def read_form(folder: Path) -> dict[str, Any]:
+def read_form(folder: Path) -> JsonObject:
     """The filled-in form of a study. Raises ValueError for what is missing; a folder without one
     gets the template."""
     path = folder / FORM
@@ -45,7 +46,7 @@ def read_form(folder: Path) -> dict[str, Any]:
     return form
 
 
-def stimuli(folder: Path, form: Mapping[str, Any]) -> dict[tuple[str, str], Path]:
+def stimuli(folder: Path, form: Form) -> dict[tuple[str, str], Path]:
     """The file of the tracks of each scene in each condition, and of the film of each scene, whose
     condition is "". What is rendered bears a digest of its settings in its name, so that other
     settings are rendered anew."""
@@ -67,11 +68,11 @@ def _digest(*settings: Any) -> str:
 
 def begin(
     folder: Path,
-    form: Mapping[str, Any],
+    form: Form,
     participants: int,
     listeners: Sequence[str],
     levels: Mapping[str, Mapping[str, Sequence[float]]],
-) -> dict[str, Any]:
+) -> JsonObject:
     """The plan of the folder, written once, with an order for each of the ``participants``; later
     ones may be added, and nothing else may change.
 
@@ -111,7 +112,7 @@ def begin(
 
 def orders(
     conditions: Iterable[str], scenes: Iterable[str], participants: int, seed: int
-) -> dict[str, dict[str, Any]]:
+) -> dict[str, JsonObject]:
     """For each participant the order of conditions, and that of scenes within each of them. The
     first participants' are the same however many there are."""
     rows, sections = _rows(conditions, f"conditions {seed}"), _rows(scenes, f"scenes {seed}")

@@ -5,28 +5,29 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 import pandas
 from pandas import DataFrame
+
+from ...core.forms import Form, JsonObject
 
 PLAN = "study.json"
 _STEP = ["participant", "step", "position", "condition", "scene"]
 
 
-def read_plan(folder: Path) -> dict[str, Any]:
+def read_plan(folder: Path) -> JsonObject:
     """The plan of a study. Raises ValueError if the folder holds none."""
     try:
-        plan: dict[str, Any] = json.loads((folder / PLAN).read_text(encoding="utf-8"))
+        plan: JsonObject = json.loads((folder / PLAN).read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise ValueError(f"{folder}: no study; `haptic-tracing study run` begins one") from None
     return plan
 
 
-def read_steps(path: Path) -> list[dict[str, Any]]:
+def read_steps(path: Path) -> list[JsonObject]:
     """The steps that a participant has taken, and notes, which have no answer. A line that was cut
     off while it was written is left out."""
     if not path.exists():
@@ -35,7 +36,7 @@ def read_steps(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in whole.splitlines()]
 
 
-def add_step(path: Path, step: Mapping[str, Any]) -> None:
+def add_step(path: Path, step: Form) -> None:
     """Append a step with the time, on the disk when this returns; a line that was cut off is
     replaced."""
     line = json.dumps({**step, "at": datetime.now(UTC).isoformat(timespec="milliseconds")})
@@ -47,10 +48,10 @@ def add_step(path: Path, step: Mapping[str, Any]) -> None:
         os.fsync(file.fileno())
 
 
-def tidy(folder: Path, plan: Mapping[str, Any]) -> DataFrame:
+def tidy(folder: Path, plan: Form) -> DataFrame:
     """All answers of a study: a row for each observation, and why its participant is excluded by
     the rules of the plan, if so."""
-    taken: list[dict[str, Any]] = []
+    taken: list[JsonObject] = []
     excluded = {}
     for participant in plan["orders"]:
         steps = [step for step in read_steps(folder / f"{participant}.jsonl") if "answer" in step]
@@ -63,7 +64,7 @@ def tidy(folder: Path, plan: Mapping[str, Any]) -> DataFrame:
     return table
 
 
-def _excluded(steps: Sequence[Mapping[str, Any]], rules: Mapping[str, Any]) -> str:
+def _excluded(steps: Sequence[Form], rules: Form) -> str:
     """Why a participant is excluded, or ""."""
     rated = [step for step in steps if step["step"] == "rate"]
     if rules["incomplete"] and steps[-1]["step"] != "end":
@@ -79,7 +80,7 @@ def _excluded(steps: Sequence[Mapping[str, Any]], rules: Mapping[str, Any]) -> s
     return ""
 
 
-def scores(kept: DataFrame, form: Mapping[str, Any]) -> DataFrame:
+def scores(kept: DataFrame, form: Form) -> DataFrame:
     """Each factor's mean of its items, and the rank of each condition, 1 the preferred one, as
     factor "(ranking)": (participants, (factor, condition)), of those who have finished. ``kept``:
     rows of `tidy`."""

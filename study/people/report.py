@@ -5,17 +5,17 @@ from __future__ import annotations
 import base64
 import json
 import tomllib
-from collections.abc import Mapping
 from html import escape
 from io import BytesIO
 from pathlib import Path
 from string import Template
-from typing import Any, get_args
+from typing import get_args
 
 import pandas
 from pandas import DataFrame, Series
 
 from ...core.formats.io.atomic import write_bytes
+from ...core.forms import Form
 from ...core.scene.body_map import View
 from .body import svg
 from .record import read_plan, scores, tidy
@@ -115,7 +115,7 @@ def _whole(factor: str, ratings: DataFrame, effect: float) -> Row:
     }
 
 
-def _places(kept: DataFrame, plan: Mapping[str, Any]) -> tuple[list[Row], str]:
+def _places(kept: DataFrame, plan: Form) -> tuple[list[Row], str]:
     """Where vibration was felt against where it was: rows, and maps as HTML."""
     rows, maps = [], ""
     placed = kept[kept["step"] == "place"]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ...core.formats.io.schema import validate
+from ...core.forms import Form, JsonObject
 from .record import add_step, read_steps
 
 
@@ -15,15 +15,13 @@ class Sitting:
     """One participant. What is done is what the file says, so that an interrupted sitting
     resumes."""
 
-    def __init__(self, folder: Path, participant: str, plan: Mapping[str, Any]) -> None:
+    def __init__(self, folder: Path, participant: str, plan: Form) -> None:
         """Raises KeyError for somebody who is not in the plan."""
         order, self._form = plan["orders"][participant], plan["form"]
         self.participant = participant
         self._path = folder / f"{participant}.jsonl"
         self._conditions = order["conditions"]
-        self.steps: list[dict[str, Any]] = [
-            {"step": name} for name in ("consent", "about", "start")
-        ]
+        self.steps: list[JsonObject] = [{"step": name} for name in ("consent", "about", "start")]
         for position, condition in enumerate(self._conditions):
             about = {"condition": condition, "position": position + 1}
             for scene in order["scenes"][position]:
@@ -36,7 +34,7 @@ class Sitting:
         self._shown = time.monotonic()
 
     @property
-    def step(self) -> dict[str, Any] | None:
+    def step(self) -> JsonObject | None:
         """The next step; None after the last."""
         return self.steps[self.done] if self.done < len(self.steps) else None
 
@@ -58,7 +56,7 @@ class Sitting:
         self.done += 1
         self._shown = time.monotonic()
 
-    def _rows(self, kind: str, values: Any) -> list[dict[str, Any]]:
+    def _rows(self, kind: str, values: Any) -> list[JsonObject]:
         """Values with the names of their items."""
         form, conditions, scale = self._form, self._conditions, self._form["scale"]
         if kind == "rate" and not set(values) <= {*range(scale["low"], scale["high"] + 1)}:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 from pandas import DataFrame, Series
 from scipy import optimize, special, stats
+
+from ...core.forms import JsonObject
 
 CONFIDENCE = 0.95
 _LIMIT = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
 _EFFICIENCY = 3 / math.pi
 """Asymptotic relative efficiency of Wilcoxon's test to the t test for normal differences."""
 
-Row = dict[str, Any]
+Row = JsonObject
 
 
 def estimate(name: str, value: float, low: float, high: float) -> Row:
