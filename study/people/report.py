@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import tomllib
 from html import escape
-from io import BytesIO
 from pathlib import Path
 from string import Template
 from typing import get_args
 
-import pandas
 from pandas import DataFrame, Series
 
 from ...core.formats.io.atomic import write_bytes
@@ -70,7 +67,7 @@ def analyse(folder: Path) -> list[Path]:
         planned=len(plan["orders"]),
         kept=(reasons == "").sum(),
         rules=", ".join(f"{name} = {json.dumps(rule)}" for name, rule in form["exclusion"].items()),
-        rank_plot=_rank_plot(order),
+        ranks=_ranks(order),
         effect=form["smallest_effect"],
         maps=maps,
     )
@@ -134,15 +131,9 @@ def _places(kept: DataFrame, plan: Form) -> tuple[list[Row], str]:
     return rows, maps
 
 
-def _rank_plot(order: DataFrame) -> str:
-    """How many people gave each condition which rank."""
-    from matplotlib.figure import Figure
-
-    drawing, file = Figure(figsize=(11, 3), layout="constrained"), BytesIO()
-    counts = order.astype(int).apply(pandas.Series.value_counts).T.add_prefix("rank ")
-    if len(order):
-        axes = drawing.subplots()
-        counts[::-1].plot.barh(stacked=True, xlabel="people", ax=axes, legend=False)
-        drawing.legend(loc="outside right")
-    drawing.savefig(file, format="png", metadata={"Software": None})
-    return f'<img alt="" src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}">'
+def _ranks(order: DataFrame) -> str:
+    """How many people gave each condition which rank, as a table of bars."""
+    ranks = order.astype(int).rename(columns=escape)
+    counts = ranks.apply(Series.value_counts).T.add_prefix("rank ").fillna(0).astype(float)
+    bar = f'{{0:g}} <meter max="{len(order)}" value="{{0:g}}"></meter>'.format
+    return str(counts.to_html(escape=False, border=0, float_format=bar))

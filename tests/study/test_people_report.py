@@ -103,6 +103,10 @@ def test_analyse_writes_tables_and_a_page_beside_the_papers_numbers(folder, caps
     page = (folder / "analysis.html").read_text("utf-8")
     assert "15.5" in page and "Legs &amp; &lt;hands&gt;" in page and "$" not in page
     assert "<script" not in page
+    # All nine who are kept gave HT the first rank.
+    assert (
+        page.count('9 <meter max="9" value="9">') == page.count('0 <meter max="9" value="0">') / 3
+    )
 
 
 def test_sections_that_were_not_felt_as_a_whole_are_listed(folder):
