@@ -103,7 +103,7 @@ def biserial(values: Series) -> Row:
     the probability that two differences have a positive sum, and the variance of its estimate
     follows from the bivariate normal distribution (D. B. Owen, Ann. Math. Stat. 27 (1956) 1075).
     """
-    name, edge, moved = "rank-biserial", 1e-6, values[values != 0]
+    name, edge, moved = "rank-biserial", 1e-6, values.to_numpy()[values != 0]
     if len(moved) < 3:
         return estimate(name, float(np.sign(moved).sum()) / max(len(moved), 1), -1.0, 1.0)
     ranks = stats.rankdata(np.abs(moved))
