@@ -25,8 +25,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...forms import Form, JsonObject
 from ...scene.references import Place, PlacedError
-from ...signals import Automation, ramp
-from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST, cut
+from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
 from ...signals.keys import needed_keys
 from ..io.budget import Budget
 from ..io.error import FormatError, errors_in
@@ -262,9 +261,9 @@ def carriers_of(
         envelope = (
             _envelope(values, duration)
             if event == "HapticContinuous"
-            else ramp(1.0, 1.0, EMPHASIS_SECONDS)
+            else (np.array([0.0, EMPHASIS_SECONDS]), np.ones(2))
         )
-        if envelope.times[-1] > 0 and start >= 0:
+        if envelope[0][-1] > 0 and start >= 0:
             carriers.append(_carrier(start, values, envelope, controls))
             take(carriers[-1].size)
         else:
@@ -309,7 +308,7 @@ def _parameters(event: Form, place: Place, losses: dict[str, None]) -> Iterator[
             losses[f"the event parameter {name} is not read"] = None
 
 
-def _envelope(values: Mapping[str, float], duration: float) -> Automation:
+def _envelope(values: Mapping[str, float], duration: float) -> Keys:
     """Times (seconds from the start) and shares of the intensity."""
     attack, decay, release = (max(values.get(name, 0.0), 0.0) for name in _ENVELOPE[:3])
     keys = [(0.0, 0.0 if attack else 1.0)]
@@ -320,10 +319,11 @@ def _envelope(values: Mapping[str, float], duration: float) -> Automation:
         keys += [(min(attack, duration), level), (duration, level)]
         if release:
             keys.append((duration + release, 0.0))
-    return Automation(*np.array(keys).T)
+    times, shares = np.array(keys).T
+    return times, shares
 
 
-def _control(pattern: list[Any], name: str, default: float) -> Automation:
+def _control(pattern: list[Any], name: str, default: float) -> Keys:
     """Times and values of one control: it holds its default before the first curve or parameter,
     and each last value until the next."""
     pieces: list[tuple[float, list[tuple[float, float]]]] = []
@@ -348,27 +348,24 @@ def _control(pattern: list[Any], name: str, default: float) -> Automation:
     for _, piece in sorted(pieces, key=lambda piece: piece[0]):
         keys += [(piece[0][0], keys[-1][1]), *piece]
     times, values = np.array(keys).T
-    return Automation(np.maximum.accumulate(times), values)
+    return np.maximum.accumulate(times), values
 
 
 def _carrier(
-    start: float,
-    values: Mapping[str, float],
-    envelope: Automation,
-    controls: Mapping[str, Automation],
+    start: float, values: Mapping[str, float], envelope: Keys, controls: Mapping[str, Keys]
 ) -> Carrier:
-    length = float(envelope.times[-1])
-    louder, sharper = (
-        cut(Automation(controls[name].times - start, controls[name].values), length)
-        for name in _CONTROLS
+    times, shares = _product(
+        envelope, _within(controls["HapticIntensityControl"], start, envelope[0][-1])
     )
-    times, shares = _product(envelope, louder)
     times, intensities = _refined(_limited(times, values.get("HapticIntensity", 1.0) * shares))
+    key_times, offsets = _within(controls["HapticSharpnessControl"], start, envelope[0][-1])
     key_times, sharpness = _refined(
-        _limited(sharper.times, values.get("HapticSharpness", 0.5) + sharper.values)
+        _limited(key_times, values.get("HapticSharpness", 0.5) + offsets)
     )
     frequencies = LOWEST + (HIGHEST - LOWEST) * sharpness**2
-    return Carrier(start, start + length, 0.0, times, intensities**2, key_times, frequencies)
+    return Carrier(
+        start, start + float(envelope[0][-1]), 0.0, times, intensities**2, key_times, frequencies
+    )
 
 
 def _limited(times: FloatArray, values: FloatArray) -> Keys:
@@ -387,17 +384,33 @@ def _limited(times: FloatArray, values: FloatArray) -> Keys:
     return times, np.clip(values, 0.0, 1.0)
 
 
-def _product(first: Automation, second: Automation) -> Keys:
+def _within(keys: Keys, start: float, length: float) -> Keys:
+    """The keys from ``start`` for ``length`` seconds, with times from the start."""
+    times, values = keys
+    first, last = np.searchsorted(times, [start, start + length], side="right")
+    before = (
+        values[max(first - 1, 0)]
+        if first == len(times)
+        else np.interp(start, times[first - 1 : first + 1], values[first - 1 : first + 1])
+    )
+    after = np.interp(start + length, times, values)
+    return np.concatenate(
+        [[0.0], np.minimum(times[first:last] - start, length), [length]]
+    ), np.concatenate([[before], values[first:last], [after]])
+
+
+def _product(first: Keys, second: Keys) -> Keys:
     """The product of two curves at the keys of both; between them it is refined, since it is not
     linear."""
-    for one, other in ((first, second), (second, first)):
-        if (other.values == other.values[0]).all():
-            return one.times, one.values * other.values[0]
-    times = np.unique(np.concatenate([first.times, second.times]))
+    times = np.unique(np.concatenate([first[0], second[0]]))
     times = np.unique(
         np.concatenate([times, *(times[:-1] + np.diff(times) * k / 4 for k in (1, 2, 3))])
     )
-    return times, first.at(times) * second.at(times)
+    if len(second[0]) == 2 and second[1][0] == second[1][1]:
+        return first[0], first[1] * second[1][0]
+    if (first[1] == 1.0).all():
+        return second
+    return times, np.interp(times, *first) * np.interp(times, *second)
 
 
 def _refined(keys: Keys) -> Keys:
