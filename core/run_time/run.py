@@ -330,8 +330,10 @@ class Run:
             require_known(name, self._row, "object", ("poses", name))
         try:
             moved = np.array([*poses.values()], dtype=np.float64).reshape(len(poses), 7)
+            if not (np.abs(moved) <= _FARTHEST).all():
+                raise ValueError
             length = np.linalg.norm(moved[:, 3:], axis=1)
-            if not ((np.abs(moved) <= _FARTHEST).all() and (length > _SHORTEST).all()):
+            if not (length > _SHORTEST).all():
                 raise ValueError
         except (TypeError, ValueError):
             raise PlacedError(

@@ -319,6 +319,7 @@ SAID = (
         "poses": {"crate": [0, 0, 1, 1, 0, 0, 0]},
         "sources": {"drill": {"amplitude": 0.5}},
     },
+    {"type": "step", "time": 0.2, "poses": {"crate": [0, 0, 1, 1, 1e308, 0, 0]}},
     {"type": "add", "object": {"name": "box", "kappa": 0.1, "rho": 0.5}},
     {"type": "remove", "listener": "hand"},
     {"type": "stop"},
