@@ -13,7 +13,7 @@ def steps(window):
     job, registry = window.module("addon.blender.job"), window.module("core.formats.registry")
     folder = Path(window.folder) / "files"
     folder.mkdir()
-    window.open_only("HAPTIC_PT_export")
+    window.open_only("HAPTIC_PT_settings", "HAPTIC_PT_export")
     yield from window.show_sidebar()
     scene.frame_set(40)
     yield
@@ -56,7 +56,9 @@ def steps(window):
     window.seen["asked before a poor file replaces one"] = (
         asked and before == {path: path.stat().st_mtime_ns for path in before} != {}
     )
+    yield from window.show_properties("SCENE")
     yield from window.screenshot("formats-losses")
+    window.is_in_properties = False
 
     yield from browse(window, "haptic_scene", folder / "bench.json", frames="RANGE", tracks="wav")
     window.save_picture("formats-scene")

@@ -1,4 +1,4 @@
-"""Colliders of 160,000 vertices whose meshes are edited take long to trace: Blender is drawn on
+"""Colliders of 100,000 vertices whose meshes are edited take long to trace: Blender is drawn on
 meanwhile, the panel shows and cancels it, and another file opens at once."""
 
 import time
@@ -17,7 +17,7 @@ def steps(window):
     scene.haptics.tracing = False
     sessions = window.module("addon.session.sessions")
     for name, x in (("left", 0.0), ("right", 1.99)):
-        bpy.ops.mesh.primitive_uv_sphere_add(segments=400, ring_count=400, location=(x, 0, 0))
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=320, ring_count=320, location=(x, 0, 0))
         obj = bpy.context.object
         obj.name = name
         bpy.ops.rigidbody.object_add(type="PASSIVE")
@@ -60,16 +60,18 @@ def steps(window):
     redrawn = bpy.types.SpaceView3D.draw_handler_add(
         lambda: drawn.append(time.monotonic()), (), "WINDOW", "POST_PIXEL"
     )
-    # So long after an edit that the drawing of the edited mesh itself is not counted.
-    yield 1.0
-    drawn.clear()
-    while sessions.is_behind(scene) and len(drawn) < 20:
+    gaps = []
+    while len(gaps) < 20:
+        if not sessions.is_behind(scene):
+            edit()
+            drawn.clear()  # the edited mesh itself is drawn up to the first redraw that counts
         window.view.tag_redraw()
         yield
+        gaps += [after - before for before, after in pairwise(drawn)]
+        del drawn[:-1]
     bpy.types.SpaceView3D.draw_handler_remove(redrawn, "WINDOW")
-    gaps = [after - before for before, after in pairwise(drawn)]
-    window.seen["the viewport is drawn while it is traced"] = len(gaps) > 3 and max(gaps) < LONGEST
-    print("seconds between redraws", [round(gap, 2) for gap in gaps])
+    window.seen["seconds between redraws"] = [round(gap, 2) for gap in gaps]
+    window.seen["the viewport is drawn while it is traced"] = max(gaps) < LONGEST
     for _ in range(3):
         edit()
         yield 0.5
