@@ -47,9 +47,10 @@ def _draw_losses(layout: UILayout) -> None:
             (iface_("Invented onsets: {}"), listener.invented),
         ):
             if times:
-                shown = ", ".join(f"{time:.2f} s" for time in times[:MOST_TIMES])
-                more = f", … ({len(times)})" if times[MOST_TIMES:] else ""
-                column.label(text=text.format(shown + more), icon="ERROR", translate=False)
+                column.label(text=text.format(len(times)), icon="ERROR", translate=False)
+                shown = ", ".join(f"{time:.2f}" for time in times[:MOST_TIMES])
+                more = " …" if times[MOST_TIMES:] else ""
+                column.label(text=f"{shown} s{more}", icon="BLANK1", translate=False)
     if len(done.fidelity.listeners) > MOST_SHOWN:
         column.label(
             text=iface_("and {} more").format(len(done.fidelity.listeners) - MOST_SHOWN),
