@@ -14,6 +14,19 @@ MAX_HULL_POINTS = 2048
 """Most points a hull is computed from exactly; more are first reduced to the extreme ones in as
 many directions."""
 
+Point = tuple[float, float, float]
+
+
+def triangle_normal(a: Point, b: Point, c: Point) -> Point:
+    """The normal (b - a) × (c - a) of a triangle, as long as twice its area."""
+    ux = b[0] - a[0]
+    uy = b[1] - a[1]
+    uz = b[2] - a[2]
+    vx = c[0] - a[0]
+    vy = c[1] - a[1]
+    vz = c[2] - a[2]
+    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+
 
 @frozen(eq=False)
 class Hull:
@@ -244,20 +257,8 @@ class _Quickhull:
         return Hull(self._points[used], flat.reshape(-1, 3).astype(np.int64))
 
     def _face(self, a: int, b: int, c: int) -> _HullFace:
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (
-            self._coordinates[a],
-            self._coordinates[b],
-            self._coordinates[c],
-        )
-        ux = bx - ax
-        uy = by - ay
-        uz = bz - az
-        vx = cx - ax
-        vy = cy - ay
-        vz = cz - az
-        nx = uy * vz - uz * vy
-        ny = uz * vx - ux * vz
-        nz = ux * vy - uy * vx
+        corner = ax, ay, az = self._coordinates[a]
+        nx, ny, nz = triangle_normal(corner, self._coordinates[b], self._coordinates[c])
         length = (nx * nx + ny * ny + nz * nz) ** 0.5
         if length > 0:
             nx = nx / length

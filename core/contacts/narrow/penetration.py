@@ -18,6 +18,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...frozen import frozen
+from ..hull import Point, triangle_normal
 
 _TOLERANCE = 1e-9
 """Metres between the bounds at which the depth counts as found."""
@@ -45,8 +46,6 @@ _AFTER_NEXT = np.array([2, 0, 1])
 
 Farthest = Callable[[FloatArray], FloatArray]
 """The points (..., 3) of a convex body that are farthest along unit directions (..., 3)."""
-
-_Point = tuple[float, float, float]
 
 
 @frozen
@@ -180,7 +179,7 @@ def _deepest(
 @dataclass(slots=True)
 class _Face:
     corners: tuple[int, int, int]
-    normal: _Point
+    normal: Point
     offset: float
 
 
@@ -188,7 +187,7 @@ class _Polytope:
     """A convex polytope of triangles with outward normals that grows point by point. ``sources``: a
     point of the first body per corner."""
 
-    def __init__(self, points: list[_Point], sources: list[FloatArray]) -> None:
+    def __init__(self, points: list[Point], sources: list[FloatArray]) -> None:
         self._points = points
         self._sources = sources
         self.faces: dict[int, _Face] = {}
@@ -197,16 +196,8 @@ class _Polytope:
         self._made = 0
 
     def add_face(self, i: int, j: int, k: int) -> None:
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self._points[i], self._points[j], self._points[k]
-        ux = bx - ax
-        uy = by - ay
-        uz = bz - az
-        vx = cx - ax
-        vy = cy - ay
-        vz = cz - az
-        x = uy * vz - uz * vy
-        y = uz * vx - ux * vz
-        z = ux * vy - uy * vx
+        corner = ax, ay, az = self._points[i]
+        x, y, z = triangle_normal(corner, self._points[j], self._points[k])
         length = math.sqrt(x * x + y * y + z * z)
         number, offset = self._made, math.inf  # a sliver has no normal and is never the nearest
         self._made += 1
@@ -226,7 +217,7 @@ class _Polytope:
         offset, number = self._by_offset[0]
         return number, offset
 
-    def add_point(self, point: _Point, source: FloatArray, start: int) -> None:
+    def add_point(self, point: Point, source: FloatArray, start: int) -> None:
         """Replace the faces that the new corner sees, ``start`` among them."""
         apex = len(self._points)
         self._points.append(point)
