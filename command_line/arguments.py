@@ -39,7 +39,7 @@ def _add(
 
 
 def _flag(parser: Parser, name: str, about: str) -> None:
-    """Add an option without a value."""
+    """Add an option that is on where it is given, and takes no value."""
     parser.add_argument(name, action="store_true", help=about)
 
 

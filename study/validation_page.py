@@ -186,7 +186,7 @@ BLUE, RED, GREEN, GREY = "#2e86ab", "#d1495b", "#4f8a3d", "#333333"
 
 
 def _figure(columns: int, width: float) -> tuple[Any, Any]:
-    """A figure and its axes, whose horizontal scale is logarithmic."""
+    """A figure with a row of ``columns`` axes, each with a logarithmic horizontal scale."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import NullFormatter
 

@@ -77,8 +77,8 @@ def play(scene: Scene) -> bool:
 
 
 def impacts_of(scene: Scene) -> str:
-    """The baked impacts of the current frame while the timeline is paused, for `session.begin`; ""
-    if there are none."""
+    """The impacts that the played bake has in the current frame, as text; "" if it has none, or
+    while the timeline plays."""
     track = None if is_playing() else storage.played_track(scene)
     return "" if track is None else track.impacts.get(scene.frame_current, "")
 

@@ -1,4 +1,4 @@
-"""Poses of children that do not move relative to their parents, corrected to double precision.
+"""Corrects, to double precision, poses of children that do not move relative to their parents.
 
 World matrices are of single precision: the pose of one link of a robot to another trembles by a ten
 millionth while the robot moves, and each contact of the two would be computed again.

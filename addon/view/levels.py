@@ -26,7 +26,7 @@ FLOOR = -60.0
 PEAK_SECONDS = 0.1
 """Durations over which peak and level are computed [s]."""
 _LEAST_NAMED = -120.0
-"""Decibels of full scale, some 70 below what can be felt, under which a list says "silent"."""
+"""Level [dB of full scale] under which a list says "silent": about 70 dB below what can be felt."""
 
 
 @frozen

@@ -168,7 +168,8 @@ class MotionHistory:
         self._since_moved[~known] = self._since_disturbed[~known] = self._since_hit[~known] = 0
 
     def renumber(self, before: IntArray) -> None:
-        """Renumber the bodies: each had the number ``before`` (n,), or -1 if it is new."""
+        """Follow a new order of the bodies: ``before`` (n,) are their former numbers, -1 for a new
+        one."""
         self._poses = [carried(poses, before, np.nan) for poses in self._poses]
         for name, fresh in (
             ("_since_moved", 0),

@@ -253,8 +253,8 @@ class ContactTracker:
         self._high = np.full((3, count), -np.inf)
         self._wide_low, self._wide_high = self._low.copy(), self._high.copy()
         self._last_bounds = self._low.copy(), self._high.copy()
-        # Keys of the near pairs, whose wide bounds overlap. Those whose bounds overlap in this
-        # frame are the candidates.
+        # Near pairs (their wide bounds overlap) by key and body numbers. Candidates are those
+        # among them whose bounds overlap in this frame.
         self._near, self._near_larger, self._near_smaller = none, none, none
         self._pairs = _Pairs.of(none, none, none)
         self._airborne = self._dynamic.copy()

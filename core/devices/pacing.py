@@ -483,7 +483,7 @@ def pacing_of(
     adjustment: Adjustment,
     sequence: int = 0,
 ) -> Pacing:
-    """The pacing for a family of devices.
+    """Pacing of rumble commands or of a stream of samples, as the family of devices takes them.
 
     Args:
         profile: of the device.

@@ -38,7 +38,7 @@ EXPANSION = 32
 
 @dataclass(slots=True)
 class BestPaths:
-    """Best paths by pair (row of the source, column of the listener).
+    """The best path of each pair of a source (row) and a listener (column), by that pair.
 
     Attributes:
         nodes: of each best path; pairs without a path are left out.

@@ -72,6 +72,7 @@ def _band_power(signal: Signal) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _products() -> FloatArray:
-    """Products (bands, bands, f) of the responses of two bands each, at 0, 1, 2, ... hertz."""
+    """Products (bands, bands, f) of the filter responses of each two bands, at f = 0, 1, 2, ...
+    hertz."""
     response = bank_spectra(SAMPLE_RATE, round(SAMPLE_RATE))[:, : _RATE // 2 + 1]
     return response[:, None] * response

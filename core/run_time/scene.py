@@ -87,7 +87,7 @@ class Scene:
 
     @classmethod
     def of_values(cls, content: HapticScene) -> Scene:
-        """The scene of values of the core."""
+        """A scene made of the core's values instead of read from a file."""
         return cls.of_document(scene_to_dict(content), "scene")
 
     content: HapticScene

@@ -331,8 +331,8 @@ class SurfacePairs:
         return np.maximum(gap, deepest), normal, replace(patch, centre=centre, area=area)
 
     def _nearest_to_middle(self, row: CorePairs) -> FloatArray:
-        """The point of a mesh (3,) that is nearest to the middle of the core of the single pair
-        ``row``."""
+        """Of a pair of a convex core and a mesh, the only one in ``row``: the point (3,) of the
+        mesh nearest to the middle of the core."""
         turn = row.rotation_b[..., 0]
         place = row.centre_b[:, 0]
         corners = self._surfaces[int(row.second[0])].index.corners.transpose(2, 1, 0)

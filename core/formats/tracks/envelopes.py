@@ -222,8 +222,9 @@ def joined(carriers: Iterable[Carrier], duration: float, fit: Fit) -> Carrier:
 
 
 def _between(before: float, after: float, gap: float, cycles: float, fit: Fit) -> float:
-    """The frequency [Hz] in the middle of a gap between two carriers, at which the signal in it
-    makes the cycles wanted, up to a whole number of them. Frequencies are linear between the three.
+    """The frequency [Hz] in the middle of the gap between two carriers with which the phase is
+    right at its end: the signal makes the cycles wanted in it, or a whole number more or less. The
+    frequency is linear from the beginning to the middle, and from there to the end.
 
     Args:
         before: frequency at its beginning [Hz].
