@@ -15,8 +15,9 @@ _CHUNK = 2_000_000
 class MeshIndex:
     """``corners`` (t, 3, 3) of the triangles in the order of the blocks, of which each has as many,
     and their bounds ``low`` and ``high`` (3, b, size), filled up with such that overlap nothing;
-    bounds of blocks (b, 3)."""
+    bounds of blocks (b, 3); the triangles' numbers in the mesh, ``number`` (t,)."""
 
+    number: IntArray
     corners: FloatArray
     low: FloatArray
     high: FloatArray
@@ -45,7 +46,7 @@ class MeshIndex:
             np.pad(bound, filled, constant_values=beyond).T.reshape(3, -1, size)
             for bound, beyond in ((low, np.inf), (high, -np.inf))
         )
-        return cls(corners, low, high, low.min(axis=2).T.copy(), high.max(axis=2).T.copy())
+        return cls(order, corners, low, high, low.min(axis=2).T.copy(), high.max(axis=2).T.copy())
 
     def spheres(self) -> tuple[FloatArray, FloatArray]:
         """The middles (3, t) and radii (t,) of the spheres that are their bounds."""

@@ -26,7 +26,7 @@ from .cores import CoreTable, Kind, Size
 from .deepest import WITHIN, examine_deepest
 from .frames import chunks, cross, dot, smooth_step, turned_back
 from .manifold import PATCH_GAP, Patches, patches
-from .surfaces import CoreSurface, Surfaces
+from .surfaces import CoreSurface, SurfacePart, Surfaces
 from .triangles import (
     both_ways_apart,
     crossing_lines,
@@ -151,15 +151,21 @@ class SurfacePairs:
         first, and never those of spheres."""
         import fcl
 
-        mesh, other = self._placed_for_fcl(rows, k, solid)
-        result = fcl.DistanceResult()
+        nearest = np.inf
         request = fcl.DistanceRequest(enable_nearest_points=True)
-        distance = float(fcl.distance(mesh, other, request, result))
+        for least, mesh, other in self._placed_for_fcl(rows, k, solid):
+            if least >= nearest:
+                break
+            result = fcl.DistanceResult()
+            distance = max(float(fcl.distance(mesh, other, request, result)), 0.0)
+            if distance < nearest:
+                nearest = distance
+                points = result.nearest_points
         turn = rows.rotation_b[..., k]
         place = rows.centre_b[:, k]
-        on_mesh, on_other = (turn @ np.asarray(point) + place for point in result.nearest_points)
+        on_mesh, on_other = (turn @ np.asarray(point) + place for point in points)
         return _Gap(
-            max(distance, 0.0),
+            nearest,
             rows.centre_a[:, k] if self._table.kind[rows.first[k]] == Kind.POINT else on_other,
             on_mesh,
         )
@@ -169,29 +175,45 @@ class SurfacePairs:
         find that they are 0 apart."""
         import fcl
 
-        crosses = fcl.collide(
-            *self._placed_for_fcl(rows, k), fcl.CollisionRequest(), fcl.CollisionResult()
+        crosses = any(
+            fcl.collide(mesh, other, fcl.CollisionRequest(), fcl.CollisionResult())
+            for least, mesh, other in self._placed_for_fcl(rows, k)
+            if least == 0
         )
         return 0.0 if crosses else self._gap(rows, k).distance
 
-    def _placed_for_fcl(self, rows: CorePairs, k: int, solid: bool = False) -> tuple[Any, Any]:
-        """The mesh of pair ``k``, at the origin, and the other body; ``solid`` as in `gaps`."""
-        first = int(rows.first[k])
-        other: Any = (
-            self._convex(first) if solid or not self._is_surface(first) else self._surfaces[first]
-        ).second
+    def _placed_for_fcl(
+        self, rows: CorePairs, k: int, solid: bool = False
+    ) -> list[tuple[float, Any, Any]]:
+        """Parts of the mesh of pair ``k``, at the origin, with parts of the other body, and lower
+        bounds on their distances, least first; ``solid`` as in `gaps`."""
         turn = rows.rotation_b[..., k]
-        place = rows.centre_b[:, k]
-        other.setRotation(np.ascontiguousarray(turn.T @ rows.rotation_a[..., k]))
-        other.setTranslation(turn.T @ (rows.centre_a[:, k] - place))
-        return self._surfaces[int(rows.second[k])].first, other
+        rotation = np.ascontiguousarray(turn.T @ rows.rotation_a[..., k])
+        offset = turn.T @ (rows.centre_a[:, k] - rows.centre_b[:, k])
+        others = self._parts(int(rows.first[k]), solid)
+        for other in others:
+            other.second.setRotation(rotation)
+            other.second.setTranslation(offset)
+        pairs = [
+            (mesh, other) for mesh in self._surfaces[int(rows.second[k])].parts for other in others
+        ]
+        if len(pairs) == 1:
+            return [(0.0, mesh.first, other.second) for mesh, other in pairs]
+        least = [mesh.distance_from_bounds(other, rotation, offset) for mesh, other in pairs]
+        return [
+            (least[pair], pairs[pair][0].first, pairs[pair][1].second)
+            for pair in np.argsort(least, kind="stable").tolist()
+        ]
 
-    def _convex(self, core: int) -> Any:
-        if self._table.kind[core] == Kind.MESH:
-            return self._surfaces[core]
-        return self._bodies.core(
-            core, Size.THICK if self._table.kind[core] == Kind.BOX else Size.USUAL
-        )
+    def _parts(self, core: int, solid: bool) -> tuple[SurfacePart, ...]:
+        """The parts of a body's surface; of a convex one, and of a hull if it is ``solid``, the
+        body."""
+        kind = self._table.kind[core]
+        if kind == Kind.MESH or (kind == Kind.HULL and not solid):
+            return self._surfaces[core].parts
+        body = self._bodies.core(core, Size.THICK if kind == Kind.BOX else Size.USUAL)
+        low, high = self._table.cores[core].bounds()
+        return (SurfacePart(low, high, body.first, body.second),)
 
     def contacts(
         self,

@@ -3,6 +3,8 @@ one touches it down to a depth."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,14 +15,57 @@ from .cores import Core, CoreTable
 from .mesh_index import MeshIndex
 from .triangles import unit_normals
 
+_MOST_IN_PART = 16_384
+"""Triangles of which FCL builds a tree at a time. It holds Python's lock meanwhile, for about 3
+microseconds a triangle, and Blender isn't drawn."""
+
+_ROUNDING = 1e-6
+"""Metres by which bounds may be nearer than they are reckoned."""
+
+
+@frozen
+class SurfacePart:
+    """Neighbouring triangles of a surface, or a whole body, within the bounds ``low`` and ``high``
+    (3,). ``first`` and ``second``: FCL's objects for the first and the second of a pair."""
+
+    low: FloatArray
+    high: FloatArray
+    first: Any
+    second: Any
+
+    @classmethod
+    def of(cls, points: FloatArray, triangles: IntArray) -> SurfacePart:
+        """The part of ``triangles`` (t, 3) between ``points`` (n, 3)."""
+        import fcl
+
+        geometry = fcl.BVHModel()
+        geometry.beginModel(len(points), len(triangles))
+        geometry.addSubModel(points, triangles)
+        geometry.endModel()
+        return cls(
+            points.min(axis=0),
+            points.max(axis=0),
+            fcl.CollisionObject(geometry),
+            fcl.CollisionObject(geometry),
+        )
+
+    def distance_from_bounds(
+        self, other: SurfacePart, rotation: FloatArray, offset: FloatArray
+    ) -> float:
+        """A lower bound on the distance [m] of another part, placed by ``rotation`` (3, 3) and
+        ``offset`` (3,) in the frame of this one."""
+        centre = rotation @ (other.low + other.high) / 2 + offset
+        half = np.abs(rotation) @ (other.high - other.low) / 2
+        apart = np.maximum(self.low - centre - half, centre - half - self.high)
+        return float(np.linalg.norm(np.maximum(apart - _ROUNDING, 0.0)))
+
 
 @frozen
 class CoreSurface:
     """The triangles of a core in its own frame, by their bounds and by ``spheres`` around their
     middles, their ``corners`` (3, 3, t) by coordinate and corner, and unit ``normals`` (3, t).
     ``depth`` [m]: how far beneath the surface a body touches it; 0 of a shell, infinite of a hull.
-    ``size`` [m]: the smallest extent of a solid, infinite of a shell. ``first`` and ``second``:
-    FCL's objects for the first and the second of a pair."""
+    ``size`` [m]: the smallest extent of a solid, infinite of a shell."""
 
     index: MeshIndex
     spheres: MeshIndex
@@ -30,14 +75,11 @@ class CoreSurface:
     high: FloatArray
     depth: float
     size: float
-    first: Any
-    second: Any
+    parts: tuple[SurfacePart, ...]
 
     @classmethod
     def of(cls, core: Core) -> CoreSurface:
         """The surface of a mesh or a hull."""
-        import fcl
-
         if core.mesh is not None:
             points, triangles, depth = core.mesh.points, core.mesh.triangles, core.sunk_in
         else:
@@ -48,11 +90,6 @@ class CoreSurface:
                 if np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3
                 else core.sunk_in
             )
-        # FCL holds Python's lock meanwhile, for about 3 microseconds a triangle.
-        geometry = fcl.BVHModel()
-        geometry.beginModel(len(points), len(triangles))
-        geometry.addSubModel(points, triangles)
-        geometry.endModel()
         low, high = core.bounds()
         size = float(np.min(high - low)) + 2 * core.radius[0] if depth > 0 else np.inf
         index = MeshIndex.of(points[triangles])
@@ -66,8 +103,7 @@ class CoreSurface:
             high,
             depth,
             size,
-            fcl.CollisionObject(geometry),
-            fcl.CollisionObject(geometry),
+            tuple(_parts(points, triangles, index.number)),
         )
 
     def contains(self, points: FloatArray) -> BoolArray:
@@ -85,6 +121,13 @@ class CoreSurface:
         normal = np.cross(b - a, c - a)
         above = (normal * a).sum(axis=1) * turns > 0
         return np.bincount(ray[above], turns[above], len(points)) > 0.5
+
+
+def _parts(points: FloatArray, triangles: IntArray, order: IntArray) -> Iterator[SurfacePart]:
+    """Parts of at most `_MOST_IN_PART` triangles that are neighbours in ``order``."""
+    for part in np.array_split(order, math.ceil(len(order) / _MOST_IN_PART)):
+        used, corners = np.unique(triangles[np.sort(part)], return_inverse=True)
+        yield SurfacePart.of(points[used], corners.reshape(-1, 3))
 
 
 def _side(start: FloatArray, end: FloatArray) -> IntArray:

@@ -142,6 +142,27 @@ def test_contacts_are_those_of_all_triangles(name_a, name_b, solid):
     assert apart + crossing + inside >= 3
 
 
+def test_a_large_surface_in_parts_is_as_near_as_in_one_piece():
+    """Of 40,000 triangles against one tree of all of them, and against a cylinder by closed form."""
+    points, triangles = reference.box((0.3, 0.24, 0.2), 58)
+    ripples = 1 + 0.02 * np.sin(40 * points[:, [1, 2, 0]])
+    large = points * ripples, triangles
+    small = reference.SOLIDS["torus"]
+    assert len(triangles) > 40_000
+    for matrix in near_poses(large, small, np.random.default_rng(11), 12):
+        trees = body(*large), body(*small)
+        trees[1].setTransform(fcl.Transform(matrix[:3, :3], matrix[:3, 3]))
+        gap = max(fcl.distance(*trees, fcl.DistanceRequest(), fcl.DistanceResult()), 0.0)
+        distance, *_ = query(Mesh(*large), Mesh(*small), np.eye(4), matrix, 0.05)
+        assert distance == pytest.approx(gap, abs=1e-6) if gap > 0 else distance <= 1e-7
+    for gap in (0.004, 0.0):
+        distance, normal, *_ = query(
+            Mesh(points, triangles), SMALL["cylinder"], np.eye(4), pose((0.1, 0.05, 0.12 + gap))
+        )
+        assert distance == pytest.approx(gap, abs=1e-7)
+        np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-4)
+
+
 @pytest.mark.parametrize("parts", [1, 7])
 @pytest.mark.parametrize("below", ["slab", "shell", "hull"])
 @pytest.mark.parametrize("gap", [0.01, 1e-4, 0.0, -1e-4, -0.02])
