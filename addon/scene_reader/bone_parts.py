@@ -22,7 +22,7 @@ from ...core.frozen import frozen
 from ...core.scene.values import Pose
 from ..blender.arrays import read_array
 from ..blender.units import metres_per_unit
-from .world_transforms import in_metres, rigid_transforms
+from .world_transforms import apply_stretch, in_metres, rigid_transforms
 
 _KEEP_PLACES = {
     *("ARMATURE", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "MULTIRES", "NORMAL_EDIT", "SMOOTH"),
@@ -85,7 +85,7 @@ class BoneParts:
         return Compound(tuple(children))
 
     def deviation(
-        self, motions: FloatArray, obj: Object, depsgraph: Depsgraph, scale: FloatArray
+        self, motions: FloatArray, obj: Object, depsgraph: Depsgraph, stretch: FloatArray
     ) -> float:
         """A bound on the distance between the parts and the surface as it is deformed now [m]: that
         of the hulls at rest, plus the largest distance of a vertex from where its bone alone would
@@ -93,7 +93,7 @@ class BoneParts:
         mesh = obj.evaluated_get(depsgraph).data
         if len(mesh.vertices) < len(self.points):
             return self.concavity
-        seen = read_array(mesh.vertices, "co", 3)[: len(self.points)] * scale
+        seen = apply_stretch(read_array(mesh.vertices, "co", 3)[: len(self.points)], stretch)
         motion = motions[self.of]
         alone = np.einsum("nij,nj->ni", motion[:, :3, :3], self.points) + motion[:, :3, 3]
         return self.concavity + float(np.sqrt(((seen - alone) ** 2).sum(axis=1).max()))
@@ -114,8 +114,8 @@ def armature_of(obj: Object) -> Object | None:
 
 
 def rest_checksum(obj: Object, armature: Object) -> tuple[object, ...]:
-    """What the parts depend on beside the weights and the scale: names of bones and vertex groups,
-    matrices and places at rest."""
+    """What the parts depend on beside the weights and the stretch: names of bones and vertex
+    groups, matrices and places at rest."""
     bones = armature.data.bones
     return (
         armature.name_full,
@@ -125,10 +125,10 @@ def rest_checksum(obj: Object, armature: Object) -> tuple[object, ...]:
     )
 
 
-def parts_at_rest(obj: Object, armature: Object, scale: FloatArray) -> BoneParts | None:
-    """The parts of a mesh with its world ``scale`` (3,); None if the bones move none of it."""
+def parts_at_rest(obj: Object, armature: Object, stretch: FloatArray) -> BoneParts | None:
+    """The parts of a mesh with its world ``stretch`` (6,); None if the bones move none of it."""
     mesh = obj.data
-    points = read_array(mesh.vertices, "co", 3) * scale
+    points = apply_stretch(read_array(mesh.vertices, "co", 3), stretch)
     names = [bone.name for bone in armature.pose.bones if bone.bone.use_deform]
     bone_of = {
         group.index: armature.pose.bones.find(group.name)

@@ -28,6 +28,7 @@ from ..blender.arrays import read_array
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from .instances import HapticInstance
+from .world_transforms import apply_stretch, lengths_of_axes
 
 _MOST_KEPT = 20_000
 """Triangles up to which the shape of a mesh is kept."""
@@ -38,7 +39,7 @@ metre."""
 
 
 def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
-    """What the shape of ``obj`` depends on beside its geometry and scale."""
+    """What the shape of ``obj`` depends on beside its geometry and stretch."""
     body = obj.rigid_body
     if body is None:
         return obj.haptics.surface, obj.haptics.sunk_in, scene.haptics.contact_tolerance
@@ -46,13 +47,15 @@ def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
     return body.collision_shape, body.mesh_source, body.use_margin, margin
 
 
-def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
-    """The shape of ``obj`` with its world scale (3,) [m per unit of the mesh], negative where
-    mirrored, in the object's rotated frame.
+def collision_shape(obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
+    """The shape of ``obj`` with its world ``stretch`` (6,) [m per unit of the mesh], see
+    `rigid_transforms`, in the object's rotated frame.
 
-    A rigid body's own shape, otherwise what the object's *Surface* says of the evaluated mesh.
-    Raises ValueError if there is none, or if it extends further than `LARGEST`.
+    A rigid body's own shape, which Blender does not shear, otherwise what the object's *Surface*
+    says of the evaluated mesh. Raises ValueError if there is none, or if it extends further than
+    `LARGEST`.
     """
+    scale = stretch[:3]
     if np.any(np.abs(scale) < 1e-9):
         raise ValueError(iface_("its scale is 0: give it an extent in every direction"))
     bounds = _bounding_box(obj, depsgraph)
@@ -61,26 +64,26 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Sur
         raise ValueError(iface_("it is larger than 10,000 km: reduce its scale, or mend its mesh"))
     if obj.rigid_body is None:
         surface = _triangles(obj, depsgraph, "FINAL")
-        return _shape_of_surface(obj, *surface, depsgraph.scene, scale)
-    return _shape_of_body(obj, depsgraph, bounds, scale)
+        return _shape_of_surface(obj, *surface, depsgraph.scene, stretch)
+    return _shape_of_body(obj, depsgraph, bounds, np.sign(scale) * lengths_of_axes(stretch))
 
 
 def shape_of_instance(
-    found: HapticInstance, depsgraph: Depsgraph, scale: FloatArray
+    found: HapticInstance, depsgraph: Depsgraph, stretch: FloatArray
 ) -> SurfaceShape:
     """The shape of an instance: that of the object which it shows, or of a mesh without an object.
     Raises ValueError as `collision_shape` does."""
     shown, owner = found.shown, found.owner
     if shown.original == owner and owner != found.instancer:
-        return collision_shape(owner, depsgraph, scale)
+        return collision_shape(owner, depsgraph, stretch)
     if not isinstance(shown.data, Mesh) or len(shown.data.vertices) == 0:
         raise ValueError(iface_("its mesh has no vertices"))
     points, triangles = _arrays_of(shown.data)
-    return _shape_of_surface(owner, points, triangles, depsgraph.scene, scale)
+    return _shape_of_surface(owner, points, triangles, depsgraph.scene, stretch)
 
 
 def _shape_of_surface(
-    owner: Object, vertices: FloatArray, triangles: IntArray, scene: Scene, scale: FloatArray
+    owner: Object, vertices: FloatArray, triangles: IntArray, scene: Scene, stretch: FloatArray
 ) -> SurfaceShape:
     """What the *Surface* of an object says of these triangles.
 
@@ -89,21 +92,20 @@ def _shape_of_surface(
         vertices: (n, 3) in its own space.
         triangles: (t, 3) over them.
         scene: whose contact tolerance counts.
-        scale: of the object in the world (3,).
+        stretch: of the object in the world (6,).
     """
     haptics = owner.haptics
-    outwards = triangles if scale.prod() > 0 else triangles[:, ::-1]
+    outwards = triangles if stretch[:3].prod() > 0 else triangles[:, ::-1]
     surface = Surface(haptics.surface.lower())
     sunk_in = shortest(haptics.sunk_in)
     tolerance = scene.haptics.contact_tolerance / 10
     if surface is not Surface.CONVEX_HULL:
         _check_number(triangles)
+    points = apply_stretch(vertices, stretch)
     if len(triangles) > _MOST_KEPT:
-        found = surface_shape(vertices * scale, outwards, surface, tolerance, sunk_in)
+        found = surface_shape(points, outwards, surface, tolerance, sunk_in)
     else:
-        found = _surface_shape(
-            (vertices * scale).tobytes(), outwards.tobytes(), surface, tolerance, sunk_in
-        )
+        found = _surface_shape(points.tobytes(), outwards.tobytes(), surface, tolerance, sunk_in)
     return (
         replace(found, seen=None) if haptics.is_property_set("surface") else found
     )  # a hull that was chosen
@@ -112,7 +114,8 @@ def _shape_of_surface(
 def _shape_of_body(
     obj: Object, depsgraph: Depsgraph, bounds: FloatArray, scale: FloatArray
 ) -> SurfaceShape:
-    """The shape of a rigid body with these ``bounds`` (2, 3) in its own space."""
+    """The shape of a rigid body with these ``bounds`` (2, 3) in its own space; ``scale`` (3,)
+    along its axes, negative where mirrored."""
     body: Any = obj.rigid_body
     size = np.abs(scale)
     mirror = np.sign(scale)

@@ -240,7 +240,7 @@ class SceneReader:
         self._curves.clear()
         self._animated.clear()
         self.solo_roles = solo_roles(tagged.values())
-        scales = dict(
+        stretches = dict(
             zip(
                 tagged,
                 rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1],
@@ -249,7 +249,7 @@ class SceneReader:
         )
         instances = self._read_instances(depsgraph, len(raw))
         self._tagged = {
-            row: self._read_object(row, obj, depsgraph, scales[row])
+            row: self._read_object(row, obj, depsgraph, stretches[row])
             for row, obj in progress(tuple(tagged.items()))
         }
         self._tagged |= instances
@@ -276,8 +276,8 @@ class SceneReader:
         matrices = self._instances.moved(depsgraph)
         if matrices is None or not self._unchecked.isdisjoint(self._instances.shown):
             return False
-        known = self._lists.scales[-len(matrices) :]
-        if _scaled(rigid_transforms(matrices)[1], known).any():
+        known = self._lists.stretches[-len(matrices) :]
+        if _is_stretched(rigid_transforms(matrices)[1], known).any():
             return False
         self._instances = replace(self._instances, matrices=matrices)
         self._instance_milliseconds = 1000 * (perf_counter() - started)
@@ -296,16 +296,16 @@ class SceneReader:
         problems: dict[Problem, None] = {}
         for found in haptic_instances(depsgraph):
             owner, name = found.owner, found.name
-            scale = self._scale(-1, rigid_transforms(found.matrix[None])[1][0])
+            stretch = self._stretch(-1, rigid_transforms(found.matrix[None])[1][0])
             data = 0 if found.shown.data is None else found.shown.data.as_pointer()
-            key = owner.session_uid, data, *scale.tolist()
+            key = owner.session_uid, data, *stretch.tolist()
             try:
                 if owner.session_uid not in objects:
                     objects[owner.session_uid] = replace(
                         read_object(owner, depsgraph.scene), motion=Motion.KINEMATIC
                     )
                 if key not in shapes:
-                    shapes[key] = shape_of_instance(found, depsgraph, scale)
+                    shapes[key] = shape_of_instance(found, depsgraph, stretch)
             except ValueError as error:
                 problems[Problem(owner.name_full, str(error))] = None
                 continue
@@ -314,7 +314,7 @@ class SceneReader:
             body = Body.of(item, shape.shape)
             row = rows + len(places)
             tagged[row] = Tagged(
-                row, (), tuple(scale.tolist()), item, body, None, None, None, None, ()
+                row, (), tuple(stretch.tolist()), item, body, None, None, None, None, ()
             )
             places.append(found.place)
             matrices.append(found.matrix)
@@ -359,15 +359,15 @@ class SceneReader:
             moved = np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= lists.still).all(axis=1))
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
-            self._rigid, scales = rigid_transforms(raw_tagged)
+            self._rigid, stretches = rigid_transforms(raw_tagged)
         elif len(moved):
             self._raw[moved] = raw_tagged[moved]
             self._rigid = self._rigid.copy()  # the old array belongs to the last reading
-            self._rigid[moved], scales = rigid_transforms(raw_tagged[moved])
+            self._rigid[moved], stretches = rigid_transforms(raw_tagged[moved])
         if len(moved):
             self._parented.correct(self._rigid, exact)
-            known = lists.scales[moved]
-            rows |= set(lists.rows[moved[_scaled(scales, known)]].tolist())
+            known = lists.stretches[moved]
+            rows |= set(lists.rows[moved[_is_stretched(stretches, known)]].tolist())
         if lists is self._lists:
             unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
             if unchecked and self._session_ids is not None:
@@ -376,14 +376,14 @@ class SceneReader:
                 rows |= set(objects[np.isin(own, list(unchecked))].tolist())
         changed = False
         reread = sorted(rows)
-        scales = (
+        stretches = (
             rigid_transforms(raw[np.array(reread, dtype=np.int64)])[1]
             if reread
-            else np.zeros((0, 3))
+            else np.zeros((0, 6))
         )
         switched = False
-        for row, scale in zip(reread, scales, strict=True):
-            tagged = self._read_object(row, bpy.data.objects[row], depsgraph, scale)
+        for row, stretch in zip(reread, stretches, strict=True):
+            tagged = self._read_object(row, bpy.data.objects[row], depsgraph, stretch)
             if tagged != self._tagged[row]:
                 switched |= (tagged.object is None) != (self._tagged[row].object is None)
                 self._tagged[row] = tagged
@@ -393,7 +393,7 @@ class SceneReader:
                 if row >= len(bpy.data.objects):
                     continue
                 self._tagged[row] = self._read_object(
-                    row, bpy.data.objects[row], depsgraph, np.array(before.scale)
+                    row, bpy.data.objects[row], depsgraph, np.array(before.stretch)
                 )
         if changed:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
@@ -411,22 +411,22 @@ class SceneReader:
         return lists
 
     def _read_object(
-        self, row: int, obj: Object, depsgraph: Depsgraph, scale: FloatArray
+        self, row: int, obj: Object, depsgraph: Depsgraph, stretch: FloatArray
     ) -> Tagged:
         """The roles of an object as values of the core, and the problems that prevent any."""
         haptics = obj.haptics
         name = obj.name_full
         problems: list[Problem] = []
         haptic_object = body = surface = home = source = listener = None
-        scale = self._scale(row, scale)
+        stretch = self._stretch(row, stretch)
         if haptics.enabled:
             try:
-                surface = self._shape(obj, depsgraph, scale)
+                surface = self._shape(obj, depsgraph, stretch)
                 haptic_object = read_object(obj, depsgraph.scene)
                 body = Body.of(haptic_object, surface.shape)
                 home = (
                     stored_item(haptics.imported, "object").get("pose")
-                    if _is_as_imported(obj, scale)
+                    if _is_as_imported(obj, stretch)
                     else None
                 )
             except ValueError as error:
@@ -461,7 +461,7 @@ class SceneReader:
         return Tagged(
             row,
             animated,
-            tuple(scale.tolist()),
+            tuple(stretch.tolist()),
             haptic_object,
             body,
             surface,
@@ -480,26 +480,26 @@ class SceneReader:
         self._animated[row] = values
         return values != before
 
-    def _scale(self, row: int, scale: FloatArray) -> FloatArray:
-        """The object's scale in the world to six digits; the known one if only rounding differs, so
-        that a rotating object keeps its shape."""
-        scale = np.array([float(f"{side:.6g}") for side in scale.tolist()])
-        known = np.array(self._tagged[row].scale) if row in self._tagged else scale
-        return known if np.all(np.abs(scale - known) <= 1e-5 * np.abs(known)) else scale
+    def _stretch(self, row: int, stretch: FloatArray) -> FloatArray:
+        """The object's stretch in the world to six digits; the known one if only rounding differs,
+        so that a rotating object keeps its shape."""
+        stretch = np.array([float(f"{part:.6g}") for part in stretch.tolist()])
+        known = np.array(self._tagged[row].stretch) if row in self._tagged else stretch
+        return stretch if _is_stretched(stretch[None], known[None])[0] else known
 
-    def _shape(self, obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> SurfaceShape:
-        """The collision shape of an object with its world ``scale`` (3,): that of an imported file,
-        else the known one unless its settings or its mesh have changed."""
-        if _is_as_imported(obj, scale):
+    def _shape(self, obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
+        """The collision shape of an object with its world ``stretch`` (6,): that of an imported
+        file, else the known one unless its settings or its mesh have changed."""
+        if _is_as_imported(obj, stretch):
             imported = stored_item(obj.haptics.imported, "object").get("shape")
             if imported is not None:
                 return SurfaceShape(imported)
         if obj.haptics.surface == "SEEN" and obj.rigid_body is None:
             armature = armature_of(obj)
-            shape = armature and self._bone_shape(obj, armature, depsgraph, scale)
+            shape = armature and self._bone_shape(obj, armature, depsgraph, stretch)
             if shape:
                 return shape
-        key = tuple(scale.tolist()), shape_settings(obj, depsgraph.scene)
+        key = tuple(stretch.tolist()), shape_settings(obj, depsgraph.scene)
         session_id = obj.session_uid
         # None is left of a mesh that has no shape any more.
         known = self._shapes.pop(session_id, None)
@@ -508,7 +508,7 @@ class SceneReader:
         started = perf_counter()
         content = mesh_checksum(obj, depsgraph) if is_unchecked or not is_known else None
         if known is None or not is_known or (is_unchecked and known[1] != content):
-            known = key, content, collision_shape(obj, depsgraph, scale)
+            known = key, content, collision_shape(obj, depsgraph, stretch)
             if is_unchecked and self._lists is not None:
                 milliseconds = 1000 * (perf_counter() - started)
                 self._rebuilt = {**self._rebuilt, obj.name_full: milliseconds}
@@ -516,15 +516,15 @@ class SceneReader:
         return known[2]
 
     def _bone_shape(
-        self, obj: Object, armature: Object, depsgraph: Depsgraph, scale: FloatArray
+        self, obj: Object, armature: Object, depsgraph: Depsgraph, stretch: FloatArray
     ) -> SurfaceShape | None:
         """The shape of a mesh that bones deform; None if they move none of it. The deviation is
         measured where everything is read, not from frame to frame."""
-        key = tuple(scale.tolist()), rest_checksum(obj, armature)
+        key = tuple(stretch.tolist()), rest_checksum(obj, armature)
         known = self._bone_parts.get(obj.session_uid)
         is_edited = obj.data is not None and obj.data.session_uid in self._unchecked
         if known is None or known[0] != key or is_edited:
-            known = key, parts_at_rest(obj, armature, scale), np.zeros(()), None
+            known = key, parts_at_rest(obj, armature, stretch), np.zeros(()), None
         parts, motions, shape = known[1:]
         if parts is not None:
             now = parts.motions(obj, armature, depsgraph)
@@ -533,7 +533,7 @@ class SceneReader:
                 motions = now
                 shape = SurfaceShape(parts.posed(now), 0.0 if shape is None else shape.deviation)
             if self._lists is None:
-                shape = replace(shape, deviation=parts.deviation(motions, obj, depsgraph, scale))
+                shape = replace(shape, deviation=parts.deviation(motions, obj, depsgraph, stretch))
         self._bone_parts[obj.session_uid] = key, parts, motions, shape
         return shape
 
@@ -582,9 +582,11 @@ def _tagged_above(obj: Object, tagged: Container[int]) -> Object | None:
     return above
 
 
-def _scaled(scales: FloatArray, known: FloatArray) -> BoolArray:
-    """Which scales (n, 3) differ from those ``known`` by more than rounding."""
-    return np.asarray(np.any(np.abs(scales - known) > 1e-5 * np.abs(known), axis=1))
+def _is_stretched(stretches: FloatArray, known: FloatArray) -> BoolArray:
+    """Which stretches (n, 6) differ from those ``known`` by more than rounding."""
+    limits = 1e-5 * np.abs(known)
+    limits[:, 3:] = limits[:, :3].max(axis=1, keepdims=True)
+    return np.asarray(np.any(np.abs(stretches - known) > limits, axis=1))
 
 
 def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
@@ -599,12 +601,12 @@ def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def _is_as_imported(obj: Object, scale: FloatArray) -> bool:
+def _is_as_imported(obj: Object, stretch: FloatArray) -> bool:
     """False if an author has replaced the imported shape or pose of an object."""
     return (
         obj.rigid_body is None
         and not obj.haptics.is_property_set("surface")
-        and all(abs(side - 1) < 2e-5 for side in scale.tolist())
+        and bool(np.all(np.abs(stretch - (1, 1, 1, 0, 0, 0)) < 2e-5))
     )
 
 

@@ -22,7 +22,7 @@ class Tagged:
 
     row: int  # in bpy.data.objects
     animated: tuple[str, ...] | None  # data paths, see `compatibility.animated_paths`
-    scale: tuple[float, float, float]
+    stretch: tuple[float, ...]  # see `rigid_transforms`
     object: HapticObject | None
     body: Body | None
     surface: SurfaceShape | None
@@ -38,7 +38,7 @@ class TaggedLists:
 
     Attributes:
         rows: (m,) of the tagged objects in ``bpy.data.objects``.
-        scales: (m, 3) of these in the world.
+        stretches: (m, 6) of these in the world.
         still: (m, 16) changes of their world matrices that move no corner by more than about
             `STILL`, and count as rest.
         animated: rows and data paths of those with animated properties.
@@ -52,7 +52,7 @@ class TaggedLists:
     """
 
     rows: IntArray
-    scales: FloatArray
+    stretches: FloatArray
     still: FloatArray
     animated: tuple[tuple[int, tuple[str, ...] | None], ...]  # rows and data paths
     of_bodies: IntArray
@@ -96,11 +96,11 @@ class TaggedLists:
         still = (
             before.still
             if before is not None and alone is before.bodies
-            else _still([t.scale for t in tagged], bodies, before)
+            else _still([t.stretch for t in tagged], bodies, before)
         )
         return cls(
             rows=np.array([t.row for t in tagged], dtype=np.int64),
-            scales=np.array([t.scale for t in tagged], dtype=np.float64).reshape(-1, 3),
+            stretches=np.array([t.stretch for t in tagged], dtype=np.float64).reshape(-1, 6),
             still=still,
             animated=tuple((t.row, t.animated) for t in tagged if t.animated != ()),
             of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
@@ -121,14 +121,14 @@ class TaggedLists:
 
 
 def _still(
-    scales: list[tuple[float, float, float]],
+    stretches: list[tuple[float, ...]],
     bodies: list[tuple[int, HapticObject, Body]],
     before: TaggedLists | None,
 ) -> FloatArray:
-    """Of objects with these ``scales``, the limits of changes of world matrices (m, 16), column by
-    column: that of a turn is less the further the corners of a body are away. Those of the same
+    """Of objects with these ``stretches``, the limits of changes of world matrices (m, 16), column
+    by column: that of a turn is less the further the corners of a body are away. Those of the same
     bodies are taken from ``before``."""
-    limits = np.full((len(scales), 16), STILL)
+    limits = np.full((len(stretches), 16), STILL)
     if before is not None:
         kept = dict(zip(map(id, before.bodies), before.of_bodies.tolist(), strict=True))
         same = [k for k, _, body in bodies if kept.get(id(body)) == k]
@@ -136,5 +136,5 @@ def _still(
         bodies = [item for item in bodies if kept.get(id(item[2])) != item[0]]
     for k, _, body in bodies:
         arm = np.linalg.norm(np.abs(body.shape.local_bounds()).max(axis=0))
-        limits[k, :12] *= np.repeat(np.abs(scales[k]), 4) / max(float(arm), 1e-9)
+        limits[k, :12] *= np.repeat(np.abs(stretches[k][:3]), 4) / max(float(arm), 1e-9)
     return limits

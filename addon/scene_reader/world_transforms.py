@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 from ...core.arrays import FloatArray
 from ..blender.arrays import read_array
 
+_SHEARED = 1e-4
+"""Cosine of the angle between two axes of an object beyond which it counts as sheared."""
+
 
 def session_ids() -> NDArray[np.int32]:
     """(n,) session ids of all objects of the file."""
@@ -31,10 +34,9 @@ def in_metres(matrices: NDArray[np.float32], metres: float) -> NDArray[np.float3
 
 
 def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
-    """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and scales (n, 3), negative where
-    mirrored.
-
-    A shear is dropped, as Bullet does.
+    """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and stretches (n, 6): the scales
+    along x, y and z, negative where mirrored, and the shears of y along x, of z along x and of z
+    along y. Objects are sheared by a parent whose scale differs from axis to axis.
     """
     columns = raw.T.astype(np.float64, order="C").reshape(4, 4, -1)
     axes = columns[:3, :3]
@@ -47,4 +49,42 @@ def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
     )
     scales[:, volume < 0] *= -1
     axes /= np.where(scales == 0, 1.0, scales)[:, None]
-    return columns.transpose(2, 1, 0).copy(), scales.T
+    stretches = np.concatenate([scales, np.zeros_like(scales)])
+    x, y, z = axes
+    shears = np.abs([(x * y).sum(axis=0), (x * z).sum(axis=0), (y * z).sum(axis=0)])
+    for k in np.flatnonzero(shears.max(axis=0) > _SHEARED).tolist():
+        axes[:, :, k], stretches[:, k] = _unsheared(axes[:, :, k] * scales[:, k, None])
+    return columns.transpose(2, 1, 0).copy(), stretches.T
+
+
+def _unsheared(axes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The axes (3, 3) of the rotation, in rows, and the stretch (6,) that together are the ``axes``
+    of a sheared object."""
+    x, y, z = axes
+    side = np.sign((np.cross(x, y) * z).sum())
+    first = side * x / _length(x)
+    across = y - (y * first).sum() * first
+    second = side * across / _length(across)
+    third = np.cross(first, second)
+    scales = side * _length(x), side * _length(across), (z * third).sum()
+    shears = (y * first).sum(), (z * first).sum(), (z * second).sum()
+    return np.array([first, second, third]), np.array([*scales, *shears])
+
+
+def _length(vector: FloatArray) -> float:
+    return max(float(np.sqrt((vector * vector).sum())), 1e-300)
+
+
+def lengths_of_axes(stretch: FloatArray) -> FloatArray:
+    """The scales (3,) that Blender shows of an object with this ``stretch`` (6,)."""
+    x, y, z, y_along_x, z_along_x, z_along_y = stretch
+    return np.sqrt([x * x, y * y + y_along_x**2, z * z + z_along_x**2 + z_along_y**2])
+
+
+def apply_stretch(points: FloatArray, stretch: FloatArray) -> FloatArray:
+    """Points (n, 3) of an object's mesh, scaled and sheared as in the world by ``stretch`` (6,)."""
+    result = points * stretch[:3]
+    if stretch[3:].any():
+        result[:, 0] += points[:, 1] * stretch[3] + points[:, 2] * stretch[4]
+        result[:, 1] += points[:, 2] * stretch[5]
+    return result

@@ -9,6 +9,8 @@ import random
 from typing import Any
 
 import bpy
+import fcl
+import numpy as np
 import pytest
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import air_contacts
@@ -313,3 +315,47 @@ def test_meshes_without_extent_and_with_too_many_triangles_name_a_cure(add_box, 
     (problem,) = session.problems_of(bpy.context.scene)
     assert problem.object == "point" and "move them apart" in problem.message
     assert shape_of(bpy.context.object.name).type == "convex_hull"
+
+
+def as_seen(obj) -> fcl.CollisionObject:
+    """The surface that Blender shows of a mesh."""
+    mesh, model = obj.data, fcl.BVHModel()
+    mesh.calc_loop_triangles()
+    places = [tuple(obj.matrix_world @ vertex.co) for vertex in mesh.vertices]
+    triangles = [tuple(triangle.vertices) for triangle in mesh.loop_triangles]
+    model.beginModel(len(places), len(triangles))
+    model.addSubModel(np.array(places), np.array(triangles))
+    model.endModel()
+    return fcl.CollisionObject(model)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_sheared_object_touches_where_it_is_seen(add_box, mirrored):
+    """A turned child of a parent whose scale differs from axis to axis."""
+    parent = add_box("parent", (0, 0, 0), (0.1, 0.1, 0.1), haptic=False)
+    parent.scale = (-3.0 if mirrored else 3.0, 1.0, 0.6)
+    child = add_box("child", (0, 0, 0), (0.4, 0.3, 0.2), haptic=False)
+    child.parent = parent
+    child.location = (0.5, 0.2, 0.9)
+    finger = add_box("finger", (0, 0, 0), (0.05, 0.05, 0.05), haptic=False)
+    make_haptic(child, finger)
+    touching = apart = 0
+    for turn in (0.0, 0.4, 0.9, 1.7):
+        child.rotation_euler = (turn, 0.7 * turn, -1.3 * turn)
+        bpy.context.view_layer.update()
+        middle = child.matrix_world.translation.copy()
+        for vertex in child.data.vertices:
+            corner = child.matrix_world @ vertex.co
+            for away in (0.01, 0.03, 0.05):
+                finger.location = corner + away * (corner - middle).normalized()
+                found = contacts().get(frozenset(("child", "finger")))
+                distance = fcl.distance(
+                    as_seen(child), as_seen(finger), fcl.DistanceRequest(), fcl.DistanceResult()
+                )
+                if distance > 0.0101:  # the tolerance
+                    apart += 1
+                    assert found is None
+                elif distance < 0.0099:
+                    touching += 1
+                    assert found == pytest.approx(distance, abs=1e-5) if distance > 0 else found < 0
+    assert touching >= 40 and apart >= 20
