@@ -204,10 +204,10 @@ def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
         if child.rigid_body is None:
             continue
         location, rotation, _ = (inverse @ child.matrix_world).decompose()
-        child_scale = metres * np.array(child.matrix_world.to_scale(), dtype=np.float64)
+        stretch = metres * np.array([*child.matrix_world.to_scale(), 0.0, 0.0, 0.0])
         position = np.array(location, dtype=np.float64) * scale
         pose = Pose(tuple(position.tolist()), (rotation.w, rotation.x, rotation.y, rotation.z))
-        children.append((collision_shape(child, depsgraph, child_scale).shape, pose))
+        children.append((collision_shape(child, depsgraph, stretch).shape, pose))
     if not children:
         raise ValueError(
             iface_("its shape is Compound Parent, but none of its children is a rigid body")
