@@ -8,7 +8,6 @@ from itertools import chain, zip_longest
 from typing import NamedTuple
 
 import numpy as np
-from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import BoolArray, FloatArray
 from ...core.render.lane import height_of
@@ -19,6 +18,7 @@ from .render_data import Drawn, Symbol
 # Points at a user interface scale of 1.
 _ROW, _LEAST_ROW, _GAP = 36.0, 11.0, 1.0
 _NAME_WIDTH, _RULER = 110.0, 25.0
+_LEFT, _SWATCH = 14.0, 4.0  # Blender's arrow that shows the channels is left of the names
 SMALL, _TALL = 100.0, 260.0
 """Height up to which a region has neither scroll bar nor markers, as the Timeline at first."""
 _BOTTOM = 22.0  # that these take
@@ -61,7 +61,7 @@ def rows_of(
     scale: float,
 ) -> tuple[LaneRow, ...]:
     """The rows of a lane, from the top down. If not all fit, those that are named ``first``, then
-    listeners and sources in turn.
+    listeners and sources in turn; if one fits, a source and a listener share its place.
 
     Args:
         sources: their names.
@@ -80,11 +80,15 @@ def rows_of(
         dict.fromkeys(filter(None, chain.from_iterable([*turns][::-1]))),
         key=lambda item: item[0] not in first,
     )
-    shown = set(ranked[: max(int(room / (_LEAST_ROW * scale)), 0)])
-    tall = min(room / max(len(shown), 1), _ROW * scale)
+    places = max(int(room / (_LEAST_ROW * scale)), 0)
+    shown = set(ranked[:places])
+    if places == 1:
+        shown = set({is_source: (name, is_source) for name, is_source in ranked[::-1]}.values())
     kept = [item for item in every if item in shown]
+    places = min(places, len(kept))
+    tall = min(room / max(places, 1), _ROW * scale)
     return tuple(
-        LaneRow(*item, bottom + (len(kept) - k - 1) * tall, tall - _GAP * scale)
+        LaneRow(*item, bottom + max(places - k - 1, 0) * tall, tall - _GAP * scale)
         for k, item in enumerate(kept)
     )
 
@@ -105,7 +109,8 @@ def names(
     scale: float,
     measure: Measure,
 ) -> Hud:
-    """The names at the left, the number of hidden rows, and the one-shots.
+    """The names at the left, side by side where rows share a place, with the colour of their kind;
+    the number of hidden rows, and the one-shots.
 
     Args:
         rows: of the lane.
@@ -118,16 +123,20 @@ def names(
     builder = HudBuilder(scale, measure)
     for place in marks:
         builder.symbol(place, Symbol.IMPACT, _MARK, colours.source[:3])
+    right = 0.0
     for number, row in enumerate(rows):
+        is_beside = number > 0 and row.low == rows[number - 1].low
+        left = right if is_beside else _LEFT * scale
         text = builder.fitted(row.name, _NAME_WIDTH * scale, SMALL_TEXT)
         if number == len(rows) - 1 and hidden:
-            text = f"{text}  {iface_('and {} more').format(hidden)}"
-        left = 4 * scale
+            text = f"{text}  +{hidden}"
         low = row.low + row.height / 2 - 5 * scale
-        right = left + builder.width(text, SMALL_TEXT) + 2 * scale
-        ground = (*colours.ground[:3], 0.6)
-        builder.plate((left - 2 * scale, low), (right, low + 10 * scale), ground, 2.0)
-        builder.text(text, (left, low + 2 * scale), colours.ink, SMALL_TEXT)
+        start = left + (_SWATCH + 3) * scale
+        right = start + builder.width(text, SMALL_TEXT) + 3 * scale
+        builder.plate((left, low), (right, low + 10 * scale), (*colours.ground[:3], 0.9), 0.0)
+        kind = colours.source if row.is_source else colours.listener
+        builder.plate((left, low), (left + _SWATCH * scale, low + 10 * scale), (*kind, 1.0), 0.0)
+        builder.text(text, (start, low + 2 * scale), colours.ink, SMALL_TEXT)
     return builder.build()
 
 

@@ -8,7 +8,7 @@ import pytest
 from haptic_tracing.addon.bake import storage
 from haptic_tracing.addon.bake.baking import bake_job
 from haptic_tracing.addon.bake.waves import computed
-from haptic_tracing.addon.view.lane_layout import rows_of, snapped, stems, strip
+from haptic_tracing.addon.view.lane_layout import Colours, names, rows_of, snapped, stems, strip
 from haptic_tracing.core.render.levels import vibration_rms
 from haptic_tracing.core.render.waves import FULL_SCALE
 from haptic_tracing.core.scene.values import Listener
@@ -52,20 +52,43 @@ def test_baked_waves_have_the_samples_and_impacts_of_the_track():
 
 
 def test_rows_stay_in_their_part_of_the_region():
-    names = [f"listener {k}" for k in range(10)]
+    listeners = [f"listener {k}" for k in range(10)]
     sources = ["engine", "pump"]
     for height in (44, 90, 120, 300, 1000):
-        rows = rows_of(sources, names, ("listener 9", "pump"), height, 1.0)
+        rows = rows_of(sources, listeners, ("listener 9", "pump"), height, 1.0)
         shown = [row.name for row in rows]
-        assert shown == [name for name in (*sources, *names) if name in shown]
+        assert shown == [name for name in (*sources, *listeners) if name in shown]
         assert {"listener 9", "pump"} <= set(shown) or len(shown) < 2
         assert all(
             row.low >= (22 if height > 100 else 1) and row.low + row.height <= height
             for row in rows
         )
-        assert all(upper.low >= lower.low + lower.height for upper, lower in pairwise(rows))
+        assert height == 44 or all(
+            upper.low >= lower.low + lower.height for upper, lower in pairwise(rows)
+        )
         assert [row.is_source for row in rows] == [name in sources for name in shown]
-    assert len(rows) == 12 and rows_of(sources, names, (), 30, 1.0) == ()
+    assert len(rows) == 12 and rows_of(sources, listeners, (), 30, 1.0) == ()
+
+
+def test_a_source_and_a_listener_share_the_only_place():
+    sources, listeners = ["engine", "pump"], ["hand", "foot"]
+    for first, shown in (((), ["engine", "hand"]), (("foot", "pump"), ["pump", "foot"])):
+        rows = rows_of(sources, listeners, first, 44, 1.0)
+        assert [row.name for row in rows] == shown
+        assert [(row.low, row.height) for row in rows] == [(1, 17)] * 2
+    (row,) = rows_of([], listeners, (), 44, 1.0)
+    assert row.name == "hand"
+
+
+def test_names_do_not_overlap():
+    colours = Colours((0, 0, 0, 1), (1, 1, 1), (1, 0.5, 0), (0, 1, 0.5))
+    for height in (44, 120):
+        rows = rows_of(["a source with a long name"], ["hand", "foot"], ("foot",), height, 1.0)
+        texts = names(rows, [], 3 - len(rows), colours, 1.0, lambda words, size: 6.0 * len(words))
+        places = [(*text.position, 6.0 * len(text.words)) for text in texts.texts]
+        assert len(places) == len(rows) and min(left for left, _, _ in places) > 14
+        for (a, low, width), (b, other, _) in pairwise(places):
+            assert low - other >= 10 or b >= a + width
 
 
 def test_half_of_few_rows_are_sources():

@@ -1,5 +1,5 @@
-"""The lane: readable in the Timeline at its default height; in the Dope Sheet a one-shot is dragged
-by the mouse to an impact and to a marker, one undo takes each back, Escape and clicks elsewhere
+"""The lane: readable in the Timeline at its default height, in the dark and the light theme; in the
+Dope Sheet a one-shot is dragged by the mouse to an impact and to a marker, one undo takes each back, Escape and clicks elsewhere
 change nothing."""
 
 import bpy
@@ -10,17 +10,32 @@ def steps(window):
         window.module("addon.view.lane"),
         window.module("addon.blender.compatibility"),
     )
-    scene = window.module("sample_scenes").build_sample("hammer_nail")
+    text_width = window.module("addon.blender.text").text_width
+    scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     yield 0.5
     lowest = next(area for area in window.window.screen.areas if area.type == "DOPESHEET_EDITOR")
     window.seen["the Timeline has its default height"] = lowest.height < 110
-    with bpy.context.temp_override(window=window.window, area=lowest, region=lowest.regions[-1]):
+    region = next(region for region in lowest.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window.window, area=lowest, region=region):
         bpy.ops.action.view_all()
     scene.haptics.show_overlay = scene.haptics.meters.show = False  # frames come sooner
-    scene.frame_set(12)
-    yield from window.play_frames(14)
+    yield from window.play_frames(30)
+    texts = lane._shown[region.as_pointer()].over.texts
+    window.seen[f"a source and a listener are named, and how many more: {texts}"] = (
+        len(texts) == 2
+        and texts[0].words == "Jackhammer"
+        and texts[1].words.endswith("+9")
+        and texts[0].position[0] + text_width(texts[0].words, texts[0].size) < texts[1].position[0]
+    )
     window.save_picture("default-height")
+    yield from window.use_theme("Blender_Light")
+    window.save_picture("default-height-light")
+    yield from window.use_theme("Blender_Dark")
+
+    scene = window.module("sample_scenes").build_sample("hammer_nail")
+    bpy.context.window.scene = scene
+    scene.haptics.show_overlay = scene.haptics.meters.show = False
     bpy.context.window.workspace = bpy.data.workspaces["Animation"]
     yield 0.5
     bpy.context.window.scene = scene
