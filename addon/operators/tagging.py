@@ -89,10 +89,14 @@ class HAPTIC_OT_make_objects(OnSelected, Operator):
             bpy.ops.haptic.match_materials("INVOKE_DEFAULT")
         if self.physics:
             _add_physics(context, solid)
-        self.report(
-            {"INFO"},
-            told("Objects made haptic: {}, with a guessed material: {}", len(solid), known),
-        )
+        unknown = [obj.name for obj in new if not obj.haptics.material.name]
+        if unknown:
+            more = " " + told("and {} more", len(unknown) - 1) if len(unknown) > 1 else ""
+            words = "Made haptic: {}. Of unknown material: {}; choose it in Selected Object"
+            self.report({"INFO"}, told(words, len(solid), unknown[0] + more))
+        else:
+            words = "Objects made haptic: {}, with a guessed material: {}"
+            self.report({"INFO"}, told(words, len(solid), known))
 
 
 class HAPTIC_OT_make_object(OnActive, Operator):

@@ -176,7 +176,7 @@ def _draw_material(
     row = layout.row(align=True)
     row.use_property_split = False
     if not chosen.name and not scene.haptics.materials.items:
-        row.menu("HAPTIC_MT_materials", text="Choose Material", icon="MATERIAL")
+        row.menu("HAPTIC_MT_materials", text="Own Values", icon="MATERIAL")
     else:
         row.prop_search(chosen, "name", scene.haptics.materials, "items", text="", icon="MATERIAL")
         row.menu("HAPTIC_MT_materials", text="", icon="DOWNARROW_HLT")
