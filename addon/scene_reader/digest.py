@@ -25,6 +25,7 @@ from ..blender.paths import local_path
 from ..blender.units import metres_per_unit
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from .drawings import mapping_of, points_of
+from .present import present_objects
 from .roles import is_tagged, regions_of
 from .triggers import marker_frames
 
@@ -226,13 +227,17 @@ def _physics(scene: Scene) -> Digest:
 
 
 def _layer_objects(scene: Scene) -> Iterable[Object]:
-    """The objects of the view layer that is traced: the context's, if that is of the scene."""
+    """The objects that are there, at least in some frames, in the view layer that is traced: the
+    context's, if that is of the scene."""
     layer = bpy.context.view_layer
-    return (
-        layer.objects
-        if layer is not None and bpy.context.scene == scene
-        else scene.view_layers[0].objects
-    )
+    if layer is None or bpy.context.scene != scene:
+        layer = scene.view_layers[0]
+    present = set(present_objects(layer).tolist())
+    return [
+        obj
+        for obj in layer.objects
+        if obj.session_uid in present or "hide_viewport" in _animation(obj)[0]
+    ]
 
 
 def _with_movers(objects: Iterable[Object]) -> list[Object]:

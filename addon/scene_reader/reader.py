@@ -41,6 +41,7 @@ from .imported_contacts import ImportedContacts
 from .instances import NONE, Instances, haptic_instances, instanced_in_vain
 from .objects import read_listener, read_object, read_source
 from .parented import ParentedPoses
+from .present import present_objects
 from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
@@ -64,6 +65,7 @@ class SceneReader:
 
     def __init__(self) -> None:
         self._session_ids: NDArray[np.int32] | None = None
+        self._present = np.zeros(0, dtype=np.int32)  # session ids
         self._tagged: dict[int, Tagged] = {}  # by row
         self._shapes: dict[
             int, tuple[Any, Any, SurfaceShape]
@@ -154,7 +156,13 @@ class SceneReader:
         raw = in_metres(raw_matrices(len(ids)), metres)
         if self._marked(scene) != self._markers or not self._move_instances(depsgraph):
             self._session_ids = None
-        if self._session_ids is None or not np.array_equal(self._session_ids, ids):
+        present = present_objects(depsgraph.view_layer)
+        if (
+            self._session_ids is None
+            or not np.array_equal(self._session_ids, ids)
+            or not np.array_equal(self._present, present)
+        ):
+            self._present = present
             self._read_all(depsgraph, raw)
             self._imported.read(scene)
             objects = [
@@ -229,7 +237,7 @@ class SceneReader:
 
     def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
         """Read all tagged objects and instances; ``raw``: world matrices (n, 16) by row."""
-        shown = {obj.session_uid for obj in depsgraph.view_layer.objects}
+        shown = set(self._present.tolist())
         tagged = {
             row: obj
             for row, obj in enumerate(bpy.data.objects)

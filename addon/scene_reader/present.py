@@ -1,0 +1,36 @@
+"""Which objects of a scene are there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from bpy.types import Collection, LayerCollection, ViewLayer
+from numpy.typing import NDArray
+
+from ..blender.arrays import read_array
+
+
+def present_objects(layer: ViewLayer) -> NDArray[np.int32]:
+    """Session ids of the objects of a view layer, without those that are disabled in viewports,
+    by themselves or with their collections: Blender doesn't move these. It moves disabled rigid
+    bodies and what the eye in the outliner hides, which are kept."""
+    objects = layer.objects
+    ids = read_array(objects, "session_uid", 1, np.int32)[:, 0]
+    disabled = read_array(objects, "hide_viewport", 1, np.bool_)[:, 0]
+    enabled = list(_enabled(layer.layer_collection))
+    if len(enabled) < 1 + len(layer.layer_collection.collection.children_recursive):
+        there = [read_array(each.objects, "session_uid", 1, np.int32)[:, 0] for each in enabled]
+        disabled |= ~np.isin(ids, np.concatenate(there))
+    if disabled.any():
+        moved = np.array([obj.rigid_body is not None for obj in objects])
+        return ids[~disabled | moved]
+    return ids
+
+
+def _enabled(layer: LayerCollection) -> Iterator[Collection]:
+    """The collections below a layer that are not disabled in viewports."""
+    if not layer.exclude and not layer.collection.hide_viewport:
+        yield layer.collection
+        for child in layer.children:
+            yield from _enabled(child)
