@@ -3,12 +3,13 @@ convex polygon."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray
-from ..hull import Hull
+from ..hull import Hull, hull_2d
 from .cores import CoreTable, Kind
 from .frames import cross, dot, pick, turned, turned_back
 from .manifold import PATCH_GAP, contact_plane
@@ -20,6 +21,11 @@ larger faces."""
 
 _WIDTH = 1e-6
 """Half the width [m] of the strip that stands for a line."""
+
+_ALONG = 0.9998
+"""Cosine of the angle between a triangle and an uneven face from which on it belongs to it."""
+_REFITS = 3
+"""Planes that are fitted to an uneven face, one after the other."""
 
 _ANGLES = (2 * np.pi * np.arange(MANY) / MANY)[:, None]
 _WIDER = np.sqrt(2 * np.pi / (MANY * np.sin(2 * np.pi / MANY)))
@@ -106,23 +112,18 @@ def _by_hull(
 
 @lru_cache(4096)
 def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
-    """Outward normals (f, 3) and corners in order (f, k, 3) of a hull's faces, triangles of one
-    plane merged; short ones repeat their last corner, and k is ``FEW`` or ``MANY``. Shared by all
-    trackers."""
-    normals, offsets = hull.planes()
-    extent = float(np.max(np.ptp(hull.points, axis=0)))
+    """Outward normals (f, 3) and corners in order (f, k, 3) of a hull's faces; short ones repeat
+    their last corner, and k is ``FEW`` or ``MANY``. Shared by all trackers."""
+    own = list(_faces(hull))
+    normals = np.array([normal for normal, _ in own])
     across = np.cross(
         normals, np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     )
-    own = [
-        np.flatnonzero(np.abs(hull.points @ normal - offset) <= 1e-5 * extent)
-        for normal, offset in zip(normals, offsets, strict=True)
-    ]
-    counts = np.array([len(numbers) for numbers in own])
+    counts = np.array([len(numbers) for _, numbers in own])
     corners = np.empty((len(own), FEW if counts.max() <= FEW else MANY, 3))
     for count in np.unique(counts).tolist():
         faces = np.flatnonzero(counts == count)
-        on = hull.points[np.array([own[face] for face in faces])]
+        on = hull.points[np.array([own[face][1] for face in faces])]
         apart = on - on.mean(axis=1, keepdims=True)
         angles = np.arctan2(
             np.einsum("fkc,fc->fk", apart, np.cross(normals, across)[faces]),
@@ -138,6 +139,41 @@ def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
             angles.argsort(axis=1, kind="stable")[:, chosen.astype(int)],
         ]
     return normals, corners
+
+
+def _faces(hull: Hull) -> Iterator[tuple[FloatArray, IntArray]]:
+    """The normals (3,) of a hull's faces, and the numbers of their corners. A face consists of the
+    triangles that lie nearly along it, less than `PATCH_GAP` beneath its farthest point, or a tenth
+    of the hull's width if that is less: real meshes are uneven."""
+    corners = hull.points[hull.triangles]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sizes = np.sqrt((areas * areas).sum(axis=1))
+    unit = areas / np.maximum(sizes, 1e-300)[:, None]
+    level = 1e-5 * float(np.max(np.ptp(hull.points, axis=0)))
+    left = sizes > 0
+    for largest in np.argsort(-sizes, kind="stable").tolist():
+        if not left[largest]:
+            continue
+        normal = unit[largest]
+        members = np.array([largest])
+        for _ in range(_REFITS):
+            along = np.flatnonzero(unit @ normal >= _ALONG)
+            if len(along) > 1:
+                beneath = hull.points @ normal
+                beneath = beneath.max() - beneath
+                most = max(level, min(PATCH_GAP, 0.1 * float(beneath.max())))
+                along = along[(beneath[hull.triangles[along]] <= most).all(axis=1)]
+            if len(along) <= len(members):
+                break
+            members = along
+            total = areas[members].sum(axis=0)
+            normal = total / np.sqrt((total * total).sum())
+        left[members] = False
+        numbers = np.unique(hull.triangles[members])
+        if len(numbers) > 3:
+            plane = np.concatenate(contact_plane(normal[:, None]), axis=1)
+            numbers = numbers[np.sort(hull_2d(hull.points[numbers] @ plane))]
+        yield normal, numbers
 
 
 def box_face(direction: FloatArray, half: FloatArray) -> FloatArray:

@@ -17,6 +17,11 @@ from level_properties import changes_of_moved_bodies, of_measured_materials
 GROUND = HapticObject("ground", 0.1, 0.9, shape=Box((40, 40, 1)), pose=Pose((0, 0, -0.5)))
 
 
+def corners_of(size: tuple[float, float, float]) -> np.ndarray:
+    """The corners (8, 3) of a box."""
+    return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2
+
+
 def leaning(seed: int, count: int = 6) -> HapticScene:
     """Blocks on a ground and a plank on each: an edge of its end is on the ground, and its face
     lies on an upper edge of the block."""
@@ -128,3 +133,26 @@ def test_a_stone_is_felt_where_it_lies_however_its_corners_are_rounded(slope, su
     found = narrow.query(np.array([[0, 1]]), np.eye(3)[..., None], place, np.array([0.01]))
     assert found.area[0] == pytest.approx(4 * width * depth, rel=1e-3)
     assert found.centre[:2, 0] == pytest.approx(place[:2, 0], abs=0.01)
+
+
+@pytest.mark.parametrize("uneven", [1e-7, 1e-6, 1e-5, 1e-4, 3e-4])
+@pytest.mark.parametrize("cuts", [1, 2, 5])
+@pytest.mark.parametrize("below", [Box((4, 4, 1)), ConvexHull(corners_of((4, 4, 1)))])
+def test_the_face_of_an_uneven_mesh_is_its_patch(uneven, cuts, below):
+    """Of a crate whose faces are divided and rough, as modelled and scanned ones are, the patch is
+    the whole side; what it touches, its lowest point."""
+    random = np.random.default_rng(cuts)
+    grid = np.linspace(-0.5, 0.5, cuts + 1)
+    points = np.stack(np.meshgrid(grid, grid, grid), axis=-1).reshape(-1, 3)
+    points = points[np.abs(points).max(axis=1) == 0.5]
+    points += random.uniform(-uneven, uneven, points.shape)
+    found = NarrowPhase([below, ConvexHull(points)]).query(
+        np.array([[0, 1]]),
+        np.eye(3)[..., None],
+        np.array([[0.3], [0.2], [1.0]]),
+        np.array([0.012]),
+    )
+    assert found.distance[0] == pytest.approx(points[:, 2].min() + 0.5, abs=1e-7)
+    assert found.area[0] == pytest.approx(1.0, rel=0.1)
+    np.testing.assert_allclose(found.normal[:, 0], [0, 0, 1], atol=4 * uneven)
+    np.testing.assert_allclose(found.centre[:, 0], [0.3, 0.2, 0.5], atol=0.03)
