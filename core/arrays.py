@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import fields
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -66,16 +67,35 @@ def connected(pairs: IntArray, count: int) -> IntArray:
     return label
 
 
+@cache
+def _names(record: type) -> tuple[str, ...]:
+    """The names of the fields of a kind of record."""
+    return tuple(f.name for f in fields(record))
+
+
+def _values(record: Any) -> list[Any]:
+    kind: Any = type(record)
+    return [getattr(record, name) for name in _names(kind)]
+
+
 def chosen_of(record: _Record, rows: IntArray | BoolArray) -> _Record:
     """Some of the rows of a record."""
-    values = (getattr(record, f.name) for f in fields(record))  # type: ignore[arg-type]
-    return type(record)(*(None if value is None else taken(value, rows) for value in values))
+    if rows.dtype == np.bool_:
+        rows = rows.nonzero()[0]
+    return type(record)(
+        *(None if value is None else value.take(rows, axis=-1) for value in _values(record))
+    )
+
+
+def part_of(record: _Record, rows: slice) -> _Record:
+    """A run of the rows of a record, not copied."""
+    return type(record)(*(None if value is None else value[..., rows] for value in _values(record)))
 
 
 def taken(values: Any, rows: IntArray | BoolArray) -> Any:
     """``values[..., rows]``, one row beside the next in memory: indexing would put the rows first,
     and what is computed of them would take several times as long."""
-    return np.take(values, rows.nonzero()[0] if rows.dtype == np.bool_ else rows, axis=-1)
+    return values.take(rows.nonzero()[0] if rows.dtype == np.bool_ else rows, axis=-1)
 
 
 def carried(values: Any, before: IntArray, fresh: Any) -> Any:
@@ -90,16 +110,15 @@ def joined(records: Sequence[_Record]) -> _Record:
     """The rows of several records, one after the other."""
     if len(records) == 1:
         return records[0]
-    columns: list[list[Any]] = [
-        [getattr(record, f.name) for record in records]
-        for f in fields(records[0])  # type: ignore[arg-type]
-    ]
     return type(records[0])(
-        *(None if parts[0] is None else np.concatenate(parts, axis=-1) for parts in columns)
+        *(
+            None if parts[0] is None else np.concatenate(parts, axis=-1)
+            for parts in zip(*map(_values, records), strict=True)
+        )
     )
 
 
 def replace_rows(record: _Record, rows: IntArray, by: _Record) -> None:
     """Replace some of the rows of a record."""
-    for f in fields(record):  # type: ignore[arg-type]
-        getattr(record, f.name)[..., rows] = getattr(by, f.name)
+    for values, others in zip(_values(record), _values(by), strict=False):  # ``by`` may know more
+        values[..., rows] = others

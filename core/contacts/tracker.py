@@ -16,7 +16,7 @@ from .contact_set import ContactSet
 from .impacts import Hits, Impact, confirmed, impact_energies, landings
 from .motion import MotionHistory, Paths
 from .narrow.body_patches import PairPatches
-from .narrow.frames import added, dot, relative_pose, smooth_step, turned, turned_back
+from .narrow.frames import added, dot, relative_pose, smooth_step, turned, turned_back, upwards
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, ContactSettings, ImpactEnergy, Motion
 from .shapes import Compound
@@ -911,7 +911,7 @@ class ContactTracker:
         ) / 2
         pose = self._pose[:, a]
         centre = turned_back(pose[:9].reshape(3, 3, -1), middle - pose[9:])
-        normal = np.tile([[0.0], [0.0], [1.0]], len(inside))
+        normal = upwards(len(inside))
         wet = PairPatches(distance, normal, centre, np.zeros(len(inside)))
         return PairPatches.joined(len(medium), (others, found), (inside, wet))
 

@@ -8,7 +8,7 @@ from ...arrays import FloatArray, IntArray, added_by
 from ...frozen import frozen
 from ..hull import hull_2d
 from .core_pairs import CorePairs
-from .frames import dot
+from .frames import dot, upwards
 from .manifold import PATCH_GAP, ROUGHNESS, Patches, contact_plane
 
 _TOGETHER = 4e-5
@@ -100,7 +100,7 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
     """One patch per pair of bodies from those of its cores and triangles, weighted by their areas
     and by how near they are beside the nearest one."""
     count = len(distance)
-    normal = np.tile([[0.0], [0.0], [1.0]], count)
+    normal = upwards(count)
     centre = np.zeros((3, count))
     area = np.zeros(count)
     if not found:

@@ -222,7 +222,7 @@ def _faces(
         place[:, rows] += thin[rows] * _along_line(
             centre[:, rows],
             tipped[:2],
-            np.stack([-tipped[2, 1] * face[1, rows], tipped[2, 0] * face[0, rows]]),
+            np.array([-tipped[2, 1] * face[1, rows], tipped[2, 0] * face[0, rows]]),
             slope[rows],
             face[:2, rows],
             place[:, rows],
@@ -291,14 +291,14 @@ class _Corners:
         cls, rotation: FloatArray, offset: FloatArray, half_a: FloatArray, half_b: FloatArray
     ) -> _Corners:
         """The corners of all pairs."""
-        ways = np.stack([rotation.transpose(1, 0, 2) * half_b[:, None], rotation * half_a[:, None]])
+        ways = np.array([rotation.transpose(1, 0, 2) * half_b[:, None], rotation * half_a[:, None]])
         place = (
-            np.stack([offset, -turned_back(rotation, offset)])[:, :, None]
+            np.array([offset, -turned_back(rotation, offset)])[:, :, None]
             + _CORNERS[0] * ways[:, 0, :, None]
         )
         place += _CORNERS[1] * ways[:, 1, :, None]
         place += _CORNERS[2] * ways[:, 2, :, None]
-        half = np.stack([half_a, half_b])
+        half = np.array([half_a, half_b])
         across = np.minimum(np.maximum(place, -half[:, :, None]), half[:, :, None])
         across -= place
         squared = across * across
@@ -313,7 +313,7 @@ class _Corners:
 
     def depth(self, normal: FloatArray) -> FloatArray:
         """How far (2, 8, p) the corners are outside the other boxes along the ``normal`` (3, p)."""
-        outward = np.stack([normal, -turned_back(self.rotation, normal)])
+        outward: FloatArray = np.array([normal, -turned_back(self.rotation, normal)])
         height = outward[:, :, None] * self.place
         extent = np.abs(outward) * self.half
         height[:, 0] += height[:, 1]

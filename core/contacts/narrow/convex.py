@@ -95,7 +95,8 @@ class Convex:
         if self.curved:
             return lambda ways: self.farthest(ways @ rotation) @ rotation.T + offset
         points = self.points @ rotation.T + offset
-        return lambda ways: np.asarray(points[(ways @ points.T).argmax(axis=-1)])
+        columns = points.T
+        return lambda ways: points[(ways @ columns).argmax(axis=-1)]
 
 
 class ConvexDistances:

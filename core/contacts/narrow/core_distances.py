@@ -25,7 +25,7 @@ from .convex import ConvexDistances, separations
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind, Size
 from .deepest import examine_deepest
-from .frames import relative, turned, turned_back
+from .frames import relative, turned, turned_back, upwards
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 
 
@@ -175,7 +175,7 @@ class CoreDistances:
         near = bound <= rows.radius_a + rows.radius_b + limit[rows.owner]
         if near.all():
             return self.by_fcl(rows)
-        result = Separation(bound, np.tile([[0.0], [0.0], [1.0]], len(rows)), centre_a, centre_b)
+        result = Separation(bound, upwards(len(rows)), centre_a, centre_b)
         chosen = np.flatnonzero(near)
         if len(chosen):
             replace_rows(result, chosen, self.by_fcl(chosen_of(rows, chosen)))

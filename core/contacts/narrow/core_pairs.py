@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, ranges, taken
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, part_of, ranges, runs, taken
 from .cores import CoreTable, Kind, Size
 from .frames import chunks, dot, product, relative, turned, turned_back
 from .mesh_index import MeshIndex
@@ -130,17 +130,20 @@ class CorePairing:
             radius_a,
             radius_b,
         )
-        for value in np.unique(kinds).tolist():
-            rows = (
-                chosen_of(everything, np.flatnonzero(kinds == value))
-                if np.any(kinds != value)
-                else everything
-            )
-            kind_a = Kind(value // len(Kind))
-            kind_b = Kind(value % len(Kind))
-            if kind_b is Kind.MESH and kind_a is Kind.BOX:
+        order = kinds.argsort(kind="stable")
+        begin, size = runs(kinds[order])
+        if len(begin) > 1:
+            everything = chosen_of(everything, order)
+        for first_row, count in zip(begin.tolist(), size.tolist(), strict=True):
+            rows = part_of(everything, slice(first_row, first_row + count))
+            kind_a, kind_b = divmod(int(kinds[order[first_row]]), len(Kind))
+            if len(begin) == 1:
+                rows = everything
+            elif kind_b == Kind.MESH:  # whose bits depend on how single matrices lie in memory
+                rows = chosen_of(rows, np.arange(count))
+            if kind_b == Kind.MESH and kind_a == Kind.BOX:
                 rows.radius_a = table.radius[Size.THICK, rows.first]
-            if kind_b is Kind.MESH and kind_a is Kind.POINT:
+            if kind_b == Kind.MESH and kind_a == Kind.POINT:
                 rows.radius_b = np.array(
                     [table.cores[core].mesh_radius_to_points for core in rows.second.tolist()]
                 )
@@ -290,13 +293,10 @@ class CorePairing:
             bounds = np.stack([np.maximum(bounds[0], low), np.minimum(bounds[1], high)])
             counts[:] = False
             counts[second.index.near(around)] = True
-        every = second.spheres.near(bounds.transpose(2, 0, 1))
+        every = second.spheres.near_among(bounds, pair, counts)
         kept: list[tuple[IntArray, IntArray]] = []
         for part in chunks(len(every[0])):
             mine, theirs = (numbers[part] for numbers in every)
-            counted = counts[pair[mine], theirs].nonzero()[0]
-            mine = mine[counted]
-            theirs = theirs[counted]
             against = dot(taken(normal, mine), taken(second.normals, theirs))
             if first.depth == 0 or second.depth == 0:  # either side of a shell can face others
                 against = -np.abs(against)

@@ -15,8 +15,8 @@ from .manifold import PATCH_GAP, ROUGHNESS, Patches, patches
 from .sections import directions, reach, section_area
 from .supporting_feature import FEW, MANY, polygons
 
-_DRAWN_ROUGHLY = (Kind.CYLINDER, Kind.CONE, Kind.HULL)
-"""Kinds whose supporting features are approximated by polygons with fewer corners."""
+_DRAWN_ROUGHLY = np.array([Kind.CYLINDER <= kind <= Kind.HULL for kind in Kind])
+"""By kind: those whose supporting features are approximated by polygons with fewer corners."""
 
 _NEAR = 1e-3
 """Metres from the nearest points of two cores within which their patch must lie."""
@@ -77,10 +77,11 @@ class CorePatches:
         result = _merged(count, parts)
         drawn = np.where(rows.triangle_a is None, self._table.kind[rows.first], Kind.MESH)
         kind = np.maximum(drawn, self._table.kind[rows.second])
-        result = _at_nearest_points(result, np.isin(kind, _DRAWN_ROUGHLY))
+        result = _at_nearest_points(result, _DRAWN_ROUGHLY[kind])
         area = result.area
-        faceted = (self._table.kind[rows.second] == Kind.HULL) & np.isin(
-            self._table.kind[rows.first], (Kind.BOX, Kind.HULL)
+        simpler = self._table.kind[rows.first]
+        faceted = (self._table.kind[rows.second] == Kind.HULL) & (
+            (simpler == Kind.BOX) | (simpler == Kind.HULL)
         )
         if faceted.any():
             some = chosen_of(rows, faceted)

@@ -17,6 +17,9 @@ COLUMN = np.arange(3)[:, None]
 
 _CHUNK = 4096
 
+_MANY = 64
+"""Number of pairs from which on terms are added in a loop: in `cumsum`, such rows take longer."""
+
 
 def chunks(count: int) -> list[IntArray]:
     """The numbers of ``count`` pairs in parts, at least one, each so small that what is computed of
@@ -32,7 +35,24 @@ def dot(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def added(terms: FloatArray) -> FloatArray:
     """Sums (..., n) of terms (..., k, n), one after the other."""
-    return terms.cumsum(axis=-2)[..., -1, :]
+    if terms.shape[-1] < _MANY:
+        return terms.cumsum(axis=-2)[..., -1, :]
+    total = terms[..., 0, :].copy()
+    for k in range(1, terms.shape[-2]):
+        total += terms[..., k, :]
+    return np.asarray(total)
+
+
+def following(values: FloatArray) -> FloatArray:
+    """Of each corner of polygons (c, k, n) the values (c, k, n) of the next one."""
+    return np.concatenate([values[:, 1:], values[:, :1]], axis=1)
+
+
+def upwards(count: int) -> FloatArray:
+    """The unit vector along z (3, n), ``count`` times."""
+    result = np.zeros((3, count))
+    result[2] = 1.0
+    return result
 
 
 def turned(rotation: FloatArray, vector: FloatArray) -> FloatArray:
@@ -67,7 +87,7 @@ def relative_pose(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Cross products of vectors (3, ..., n)."""
-    return np.stack(
+    return np.array(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...arrays import BoolArray, FloatArray
 from ...frozen import frozen
-from .frames import added, cross, dot, smooth_step, turned
+from .frames import added, cross, dot, following, smooth_step, turned
 
 ROUGHNESS = 0.01
 """Metres beyond the least gap up to which two surfaces belong to the patch: as uneven as floors,
@@ -68,7 +68,7 @@ def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     sign = np.where(z < 0, -1.0, 1.0)
     a = -1.0 / (sign + z)
     b = x * y * a
-    return np.stack([1.0 + sign * x * x * a, sign * b, -sign * x]), np.stack(
+    return np.array([1.0 + sign * x * x * a, sign * b, -sign * x]), np.array(
         [b, sign + y * y * a, -y]
     )
 
@@ -85,7 +85,7 @@ def patches(
     be put in order.
     """
     u, v = contact_plane(normal)
-    frame = np.stack([u, v, normal])
+    frame = np.array([u, v, normal])
     a = turned(frame, first)
     b = turned(frame, second)
     # The gap between the two as a linear function over the plane, counted from the least that their
@@ -100,12 +100,14 @@ def patches(
     level = level + dot(slope, origin)
     a = _counter_clockwise(a[:2] - origin[:, None])
     b = _counter_clockwise(b[:2] - origin[:, None])
+    after_a = following(a)
+    after_b = following(b)
     slack = 1e-9 * np.maximum(np.abs(a).max(axis=(0, 1)), np.abs(b).max(axis=(0, 1)))
     # Boundary of the first inside the second, and of the second strictly inside the first: a shared
     # edge counts once.
     pieces = [
-        _clipped(a, np.roll(a, -1, axis=1), _moved(_lines(b), slack)),
-        _clipped(b, np.roll(b, -1, axis=1), _moved(_lines(a), -slack)),
+        _clipped(a, after_a, _moved(_lines(b, after_b), slack)),
+        _clipped(b, after_b, _moved(_lines(a, after_a), -slack)),
     ]
     start, end = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(2))
     used = np.concatenate([piece[2] for piece in pieces])
@@ -177,18 +179,18 @@ def _edge_on(polygon: FloatArray) -> BoolArray:
 
 def _counter_clockwise(polygon: FloatArray) -> FloatArray:
     """Polygons (2, k, n), those that run clockwise reversed."""
-    following = np.roll(polygon, -1, axis=1)
-    area = added(polygon[0] * following[1] - polygon[1] * following[0])
+    after = following(polygon)
+    area = added(polygon[0] * after[1] - polygon[1] * after[0])
     return np.where(area < 0, polygon[:, ::-1], polygon)
 
 
-def _lines(polygon: FloatArray) -> FloatArray:
-    """The edges of polygons as half-planes (3, k, n): ``l[0] x + l[1] y + l[2] >= 0`` inside, in
-    metres. One without length holds everywhere."""
-    way = np.roll(polygon, -1, axis=1) - polygon
+def _lines(polygon: FloatArray, after: FloatArray) -> FloatArray:
+    """The edges of polygons, each from a corner to the one ``after`` it, as half-planes (3, k, n):
+    ``l[0] x + l[1] y + l[2] >= 0`` inside, in metres. One without length holds everywhere."""
+    way = after - polygon
     length = np.sqrt(dot(way, way))
     real = length > 0
-    across = np.stack([-way[1], way[0]]) / np.where(real, length, 1.0)
+    across = np.array([-way[1], way[0]]) / np.where(real, length, 1.0)
     return np.concatenate([across, np.where(real, -dot(across, polygon), 1e30)[None]])
 
 

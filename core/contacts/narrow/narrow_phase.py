@@ -15,6 +15,7 @@ from .core_distances import CoreDistances, exact
 from .core_pairs import BEYOND, CorePairing, CorePairs, bounded
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind
+from .frames import upwards
 from .hollow_hulls import HollowHulls
 from .known_patches import KnownPatches
 from .separating_axes import AxisSeparation
@@ -192,7 +193,7 @@ class NarrowPhase:
             return found
         count = len(pairs)
         distance = np.full(count, np.inf)
-        normal = np.tile([[0.0], [0.0], [1.0]], count)
+        normal = upwards(count)
         for rows in self._pairing.groups(pairs, rotation, offset):
             if self._is_on_mesh(rows):
                 gap, normals = self._surfaces.gaps(rows)

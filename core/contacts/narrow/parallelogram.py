@@ -151,7 +151,7 @@ def _integrals(corners: FloatArray, origin: FloatArray) -> FloatArray:
 def _middle_of_edges(centre: FloatArray, sides: FloatArray) -> FloatArray:
     """Middle (2, p) of the bounds of the edges of the parallelogram over the square."""
     middles, enter, leave = _edges(centre, sides)
-    ends = np.stack([enter, leave])[:, :, :, None] * sides[:, :2] + middles[:, :, :2]
+    ends = np.array([enter, leave])[:, :, :, None] * sides[:, :2] + middles[:, :, :2]
     inside = (enter <= leave)[:, :, None]
     return np.asarray(
         (

@@ -12,7 +12,6 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -69,6 +68,10 @@ def row_cross(a: FloatArray, b: FloatArray) -> FloatArray:
     return a.take(_NEXT, -1) * b.take(_AFTER_NEXT, -1) - a.take(_AFTER_NEXT, -1) * b.take(_NEXT, -1)
 
 
+def _length(vector: FloatArray) -> float:
+    return math.sqrt(vector @ vector)
+
+
 def penetration(first: Farthest, second: Farthest) -> Penetration:
     """Penetration of two overlapping convex bodies given by their farthest points. Where both are
     flat and lie in one plane the depth is 0 along its normal."""
@@ -96,18 +99,19 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     k = int(row_dots(points - a, points - a).argmax())
     b = points[k]
     source_b = sources[k]
-    axis = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
+    way = b - a
+    axis = way / max(_length(way), 1e-300)
     u = row_cross(axis, _AXES[0 if abs(axis[0]) < 0.7 else 1])
-    u /= np.linalg.norm(u)
+    u /= _length(u)
     v = row_cross(axis, u)
     points, sources = supports(np.array([u, -u, v, -v]))
     across = points - a
-    across -= np.outer(across @ axis, axis)
+    across -= (across @ axis)[:, None] * axis
     k = int(row_dots(across, across).argmax())
     c = points[k]
     source_c = sources[k]
-    normal = row_cross(b - a, c - a)
-    length = float(np.linalg.norm(normal))
+    normal = row_cross(way, c - a)
+    length = _length(normal)
     normal = normal / length if length > 0 else u
     points, sources = supports(np.array([normal, -normal]))
     height = (points - a) @ normal
@@ -130,10 +134,10 @@ def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
     least, nearest, found = math.inf, None, 0
     for step in range(_MOST_STEPS):
         number, offset = polytope.nearest()
-        face = polytope.faces[number]
-        place, source = supports(np.array(face.normal))
+        face = _, (nx, ny, nz), _ = polytope.faces[number]
+        place, source = supports(np.array((nx, ny, nz)))
         x, y, z = point = tuple(place.tolist())
-        height = face.normal[0] * x + face.normal[1] * y + face.normal[2] * z
+        height = nx * x + ny * y + nz * z
         final = height - offset <= _TOLERANCE
         if height < least or final:
             least, nearest, found = height, face, step
@@ -141,11 +145,12 @@ def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
             break
         polytope.add_point(point, source, number)
     assert nearest is not None
-    normal = np.array(nearest.normal)
+    corners, way, _ = nearest
+    normal = np.array(way)
     return Penetration(
         least,
         normal,
-        _deepest(*polytope.triangle(nearest), normal, supports) - normal * (least / 2),
+        _deepest(*polytope.triangle(corners), normal, supports) - normal * (least / 2),
     )
 
 
@@ -176,11 +181,9 @@ def _deepest(
     return np.asarray(areas / areas.sum() @ sources if areas.sum() > 0 else sources.mean(axis=0))
 
 
-@dataclass(slots=True)
-class _Face:
-    corners: tuple[int, int, int]
-    normal: Point
-    offset: float
+_Corners = tuple[int, int, int]
+_Face = tuple[_Corners, Point, float]
+"""Numbers of the corners, outward unit normal, and height of the plane along it."""
 
 
 class _Polytope:
@@ -200,14 +203,14 @@ class _Polytope:
         x, y, z = triangle_normal(corner, self._points[j], self._points[k])
         length = math.sqrt(x * x + y * y + z * z)
         number, offset = self._made, math.inf  # a sliver has no normal and is never the nearest
-        self._made += 1
+        self._made = number + 1
         if length > 1e-18:
             x = x / length
             y = y / length
             z = z / length
             offset = x * ax + y * ay + z * az
             heapq.heappush(self._by_offset, (offset, number))
-        self.faces[number] = _Face((i, j, k), (x, y, z), offset)
+        self.faces[number] = (i, j, k), (x, y, z), offset
         self._face_at[i, j] = self._face_at[j, k] = self._face_at[k, i] = number
 
     def nearest(self) -> tuple[int, float]:
@@ -223,34 +226,30 @@ class _Polytope:
         self._points.append(point)
         self._sources.append(source)
         x, y, z = point
+        faces = self.faces
         visible = [start]
         seen = {start}
-        border: list[tuple[int, int]] = []
+        border: list[tuple[int, int, int]] = []
         for number in visible:
-            i, j, k = self.faces[number].corners
+            (i, j, k), _, _ = faces[number]
             for a, b in ((i, j), (j, k), (k, i)):
                 other = self._face_at[b, a]
                 if other in seen:
                     continue
-                face = self.faces[other]
-                nx, ny, nz = face.normal
-                if (
-                    face.offset == math.inf
-                    or nx * x + ny * y + nz * z - face.offset > 1e-3 * _TOLERANCE
-                ):
+                _, (nx, ny, nz), offset = faces[other]
+                if offset == math.inf or nx * x + ny * y + nz * z - offset > 1e-3 * _TOLERANCE:
                     seen.add(other)
                     visible.append(other)
                 else:
-                    border.append((a, b))
-        horizon = [(a, b) for a, b in border if self._face_at[b, a] not in seen]
+                    border.append((a, b, other))
         for number in visible:
-            del self.faces[number]
-        for a, b in horizon:
-            self.add_face(a, b, apex)
+            del faces[number]
+        for a, b, other in border:
+            if other not in seen:
+                self.add_face(a, b, apex)
 
-    def triangle(self, face: _Face) -> tuple[FloatArray, FloatArray]:
+    def triangle(self, corners: _Corners) -> tuple[FloatArray, FloatArray]:
         """Corners (3, 3) of a face and the points (3, 3) of the first body that they come from."""
-        corners = list(face.corners)
         return np.array([self._points[k] for k in corners]), np.array(
             [self._sources[k] for k in corners]
         )

@@ -52,7 +52,9 @@ def section_area(reaches: Sequence[FloatArray]) -> FloatArray:
     """Area (n,) of what two sections have in common that reach so far (k, n) [m] around a point in
     both: that of the polygon of the places reached, so never more than there is."""
     both = np.minimum(*reaches)
-    return np.asarray(added(both * np.roll(both, 1, axis=0)) * (np.sin(_ANGLES[1]) / 2))
+    return np.asarray(
+        added(both * np.concatenate([both[-1:], both[:-1]])) * (np.sin(_ANGLES[1]) / 2)
+    )
 
 
 def reach(

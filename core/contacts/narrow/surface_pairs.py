@@ -639,9 +639,11 @@ class SurfacePairs:
         one, if that is a solid."""
         for solid, other, turn, place in self._each_in_other(row):
             if solid.depth > 0:
-                points = other.index.corners.reshape(-1, 3) @ turn + place
+                points = other.points @ turn + place
                 inner = (points > solid.low + most) & (points < solid.high - most)
                 points = points[inner.all(axis=1)]
+                if len(points) == 0:
+                    continue
                 near, _ = solid.index.near(np.stack([points - most, points + most], axis=1))
                 points = np.delete(points, near, axis=0)
                 if len(points) and solid.contains(points).any():

@@ -63,7 +63,8 @@ class SurfacePart:
 @frozen
 class CoreSurface:
     """The triangles of a core in its own frame, by their bounds and by ``spheres`` around their
-    middles, their ``corners`` (3, 3, t) by coordinate and corner, and unit ``normals`` (3, t).
+    middles, their ``corners`` (3, 3, t) by coordinate and corner and, without repetition,
+    ``points`` (n, 3), and unit ``normals`` (3, t).
     ``depth`` [m]: how far beneath the surface a body touches it; 0 of a shell, infinite of a hull.
     ``size`` [m]: the smallest extent of a solid, infinite of a shell."""
 
@@ -73,6 +74,7 @@ class CoreSurface:
     normals: FloatArray
     low: FloatArray
     high: FloatArray
+    points: FloatArray
     depth: float
     size: float
     parts: tuple[SurfacePart, ...]
@@ -101,6 +103,7 @@ class CoreSurface:
             unit_normals(corners),
             low,
             high,
+            points[np.unique(triangles)],
             depth,
             size,
             tuple(_parts(points, triangles, index.number)),

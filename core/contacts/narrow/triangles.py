@@ -12,7 +12,7 @@ from .closed_forms import (
     segment_to_segment,
     segment_to_triangle,
 )
-from .frames import cross, dot, turned
+from .frames import cross, dot, following, turned
 from .manifold import contact_plane
 
 _FACE_PREFERENCE = 1e-6
@@ -35,8 +35,8 @@ def triangle_to_triangle(first: FloatArray, second: FloatArray) -> Separation:
     count = first.shape[2]
     one = first[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]]
     other = second[:, [0, 1, 2] * 3]
-    after = np.roll(first, -1, axis=1)[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]]
-    beyond = np.roll(second, -1, axis=1)[:, [0, 1, 2] * 3]
+    after = first[:, [1, 1, 1, 2, 2, 2, 0, 0, 0]]
+    beyond = second[:, [1, 2, 0] * 3]
     edges = segment_to_segment(*(ends.reshape(3, -1) for ends in (one, after, other, beyond)))
     onto_second = nearest_on_triangle(first.reshape(3, -1), np.tile(second, 3))
     onto_first = nearest_on_triangle(second.reshape(3, -1), np.tile(first, 3))
@@ -104,8 +104,8 @@ def crossing_lines(first: FloatArray, second: FloatArray) -> tuple[FloatArray, F
     for corners, other in ((first, second), (second, first)):
         normal = unit_normals(other)
         height = dot(normal[:, None], corners - other[:, :1])
-        after = np.roll(height, -1, axis=0)
-        end = np.roll(corners, -1, axis=1)
+        after = height[[1, 2, 0]]
+        end = following(corners)
         through = (height >= 0) != (after >= 0)
         share = np.divide(height, height - after, out=np.zeros_like(height), where=through)
         place = corners + (end - corners) * share
@@ -158,7 +158,7 @@ def beside(way: FloatArray, reach: FloatArray, normal: FloatArray) -> BoolArray:
 def over_each_other(first: FloatArray, second: FloatArray, axis: FloatArray) -> IntArray:
     """The numbers (m,) of the pairs of triangles (3, 3, n) that may overlap as seen along unit
     vectors (3, n): the others are apart along one side of either."""
-    plane = np.stack(contact_plane(axis))
+    plane = np.array(contact_plane(axis))
     a = turned(plane, first)
     b = turned(plane, second)
     size = np.maximum(np.ptp(a, axis=1), np.ptp(b, axis=1)).max(axis=0)
@@ -168,7 +168,7 @@ def over_each_other(first: FloatArray, second: FloatArray, axis: FloatArray) -> 
     for corners in (a, b):
         for k in range(3):
             x, y = taken(corners[:, (k + 1) % 3] - corners[:, k], found)
-            across = np.stack([-y, x])
+            across = np.array([-y, x])
             own, other = (dot(across[:, None], taken(side, found)) for side in (a, b))
             apart = np.maximum(
                 own.min(axis=0) - other.max(axis=0), other.min(axis=0) - own.max(axis=0)
