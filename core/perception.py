@@ -145,8 +145,9 @@ def _felt_energy(
     power = np.abs(np.fft.rfft(samples * window, axis=-1)[..., felt]) ** 2 * (
         4 / (count * (window**2).sum())
     )
-    weight = [_weight(count, sample_rate, device) for device in devices]
-    return power * (weight[0] if len(weight) == 1 else np.array(weight)), heard
+    first, *rest = (_weight(count, sample_rate, device) for device in devices)
+    alike = all(weight is first for weight in rest)
+    return power * (first if alike else np.array([first, *rest])), heard
 
 
 @lru_cache(maxsize=16)

@@ -162,7 +162,9 @@ def felt_samples(traced: Traced, is_playing: bool) -> FloatArray:
 
 
 def _shows_still(traced: Traced, is_playing: bool) -> bool:
-    return traced.reading is not None and not (is_playing and lasts(traced.result, traced.samples))
+    if traced.reading is None:
+        return False
+    return not (is_playing and lasts(traced.result, traced.samples.shape[1]))
 
 
 STILL: Derived[None, FloatArray] = Derived(lambda traced, *_: still_samples(traced.result))

@@ -311,7 +311,7 @@ class HapticGraph:
 
     def intra_connection_count(self) -> int:
         """Number of implied intra-connections: n (n - 1) / 2 of each object's n nodes."""
-        sizes = np.diff(self.start)
+        sizes = self.start[1:] - self.start[:-1]
         return int((sizes * (sizes - 1) // 2).sum())
 
     def nodes_of(self, index: int) -> slice:
@@ -679,7 +679,7 @@ def _transmissions(
                 1.0 if band_gains is None else band_gains
             )
         delay = None if slowness is None else slowness[kind] * distance
-    if np.any(contacts.weight < 1):
+    if (contacts.weight < 1).any():
         with np.errstate(divide="ignore"):
             gains = gains * contacts.weight
             losses = losses - np.log(contacts.weight)

@@ -118,8 +118,7 @@ def best_paths(
     limit = cost_limit(threshold)
     in_band = {band: graph.in_band(band) for band in set(bands.values())}
     views = {
-        row: in_band[bands[row]] if row in bands else graph
-        for row in np.unique(pairs[:, 0]).tolist()
+        row: in_band[bands[row]] if row in bands else graph for row in set(pairs[:, 0].tolist())
     }
     longer: dict[Pair, Path] = {}
     weak: list[Pair] = []

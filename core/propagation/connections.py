@@ -172,9 +172,9 @@ def joined(graph: HapticGraph, pairs: IntArray) -> BoolArray:
     reached = np.zeros(len(graph.start) - 1, dtype=np.bool_)
     reached[ends[:, 0]] = True
     for _ in range(STEPS):
-        if reached[listeners].all() and reached[ends].all():
+        crossing = (reached[one] != reached[other]).nonzero()[0]
+        if reached[ends].all() and (len(crossing) == 0 or reached[listeners].all()):
             return reached[listeners]
-        crossing = reached[one] != reached[other]
         reached[one[crossing]] = reached[other[crossing]] = True
     cluster = connected(np.column_stack([one, other]), len(reached))
     return np.asarray((cluster[ends] == cluster[listeners]).any(axis=0))
@@ -183,7 +183,7 @@ def joined(graph: HapticGraph, pairs: IntArray) -> BoolArray:
 def amplifying(graph: HapticGraph) -> bool:
     """Whether some connection of the graph has a gain above 1. A formula is evaluated for all
     connections of its object; with very many, it counts as amplifying."""
-    if np.any(graph.transmission > 1) or np.any(graph.table.loss < 0):
+    if (graph.transmission > 1).any() or (graph.table.loss < 0).any():
         return True
     for index in sorted(graph.table.special):
         if not graph.table.objects[index].propagation.may_amplify:

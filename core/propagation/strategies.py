@@ -167,7 +167,7 @@ class _Propagator:
         by_band = graph.uses_bands and not amplified
         best = best_paths(
             graph,
-            np.argwhere(self.wanted),
+            np.array(self.wanted.nonzero()).T,
             most_connections(self.settings),
             self.settings.threshold,
             self.budget,
@@ -193,11 +193,14 @@ class _Propagator:
         for pair, bound in best.bound.items():
             if chosen[pair[0]]:
                 self.gain[pair], self.error[pair] = gain_and_error(best.cost.get(pair), bound)
-        cut = np.array(list(best.cut), dtype=np.int64).reshape(-1, 2)
-        mine = chosen[cut[:, 0]]
-        places = tuple(cut[mine].T)
-        self.error[places] = np.maximum(self.error[places], np.array(list(best.cut.values()))[mine])
-        self.limited[places] = True
+        if best.cut:
+            cut = np.array(list(best.cut))
+            mine = chosen[cut[:, 0]]
+            places = tuple(cut[mine].T)
+            self.error[places] = np.maximum(
+                self.error[places], np.array(list(best.cut.values()))[mine]
+            )
+            self.limited[places] = True
         return best
 
     def _sum_over_paths(
@@ -279,7 +282,7 @@ class _Propagator:
             warnings.append(Message.of(Cause.SUM_DIVERGES))
         elif sums.uncertain:
             warnings.append(Message.of(Cause.SUM_BUDGET))
-        if np.any(self.gain >= LARGEST):
+        if (self.gain >= LARGEST).any():
             warnings.append(Message.of(Cause.GAIN_OVERFLOW))
         warnings += _unknown_force(self.graph)
         return tuple(warnings)

@@ -14,12 +14,13 @@ SECONDS = 1.0
 
 
 class History:
-    """Consecutive blocks; a jump restarts them. A frame without a block is rendered in the steady
-    state for `LEVEL_SECONDS`."""
+    """Consecutive blocks of ``count`` samples in total; a jump restarts them. A frame without a
+    block is rendered in the steady state for `LEVEL_SECONDS`."""
 
     def __init__(self) -> None:
         self.sample_rate = 0.0
         self.listeners: tuple[str, ...] = ()
+        self.count = 0
         self._blocks = [np.zeros((0, 0))]
         self._end: int | None = None
 
@@ -29,9 +30,12 @@ class History:
         block = still_samples(result) if result.block is None else result.block
         alike = names == self.listeners and self.sample_rate == result.sample_rate
         follows = alike and result.block is not None and self._end == result.first_sample
-        self._blocks = [*self._blocks, block] if follows else [block]
-        while sum(one.shape[1] for one in self._blocks[1:]) >= SECONDS * result.sample_rate:
-            del self._blocks[0]
+        if not follows:
+            self._blocks, self.count = [], 0
+        self._blocks.append(block)
+        self.count += block.shape[1]
+        while self.count - self._blocks[0].shape[1] >= SECONDS * result.sample_rate:
+            self.count -= self._blocks.pop(0).shape[1]
         self.listeners, self.sample_rate = names, result.sample_rate
         self._end = None if result.block is None else result.first_sample + block.shape[1]
 
@@ -39,7 +43,7 @@ class History:
         """Append a frame with the samples before it: ``samples`` (l, n) up to its end, from a
         track."""
         self.feed(result)
-        self._blocks = [samples]
+        self._blocks, self.count = [samples], samples.shape[1]
 
     def all(self, seconds: float = SECONDS) -> FloatArray:
         """The last ``seconds``, at most one, of every listener, (l, n); or all samples if there are
@@ -53,12 +57,12 @@ class History:
         return np.concatenate(self._blocks[first:], axis=1)[:, -count:]
 
 
-def lasts(result: FrameResult, samples: FloatArray) -> bool:
-    """Whether the level of a frame can be taken from the ``samples`` (l, n) up to its end: whether
+def lasts(result: FrameResult, count: int) -> bool:
+    """Whether the level of a frame can be taken from the ``count`` samples up to its end: whether
     they cover the last `LEVEL_SECONDS`, and a frame before that in which sources have faded in.
     Otherwise it is that of `still_samples`."""
     fade_in = 0 if result.block is None else result.block.shape[1]
-    return bool(samples.shape[1] >= round(LEVEL_SECONDS * result.sample_rate) + fade_in)
+    return bool(count >= round(LEVEL_SECONDS * result.sample_rate) + fade_in)
 
 
 def still_samples(result: FrameResult, seconds: float = LEVEL_SECONDS) -> FloatArray:

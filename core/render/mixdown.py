@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ..arrays import FloatArray
 from ..scene.values import Listener, Source
 from .arrival import arriving
 from .frame_result import FrameResult, Sounding
-from .mixing import MixingExpression, MixingMethod
+from .mixing import MixingExpression
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer
 from .voices import Voice
 
@@ -110,14 +111,15 @@ def steady(renderer: Renderer, start: float, seconds: float, voices: Sequence[Vo
 def listener_mixes(listeners: Sequence[Listener]) -> tuple[ListenerMix, ...]:
     """The mixes of listeners, for a `Renderer`."""
     return tuple(
-        ListenerMix(item.name, _method(item), item.s_max, item.limiter) for item in listeners
+        _mix(item.name, item.mixing, item.mixing_expression, item.s_max, item.limiter)
+        for item in listeners
     )
 
 
-def _method(item: Listener) -> MixingMethod:
-    if item.mixing == "custom":
-        return MixingExpression(item.mixing_expression, item.s_max)
-    return item.mixing  # type: ignore[return-value]
+@lru_cache(maxsize=1024)
+def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -> ListenerMix:
+    method = MixingExpression(expression, s_max) if mixing == "custom" else mixing
+    return ListenerMix(name, method, s_max, limiter)  # type: ignore[arg-type]
 
 
 def ducked(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -20,7 +21,6 @@ from ..contacts.shapes import pose_matrix, rotation_matrix
 from ..formats.io.schema import validate
 from ..formats.scene.values_json import read_listener, read_object, read_source
 from ..render.history import History
-from ..render.levels import LEVEL_SECONDS
 from ..scene.references import PlacedError, require_known, require_new
 from ..scene.values import HapticObject, HapticScene, Listener, Pose, Source, Trigger, TriggerKind
 from ..tracer import Tracer
@@ -165,7 +165,7 @@ class Run:
         self._history.feed(result)
         return answer(
             result,
-            self._history.all(LEVEL_SECONDS + LONGEST_STEP),
+            self._history,
             [body.name for body in self._bodies] if contacts is None else self.objects,
         )
 
@@ -260,6 +260,7 @@ class Run:
         if listener is not None:
             require_known(listener, self._listeners, "listener", ("listener",))
             del self._listeners[listener]
+        self._anchors.clear()
 
     def replace(
         self,
@@ -300,6 +301,7 @@ class Run:
         require_known(item.object, self._objects, "object", (kind, "object"))
         pose = self._poses[self._row[item.object]]
         self._places[kind, item.name] = pose[:3, :3].T @ (np.array(item.position) - pose[:3, 3])
+        self._anchors.clear()
         if isinstance(item, Source):
             self._sources[item.name] = item
             self._amplitudes.pop(item.name, None)  # it brings its own
@@ -323,16 +325,18 @@ class Run:
         ]
         self._bodies = tuple(body for _, body in self._solids)
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
+        # Of all sources or listeners: the rows of their objects, and their places there (n, 3).
+        self._anchors: dict[str, tuple[list[int], FloatArray]] = {}
 
     def _checked_poses(self, poses: Mapping[str, Sequence[float]]) -> FloatArray:
         """Poses of objects as an array (n, 7), with unit quaternions."""
-        for name in poses:
+        for name in itertools.filterfalse(self._row.__contains__, poses):
             require_known(name, self._row, "object", ("poses", name))
         try:
             moved = np.array([*poses.values()], dtype=np.float64).reshape(len(poses), 7)
             if not (np.abs(moved) <= _FARTHEST).all():
                 raise ValueError
-            length = np.linalg.norm(moved[:, 3:], axis=1)
+            length = _lengths(moved[:, 3:])
             if not (length > _SHORTEST).all():
                 raise ValueError
         except (TypeError, ValueError):
@@ -346,11 +350,11 @@ class Run:
     def _move(self, names: Sequence[str], moved: FloatArray, duration: float) -> None:
         """Set the poses (n, 7) of the named objects, ``duration`` seconds after the last step."""
         rows = [self._row[name] for name in names]
-        travel = np.linalg.norm(moved[:, :3] - self._poses[rows, :3, 3], axis=1)
+        travel = _lengths(moved[:, :3] - self._poses[rows, :3, 3])
         far = abs(duration) * _FASTEST
-        before = self._fast
-        self._fast = {names[k] for k in np.flatnonzero(travel > far / 2).tolist()}
-        self._anew |= {names[k] for k in np.flatnonzero(travel > far).tolist()} - before
+        fast = (travel > far / 2).nonzero()[0].tolist()
+        self._anew |= {names[k] for k in fast if travel[k] > far} - self._fast
+        self._fast = {names[k] for k in fast}
         self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:])
         self._poses[rows, :3, 3] = moved[:, :3]
         self._moved.update(names)
@@ -446,8 +450,13 @@ class Run:
         self, kind: str, items: Mapping[str, Item], given: Mapping[str, Position]
     ) -> list[Item]:
         """Sources or listeners where they are now: on their objects, or at a ``given`` position."""
-        poses = self._poses[[self._row[item.object] for item in items.values()]]
-        places = np.array([self._places[kind, name] for name in items]).reshape(-1, 3)
+        if kind not in self._anchors:
+            self._anchors[kind] = (
+                [self._row[item.object] for item in items.values()],
+                np.array([self._places[kind, name] for name in items]).reshape(-1, 3),
+            )
+        rows, places = self._anchors[kind]
+        poses = self._poses[rows]
         now = np.einsum("nij,nj->ni", poses[:, :3, :3], places) + poses[:, :3, 3]
         return [
             item.moved(given.get(item.name, place))
@@ -475,6 +484,11 @@ class Run:
             ]
             self._authored = settled, AuthoredContacts.of(self._objects, settled, kept, {})
         return self._authored[1]
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    """Lengths (n,) of vectors (n, k)."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=1)))
 
 
 def _check(message: str, **parts: Any) -> None:

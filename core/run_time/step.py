@@ -11,7 +11,7 @@ from ..contacts.impacts import Impact
 from ..frozen import frozen
 from ..message import sentence
 from ..render.frame_result import FrameResult
-from ..render.history import lasts, still_samples
+from ..render.history import History, lasts, still_samples
 from ..render.levels import LEVEL_SECONDS, finite, level_and_margin
 
 
@@ -59,15 +59,15 @@ class Step:
     warnings: tuple[str, ...]
 
 
-def answer(result: FrameResult, samples: FloatArray, moving: Sequence[str]) -> Step:
-    """The answer of a traced frame after ``samples`` (l, n); ``moving``: the names that its impacts
-    number.
+def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step:
+    """The answer of a traced frame, whose samples are the last of the ``history``; ``moving``: the
+    names that its impacts number.
 
     Levels are those of the last quarter second; where there are fewer samples since the beginning,
     those of the frame as if it lasted.
     """
-    if result.block is None or not lasts(result, samples):
-        samples = still_samples(result)
+    known = result.block is not None and lasts(result, history.count)
+    samples = history.all(LEVEL_SECONDS) if known else still_samples(result)
     window = round(LEVEL_SECONDS * result.sample_rate)
     level, margin = (
         values.tolist()

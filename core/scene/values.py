@@ -75,8 +75,11 @@ def _with(item: _Item, **checked: Any) -> _Item:
     """A copy with other values of some fields. Unlike `dataclasses.replace` it repeats no
     validation, because positions change in every frame."""
     copy = object.__new__(type(item))
+    put = object.__setattr__
     for name in type(item).__slots__:  # type: ignore[attr-defined]
-        object.__setattr__(copy, name, checked[name] if name in checked else getattr(item, name))
+        put(copy, name, getattr(item, name))
+    for name, value in checked.items():
+        put(copy, name, value)
     return copy
 
 

@@ -29,6 +29,9 @@ MAX_VALUES = 32_000_000
 _CHUNK = 2**22
 _MARKS = b'"[]{},'
 _PLAIN = bytes(set(range(256)) - set(_MARKS))
+_STEPS = np.zeros(256, dtype=np.int8)
+"""How much deeper what follows a byte outside of a string is nested."""
+_STEPS[list(b"[{")], _STEPS[list(b"]}")] = 1, -1
 
 _SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
 
@@ -142,31 +145,27 @@ def read_json(path: str | Path, max_bytes: int = MAX_BYTES) -> Any:
 def _check_extent(data: bytes, file: str | Path) -> None:
     """Check depth and number of values before parsing, in chunks to save memory."""
     data = _without_escapes(data)
-    quotes = depth = values = 0
+    depth = values = 0
+    is_inside = False
+    may_exceed = len(data) > MAX_VALUES  # each value begins with a byte of its own
     for start in range(0, len(data), _CHUNK):
         part = data[start : start + _CHUNK]
         codes = np.frombuffer(part.translate(None, _PLAIN), dtype=np.uint8)
         if len(codes) == 0:
             continue
-        # A byte after an odd number of quotes is inside a string. The count modulo 256 keeps the
-        # parity.
-        before = np.cumsum(codes == ord('"'), dtype=np.uint8) + np.uint8(quotes % 256)
-        outside = before & 1 == 0
-        quotes = int(before[-1])
-        opening = (codes == ord("[")) | (codes == ord("{"))
-        brackets = np.flatnonzero((opening | (codes == ord("]")) | (codes == ord("}"))) & outside)
-        values += int(np.count_nonzero(((codes == ord(",")) | opening) & outside))
-        if values > MAX_VALUES:
-            raise FormatError(file, "/", f"more than {MAX_VALUES} values")
-        if len(brackets):
-            depths = depth + np.cumsum(np.where(opening[brackets], 1, -1))
-            if depths.max() > MAX_DEPTH:
-                marked = np.isin(np.frombuffer(part, dtype=np.uint8), list(_MARKS)).nonzero()[0]
-                place = start + int(marked[brackets[np.argmax(depths > MAX_DEPTH)]])
-                raise FormatError(
-                    file, "/", f"nested deeper than {MAX_DEPTH} levels at byte {place}"
-                )
-            depth = int(depths[-1])
+        inside = np.logical_xor.accumulate(codes == ord('"')) ^ is_inside  # a string
+        is_inside = bool(inside[-1])
+        steps = _STEPS[codes] * ~inside
+        if may_exceed:
+            values += int(np.count_nonzero((steps > 0) | ((codes == ord(",")) & ~inside)))
+            if values > MAX_VALUES:
+                raise FormatError(file, "/", f"more than {MAX_VALUES} values")
+        depths = depth + np.cumsum(steps, dtype=np.int64)
+        if depths.max() > MAX_DEPTH:
+            marked = np.isin(np.frombuffer(part, dtype=np.uint8), list(_MARKS)).nonzero()[0]
+            place = start + int(marked[np.argmax(depths > MAX_DEPTH)])
+            raise FormatError(file, "/", f"nested deeper than {MAX_DEPTH} levels at byte {place}")
+        depth = int(depths[-1])
 
 
 def _find_misplaced(document: Any, file: str | Path) -> None:
