@@ -36,7 +36,13 @@ def vibration_rms(samples: FloatArray, sample_rate: float) -> FloatArray:
 def margins(samples: FloatArray, sample_rate: float, listeners: Sequence[Listener]) -> FloatArray:
     """The margins (l,) [dB] of ``samples`` (l, n) above the thresholds of feeling, by the devices
     of ``listeners``, () for those assumed; minus infinity for silence."""
-    return sensation_level(samples, sample_rate, [item.device for item in listeners] or (None,))
+    devices = [item.device for item in listeners] or [None] * len(samples)
+    sounding = samples.any(axis=1)
+    found = np.full(len(samples), -np.inf)
+    if sounding.any():
+        theirs = [device for device, sounds in zip(devices, sounding, strict=True) if sounds]
+        found[sounding] = sensation_level(samples[sounding], sample_rate, theirs)
+    return found
 
 
 def level_and_margin(

@@ -45,7 +45,6 @@ def godot():
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 
-    run("--import")
     return run
 
 
@@ -112,6 +111,11 @@ def test_an_export_plays_with_the_levels_of_the_bake(server, godot, exported):
     path, levels = exported
     printed = godot("sample/exported.tscn", "--", str(path), str(RATE), server)
     compare(printed, levels, 0.5)
+
+
+def test_an_export_that_is_not_there_is_asked_for(godot):
+    with pytest.raises(AssertionError, match="After --, give PATH/NAME"):
+        godot("sample/exported.tscn", "--", "nowhere", str(RATE))
 
 
 def test_a_baked_pack_plays_with_the_levels_of_the_bake(godot, exported):

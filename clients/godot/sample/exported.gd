@@ -1,19 +1,25 @@
 ## What Export for an Engine wrote: plays the animation of the glTF file frame by frame, and prints the levels at the listeners: by a
 ## server where its address is given, otherwise by the baked pack.
-##     godot --path clients/godot sample/exported.tscn -- PATH/NAME FRAME_RATE [ws://127.0.0.1:7710]
+##     godot --path . sample/exported.tscn -- PATH/NAME FRAME_RATE [ws://127.0.0.1:7710]
 extends Node3D
+
+const Pack := preload("res://addons/haptic_tracing/haptic_pack.gd")
 
 var _path := ""
 var _rate := 24.0
 var _frame := 0
 var _last := 0
 var _player: AnimationPlayer
-var _pack: HapticPack
+var _pack: Pack
 @onready var _haptics := get_node_or_null("HapticTracing")
 
 
 func _enter_tree() -> void:
 	var arguments := OS.get_cmdline_user_args()
+	if arguments.size() < 2 or not FileAccess.file_exists(arguments[0] + ".glb"):
+		printerr("After --, give PATH/NAME of an exported .glb without its ending, the frame rate, and the server's address or nothing")
+		_give_up()
+		return
 	_path = arguments[0]
 	_rate = float(arguments[1])
 	var document := GLTFDocument.new()
@@ -30,14 +36,16 @@ func _enter_tree() -> void:
 		$HapticTracing.scene_file = _path + ".json"
 	else:
 		$HapticTracing.free()
-		_pack = HapticPack.open(_path + ".pack.json")
+		_pack = Pack.open(_path + ".pack.json")
+		if _pack == null:
+			_give_up()
 
 
 func _ready() -> void:
 	if _pack:
 		for limit in _pack.limits:
 			print("limit: ", limit)
-	else:
+	elif _haptics:
 		_haptics.levels_changed.connect(_show)
 		_haptics.failed.connect(_fail)
 
@@ -46,7 +54,7 @@ func _physics_process(_delta: float) -> void:
 	var time := _frame / _rate
 	if _player:
 		_player.seek(time, true)
-	if _pack == null:
+	if _haptics:
 		_haptics.step(time)
 		return
 	# Here a game would call hit from its physics, and play from its rules.
@@ -76,4 +84,9 @@ func _show(levels: Dictionary) -> void:
 
 func _fail(where: String, message: String) -> void:
 	printerr("%s %s" % [where, message])
+	get_tree().quit(1)
+
+
+func _give_up() -> void:
+	process_mode = PROCESS_MODE_DISABLED
 	get_tree().quit(1)

@@ -35,7 +35,7 @@ static func open(path: String) -> HapticPack:
 	if not form is Dictionary or form.get("format") != "haptic-pack" or not str(form.get("version")).begins_with("1."):
 		push_error("%s is not a haptic pack of version 1" % path)
 		return null
-	var pack := HapticPack.new()
+	var pack := new()
 	pack._read(form)
 	return pack
 
