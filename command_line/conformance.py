@@ -13,6 +13,7 @@ from typing import Any
 from websockets.exceptions import InvalidHandshake, InvalidURI, WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
+from ..core.formats.io.error import FormatError
 from ..core.formats.io.strict_json import read_json
 from ..core.forms import Form
 from . import answer
@@ -29,11 +30,12 @@ _PATIENCE = 60.0
 def run(args: argparse.Namespace) -> int:
     """Play the files, one connection each; exit code 1 if any answer differs."""
     files = sorted(FOLDER.glob("*.json*")) if args.file == [] else args.file
+    conversations = {file: conversation(file) for file in files}
     found: dict[str, list[str]] = {}
-    for file in files:
+    for file, document in conversations.items():
         try:
             with connect(args.url, open_timeout=_PATIENCE) as client:
-                faults = list(differences(read_json(file), client, args.token))
+                faults = list(differences(document, client, args.token))
         except (OSError, TimeoutError, InvalidURI, InvalidHandshake, WebSocketException) as error:
             raise ValueError(f"{args.url}: {error}") from None
         name = file.name.partition(".")[0]
@@ -45,6 +47,21 @@ def run(args: argparse.Namespace) -> int:
     print(f"{len(files) - failed} passed, {failed} failed")
     answer(args, {"differences": found})
     return 1 if failed else 0
+
+
+def conversation(file: Path) -> Form:
+    """The conversation in a file. Raises FormatError or OSError."""
+    document = read_json(file)
+    exchange = document.get("exchange") if isinstance(document, dict) else None
+    if not isinstance(exchange, list):
+        raise FormatError(file, "/exchange", "is required: a list of messages and answers")
+    for number, one in enumerate(exchange):
+        sent = one.get("send") if isinstance(one, dict) else None
+        if not isinstance(sent, dict) or "type" not in sent:
+            raise FormatError(
+                file, f"/exchange/{number}/send", "is required: a message with its type"
+            )
+    return document
 
 
 def differences(document: Form, client: ClientConnection, token: str | None) -> Iterator[str]:

@@ -51,6 +51,21 @@ def test_what_differs_is_named():
     assert len(list(conformance.differences(document, Spoken(), None))) == 2
 
 
+@pytest.mark.parametrize(
+    ("text", "where"),
+    [
+        ("[]", "/exchange: is required"),
+        ('{"messages": []}', "/exchange: is required"),
+        ('{"exchange": [{"send": {"type": "stop"}}, {"send": {}}]}', "/exchange/1/send: is req"),
+    ],
+)
+def test_a_file_that_is_no_conversation_is_named(text, where, tmp_path, capsys):
+    file = tmp_path / "own.json"
+    file.write_text(text)
+    assert main(["conformance", "ws://127.0.0.1:9", str(file)]) == 2
+    assert capsys.readouterr().err.startswith(f"{file}: {where}")
+
+
 def test_a_server_that_is_not_there_is_named(capsys):
     assert main(["conformance", "ws://127.0.0.1:9"]) == 2
     assert capsys.readouterr().err.startswith("ws://127.0.0.1:9: ")
