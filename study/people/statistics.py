@@ -7,12 +7,12 @@ from itertools import combinations
 
 import numpy as np
 from pandas import DataFrame, Series
-from scipy import optimize, special, stats
+from scipy import special, stats
 
 from ...core.forms import JsonObject
 
 CONFIDENCE = 0.95
-_LIMIT = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
+_TAIL = (1 - CONFIDENCE) / 2
 _EFFICIENCY = 3 / math.pi
 """Asymptotic relative efficiency of Wilcoxon's test to the t test for normal differences."""
 
@@ -39,21 +39,13 @@ def friedman(ratings: DataFrame) -> Row:
     w = float(sums @ sums / (people * squares.sum()))
     others = np.maximum(squares.sum() - squares, 0.5)
     lengths = np.sqrt(((sums - ranks) ** 2).sum(axis=1) / ((people - 1) * others))
-    variance = max(float(lengths.var()) * (people - 1), 1e-9)
+    variance = max(lengths.var() * (people - 1), w / 1000)  # also where all agree
     degrees = count - 1, (people - 1) * (count - 1)
-    f, tail = w / variance / degrees[0], (1 - CONFIDENCE) / 2
-
-    def bound(level: float) -> float:
-        """The W of which ``f`` is the quantile ``level``."""
-        if special.fdtr(*degrees, f) <= level:
-            return 0.0
-        most = 10.0 + 4 * f * degrees[0]
-        found = optimize.brentq(lambda x: special.ncfdtr(*degrees, x, f) - level, 0.0, most)
-        return float(min(found * variance, 1.0))
-
+    distances = special.ncfdtrinc(*degrees, [1 - _TAIL, _TAIL], w / variance / degrees[0])
     square = w * people * degrees[0]
     p = float(stats.chi2.sf(square, degrees[0]))
-    return {"chi-square": square, "p": p} | estimate("W", w, bound(1 - tail), bound(tail))
+    bounds = np.minimum(distances * variance, 1.0).tolist()
+    return {"chi-square": square, "p": p, **estimate("W", w, *bounds)}
 
 
 def holm(p: Series) -> Series:
@@ -91,7 +83,7 @@ def pairs(ratings: DataFrame) -> list[Row]:
 def mean(values: Series) -> Row:
     """Mean of differences (n,) with Student's interval."""
     middle = float(values.mean())
-    half = float(values.sem() * special.stdtrit(len(values) - 1, (1 + CONFIDENCE) / 2))
+    half = float(values.sem() * special.stdtrit(len(values) - 1, 1 - _TAIL))
     return estimate("difference", middle, middle - half, middle + half)
 
 
@@ -99,35 +91,19 @@ def biserial(values: Series) -> Row:
     """Matched-pairs rank-biserial correlation of differences (n,), from -1 to 1: the rank sum of
     positive differences less that of negative ones, divided by their sum.
 
-    Its score interval takes the variance from normal differences: half of 1 + the correlation is
-    the probability that two differences have a positive sum, and the variance of its estimate
-    follows from the bivariate normal distribution (D. B. Owen, Ann. Math. Stat. 27 (1956) 1075).
+    Its interval are the correlations at which the score test keeps the one found, with the variance
+    of signs that are independent of each other and of the ranks.
     """
-    name, edge, moved = "rank-biserial", 1e-6, values.to_numpy()[values != 0]
-    if len(moved) < 3:
-        return estimate(name, float(np.sign(moved).sum()) / max(len(moved), 1), -1.0, 1.0)
-    ranks = stats.rankdata(np.abs(moved))
-    value = float(ranks @ np.sign(moved) / ranks.sum())
-
-    def bound(end: float, wanted: float) -> float:
-        """Where the score of the correlation is ``wanted``; ``end``, if nowhere."""
-
-        def score(share: float) -> float:
-            variance = share_variance(share, len(moved))
-            return ((value + 1) / 2 - share) / math.sqrt(variance) - wanted
-
-        if score(edge) < 0 or score(1 - edge) > 0:
-            return end
-        return 2 * float(optimize.brentq(score, edge, 1 - edge)) - 1
-
-    return estimate(name, value, bound(-1.0, _LIMIT), bound(1.0, -_LIMIT))
-
-
-def share_variance(share: float, count: int) -> float:
-    """Variance of the share of pairs, of ``count`` normal differences, whose sum is positive."""
-    both = share - 2 * special.owens_t(special.ndtri(share), 1 / math.sqrt(3))
-    linear, single = both - share**2, share * (1 - share)
-    return float(4 * (count - 2) * linear + 2 * single) / (count * (count - 1))
+    moved = values.to_numpy()[values != 0]
+    if not len(moved):
+        return estimate("rank-biserial", 0.0, -1.0, 1.0)
+    weights = stats.rankdata(np.abs(moved))
+    weights /= weights.sum()
+    value = float(weights @ np.sign(moved))
+    spread = special.ndtri(_TAIL) ** 2 * float(weights @ weights)
+    half = math.sqrt(spread * (spread + (1 - value**2)))
+    low, high = (value - half) / (1 + spread), (value + half) / (1 + spread)
+    return estimate("rank-biserial", value, low, high)
 
 
 def share(name: str, count: int, people: int) -> Row:
@@ -140,6 +116,6 @@ def power(people: int, effect: float, spread: float, alpha: float) -> float:
     """Probability that Wilcoxon's two-sided test finds a mean difference ``effect`` of normal
     differences with the standard deviation ``spread``, at the level ``alpha``."""
     counted = people * _EFFICIENCY
-    limit, shift = stats.t.isf(alpha / 2, counted - 1), effect / spread * math.sqrt(counted)
-    found = stats.nct(counted - 1, shift)
-    return float(found.sf(limit) + found.cdf(-limit))
+    degrees, shift = (1, counted - 1), counted * (effect / spread) ** 2
+    limit = special.fdtri(*degrees, 1 - alpha)
+    return 1 - float(special.ncfdtr(*degrees, shift, limit))

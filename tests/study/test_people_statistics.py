@@ -14,7 +14,6 @@ from haptic_tracing.study.people.statistics import (
     pairs,
     power,
     share,
-    share_variance,
 )
 from pandas import DataFrame, Series
 from scipy import stats
@@ -107,14 +106,19 @@ def test_means_and_p_are_those_of_scipys_tests():
         assert pair["p"] == pytest.approx(stats.wilcoxon(difference.round(9)).pvalue, abs=1e-9)
 
 
-@pytest.mark.parametrize("shift", [0.0, 0.3, 1.0, -1.5])
-def test_the_variance_of_the_share_is_that_of_the_bivariate_normal(shift):
-    """Sums of two of n normal differences: pairs that share one are correlated by a half."""
-    limit = np.sqrt(2) * shift
-    both = stats.multivariate_normal(cov=[[1, 0.5], [0.5, 1]], abseps=1e-12).cdf([limit, limit])
-    p, n = stats.norm.cdf(limit), 20
-    expected = (4 * (n - 2) * (both - p**2) + 2 * p * (1 - p)) / (n * (n - 1))
-    assert share_variance(p, n) == pytest.approx(expected, abs=1e-9)
+def test_bounds_of_a_correlation_are_those_at_which_its_score_test_just_keeps_it():
+    """By definition, over all signs of the ranks, each positive with the same probability."""
+    differences = np.array([1.5, 3.0, 3.0, -0.5, 2.0, 0.0, -2.5, 4.0])
+    ranks = stats.rankdata(np.abs(differences[differences != 0]))
+    signs = np.array(list(product((-1, 1), repeat=len(ranks))))
+    sums = signs @ ranks / ranks.sum()
+    found = biserial(Series(differences))
+    for bound, score in (("low", 1.959964), ("high", -1.959964)):
+        positive = (1 + found[f"rank-biserial {bound}"]) / 2
+        chances = np.where(signs > 0, positive, 1 - positive).prod(axis=1)
+        mean = chances @ sums
+        spread = np.sqrt(chances @ (sums - mean) ** 2)
+        assert (found["rank-biserial"] - mean) / spread == pytest.approx(score, abs=1e-6)
 
 
 @pytest.mark.parametrize(
